@@ -1,0 +1,6 @@
+//! Scallop heights of ball-end, toroidal and flat-end finish milling: what a pass leaves, which feed or step-over keeps a tolerance,
+//! and which cutter suits a surface.
+
+pub mod milling;
+pub mod quantity;
+pub mod surface;

@@ -1,0 +1,198 @@
+//! Model `analytic`: the published closed formulas, with a circle of the effective radius in place of the cutter.
+//!
+//! Formulas: Segonds et al. 2017, eq. 3 and 8 (effective radii), 9 and 12-15 (heights), 16-18 (runout).
+
+use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
+use crate::quantity::{Angle, Length};
+
+/// The radius of curvature of the groove that a cutter leaves, in mm: positive, 0 for a sharp edge, or infinite for a flat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EffectiveRadius(f64);
+
+impl EffectiveRadius {
+    /// `R_eff`, in the plane normal to the feed [Segonds 2017, eq. 3]:
+    ///
+    /// (R - r) cos^2(alpha) / (sin(S) (1 - sin^2(alpha) sin^2(S))) + r
+    ///
+    /// R for a ball-end cutter. Written with theta, cos^2(theta) = cos^2(alpha) / (1 - sin^2(alpha) sin^2(S)), it is regular on
+    /// walls. Infinite on a floor.
+    #[must_use]
+    pub fn across_feed(cutter: Cutter, contact: Contact) -> Self {
+        Self::of(cutter, contact, contact.theta().cos().powi(2))
+    }
+
+    /// `TR_eff`, the transverse effective radius, in the plane along the feed [Segonds 2017, eq. 8]: `R_eff` for alpha + 90 deg.
+    #[must_use]
+    pub fn along_feed(cutter: Cutter, contact: Contact) -> Self {
+        let (sin, cos) = (contact.alpha().sin(), contact.alpha().cos());
+        // cos^2(theta) for alpha + 90 deg, sin^2(alpha) / (1 - cos^2(alpha) sin^2(S)), its denominator without cancellation.
+        let share = if sin == 0.0 { 0.0 } else { sin * sin / (sin * sin + (cos * contact.slope().cos()).powi(2)) };
+        Self::of(cutter, contact, share)
+    }
+
+    fn of(cutter: Cutter, contact: Contact, share: f64) -> Self {
+        if cutter.kind() == CutterKind::BallEnd {
+            return Self(cutter.outer_radius().mm());
+        }
+        if contact.slope().sin() == 0.0 {
+            return Self(f64::INFINITY);
+        }
+        Self(cutter.core_radius().mm() * share / contact.slope().sin() + cutter.corner_radius().mm())
+    }
+
+    /// The radius, `None` where it is infinite.
+    #[must_use]
+    pub fn finite(self) -> Option<Length> {
+        self.0.is_finite().then(|| Length::computed(self.0))
+    }
+
+    /// height(P, c) = P - sqrt(P^2 - c^2/4), what circles of radius P leave at the distance c. `None` where c > 2P: they do not meet.
+    fn height(self, chord: f64) -> Option<f64> {
+        let half = chord / 2.0;
+        let ratio = half / self.0;
+        // With x = c/2P: P (1 - sqrt(1 - x^2)) = (c/2) x / (1 + sqrt((1 - x)(1 + x))), without cancellation or overflow.
+        (ratio <= 1.0).then(|| half * ratio / (1.0 + ((1.0 - ratio) * (1.0 + ratio)).sqrt()))
+    }
+
+    /// chord(P, h) = 2 sqrt(2 P h - h^2), the inverse of the height. `None` where h > P: no circle leaves that much.
+    fn chord(self, height: f64) -> Option<f64> {
+        (height <= self.0).then(|| 2.0 * height.sqrt() * (2.0 * self.0 - height).sqrt())
+    }
+}
+
+/// The analytic model at one contact.
+///
+/// The surface's and the groove's curvature enter as 1/rho and 1/R_eff, so that the plane is the curved formula at 1/rho = 0 and
+/// not a case of its own.
+#[derive(Debug, Clone, Copy)]
+pub struct Analytic {
+    pass: Pass,
+    across: EffectiveRadius,
+    along: EffectiveRadius,
+    climb: Angle,
+}
+
+impl Analytic {
+    /// Takes the effective radii of a pass: across the feed with R + rr in place of R [Segonds 2017, after eq. 15], along it without runout.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::FlatFloor`] at slope 0, unless the cutter is a ball-end;
+    /// - [`NoAnswer::Gouges`] on a concave surface whose radius does not exceed the effective radius.
+    pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
+        let across = EffectiveRadius::across_feed(pass.cutter.widened(pass.runout.radial()), pass.contact);
+        let along = EffectiveRadius::along_feed(pass.cutter, pass.contact);
+        let (Some(effective_radius), Some(_)) = (across.finite(), along.finite()) else {
+            return Err(NoAnswer::FlatFloor);
+        };
+        if across.0.recip() + pass.surface.per_mm() <= 0.0 {
+            return Err(NoAnswer::Gouges { effective_radius });
+        }
+        // The climb as printed [Segonds 2017, eq. 16], S cos(alpha); exact is atan(tan(S) cos(alpha)). A zigzag runs the line both
+        // ways, so its sign is taken off.
+        let climb = Angle::from_radians(pass.contact.slope().radians() * pass.contact.alpha().cos().abs());
+        Ok(Self { pass, across, along, climb })
+    }
+
+    /// The effective radius across the feed, as h1 uses it.
+    #[must_use]
+    pub fn across_feed(&self) -> EffectiveRadius {
+        self.across
+    }
+
+    /// The effective radius along the feed, as the feed's share uses it.
+    #[must_use]
+    pub fn along_feed(&self) -> EffectiveRadius {
+        self.along
+    }
+
+    /// h1 and h2 [Segonds 2017, eq. 12-14 and 18] for a step-over along the surface and a feed per tooth; `None` leaves no marks.
+    ///
+    /// # Errors
+    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
+    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
+        Ok(ScallopHeight { step_over: self.step_over_height(step_over)?, feed: self.feed_height(feed_per_tooth)? })
+    }
+
+    /// The largest feed per tooth that keeps the tolerance `tolerance` on h1 + h2.
+    ///
+    /// # Errors
+    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
+    /// step-over in [`Analytic::scallop_height`].
+    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        let step_over_height = self.step_over_height(step_over)?;
+        if step_over_height >= tolerance {
+            // The height at this step-over reaches the tolerance, so the step-over that leaves just the tolerance exists.
+            let max_step_over = self.step_over_of(tolerance)?;
+            return Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over });
+        }
+        let (runout, climb) = (self.pass.runout, self.climb);
+        match self.along.chord(tolerance.mm() - step_over_height.mm()) {
+            Some(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
+            None => match runout.feed_per_tooth(Length::computed(2.0 * self.along.0), climb) {
+                Some(largest_feed_per_tooth) => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }),
+                None => Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(2.0 * self.along.0) }),
+            },
+        }
+    }
+
+    /// The largest step-over along the surface that keeps `tolerance` on h1 + h2 at a feed per tooth.
+    ///
+    /// # Errors
+    /// [`NoAnswer::FeedUsesUpTolerance`], [`NoAnswer::MarksDoNotOverlap`], [`NoAnswer::ToleranceLimitsNoStepOver`].
+    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let feed_height = self.feed_height(feed_per_tooth)?;
+        if feed_height >= tolerance {
+            return Err(NoAnswer::FeedUsesUpTolerance { feed_height });
+        }
+        self.step_over_of(Length::computed(tolerance.mm() - feed_height.mm()))
+    }
+
+    /// h1 [Segonds 2017, eq. 12 with its signs corrected].
+    ///
+    /// Printed as A - Dq with A = R_eff cos(beta) - rho (1 - cos(beta)), Dq = sqrt(R_eff^2 - (1 + R_eff/rho)^2 s^2/4) and
+    /// sin(beta) = s / 2 rho. With k = 1/R_eff, c = 1/rho, a = A/R_eff, d = Dq/R_eff it equals
+    /// s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), which neither cancels nor knows a special case.
+    fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
+        let (k, c, s) = (self.across.0.recip(), self.pass.surface.per_mm(), step_over.mm());
+        let sin_beta = c * s / 2.0;
+        let offset = (k + c) * s / 2.0;
+        if sin_beta.abs() > 1.0 || offset > 1.0 {
+            return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: self.largest_step_over() });
+        }
+        let cos_beta = ((1.0 - sin_beta) * (1.0 + sin_beta)).sqrt();
+        let a = cos_beta - s * s * k * c / (4.0 * (1.0 + cos_beta));
+        let d = ((1.0 - offset) * (1.0 + offset)).sqrt();
+        Ok(Length::computed(s * offset / ((1.0 + cos_beta) * (a + d))))
+    }
+
+    /// The step-over that leaves the height h1, in closed form.
+    ///
+    /// The law of cosines [Segonds 2017, eq. 9] gives 1 - cos(beta) = c^2 w with w = h (2 - h k) / (2 (k + c) (1 + h c)), hence
+    /// s = 2 rho sin(beta) = 2 sqrt(w (2 - c^2 w)); on a plane that is the chord 2 sqrt(2 R_eff h - h^2).
+    fn step_over_of(&self, height: Length) -> Result<Length, NoAnswer> {
+        let largest_step_over = self.largest_step_over();
+        if height > self.step_over_height(largest_step_over)? {
+            return Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over });
+        }
+        let (k, c, h) = (self.across.0.recip(), self.pass.surface.per_mm(), height.mm());
+        let w = h * (2.0 - h * k) / (2.0 * (k + c) * (1.0 + h * c));
+        Ok(Length::computed(2.0 * (w * (2.0 - c * c * w)).sqrt()))
+    }
+
+    /// The step-over at which neighbouring grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, and never
+    /// more than a hollow's width 2 |rho|. A rounding less, so that it lies in the domain of the height itself.
+    fn largest_step_over(&self) -> Length {
+        let (k, c) = (self.across.0.recip(), self.pass.surface.per_mm());
+        Length::computed((2.0 / (k + c)).min(2.0 / c.abs()) * (1.0 - 2.0 * f64::EPSILON))
+    }
+
+    /// h2, or with runout its upper bound [Segonds 2017, eq. 14 and 18].
+    fn feed_height(&self, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let Some(feed_per_tooth) = feed_per_tooth else {
+            return Ok(Length::ZERO);
+        };
+        let spacing = self.pass.runout.mark_spacing(feed_per_tooth, self.climb);
+        let height = self.along.height(spacing.mm());
+        height.map(Length::computed).ok_or(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(2.0 * self.along.0) })
+    }
+}

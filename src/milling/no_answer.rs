@@ -1,0 +1,103 @@
+//! Why a valid pass can have no scallop height, feed or step-over, with the figure that shows the way out.
+
+use crate::quantity::Length;
+use std::fmt;
+
+/// A pass that is described validly but has no answer. Each variant carries the bound that it broke.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum NoAnswer {
+    /// On a floor the groove of a toroidal or flat-end cutter has no curvature, which the analytic model is made of.
+    FlatFloor,
+    /// The step-over is wider than the groove: between the passes stands uncut material.
+    PassesDoNotOverlap {
+        /// The step-over at which the grooves just meet.
+        largest_step_over: Length,
+    },
+    /// Tooth marks lie further apart than the mark is long: between them stands uncut material.
+    MarksDoNotOverlap {
+        /// The distance of marks at which they just meet.
+        largest_mark_spacing: Length,
+    },
+    /// The surface is hollower than the cutter, which cannot touch it without cutting into it beside the contact.
+    Gouges {
+        /// The effective radius, which the surface's radius must exceed.
+        effective_radius: Length,
+    },
+    /// The passes lie above each other when seen from above.
+    PassesCoincideFromAbove,
+    /// The step-over alone leaves as much as the tolerance allows, so that no feed is possible.
+    StepOverUsesUpTolerance {
+        /// What the step-over alone leaves.
+        step_over_height: Length,
+        /// The step-over that leaves just the tolerance; a smaller one leaves room for a feed.
+        max_step_over: Length,
+    },
+    /// The feed's marks alone leave as much as the tolerance allows, so that no step-over is possible.
+    FeedUsesUpTolerance {
+        /// What the feed alone leaves.
+        feed_height: Length,
+    },
+    /// Runout alone moves the marks so far apart that no feed keeps the tolerance.
+    RunoutUsesUpTolerance,
+    /// The tolerance is higher than any scallop between overlapping passes: it limits nothing.
+    ToleranceLimitsNoStepOver {
+        /// The step-over beyond which the passes no longer overlap.
+        largest_step_over: Length,
+    },
+    /// The tolerance is higher than any mark between overlapping tooth marks: it limits nothing.
+    ToleranceLimitsNoFeed {
+        /// The feed per tooth beyond which the marks no longer overlap.
+        largest_feed_per_tooth: Length,
+    },
+}
+
+impl fmt::Display for NoAnswer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FlatFloor => f.write_str(
+                "on a floor (slope 0) the effective radius of a toroidal or flat-end cutter is infinite and the analytic model has no answer; model \"envelope\" has one",
+            ),
+            Self::PassesDoNotOverlap { largest_step_over } => {
+                write!(f, "the passes do not overlap and leave uncut material between them; the step-over must be at most {:.6} mm", largest_step_over.mm())
+            }
+            Self::MarksDoNotOverlap { largest_mark_spacing } => write!(
+                f,
+                "the marks of neighbouring teeth do not overlap and leave uncut material between them; they must be at most {:.6} mm apart, so reduce the feed per tooth",
+                largest_mark_spacing.mm()
+            ),
+            Self::Gouges { effective_radius } => write!(
+                f,
+                "the cutter gouges: a concave surface radius must exceed the effective radius, {:.6} mm; take a smaller cutter or another feed direction",
+                effective_radius.mm()
+            ),
+            Self::PassesCoincideFromAbove => {
+                f.write_str("the feed runs along a vertical wall, where passes lie above each other and cannot be spaced by vertical planes; give the step-over along the surface")
+            }
+            Self::StepOverUsesUpTolerance { step_over_height, max_step_over } => write!(
+                f,
+                "the step-over alone leaves {:.6} mm, which uses up the tolerance; a step-over under {:.6} mm leaves room for a feed",
+                step_over_height.mm(),
+                max_step_over.mm()
+            ),
+            Self::FeedUsesUpTolerance { feed_height } => {
+                write!(f, "the tooth marks alone leave {:.6} mm, which uses up the tolerance; reduce the feed per tooth or the runout", feed_height.mm())
+            }
+            Self::RunoutUsesUpTolerance => {
+                f.write_str("runout alone moves the tooth marks further apart than the tolerance allows; reduce the runout or the step-over, or allow more height")
+            }
+            Self::ToleranceLimitsNoStepOver { largest_step_over } => write!(
+                f,
+                "the tolerance exceeds every scallop between overlapping passes, so it sets no limit; the passes overlap up to a step-over of {:.6} mm",
+                largest_step_over.mm()
+            ),
+            Self::ToleranceLimitsNoFeed { largest_feed_per_tooth } => write!(
+                f,
+                "the tolerance exceeds every mark between overlapping tooth marks, so it sets no limit; the marks overlap up to a feed per tooth of {:.6} mm; state a largest feed per tooth",
+                largest_feed_per_tooth.mm()
+            ),
+        }
+    }
+}
+
+impl std::error::Error for NoAnswer {}

@@ -1,0 +1,171 @@
+//! What a finishing pass is made of, whatever the model that judges it: cutter, contact, the surface's curvature, runout, and the
+//! spacing of the passes.
+
+use super::{Contact, Cutter, NoAnswer};
+use crate::quantity::{Angle, Length, OutOfRange};
+
+/// One contact of a finishing pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pass {
+    /// The cutter, without runout.
+    pub cutter: Cutter,
+    /// Slope and feed direction.
+    pub contact: Contact,
+    /// How the surface bends across the feed.
+    pub surface: SurfaceCurvature,
+    /// How far the teeth run out.
+    pub runout: Runout,
+}
+
+/// The surface's curvature in the plane normal to the feed, 1/rho in 1/mm: positive where it is convex (its centre inside the
+/// part), negative where it is concave, 0 for a plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceCurvature(f64);
+
+impl SurfaceCurvature {
+    /// A plane.
+    pub const PLANE: Self = Self(0.0);
+    /// The smallest radius that can be stated, in mm.
+    pub const SMALLEST_RADIUS: f64 = Length::SMALLEST;
+    /// The largest radius that can be stated, in mm; beyond it a surface is a plane for every purpose of a machine tool.
+    pub const LARGEST_RADIUS: f64 = 1e12;
+
+    /// From the radius rho in mm: positive convex, negative concave.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] with the bounds of |rho|, for a radius that is 0, beyond them, or not a number.
+    pub fn from_radius_mm(radius: f64) -> Result<Self, OutOfRange> {
+        OutOfRange::check(radius.abs(), Self::SMALLEST_RADIUS, Self::LARGEST_RADIUS)?;
+        Ok(Self(radius.recip()))
+    }
+
+    /// 1/rho, in 1/mm.
+    #[must_use]
+    pub fn per_mm(self) -> f64 {
+        self.0
+    }
+
+    /// |rho|, `None` for a plane.
+    #[must_use]
+    pub fn radius(self) -> Option<Length> {
+        (self.0 != 0.0).then(|| Length::computed(self.0.abs().recip()))
+    }
+}
+
+/// How far the teeth run out of the circle on which they should cut [Segonds 2017, eq. 16-18]. Both are assumed small against the
+/// feed per tooth: otherwise some teeth leave no mark.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Runout {
+    radial: f64,
+    axial: f64,
+}
+
+impl Runout {
+    /// A cutter that runs true.
+    pub const NONE: Self = Self { radial: 0.0, axial: 0.0 };
+    /// The largest runout that can be stated, in mm.
+    pub const LARGEST: f64 = 10.0;
+
+    /// The same with the radial runout rr, in mm: by how much one tooth stands out further than the next.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] unless 0 <= rr <= [`Runout::LARGEST`].
+    pub fn with_radial_mm(self, radial: f64) -> Result<Self, OutOfRange> {
+        Ok(Self { radial: OutOfRange::check(radial, 0.0, Self::LARGEST)?, ..self })
+    }
+
+    /// The same with the axial runout ar, in mm: by how much one tooth stands lower than the next. Positive, it shortens the
+    /// step from mark to mark where the feed climbs; negative, it lengthens it.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] unless |ar| <= [`Runout::LARGEST`].
+    pub fn with_axial_mm(self, axial: f64) -> Result<Self, OutOfRange> {
+        Ok(Self { axial: OutOfRange::check(axial, -Self::LARGEST, Self::LARGEST)?, ..self })
+    }
+
+    /// rr, the radial runout.
+    #[must_use]
+    pub fn radial(self) -> Length {
+        Length::computed(self.radial)
+    }
+
+    /// The distance by which a tooth can be out of place, sqrt(rr^2 + ar^2).
+    #[must_use]
+    pub fn magnitude(self) -> Length {
+        Length::computed(self.radial.hypot(self.axial))
+    }
+
+    /// f'_z, the step from tooth mark to tooth mark that runout makes of the feed per tooth f_z, where the feed climbs at `climb`
+    /// [Segonds 2017, eq. 17]: sqrt((f_z cos + rr)^2 + (f_z sin - ar)^2).
+    #[must_use]
+    pub fn mark_spacing(self, feed_per_tooth: Length, climb: Angle) -> Length {
+        let (x, z) = (feed_per_tooth.mm() * climb.cos() + self.radial, feed_per_tooth.mm() * climb.sin() - self.axial);
+        Length::computed(x.hypot(z))
+    }
+
+    /// The feed per tooth whose marks are `mark_spacing` apart, the inverse of [`Runout::mark_spacing`]:
+    /// f_z = -b + sqrt(b^2 + q), b = rr cos - ar sin, q = f'_z^2 - rr^2 - ar^2. `None` where no feed above 0 brings the marks that near.
+    #[must_use]
+    pub fn feed_per_tooth(self, mark_spacing: Length, climb: Angle) -> Option<Length> {
+        let b = self.radial * climb.cos() - self.axial * climb.sin();
+        let r = self.magnitude().mm();
+        // The difference of squares as a product, so that nothing cancels when runout is most of the spacing.
+        let q = (mark_spacing.mm() - r) * (mark_spacing.mm() + r);
+        let discriminant = b * b + q;
+        if discriminant < 0.0 {
+            return None;
+        }
+        // For b > 0 the two terms of the root cancel; their product form does not: -b + sqrt(b^2 + q) = q / (b + sqrt(b^2 + q)).
+        let feed = if b > 0.0 { q / (b + discriminant.sqrt()) } else { discriminant.sqrt() - b };
+        (feed > 0.0).then(|| Length::computed(feed))
+    }
+}
+
+/// How far neighbouring passes lie apart, in one of the two ways in which CAM systems state it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StepOver {
+    /// s, along the surface, perpendicular to the feed.
+    AlongSurface(Length),
+    /// d, between parallel vertical planes, seen from above.
+    SeenFromAbove(Length),
+}
+
+impl StepOver {
+    /// s, the step-over along the surface: d / sqrt(1 - sin^2(S) sin^2(alpha)) for one that is seen from above.
+    ///
+    /// # Errors
+    /// [`NoAnswer::PassesCoincideFromAbove`] on a wall along which the feed runs: no vertical planes tell its passes apart.
+    pub fn along_surface(self, contact: Contact) -> Result<Length, NoAnswer> {
+        match self {
+            Self::AlongSurface(s) => Ok(s),
+            Self::SeenFromAbove(d) => {
+                let ratio = contact.spacing_ratio();
+                if ratio > 0.0 { Ok(Length::computed(d.mm() / ratio)) } else { Err(NoAnswer::PassesCoincideFromAbove) }
+            }
+        }
+    }
+}
+
+/// The height that a pass leaves, in its two shares.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScallopHeight {
+    /// h1, what the step-over alone leaves.
+    pub step_over: Length,
+    /// What the tooth marks along the feed add.
+    pub feed: Length,
+}
+
+impl ScallopHeight {
+    /// h, both together.
+    #[must_use]
+    pub fn total(self) -> Length {
+        self.step_over + self.feed
+    }
+
+    /// The share of the feed in the whole, from 0 to 1; `None` where there is no height at all.
+    #[must_use]
+    pub fn feed_share(self) -> Option<f64> {
+        let total = self.total().mm();
+        (total > 0.0).then(|| self.feed.mm() / total)
+    }
+}
