@@ -8,12 +8,14 @@
 //! Sources: Segonds et al. 2017, doi:10.1007/s10845-017-1360-0, with its misprints corrected.
 
 mod analytic;
+mod concern;
 mod contact;
 mod cutter;
 mod no_answer;
 mod pass;
 
 pub use analytic::{Analytic, EffectiveRadius};
+pub use concern::{Concern, circle_concerns, concerns};
 pub use contact::{Contact, ContactError};
 pub use cutter::{CornerTooLarge, Cutter, CutterKind};
 pub use no_answer::NoAnswer;
