@@ -2,5 +2,6 @@
 //! and which cutter suits a surface.
 
 pub mod milling;
+pub mod motion;
 pub mod quantity;
 pub mod surface;
