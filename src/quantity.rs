@@ -280,11 +280,14 @@ impl Angle {
     }
 
     /// The direction of the line along (x, y), from the X axis counter-clockwise, in [0, pi); `None` for the null vector.
+    ///
+    /// Vectors that a calculation yields are rounded, and one a rounding below the X axis would give a line of almost pi, half a
+    /// turn away in writing from the line that is meant: within 1e-12 of the axis, the line is the axis.
     pub(crate) fn of_line(x: f64, y: f64) -> Option<Self> {
-        let (x, y) = if y < 0.0 || (y == 0.0 && x < 0.0) { (-x, -y) } else { (x, y) };
-        let angle = Self::of_vector(x, y.abs())?;
-        // A line a rounding below the negative X axis has the arc tangent pi, which is the line along X itself.
-        Some(if angle.radians >= std::f64::consts::PI { Self::ZERO } else { angle })
+        if y.abs() <= 1e-12 * x.abs() {
+            return (x != 0.0).then_some(Self::ZERO);
+        }
+        if y < 0.0 { Self::of_vector(-x, -y) } else { Self::of_vector(x, y) }
     }
 
     /// An angle that a formula yields, in radians.
