@@ -3,5 +3,6 @@
 
 pub mod milling;
 pub mod motion;
+pub mod planning;
 pub mod quantity;
 pub mod surface;

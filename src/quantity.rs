@@ -255,6 +255,9 @@ impl Angle {
     /// The angle 0.
     pub const ZERO: Self = Self { radians: 0.0, sin: 0.0, cos: 1.0 };
 
+    /// A right angle, 90 deg.
+    pub const RIGHT: Self = Self { radians: std::f64::consts::FRAC_PI_2, sin: 1.0, cos: 0.0 };
+
     /// An angle given in degrees; any finite number. Whole turns are taken off before the sine and cosine are, exactly.
     ///
     /// # Errors
@@ -322,6 +325,7 @@ impl Angle {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests {
     use super::*;
 

@@ -29,7 +29,7 @@ impl TravelCase {
             Self::JerkOnly
         } else if t_v <= t_a {
             Self::FeedRate
-        } else if length >= shortest_at_feed_rate(limits) {
+        } else if length >= limits.shortest_at_feed_rate() {
             Self::FeedRateAndAcceleration
         } else {
             Self::Acceleration
@@ -56,7 +56,7 @@ pub fn travel_time(length: Length, limits: MachineLimits) -> Time {
     Time::computed(match TravelCase::of(length, limits) {
         TravelCase::JerkOnly => 4.0 * half_time_by_jerk(length, limits),
         TravelCase::FeedRate | TravelCase::FeedRateAndAcceleration => {
-            length.mm() / limits.feed_rate.mm_s() + time_lost_to_stops(limits).seconds()
+            length.mm() / limits.feed_rate.mm_s() + limits.time_lost_to_stops().seconds()
         }
         TravelCase::Acceleration => {
             let (t_a, l_over_a) = (limits.time_to_acceleration(), length.mm() / limits.acceleration.mm_s2());
@@ -66,27 +66,13 @@ pub fn travel_time(length: Length, limits: MachineLimits) -> Time {
     })
 }
 
-/// What stopping at both ends costs a move that reaches the feed rate, against passing at full speed: 2 sqrt(V/J) where the
-/// acceleration is not reached, else A/J + V/A.
-#[must_use]
-pub(crate) fn time_lost_to_stops(limits: MachineLimits) -> Time {
-    let (t_a, t_v) = (limits.time_to_acceleration(), limits.time_to_feed_rate());
-    Time::computed(if t_v <= t_a { 2.0 * t_v } else { t_a + limits.feed_rate.mm_s() / limits.acceleration.mm_s2() })
-}
-
-/// The length from which a move reaches the feed rate: 2 V sqrt(V/J) where the acceleration is not reached, else V (A/J + V/A).
-/// Both are V times what the stops cost.
-#[must_use]
-pub(crate) fn shortest_at_feed_rate(limits: MachineLimits) -> Length {
-    Length::computed(limits.feed_rate.mm_s() * time_lost_to_stops(limits).seconds())
-}
-
 /// t_L = cbrt(L/2J), a quarter of the time of a move that only the jerk limits, in s.
 fn half_time_by_jerk(length: Length, limits: MachineLimits) -> f64 {
     (length.mm() / (2.0 * limits.jerk.mm_s3())).cbrt()
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests {
     use super::*;
     use crate::quantity::{Acceleration, Jerk, Speed};
@@ -188,8 +174,8 @@ mod tests {
         #[test]
         fn cases_agree_at_their_borders((_, v, a, j) in moves()) {
             let limits = limits(v, a, j);
-            let shortest = shortest_at_feed_rate(limits).mm();
-            let jerk_only = 2.0 * j * (a / j).min((v / j).sqrt()).powi(3);
+            let shortest = limits.shortest_at_feed_rate().mm();
+            let jerk_only = limits.longest_by_jerk_alone().mm();
             for border in [shortest, jerk_only].into_iter().filter(|border| (1e-5..1e5).contains(border)) {
                 // The time grows at most in proportion to the length, so over 2e-9 of the length it changes by at most 2e-9 of itself.
                 assert_relative_eq!(time(border * (1.0 - 1e-9), limits), time(border * (1.0 + 1e-9), limits), max_relative = 2.01e-9);

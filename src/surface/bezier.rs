@@ -163,6 +163,7 @@ fn count_in_bounds(count: usize, minimum: usize, maximum: usize) -> Result<(), O
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests {
     use super::*;
     use crate::surface::{Facing, Shape, Unit};

@@ -185,7 +185,9 @@ mod tests {
             let cut = 1 + (cut * (points.len() - 1) as f64) as usize;
             let sum = |points: &[[f64; 3]]| {
                 let mut moments = Moments::about(points[0]);
-                points.iter().for_each(|&point| moments.add_point(point));
+                for &point in points {
+                    moments.add_point(point);
+                }
                 moments
             };
             let all = sum(&points);

@@ -39,7 +39,9 @@ impl Piece {
         self.moments.add_triangle(corners, area);
         self.area += area;
         self.slope_by_weight += area * slope(normal);
-        corners.into_iter().for_each(|corner| self.bounds.include(corner));
+        for corner in corners {
+            self.bounds.include(corner);
+        }
     }
 
     pub(super) fn merge(&mut self, other: &Self) {

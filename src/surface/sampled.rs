@@ -215,6 +215,7 @@ fn length(v: [f64; 3]) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests {
     use super::*;
     use crate::surface::Grid;
@@ -238,13 +239,17 @@ mod tests {
 
     fn of_facets(facets: &[[[f64; 3]; 3]]) -> SampledSurface {
         let mut surface = SampledSurface::new();
-        facets.iter().for_each(|&facet| surface.facet(facet));
+        for &facet in facets {
+            surface.facet(facet);
+        }
         surface
     }
 
     fn of_points(points: &[[f64; 3]]) -> SampledSurface {
         let mut surface = SampledSurface::new();
-        points.iter().for_each(|&point| surface.point(point));
+        for &point in points {
+            surface.point(point);
+        }
         surface
     }
 
@@ -468,18 +473,10 @@ mod tests {
         #[test]
         fn parts_merge_to_the_whole(cut in 0..1200_usize) {
             let mut facets = Vec::new();
-            struct Collect<'a>(&'a mut Vec<[[f64; 3]; 3]>);
-            impl Sink for Collect<'_> {
-                fn point(&mut self, _: [f64; 3]) {}
-                fn facet(&mut self, corners: [[f64; 3]; 3]) {
-                    self.0.push(corners);
-                }
-            }
             let at = |i: u32, j: u32| saddle(f64::from(i) / 20.0, f64::from(j) / 30.0);
-            let mut sink = Collect(&mut facets);
             for (i, j) in (0..20).flat_map(|i| (0..30).map(move |j| (i, j))) {
-                sink.facet([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-                sink.facet([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+                facets.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                facets.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
             }
             let whole = of_facets(&facets);
             let mut merged = of_facets(&facets[..cut]);
