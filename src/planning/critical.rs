@@ -324,8 +324,8 @@ mod tests {
         #[test]
         fn closed_form_and_bracketing_agree_on_the_slope(job in jobs(), (mu, chi) in forms()) {
             let rectangle = rectangle(mu, chi);
-            prop_assume!(excess_at_slope(&job, rectangle, Angle::RIGHT).unwrap() > TIE);
-            if let Some(closed) = critical_slope_in_closed_form(&job, rectangle) {
+            let has_root = excess_at_slope(&job, rectangle, Angle::RIGHT).unwrap() > TIE;
+            if let Some(closed) = critical_slope_in_closed_form(&job, rectangle).filter(|_| has_root) {
                 let bracketed = critical_slope_by_bracketing(&job, rectangle).unwrap().angle();
                 // Compared by their sines, on which the times depend: near 90 deg an angle is good to the root of a rounding only.
                 assert_relative_eq!(closed.sin(), bracketed.sin(), max_relative = 1e-11);
@@ -336,8 +336,8 @@ mod tests {
         fn closed_form_and_bracketing_agree_on_the_form_factor(job in jobs(), (_, chi) in forms(), slope in 0.1..90.0_f64) {
             let chi = Area::from_mm2(chi).unwrap();
             let toroidal = job.toroidal_step_over(Angle::from_degrees(slope).unwrap()).unwrap();
-            prop_assume!(excess_at_form_factor(&job, chi, toroidal, 1.0) < -TIE);
-            if let Some(closed) = critical_form_factor_in_closed_form(&job, chi, toroidal) {
+            let has_root = excess_at_form_factor(&job, chi, toroidal, 1.0) < -TIE;
+            if let Some(closed) = critical_form_factor_in_closed_form(&job, chi, toroidal).filter(|_| has_root) {
                 assert_relative_eq!(closed.ratio(), critical_form_factor_by_bracketing(&job, chi, toroidal).ratio(), max_relative = 1e-11);
             }
         }
