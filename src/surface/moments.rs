@@ -37,19 +37,21 @@ impl Moments {
 
     /// Adds a triangle with corners a, b, c, centroid g and area F: F to the weight, F g to the first moment, and to the second
     /// F/12 (aa' + bb' + cc' + 9 gg'), which is the integral of xx' over the triangle, exactly.
+    ///
+    /// With the sides u = b - a, v = c - a it equals F (gg' + ss'/72 + dd'/24), s = u + v, d = u - v, a quarter less to compute.
     #[inline]
     pub fn add_triangle(&mut self, corners: [[f64; 3]; 3], area: f64) {
-        let [a, b, c] = corners.map(|corner| difference(corner, self.shift));
-        // 3g, so that 9 gg' is its product with itself.
-        let sum = [a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]];
-        let (third, twelfth) = (area / 3.0, area / 12.0);
+        let [a, b, c] = corners;
+        let (from_shift, u, v) = (difference(a, self.shift), difference(b, a), difference(c, a));
+        let (s, d) = ([u[0] + v[0], u[1] + v[1], u[2] + v[2]], difference(u, v));
+        let g = [from_shift[0] + s[0] / 3.0, from_shift[1] + s[1] / 3.0, from_shift[2] + s[2] / 3.0];
         self.weight += area;
-        for (first, s) in self.first.iter_mut().zip(sum) {
-            *first += third * s;
+        for (first, g) in self.first.iter_mut().zip(g) {
+            *first += area * g;
         }
-        let (aa, bb, cc, ss) = (products(a), products(b), products(c), products(sum));
+        let (gg, ss, dd) = (products(g), products(s), products(d));
         for (i, second) in self.second.iter_mut().enumerate() {
-            *second += twelfth * (aa[i] + bb[i] + cc[i] + ss[i]);
+            *second += area * (gg[i] + ss[i] * (1.0 / 72.0) + dd[i] * (1.0 / 24.0));
         }
     }
 
