@@ -5,7 +5,7 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use scallopd::milling::Cutter;
 use scallopd::motion::Preset;
 use scallopd::planning::{CutterChoice, InclinedRectangle, Job, Level, StepOverModel, Weakness, critical_slope, plan, recommend};
-use scallopd::quantity::{Angle, Area, FormFactor, Length};
+use scallopd::quantity::{Acceleration, Angle, Area, FormFactor, Jerk, Length, Speed};
 use scallopd::surface::{Bezier, Facing, Shape, Unit};
 use serde_json::Value;
 
@@ -80,6 +80,15 @@ fn job() -> Job {
     let ball_end = Cutter::ball_end(mm(2.0 * radius("outer_radius_mm")));
     let machine = Preset::named("five_axis_vmc").unwrap().limits;
     Job::new(toroidal, ball_end, mm(figure(&published, "scallop_height_mm")), machine, StepOverModel::Analytic).unwrap()
+}
+
+#[test]
+fn the_five_axis_preset_is_the_published_machine() {
+    let machine = &published()["machine"];
+    let limits = Preset::named("five_axis_vmc").unwrap().limits;
+    assert_eq!(limits.feed_rate, Speed::from_mm_min(figure(machine, "feed_rate_mm_min")).unwrap());
+    assert_eq!(limits.acceleration, Acceleration::from_m_s2(figure(machine, "acceleration_m_s2")).unwrap());
+    assert_eq!(limits.jerk, Jerk::from_m_s3(figure(machine, "jerk_m_s3")).unwrap());
 }
 
 #[test]

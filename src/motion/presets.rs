@@ -80,14 +80,4 @@ mod tests {
         }
         assert_eq!(Preset::named("five-axis"), None);
     }
-
-    #[test]
-    fn the_published_machine_has_its_published_values() {
-        let reference: serde_json::Value = serde_json::from_str(include_str!("../../tests/data/herraz_2020.json")).unwrap();
-        let machine = |figure: &str| reference["machine"][figure].as_f64().unwrap();
-        let limits = Preset::named("five_axis_vmc").unwrap().limits;
-        assert_eq!(limits.feed_rate, Speed::from_mm_min(machine("feed_rate_mm_min")).unwrap());
-        assert_eq!(limits.acceleration, Acceleration::from_m_s2(machine("acceleration_m_s2")).unwrap());
-        assert_eq!(limits.jerk, Jerk::from_m_s3(machine("jerk_m_s3")).unwrap());
-    }
 }

@@ -15,7 +15,7 @@ pub enum CriticalSlope {
     At(Angle),
     /// The toroidal cutter is faster on every slope up to a wall.
     ToroidalAlways,
-    /// The ball-end cutter is faster on every slope down to a floor.
+    /// The ball-end cutter is faster on every slope down to 1e-6 deg, a floor for every purpose.
     BallEndAlways,
 }
 
@@ -65,8 +65,7 @@ impl CriticalFormFactor {
 /// equal cutters on a square must come out equal.
 const TIE: f64 = 1e-13;
 
-/// The flattest slope at which times are compared, in degrees: 17 nm over a metre. A toroidal cutter that is still slower there
-/// is slower everywhere.
+/// The flattest slope at which times are compared, in degrees: 17 nm over a metre. What is flatter is not told apart from a floor.
 const FLATTEST: f64 = 1e-6;
 
 /// The critical slope s_c(mu, chi) of a rectangle: T1(s_c) = T2.

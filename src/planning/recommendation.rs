@@ -117,3 +117,70 @@ pub fn recommend(job: &Job, shape: &Shape) -> Result<Recommendation, PlanError> 
     let confidence = Confidence::in_plan(&plan, job, rectangle, shape);
     Ok(Recommendation { plan, confidence })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::Cutter;
+    use crate::motion::MachineLimits;
+    use crate::planning::StepOverModel;
+    use crate::quantity::{Acceleration, Area, FormFactor, Jerk, Length, Speed};
+    use proptest::prelude::*;
+
+    /// All of what can be stated, decade by decade.
+    fn decades(smallest: f64, largest: f64) -> impl Strategy<Value = f64> {
+        (smallest.log10()..=largest.log10()).prop_map(move |exponent| 10.0_f64.powf(exponent).clamp(smallest, largest))
+    }
+
+    fn machines() -> impl Strategy<Value = MachineLimits> {
+        let limits = (
+            decades(Speed::SMALLEST, Speed::LARGEST),
+            decades(Acceleration::SMALLEST, Acceleration::LARGEST),
+            decades(Jerk::SMALLEST, Jerk::LARGEST),
+        );
+        limits.prop_map(|(v, a, j)| MachineLimits {
+            feed_rate: Speed::from_mm_min(v).unwrap(),
+            acceleration: Acceleration::from_m_s2(a).unwrap(),
+            jerk: Jerk::from_m_s3(j).unwrap(),
+        })
+    }
+
+    fn lengths() -> impl Strategy<Value = Length> {
+        decades(Length::SMALLEST, Length::LARGEST).prop_map(|mm| Length::from_mm(mm).unwrap())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::with_cases(2000) })]
+
+        #[test]
+        fn whatever_can_be_stated_has_a_plan_that_holds_together(
+            (diameter, corner, ball, scallop) in (lengths(), lengths(), lengths(), lengths()),
+            machine in machines(),
+            mu in decades(1.0, FormFactor::LARGEST),
+            chi in decades(Area::SMALLEST, Area::LARGEST),
+            slope in prop_oneof![0.0..=90.0_f64, decades(1e-300, 90.0)],
+        ) {
+            let Ok(toroidal) = Cutter::toroidal(diameter, corner) else { return Err(TestCaseError::reject("corner")) };
+            let job = Job::new(toroidal, Cutter::ball_end(ball), scallop, machine, StepOverModel::Analytic);
+            let Ok(job) = job else { return Err(TestCaseError::reject("scallop")) };
+            let rectangle = InclinedRectangle::from_form(FormFactor::new(mu).unwrap(), Area::from_mm2(chi).unwrap());
+            let Ok(rectangle) = rectangle else { return Err(TestCaseError::reject("sides")) };
+            let slope = Angle::from_degrees(slope).unwrap();
+            // Quantities are checked to be finite where they come into being, in debug builds.
+            let plan = plan(&job, rectangle, slope);
+            if slope.sin() < 1e-290 {
+                prop_assert!(plan.is_ok() || plan == Err(NoAnswer::FlatFloor));
+                return Ok(());
+            }
+            let plan = plan.unwrap();
+            let (one, other) = (plan.toroidal.zigzag.time.seconds(), plan.ball_end.zigzag.time.seconds());
+            // Where the times differ by more than rounding, the faster cutter is recommended; flatter slopes than 1e-6 deg are not told
+            // apart.
+            if slope.degrees() > 1e-6 && (one - other).abs() > 1e-9 * one.max(other) {
+                let faster = if one < other { CutterChoice::Toroidal } else { CutterChoice::BallEnd };
+                prop_assert_eq!(plan.recommended, faster, "{:?}", plan);
+            }
+            prop_assert!(plan.toroidal.zigzag.passes.is_finite() && plan.ball_end.zigzag.passes.is_finite());
+        }
+    }
+}
