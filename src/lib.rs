@@ -2,5 +2,7 @@
 //! and which cutter suits a surface.
 
 pub mod milling;
+pub mod motion;
+pub mod planning;
 pub mod quantity;
 pub mod surface;

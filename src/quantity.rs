@@ -26,7 +26,7 @@ impl OutOfRange {
     ///
     /// # Errors
     /// The bounds, when `value` is outside them.
-    pub fn check(value: f64, minimum: f64, maximum: f64) -> Result<f64, Self> {
+    pub const fn check(value: f64, minimum: f64, maximum: f64) -> Result<f64, Self> {
         if value >= minimum && value <= maximum { Ok(value) } else { Err(Self { minimum, maximum }) }
     }
 }
@@ -71,6 +71,177 @@ impl std::ops::Add for Length {
     }
 }
 
+/// An area: finite and not negative, in mm^2.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Area(f64);
+
+impl Area {
+    /// The smallest area that can be stated, the square of [`Length::SMALLEST`], in mm^2.
+    pub const SMALLEST: f64 = 1e-12;
+    /// The largest area that can be stated, the square of [`Length::LARGEST`], in mm^2.
+    pub const LARGEST: f64 = 1e12;
+
+    /// An area that somebody states, in mm^2.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] outside [`Area::SMALLEST`] to [`Area::LARGEST`].
+    pub fn from_mm2(mm2: f64) -> Result<Self, OutOfRange> {
+        OutOfRange::check(mm2, Self::SMALLEST, Self::LARGEST).map(Self)
+    }
+
+    /// An area that a formula yields. The formula's domain makes it finite and not negative.
+    pub(crate) fn computed(mm2: f64) -> Self {
+        debug_assert!(mm2.is_finite() && mm2 >= 0.0, "a computed area must be finite and not negative, got {mm2}");
+        Self(mm2)
+    }
+
+    /// The area in mm^2.
+    #[must_use]
+    pub fn mm2(self) -> f64 {
+        self.0
+    }
+}
+
+/// The form factor mu of a rectangle or of what resembles one: its long side over its short side, so at least 1.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct FormFactor(f64);
+
+impl FormFactor {
+    /// The form factor of a square.
+    pub const SQUARE: Self = Self(1.0);
+    /// The largest form factor that can be stated: 1 mm wide and 1 km long.
+    pub const LARGEST: f64 = 1e6;
+
+    /// A form factor that somebody states, from 1 to [`FormFactor::LARGEST`].
+    ///
+    /// # Errors
+    /// [`OutOfRange`] outside these bounds.
+    pub fn new(mu: f64) -> Result<Self, OutOfRange> {
+        OutOfRange::check(mu, 1.0, Self::LARGEST).map(Self)
+    }
+
+    /// A form factor that a formula yields. The formula's domain makes it finite and at least 1.
+    pub(crate) fn computed(mu: f64) -> Self {
+        debug_assert!(mu.is_finite() && mu >= 1.0, "a computed form factor must be finite and at least 1, got {mu}");
+        Self(mu)
+    }
+
+    /// mu, the long side over the short side.
+    #[must_use]
+    pub fn ratio(self) -> f64 {
+        self.0
+    }
+}
+
+/// A span of time that a formula yields: finite and not negative, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Time(f64);
+
+impl Time {
+    /// A time that a formula yields. The formula's domain makes it finite and not negative.
+    pub(crate) fn computed(seconds: f64) -> Self {
+        debug_assert!(seconds.is_finite() && seconds >= 0.0, "a computed time must be finite and not negative, got {seconds}");
+        Self(seconds)
+    }
+
+    /// The time in seconds.
+    #[must_use]
+    pub fn seconds(self) -> f64 {
+        self.0
+    }
+}
+
+impl std::ops::Add for Time {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::computed(self.0 + other.0)
+    }
+}
+
+/// A speed that a machine reaches: positive, kept in mm/s and stated, as feed rates are, in mm/min.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Speed(f64);
+
+impl Speed {
+    /// The smallest speed that can be stated, in mm/min.
+    pub const SMALLEST: f64 = 1e-3;
+    /// The largest speed that can be stated, in mm/min: a kilometre a minute.
+    pub const LARGEST: f64 = 1e6;
+
+    /// A speed that somebody states, in mm/min.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] outside [`Speed::SMALLEST`] to [`Speed::LARGEST`].
+    pub const fn from_mm_min(mm_min: f64) -> Result<Self, OutOfRange> {
+        match OutOfRange::check(mm_min, Self::SMALLEST, Self::LARGEST) {
+            Ok(mm_min) => Ok(Self(mm_min / 60.0)),
+            Err(bounds) => Err(bounds),
+        }
+    }
+
+    /// The speed in mm/s.
+    #[must_use]
+    pub fn mm_s(self) -> f64 {
+        self.0
+    }
+}
+
+/// An acceleration that a machine reaches: positive, kept in mm/s^2 and stated, as in machines' data sheets, in m/s^2.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Acceleration(f64);
+
+impl Acceleration {
+    /// The smallest acceleration that can be stated, in m/s^2.
+    pub const SMALLEST: f64 = 1e-4;
+    /// The largest acceleration that can be stated, in m/s^2.
+    pub const LARGEST: f64 = 1e5;
+
+    /// An acceleration that somebody states, in m/s^2.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] outside [`Acceleration::SMALLEST`] to [`Acceleration::LARGEST`].
+    pub const fn from_m_s2(m_s2: f64) -> Result<Self, OutOfRange> {
+        match OutOfRange::check(m_s2, Self::SMALLEST, Self::LARGEST) {
+            Ok(m_s2) => Ok(Self(m_s2 * 1e3)),
+            Err(bounds) => Err(bounds),
+        }
+    }
+
+    /// The acceleration in mm/s^2.
+    #[must_use]
+    pub fn mm_s2(self) -> f64 {
+        self.0
+    }
+}
+
+/// A jerk, the rate at which acceleration changes: positive, kept in mm/s^3 and stated in m/s^3.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Jerk(f64);
+
+impl Jerk {
+    /// The smallest jerk that can be stated, in m/s^3.
+    pub const SMALLEST: f64 = 1e-4;
+    /// The largest jerk that can be stated, in m/s^3: a control without a jerk limit, for every purpose here.
+    pub const LARGEST: f64 = 1e8;
+
+    /// A jerk that somebody states, in m/s^3.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] outside [`Jerk::SMALLEST`] to [`Jerk::LARGEST`].
+    pub const fn from_m_s3(m_s3: f64) -> Result<Self, OutOfRange> {
+        match OutOfRange::check(m_s3, Self::SMALLEST, Self::LARGEST) {
+            Ok(m_s3) => Ok(Self(m_s3 * 1e3)),
+            Err(bounds) => Err(bounds),
+        }
+    }
+
+    /// The jerk in mm/s^3.
+    #[must_use]
+    pub fn mm_s3(self) -> f64 {
+        self.0
+    }
+}
+
 /// An angle with its sine and cosine, exact at quarter turns: the cosine of 90 deg is 0, not 6e-17, so that a vertical wall is
 /// vertical.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,6 +254,9 @@ pub struct Angle {
 impl Angle {
     /// The angle 0.
     pub const ZERO: Self = Self { radians: 0.0, sin: 0.0, cos: 1.0 };
+
+    /// A right angle, 90 deg.
+    pub const RIGHT: Self = Self { radians: std::f64::consts::FRAC_PI_2, sin: 1.0, cos: 0.0 };
 
     /// An angle given in degrees; any finite number. Whole turns are taken off before the sine and cosine are, exactly.
     ///
@@ -108,6 +282,17 @@ impl Angle {
         (length > 0.0).then(|| Self { radians: y.atan2(x), sin: y / length, cos: x / length })
     }
 
+    /// The direction of the line along (x, y), from the X axis counter-clockwise, in [0, pi); `None` for the null vector.
+    ///
+    /// Vectors that a calculation yields are rounded, and one a rounding below the X axis would give a line of almost pi, half a
+    /// turn away in writing from the line that is meant: within 1e-12 of the axis, the line is the axis.
+    pub(crate) fn of_line(x: f64, y: f64) -> Option<Self> {
+        if y.abs() <= 1e-12 * x.abs() {
+            return (x != 0.0).then_some(Self::ZERO);
+        }
+        if y < 0.0 { Self::of_vector(-x, -y) } else { Self::of_vector(x, y) }
+    }
+
     /// An angle that a formula yields, in radians.
     pub(crate) fn from_radians(radians: f64) -> Self {
         let (sin, cos) = radians.sin_cos();
@@ -118,6 +303,12 @@ impl Angle {
     #[must_use]
     pub fn radians(self) -> f64 {
         self.radians
+    }
+
+    /// The angle in degrees; given in degrees, within (-360, 360).
+    #[must_use]
+    pub fn degrees(self) -> f64 {
+        self.radians.to_degrees()
     }
 
     /// The sine.
@@ -134,6 +325,7 @@ impl Angle {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests {
     use super::*;
 
@@ -156,6 +348,31 @@ mod tests {
             approx::assert_abs_diff_eq!(angle.sin(), degrees.to_radians().sin(), epsilon = 4e-15);
             approx::assert_abs_diff_eq!(angle.cos(), degrees.to_radians().cos(), epsilon = 4e-15);
         }
+    }
+
+    #[test]
+    fn lines_point_from_0_to_under_180_degrees() {
+        for (x, y, degrees) in
+            [(1.0, 0.0, 0.0), (-1.0, -0.0, 0.0), (0.0, -2.0, 90.0), (-1.0, 1e-20, 0.0), (1.0, -1.0, 135.0), (-3.0, -3.0, 45.0)]
+        {
+            let line = Angle::of_line(x, y).unwrap();
+            // 3/4 pi in degrees is rounded once, to 1.4e-14 deg.
+            approx::assert_abs_diff_eq!(line.degrees(), degrees, epsilon = 3e-14);
+            assert!(line.degrees() >= 0.0 && line.degrees() < 180.0 && line.degrees().is_sign_positive());
+        }
+        assert_eq!(Angle::of_line(0.0, 0.0), None);
+    }
+
+    #[test]
+    fn machine_limits_are_kept_in_millimetres_and_seconds() {
+        assert_eq!(Speed::from_mm_min(6000.0).unwrap().mm_s(), 100.0);
+        assert_eq!(Acceleration::from_m_s2(6.0).unwrap().mm_s2(), 6000.0);
+        assert_eq!(Jerk::from_m_s3(40.0).unwrap().mm_s3(), 40_000.0);
+        for wrong in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1e9] {
+            assert!(Speed::from_mm_min(wrong).is_err() && Acceleration::from_m_s2(wrong).is_err() && Jerk::from_m_s3(wrong).is_err());
+        }
+        assert_eq!(FormFactor::new(0.99), Err(OutOfRange { minimum: 1.0, maximum: 1e6 }));
+        assert_eq!(Area::from_mm2(0.0), Err(OutOfRange { minimum: 1e-12, maximum: 1e12 }));
     }
 
     #[test]

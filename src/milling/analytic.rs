@@ -40,10 +40,10 @@ impl EffectiveRadius {
         Self(cutter.core_radius().mm() * share / contact.slope().sin() + cutter.corner_radius().mm())
     }
 
-    /// The radius, `None` where it is infinite.
+    /// The radius, `None` where it is infinite, or so large that its diameter and reciprocal leave the range of numbers.
     #[must_use]
     pub fn finite(self) -> Option<Length> {
-        self.0.is_finite().then(|| Length::computed(self.0))
+        (self.0 < 1e300).then(|| Length::computed(self.0))
     }
 
     /// height(P, c) = P - sqrt(P^2 - c^2/4), what circles of radius P leave at the distance c. `None` where c > 2P: they do not meet.
@@ -160,7 +160,8 @@ impl Analytic {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: self.largest_step_over() });
         }
         let cos_beta = ((1.0 - sin_beta) * (1.0 + sin_beta)).sqrt();
-        let a = cos_beta - s * s * k * c / (4.0 * (1.0 + cos_beta));
+        // Paired so that no factor exceeds 4: the square of a step-over over a nearly flat floor can overflow.
+        let a = cos_beta - (s * k) * (s * c) / (4.0 * (1.0 + cos_beta));
         let d = ((1.0 - offset) * (1.0 + offset)).sqrt();
         Ok(Length::computed(s * offset / ((1.0 + cos_beta) * (a + d))))
     }

@@ -74,6 +74,12 @@ impl Contact {
         Ok(Self { slope, alpha, theta: theta.unwrap_or(alpha) })
     }
 
+    /// A contact on a slope from 0 to pi/2, fed along its steepest direction.
+    pub(crate) fn up_the_slope(slope: Angle) -> Self {
+        debug_assert!(slope.sin() >= 0.0 && slope.cos() >= 0.0, "a slope lies between floor and wall");
+        Self { slope, alpha: Angle::ZERO, theta: Angle::ZERO }
+    }
+
     /// A contact from the surface's normal, pointing out of the part, and the feed vector, both of any length.
     ///
     /// Only the feed's part in the tangent plane counts. With n at slope S, D its horizontal direction and Z up, the tangent

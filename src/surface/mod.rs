@@ -1,5 +1,25 @@
 //! A surface known by sample points or facets: readers of the files that CAD systems write, moments, principal axes, shape.
 
+mod bezier;
+mod bounds;
+mod grid;
+mod moments;
+mod piece;
+mod principal_axes;
+mod sampled;
+mod shape;
+
+pub use bezier::{Bezier, BezierError};
+pub use bounds::Bounds;
+pub use grid::{Grid, GridError};
+pub use moments::Moments;
+pub use principal_axes::PrincipalAxes;
+pub use sampled::{Basis, Facing, SampledSurface, Unit};
+pub use shape::{Shape, ShapeError};
+
+/// The largest magnitude of a coordinate, in the unit in which it is given: none of the sums over a surface can overflow.
+pub const LARGEST_COORDINATE: f64 = 1e12;
+
 /// Takes the pieces of which a surface is made, one after the other, and keeps of them what it needs. Readers are written against
 /// this, so that a file of any size passes through without being held.
 pub trait Sink {

@@ -1,0 +1,204 @@
+//! The time of a straight move from rest to rest with limited speed, acceleration and jerk.
+
+use super::MachineLimits;
+use crate::quantity::{Length, Time};
+
+/// Which limits a straight move from rest to rest reaches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TravelCase {
+    /// Neither the feed rate nor the acceleration: the move is short, and the jerk alone decides.
+    JerkOnly,
+    /// The feed rate, but not the acceleration.
+    FeedRate,
+    /// The feed rate and the acceleration.
+    FeedRateAndAcceleration,
+    /// The acceleration, but not the feed rate.
+    Acceleration,
+}
+
+impl TravelCase {
+    /// The case of a move over `length`.
+    ///
+    /// The smallest of t_A = A/J, t_V = sqrt(V/J) and t_L = cbrt(L/2J) decides [Herraz et al. 2020, section 2.2]. Where t_A is the
+    /// smallest, the feed rate is reached only if the move is as long as speeding up and slowing down, L >= V (A/J + V/A); the paper
+    /// leaves the other case out.
+    #[must_use]
+    pub fn of(length: Length, limits: MachineLimits) -> Self {
+        let (t_a, t_v, t_l) = (limits.time_to_acceleration(), limits.time_to_feed_rate(), half_time_by_jerk(length, limits));
+        if t_l <= t_a && t_l <= t_v {
+            Self::JerkOnly
+        } else if t_v <= t_a {
+            Self::FeedRate
+        } else if length >= limits.shortest_at_feed_rate() {
+            Self::FeedRateAndAcceleration
+        } else {
+            Self::Acceleration
+        }
+    }
+
+    /// Whether part of the move runs at the feed rate.
+    #[must_use]
+    pub fn reaches_feed_rate(self) -> bool {
+        matches!(self, Self::FeedRate | Self::FeedRateAndAcceleration)
+    }
+}
+
+/// The time of the fastest straight move over L from rest to rest, with speed up to V, acceleration up to A and jerk up to J:
+///
+/// - jerk only: 4 cbrt(L/2J) [Herraz et al. 2020, eq. 4];
+/// - feed rate: L/V + 2 sqrt(V/J) [eq. 3];
+/// - feed rate and acceleration: L/V + A/J + V/A [eq. 2];
+/// - acceleration: 2 (A/J + v/A) with the top speed v = A (sqrt((A/J)^2 + 4L/A) - A/J) / 2, which the paper leaves out.
+///
+/// At the borders between the cases the neighbours agree. No time for no length.
+#[must_use]
+pub fn travel_time(length: Length, limits: MachineLimits) -> Time {
+    Time::computed(match TravelCase::of(length, limits) {
+        TravelCase::JerkOnly => 4.0 * half_time_by_jerk(length, limits),
+        TravelCase::FeedRate | TravelCase::FeedRateAndAcceleration => {
+            length.mm() / limits.feed_rate.mm_s() + limits.time_lost_to_stops().seconds()
+        }
+        TravelCase::Acceleration => {
+            let (t_a, l_over_a) = (limits.time_to_acceleration(), length.mm() / limits.acceleration.mm_s2());
+            // v/A = (sqrt(t_A^2 + 4L/A) - t_A) / 2, multiplied out with the sum of its terms so that nothing cancels.
+            2.0 * (t_a + 2.0 * l_over_a / (t_a.hypot(2.0 * l_over_a.sqrt()) + t_a))
+        }
+    })
+}
+
+/// t_L = cbrt(L/2J), a quarter of the time of a move that only the jerk limits, in s.
+fn half_time_by_jerk(length: Length, limits: MachineLimits) -> f64 {
+    (length.mm() / (2.0 * limits.jerk.mm_s3())).cbrt()
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
+mod tests {
+    use super::*;
+    use crate::quantity::{Acceleration, Jerk, Speed};
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    /// Limits in mm, s.
+    fn limits(v: f64, a: f64, j: f64) -> MachineLimits {
+        MachineLimits {
+            feed_rate: Speed::from_mm_min(v * 60.0).unwrap(),
+            acceleration: Acceleration::from_m_s2(a / 1e3).unwrap(),
+            jerk: Jerk::from_m_s3(j / 1e3).unwrap(),
+        }
+    }
+
+    fn time(length: f64, limits: MachineLimits) -> f64 {
+        travel_time(Length::from_mm(length).unwrap(), limits).seconds()
+    }
+
+    #[test]
+    fn published_times_of_an_independent_solver_one_for_each_case() {
+        for (v, a, j, case, published) in [
+            (1.0, 1.0, 1.0, TravelCase::JerkOnly, 3.174_802_103_9),
+            (1.0, 1.0, 2.0, TravelCase::Acceleration, 2.561_552_812_8),
+            (0.6, 1.0, 2.0, TravelCase::FeedRateAndAcceleration, 2.766_666_666_7),
+            (0.4, 1.0, 2.0, TravelCase::FeedRate, 3.394_427_191),
+        ] {
+            let limits = limits(v, a, j);
+            assert_eq!(TravelCase::of(Length::from_mm(1.0).unwrap(), limits), case);
+            // Printed with ten decimals.
+            approx::assert_abs_diff_eq!(time(1.0, limits), published, epsilon = 0.5e-10);
+        }
+    }
+
+    #[test]
+    fn no_length_takes_no_time() {
+        assert_eq!(travel_time(Length::ZERO, limits(1.0, 1.0, 1.0)).seconds(), 0.0);
+    }
+
+    /// Distance, end speed, top speed and top acceleration of the symmetric profile whose first `t_jerk` builds up the acceleration,
+    /// the next `t_hold` hold it, the next `t_jerk` take it off, and whose `t_cruise` runs without: integrated phase by phase.
+    fn integrate(jerk: f64, t_jerk: f64, t_hold: f64, t_cruise: f64) -> (f64, f64, f64, f64) {
+        let phases = [(jerk, t_jerk), (0.0, t_hold), (-jerk, t_jerk), (0.0, t_cruise), (-jerk, t_jerk), (0.0, t_hold), (jerk, t_jerk)];
+        let (mut x, mut v, mut a, mut top_v, mut top_a) = (0.0, 0.0, 0.0_f64, 0.0_f64, 0.0_f64);
+        for (j, t) in phases {
+            x += t * (v + t * (a / 2.0 + t * j / 6.0));
+            v += t * (a + t * j / 2.0);
+            a += t * j;
+            (top_v, top_a) = (top_v.max(v), top_a.max(a.abs()));
+        }
+        (x, v, top_v, top_a)
+    }
+
+    /// Lengths and limits over several decades, so that every case is met.
+    fn moves() -> impl Strategy<Value = (f64, f64, f64, f64)> {
+        let decades = |low: f64, high: f64| (low..high).prop_map(|exponent| 10.0_f64.powf(exponent));
+        (decades(-3.0, 4.0), decades(0.0, 3.0), decades(0.0, 5.0), decades(0.0, 6.0))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn the_jerk_profile_of_that_time_covers_the_length((length, v, a, j) in moves()) {
+            let limits = limits(v, a, j);
+            let total = time(length, limits);
+            let case = TravelCase::of(Length::from_mm(length).unwrap(), limits);
+            let t_jerk = match case {
+                TravelCase::JerkOnly => total / 4.0,
+                TravelCase::FeedRate => (v / j).sqrt(),
+                TravelCase::FeedRateAndAcceleration | TravelCase::Acceleration => a / j,
+            };
+            let t_hold = match case {
+                TravelCase::JerkOnly | TravelCase::FeedRate => 0.0,
+                TravelCase::FeedRateAndAcceleration => v / a - a / j,
+                TravelCase::Acceleration => (total - 4.0 * t_jerk) / 2.0,
+            };
+            let t_cruise = if case.reaches_feed_rate() { total - 4.0 * t_jerk - 2.0 * t_hold } else { 0.0 };
+            // A border's neighbour may lie a rounding of the total on the wrong side of 0.
+            prop_assert!(t_hold >= -1e-12 * total && t_cruise >= -1e-12 * total);
+            let (x, end_v, top_v, top_a) = integrate(j, t_jerk, t_hold, t_cruise);
+            // The sums of up to seven phases, each rounded to 2e-16, amplified where a short phase is a difference of long ones.
+            assert_relative_eq!(x, length, max_relative = 1e-11);
+            prop_assert!(end_v.abs() <= 1e-11 * top_v);
+            prop_assert!(top_v <= v * (1.0 + 1e-11) && top_a <= a * (1.0 + 1e-11));
+        }
+
+        #[test]
+        fn relaxing_any_limit_never_takes_longer((length, v, a, j) in moves(), factor in 1.0..10.0_f64) {
+            let stated = time(length, limits(v, a, j));
+            // Neighbouring cases may differ by a rounding at their border.
+            let bound = stated * (1.0 + 1e-14);
+            prop_assert!(time(length, limits(v * factor, a, j)) <= bound);
+            prop_assert!(time(length, limits(v, a * factor, j)) <= bound);
+            prop_assert!(time(length, limits(v, a, j * factor)) <= bound);
+            prop_assert!(time(length / factor, limits(v, a, j)) <= bound);
+        }
+
+        #[test]
+        fn cases_agree_at_their_borders((_, v, a, j) in moves()) {
+            let limits = limits(v, a, j);
+            let shortest = limits.shortest_at_feed_rate().mm();
+            let jerk_only = limits.longest_by_jerk_alone().mm();
+            for border in [shortest, jerk_only].into_iter().filter(|border| (1e-5..1e5).contains(border)) {
+                // The time grows at most in proportion to the length, so over 2e-9 of the length it changes by at most 2e-9 of itself.
+                assert_relative_eq!(time(border * (1.0 - 1e-9), limits), time(border * (1.0 + 1e-9), limits), max_relative = 2.01e-9);
+            }
+        }
+
+        #[test]
+        fn an_independent_trajectory_solver_finds_the_same_time((length, v, a, j) in moves()) {
+            use rsruckig::prelude::*;
+            // In units of the move's own length and jerk the solver's numbers stay near 1; times scale back by cbrt(L/J).
+            let unit = (length / j).cbrt();
+            // The solver refuses moves of more than 7600 of its units.
+            prop_assume!(time(length, limits(v, a, j)) < 7000.0 * unit);
+            let mut input = InputParameter::<1>::new(None);
+            input.target_position[0] = 1.0;
+            input.max_velocity[0] = v * unit / length;
+            input.max_acceleration[0] = a * unit * unit / length;
+            input.max_jerk[0] = 1.0;
+            let mut trajectory = Trajectory::<1>::new(None);
+            let planned = Ruckig::<1, ThrowErrorHandler>::new(None, 0.001).calculate(&input, &mut trajectory);
+            prop_assert_eq!(planned.unwrap(), RuckigResult::Working);
+            // The solver accepts its own solution from a residual of 1e-8 of the length on.
+            assert_relative_eq!(time(length, limits(v, a, j)), trajectory.get_duration() * unit, max_relative = 1e-8);
+        }
+    }
+}

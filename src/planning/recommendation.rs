@@ -1,0 +1,186 @@
+//! Which cutter, in which direction, by how much.
+
+use super::{Confidence, CriticalFormFactor, CriticalSlope, InclinedRectangle, Job, Zigzag, critical_form_factor, critical_slope};
+use crate::milling::NoAnswer;
+use crate::quantity::{Angle, OutOfRange};
+use crate::surface::Shape;
+use std::fmt;
+
+/// One of a job's two cutters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CutterChoice {
+    /// The toroidal cutter, up and down the slope.
+    Toroidal,
+    /// The ball-end cutter, along the long side.
+    BallEnd,
+}
+
+/// One way to finish a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// The cutter.
+    pub cutter: CutterChoice,
+    /// The line along which it runs, seen from above, in [0, pi) from X: the steepest direction for the toroidal cutter, the principal
+    /// direction for the ball-end cutter. `None` where the surface has no such direction, or was given without its place in XY.
+    pub direction: Option<Angle>,
+    /// Step-over, passes, length and time.
+    pub zigzag: Zigzag,
+}
+
+/// Both ways to finish an inclined rectangle, and which is faster.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// The slope below which the toroidal cutter is faster on this rectangle.
+    pub critical_slope: CriticalSlope,
+    /// The form factor below which the toroidal cutter is faster on this slope.
+    pub critical_form_factor: CriticalFormFactor,
+    /// The toroidal cutter up and down the slope.
+    pub toroidal: Candidate,
+    /// The ball-end cutter along the long side.
+    pub ball_end: Candidate,
+    /// The toroidal cutter below the critical slope, else the ball-end cutter [Herraz et al. 2020, section 6.1].
+    pub recommended: CutterChoice,
+}
+
+impl Plan {
+    /// The candidate that is recommended.
+    #[must_use]
+    pub fn recommended(&self) -> &Candidate {
+        match self.recommended {
+            CutterChoice::Toroidal => &self.toroidal,
+            CutterChoice::BallEnd => &self.ball_end,
+        }
+    }
+}
+
+/// A plan for a surface, and how far to trust it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recommendation {
+    /// Both candidates, with directions.
+    pub plan: Plan,
+    /// The weaknesses that the answer has.
+    pub confidence: Confidence,
+}
+
+/// Why there is no plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PlanError {
+    /// A side of the rectangle that stands for the surface is outside these bounds, in mm.
+    Size(OutOfRange),
+    /// The toroidal cutter has no step-over; on a level surface the analytic model has none.
+    Toroidal(NoAnswer),
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Size(bounds) => write!(f, "both sides of the rectangle that stands for the surface {bounds} mm"),
+            Self::Toroidal(no_answer) => write!(f, "the toroidal cutter up the slope: {no_answer}"),
+        }
+    }
+}
+
+impl std::error::Error for PlanError {}
+
+/// Both ways to finish a rectangle at a slope from 0 to pi/2, without directions.
+///
+/// # Errors
+/// [`NoAnswer`], when the toroidal cutter has no step-over: at slope 0 in the analytic model.
+pub fn plan(job: &Job, rectangle: InclinedRectangle, slope: Angle) -> Result<Plan, NoAnswer> {
+    let critical_slope = critical_slope(job, rectangle)?;
+    let up_and_down = rectangle.up_and_down(job.toroidal_step_over(slope)?, job.machine());
+    let along = rectangle.along_the_long_side(job.ball_end_step_over(), job.machine());
+    let recommended = if critical_slope.favours_toroidal(slope) { CutterChoice::Toroidal } else { CutterChoice::BallEnd };
+    Ok(Plan {
+        critical_slope,
+        critical_form_factor: critical_form_factor(job, rectangle.characteristic_size(), slope)?,
+        toroidal: Candidate { cutter: CutterChoice::Toroidal, direction: None, zigzag: up_and_down },
+        ball_end: Candidate { cutter: CutterChoice::BallEnd, direction: None, zigzag: along },
+        recommended,
+    })
+}
+
+/// The recommendation for a surface, by the rectangle that has its form factor and characteristic size, at its slope
+/// [Herraz et al. 2020, section 6.1].
+///
+/// A surface without steepest direction is level: what is left of its slope is rounding, and would be taken for a groove of
+/// kilometres' radius.
+///
+/// # Errors
+/// [`PlanError`]
+pub fn recommend(job: &Job, shape: &Shape) -> Result<Recommendation, PlanError> {
+    let rectangle = InclinedRectangle::from_form(shape.form_factor, shape.characteristic_size).map_err(PlanError::Size)?;
+    let slope = if shape.steepest_direction.is_some() { shape.slope } else { Angle::ZERO };
+    let mut plan = plan(job, rectangle, slope).map_err(PlanError::Toroidal)?;
+    plan.toroidal.direction = shape.steepest_direction;
+    plan.ball_end.direction = shape.principal_direction;
+    let confidence = Confidence::in_plan(&plan, job, rectangle, shape);
+    Ok(Recommendation { plan, confidence })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::Cutter;
+    use crate::motion::MachineLimits;
+    use crate::planning::StepOverModel;
+    use crate::quantity::{Acceleration, Area, FormFactor, Jerk, Length, Speed};
+    use proptest::prelude::*;
+
+    /// All of what can be stated, decade by decade.
+    fn decades(smallest: f64, largest: f64) -> impl Strategy<Value = f64> {
+        (smallest.log10()..=largest.log10()).prop_map(move |exponent| 10.0_f64.powf(exponent).clamp(smallest, largest))
+    }
+
+    fn machines() -> impl Strategy<Value = MachineLimits> {
+        let limits = (
+            decades(Speed::SMALLEST, Speed::LARGEST),
+            decades(Acceleration::SMALLEST, Acceleration::LARGEST),
+            decades(Jerk::SMALLEST, Jerk::LARGEST),
+        );
+        limits.prop_map(|(v, a, j)| MachineLimits {
+            feed_rate: Speed::from_mm_min(v).unwrap(),
+            acceleration: Acceleration::from_m_s2(a).unwrap(),
+            jerk: Jerk::from_m_s3(j).unwrap(),
+        })
+    }
+
+    fn lengths() -> impl Strategy<Value = Length> {
+        decades(Length::SMALLEST, Length::LARGEST).prop_map(|mm| Length::from_mm(mm).unwrap())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::with_cases(2000) })]
+
+        #[test]
+        fn whatever_can_be_stated_has_a_plan_that_holds_together(
+            (diameter, corner, ball, scallop) in (lengths(), lengths(), lengths(), lengths()),
+            machine in machines(),
+            mu in decades(1.0, FormFactor::LARGEST),
+            chi in decades(Area::SMALLEST, Area::LARGEST),
+            slope in prop_oneof![0.0..=90.0_f64, decades(1e-300, 90.0)],
+        ) {
+            let Ok(toroidal) = Cutter::toroidal(diameter, corner) else { return Err(TestCaseError::reject("corner")) };
+            let job = Job::new(toroidal, Cutter::ball_end(ball), scallop, machine, StepOverModel::Analytic);
+            let Ok(job) = job else { return Err(TestCaseError::reject("scallop")) };
+            let rectangle = InclinedRectangle::from_form(FormFactor::new(mu).unwrap(), Area::from_mm2(chi).unwrap());
+            let Ok(rectangle) = rectangle else { return Err(TestCaseError::reject("sides")) };
+            let slope = Angle::from_degrees(slope).unwrap();
+            // Quantities are checked to be finite where they come into being, in debug builds.
+            let plan = plan(&job, rectangle, slope);
+            if slope.sin() < 1e-290 {
+                prop_assert!(plan.is_ok() || plan == Err(NoAnswer::FlatFloor));
+                return Ok(());
+            }
+            let plan = plan.unwrap();
+            let (one, other) = (plan.toroidal.zigzag.time.seconds(), plan.ball_end.zigzag.time.seconds());
+            // Where the times differ by more than rounding, the faster cutter is recommended; flatter slopes than 1e-6 deg are not told
+            // apart.
+            if slope.degrees() > 1e-6 && (one - other).abs() > 1e-9 * one.max(other) {
+                let faster = if one < other { CutterChoice::Toroidal } else { CutterChoice::BallEnd };
+                prop_assert_eq!(plan.recommended, faster, "{:?}", plan);
+            }
+            prop_assert!(plan.toroidal.zigzag.passes.is_finite() && plan.ball_end.zigzag.passes.is_finite());
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! The box around a set of points.
+
+/// The smallest box with sides along the axes around all points taken in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// The smallest x, y and z.
+    pub min: [f64; 3],
+    /// The largest x, y and z.
+    pub max: [f64; 3],
+}
+
+impl Bounds {
+    /// The box around nothing, which every point enlarges.
+    pub(super) const NONE: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+
+    /// Makes room for a point.
+    #[inline]
+    pub(super) fn include(&mut self, point: [f64; 3]) {
+        for (axis, coordinate) in point.into_iter().enumerate() {
+            // Comparisons are one instruction each, where f64::min also looks for NaN; a tenth of the time of taking in a facet.
+            self.min[axis] = if coordinate < self.min[axis] { coordinate } else { self.min[axis] };
+            self.max[axis] = if coordinate > self.max[axis] { coordinate } else { self.max[axis] };
+        }
+    }
+
+    /// Makes room for all that the other box holds.
+    pub(super) fn merge(&mut self, other: &Self) {
+        for axis in 0..3 {
+            self.min[axis] = self.min[axis].min(other.min[axis]);
+            self.max[axis] = self.max[axis].max(other.max[axis]);
+        }
+    }
+
+    /// The box in a unit of which `factor` make one of the present unit.
+    pub(super) fn scaled(self, factor: f64) -> Self {
+        Self { min: self.min.map(|c| c * factor), max: self.max.map(|c| c * factor) }
+    }
+
+    /// The largest magnitude of a coordinate in the box; 0 for the box around nothing.
+    pub(super) fn largest_magnitude(&self) -> f64 {
+        if self.min[0] > self.max[0] {
+            return 0.0;
+        }
+        self.min.iter().chain(&self.max).fold(0.0, |largest, c| c.abs().max(largest))
+    }
+}

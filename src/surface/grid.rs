@@ -1,0 +1,105 @@
+//! Points in rows and columns, whose neighbours are known and span facets.
+
+use super::{SampledSurface, Sink};
+use std::fmt;
+
+/// Makes facets of the points of a grid as they come, row after row; it holds one row.
+///
+/// Each quad of neighbours is two facets, divided along the diagonal from its first point to its last. The sense in which rows and
+/// columns run is not stated by anybody, so the side of the grid that shows more of itself from above is its outer side.
+#[derive(Debug, Clone)]
+pub struct Grid {
+    rows: usize,
+    columns: usize,
+    surface: SampledSurface,
+    received: usize,
+    /// The last point of each column so far.
+    row: Vec<[f64; 3]>,
+    /// The point of the row before, one column back.
+    corner: [f64; 3],
+    /// The area seen from above, positive for facets that point up.
+    seen_from_above: f64,
+}
+
+/// Why points do not make a grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GridError {
+    /// A grid needs two rows and two columns to have a quad.
+    TooFewRowsOrColumns,
+    /// There are more or fewer points than rows times columns.
+    WrongNumberOfPoints {
+        /// Rows times columns.
+        expected: usize,
+        /// How many points came.
+        received: usize,
+    },
+}
+
+impl fmt::Display for GridError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFewRowsOrColumns => f.write_str("a grid needs at least 2 rows and 2 columns"),
+            Self::WrongNumberOfPoints { expected, received } => {
+                write!(f, "rows times columns makes {expected} points, but there are {received}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for GridError {}
+
+impl Grid {
+    /// An empty grid of that size.
+    ///
+    /// # Errors
+    /// [`GridError::TooFewRowsOrColumns`].
+    pub fn new(rows: usize, columns: usize) -> Result<Self, GridError> {
+        if rows < 2 || columns < 2 {
+            return Err(GridError::TooFewRowsOrColumns);
+        }
+        let (surface, corner) = (SampledSurface::new(), [0.0; 3]);
+        Ok(Self { rows, columns, surface, received: 0, row: Vec::new(), corner, seen_from_above: 0.0 })
+    }
+
+    /// The next point. Points beyond the last one are counted only.
+    pub fn point(&mut self, point: [f64; 3]) {
+        let (row, column) = (self.received / self.columns, self.received % self.columns);
+        self.received += 1;
+        if row >= self.rows {
+            return;
+        }
+        if row == 0 {
+            // Rows grow with the points that come, so that a grid that promises much costs nothing.
+            self.row.push(point);
+            return;
+        }
+        let above = std::mem::replace(&mut self.row[column], point);
+        if column > 0 {
+            let left = self.row[column - 1];
+            self.facet([self.corner, left, point]);
+            self.facet([self.corner, point, above]);
+        }
+        self.corner = above;
+    }
+
+    fn facet(&mut self, corners: [[f64; 3]; 3]) {
+        let [a, b, c] = corners;
+        self.seen_from_above += (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        self.surface.facet(corners);
+    }
+
+    /// The surface of the whole grid.
+    ///
+    /// # Errors
+    /// [`GridError::WrongNumberOfPoints`].
+    pub fn finish(mut self) -> Result<SampledSurface, GridError> {
+        let expected = self.rows.saturating_mul(self.columns);
+        if self.received != expected {
+            return Err(GridError::WrongNumberOfPoints { expected, received: self.received });
+        }
+        if self.seen_from_above < 0.0 {
+            self.surface.turn_over();
+        }
+        Ok(self.surface)
+    }
+}
