@@ -10,11 +10,13 @@
 mod analytic;
 mod contact;
 mod cutter;
+mod envelope;
 mod no_answer;
 mod pass;
 
 pub use analytic::{Analytic, EffectiveRadius};
 pub use contact::{Contact, ContactError};
 pub use cutter::{CornerTooLarge, Cutter, CutterKind};
+pub use envelope::Envelope;
 pub use no_answer::NoAnswer;
 pub use pass::{Pass, Runout, ScallopHeight, StepOver, SurfaceCurvature};
