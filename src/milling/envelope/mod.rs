@@ -134,7 +134,7 @@ impl Envelope {
 
     /// h on a plane, for passes s apart whose tooth marks lie f apart, both in the tangent plane.
     fn height_on_plane(&self, s: f64, f: f64) -> Result<f64, NoAnswer> {
-        let (across, along) = (s * self.contact().spacing_ratio(), f * self.climb.cos());
+        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
         let (outer, core, corner) = (self.cutter.outer_radius().mm(), self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         if across > 2.0 * outer {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
@@ -160,6 +160,12 @@ impl Envelope {
 
     fn contact(&self) -> Contact {
         self.pass.contact
+    }
+
+    /// d/s, how near the passes come seen from above: cos(S) / cos(climb), by which a square with a side along the feed shrinks, less its shrinking along
+    /// the feed. On a wall 1 for the vertical feed and 0 for any other, whatever alpha, which only theta tells apart there.
+    fn spacing_ratio(&self) -> f64 {
+        if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos() / self.climb.cos() }
     }
 
     /// Whether a ball-end cutter touches the ridge with its ball and not with its side.
@@ -195,14 +201,14 @@ impl Envelope {
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding less, so
     /// that it is in the domain itself; never more than can be stated.
     fn largest_step_over(&self, f: f64) -> f64 {
-        let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.contact().spacing_ratio());
+        let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
         let curvature = self.pass.surface.per_mm();
         if curvature == 0.0 { on_plane } else { on_plane.min(largest_groove_distance(self.groove_curvature, curvature).mm()) }
     }
 
     /// The distance of marks up to which they overlap, seen from above, in passes s apart.
     fn largest_mark_spacing(&self, s: f64) -> f64 {
-        largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.contact().spacing_ratio(), self.climb.cos())
+        largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
     }
 
     /// Adds to a height on the plane what the analytic model says that the surface's curvature changes at the step-over s.
