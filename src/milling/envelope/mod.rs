@@ -182,7 +182,7 @@ impl Envelope {
     /// About h, for a search to start from: the heights of circles of the analytic radii, R at the most.
     fn guess(&self, s: f64, f: f64) -> f64 {
         let outer = self.cutter.outer_radius().mm();
-        s * s / 8.0 * self.groove_curvature.clamp(outer.recip(), (s / 2.0).recip()) + f * f / (8.0 * outer)
+        s * s / 8.0 * self.groove_curvature.max(outer.recip()).min(2.0 / s) + f * f / (8.0 * outer)
     }
 
     /// A height that h cannot exceed on slopes under 90 deg: that of a rectangle between the teeth, seen from above and centred on the axis, which
@@ -256,7 +256,7 @@ fn largest_within(
     height: impl Fn(f64) -> Result<f64, NoAnswer>,
 ) -> Result<Option<f64>, NoAnswer> {
     let excess = |height: f64| (height - target) / (height + target);
-    let mut at = guess.clamp(smallest, largest);
+    let mut at = guess.max(smallest).min(largest);
     let mut value = excess(height(at)?);
     let (mut low, mut high) = (None, None);
     // From the guess outwards by factors of 2, at most from 1e-6 to 1e6 mm or down to no length at all.
