@@ -147,23 +147,10 @@ impl Analytic {
         self.step_over_of(Length::computed(tolerance.mm() - feed_height.mm()))
     }
 
-    /// h1 [Segonds 2017, eq. 12 with its signs corrected].
-    ///
-    /// Printed as A - Dq with A = R_eff cos(beta) - rho (1 - cos(beta)), Dq = sqrt(R_eff^2 - (1 + R_eff/rho)^2 s^2/4) and
-    /// sin(beta) = s / 2 rho. With k = 1/R_eff, c = 1/rho, a = A/R_eff, d = Dq/R_eff it equals
-    /// s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), which neither cancels nor knows a special case.
+    /// h1 on the curved surface, [`groove_height`].
     fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
-        let (k, c, s) = (self.across.0.recip(), self.pass.surface.per_mm(), step_over.mm());
-        let sin_beta = c * s / 2.0;
-        let offset = (k + c) * s / 2.0;
-        if sin_beta.abs() > 1.0 || offset > 1.0 {
-            return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: self.largest_step_over() });
-        }
-        let cos_beta = ((1.0 - sin_beta) * (1.0 + sin_beta)).sqrt();
-        // Paired so that no factor exceeds 4: the square of a step-over over a nearly flat floor can overflow.
-        let a = cos_beta - (s * k) * (s * c) / (4.0 * (1.0 + cos_beta));
-        let d = ((1.0 - offset) * (1.0 + offset)).sqrt();
-        Ok(Length::computed(s * offset / ((1.0 + cos_beta) * (a + d))))
+        let height = groove_height(self.across.0.recip(), self.pass.surface.per_mm(), step_over.mm());
+        height.map(Length::computed).ok_or_else(|| NoAnswer::PassesDoNotOverlap { largest_step_over: self.largest_step_over() })
     }
 
     /// The step-over that leaves the height h1, in closed form.
@@ -180,11 +167,8 @@ impl Analytic {
         Ok(Length::computed(2.0 * (w * (2.0 - c * c * w)).sqrt()))
     }
 
-    /// The step-over at which neighbouring grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, and never
-    /// more than a hollow's width 2 |rho|. A rounding less, so that it lies in the domain of the height itself.
     fn largest_step_over(&self) -> Length {
-        let (k, c) = (self.across.0.recip(), self.pass.surface.per_mm());
-        Length::computed((2.0 / (k + c)).min(2.0 / c.abs()) * (1.0 - 2.0 * f64::EPSILON))
+        largest_groove_distance(self.across.0.recip(), self.pass.surface.per_mm())
     }
 
     /// h2, or with runout its upper bound [Segonds 2017, eq. 14 and 18].
@@ -196,4 +180,29 @@ impl Analytic {
         let height = self.along.height(spacing.mm());
         height.map(Length::computed).ok_or(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(2.0 * self.along.0) })
     }
+}
+
+/// h1 [Segonds 2017, eq. 12 with its signs corrected] of grooves with the curvature k = 1/R_eff on a surface with the curvature c = 1/rho, at the
+/// step-over s. `None` where the grooves do not meet.
+///
+/// Printed as A - Dq with A = R_eff cos(beta) - rho (1 - cos(beta)), Dq = sqrt(R_eff^2 - (1 + R_eff/rho)^2 s^2/4) and
+/// sin(beta) = s / 2 rho. With a = A/R_eff, d = Dq/R_eff it equals s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), which neither cancels nor
+/// knows a special case: k = 0 is a flat, c = 0 a plane.
+pub(super) fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
+    let sin_beta = c * s / 2.0;
+    let offset = (k + c) * s / 2.0;
+    if sin_beta.abs() > 1.0 || offset > 1.0 {
+        return None;
+    }
+    let cos_beta = ((1.0 - sin_beta) * (1.0 + sin_beta)).sqrt();
+    // Paired so that no factor exceeds 4: the square of a step-over over a nearly flat floor can overflow.
+    let a = cos_beta - (s * k) * (s * c) / (4.0 * (1.0 + cos_beta));
+    let d = ((1.0 - offset) * (1.0 + offset)).sqrt();
+    Some(s * offset / ((1.0 + cos_beta) * (a + d)))
+}
+
+/// The step-over at which such grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, and never more than a hollow's
+/// width 2 |rho|. A rounding less, so that it lies in the domain of [`groove_height`].
+pub(super) fn largest_groove_distance(k: f64, c: f64) -> Length {
+    Length::computed((2.0 / (k + c)).min(2.0 / c.abs()) * (1.0 - 2.0 * f64::EPSILON))
 }

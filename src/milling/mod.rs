@@ -11,6 +11,7 @@ mod analytic;
 mod concern;
 mod contact;
 mod cutter;
+mod envelope;
 mod no_answer;
 mod pass;
 
@@ -18,5 +19,6 @@ pub use analytic::{Analytic, EffectiveRadius};
 pub use concern::{Concern, circle_concerns, concerns};
 pub use contact::{Contact, ContactError};
 pub use cutter::{CornerTooLarge, Cutter, CutterKind};
+pub use envelope::Envelope;
 pub use no_answer::NoAnswer;
 pub use pass::{Pass, Runout, ScallopHeight, StepOver, SurfaceCurvature};

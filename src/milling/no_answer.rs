@@ -24,6 +24,8 @@ pub enum NoAnswer {
         /// The effective radius, which the surface's radius must exceed.
         effective_radius: Length,
     },
+    /// The surface is hollow where the cutter is flat or its side straight: it cuts in whatever the hollow's radius.
+    FlatGouges,
     /// The passes lie above each other when seen from above.
     PassesCoincideFromAbove,
     /// The step-over alone leaves as much as the tolerance allows, so that no feed is possible.
@@ -70,6 +72,9 @@ impl fmt::Display for NoAnswer {
                 f,
                 "the cutter gouges: a concave surface radius must exceed the effective radius, {:.6} mm; take a smaller cutter or another feed direction",
                 effective_radius.mm()
+            ),
+            Self::FlatGouges => f.write_str(
+                "the cutter's flat bottom or straight side lies across the hollow and gouges it whatever its radius; take a ball-end cutter or another feed direction",
             ),
             Self::PassesCoincideFromAbove => {
                 f.write_str("the feed runs along a vertical wall, where passes lie above each other and cannot be spaced by vertical planes; give the step-over along the surface")

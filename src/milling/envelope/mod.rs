@@ -1,0 +1,284 @@
+//! Model `envelope`: the height that the cutter's whole lower body leaves, with no circle in its place.
+//!
+//! The analytic radii are curvatures at one point. Near the horizontal the groove is far narrower than its curvature says, at oblique feed
+//! neighbouring tooth marks meet along the feed and not in its normal plane, and on steep walls the cutter's side takes over from its
+//! corner. Here the height is that of the highest place that some phase between the teeth of neighbouring passes can leave uncut:
+//! a bound, and reached.
+//!
+//! What is assumed: a tooth prints the whole body at its place, that is, the feed per revolution is small against the cutter's
+//! circumference; the cutter's side is as long as the wall that it passes; passes are parallel and the surface is a plane, but for a
+//! correction that is the analytic model's. This file has the model's answers, `ridge` the search for the height on a plane,
+//! `body` the cutter's solid and `root` the searches for roots.
+
+mod body;
+mod ridge;
+mod root;
+
+use super::analytic::{groove_height, largest_groove_distance};
+use super::{Contact, Cutter, CutterKind, EffectiveRadius, NoAnswer, Pass, ScallopHeight};
+use crate::quantity::{Angle, Length};
+use body::Body;
+use ridge::Ridge;
+use root::bracketed_root;
+
+/// The envelope model at one contact. It has an answer at every slope from 0 to 90 deg, for every cutter.
+///
+/// **Heights.** h is the lowest height at which the cutter's section parallel to the surface holds two chords along the feed, both as long
+/// as the tooth marks are apart and lying the step-over s apart. h1 is the same with chords of no length, and the feed's share is
+/// h - h1. Both grow with s and with the feed.
+///
+/// **Where passes overlap.** Seen from above a pass clears a strip 2R wide, and the teeth print circles of radius R. With d the passes' distance
+/// and f the marks' distance seen from above, something stays uncut from top to bottom unless d^2 + f^2 <= 4 R^2; that is an
+/// error. On a wall along which the feed runs d is 0 whatever s.
+///
+/// **Curved surfaces.** What the analytic model says that the curvature changes, h1 on the curved surface less h1 on the plane, is added to both
+/// heights. This part is not exact.
+///
+/// **Runout.** The outer radius is R + rr, and the tooth marks are as far apart as [`super::Runout::mark_spacing`] says, with the exact
+/// climb of the feed.
+#[derive(Debug, Clone, Copy)]
+pub struct Envelope {
+    pass: Pass,
+    cutter: Cutter,
+    body: Body,
+    climb: Angle,
+    /// 1/R_eff of the analytic model, for the correction on curved surfaces and for first guesses; 0 on a flat.
+    groove_curvature: f64,
+}
+
+impl Envelope {
+    /// Places the cutter on the surface.
+    ///
+    /// # Errors
+    /// On a concave surface whose radius does not exceed the effective radius [`NoAnswer::Gouges`], or [`NoAnswer::FlatGouges`] where that radius is
+    /// infinite.
+    pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
+        let cutter = pass.cutter.widened(pass.runout.radial());
+        let effective_radius = EffectiveRadius::across_feed(cutter, pass.contact).finite();
+        let groove_curvature = effective_radius.map_or(0.0, |radius| radius.mm().recip());
+        let curvature = pass.surface.per_mm();
+        if curvature < 0.0 && groove_curvature + curvature <= 0.0 {
+            return Err(effective_radius.map_or(NoAnswer::FlatGouges, |effective_radius| NoAnswer::Gouges { effective_radius }));
+        }
+        Ok(Self { pass, cutter, body: Body::new(cutter, pass.contact), climb: pass.contact.climb(), groove_curvature })
+    }
+
+    /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`];
+    /// - [`NoAnswer::Gouges`] or [`NoAnswer::FlatGouges`] where a hollow sinks more between two passes than the cutter leaves there.
+    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
+        let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
+        let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
+        let Some(feed_per_tooth) = feed_per_tooth else {
+            return Ok(ScallopHeight { step_over: step_over_height, feed: Length::ZERO });
+        };
+        let spacing = self.pass.runout.mark_spacing(feed_per_tooth, self.climb);
+        // h is never under h1; where marks leave next to nothing, rounding may put it there.
+        let feed = (self.height_on_plane(step_over.mm(), spacing.mm())? - on_plane).max(0.0);
+        Ok(ScallopHeight { step_over: step_over_height, feed: Length::computed(feed) })
+    }
+
+    /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
+    ///
+    /// # Errors
+    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
+    /// step-over in [`Envelope::scallop_height`].
+    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
+        let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
+        if step_over_height >= tolerance {
+            let max_step_over = self.max_step_over(tolerance, None)?;
+            return Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over });
+        }
+        let room = tolerance.mm() - step_over_height.mm();
+        let largest_spacing = self.largest_mark_spacing(step_over.mm());
+        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt();
+        let spacing = largest_within(on_plane + room, guess, 0.0, largest_spacing, |spacing| self.height_on_plane(step_over.mm(), spacing))?;
+        let (runout, climb) = (self.pass.runout, self.climb);
+        match spacing {
+            Some(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
+            None => match runout.feed_per_tooth(Length::computed(largest_spacing), climb) {
+                Some(largest_feed_per_tooth) => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }),
+                None => Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_spacing) }),
+            },
+        }
+    }
+
+    /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::FeedUsesUpTolerance`] where even passes [`Length::SMALLEST`] apart leave the tolerance;
+    /// - [`NoAnswer::MarksDoNotOverlap`];
+    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] where no step-over up to the largest one leaves the tolerance;
+    /// - [`NoAnswer::Gouges`] or [`NoAnswer::FlatGouges`] where the cutter cuts into a hollow before the step-over leaves the tolerance.
+    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let spacing = feed_per_tooth.map_or(0.0, |feed| self.pass.runout.mark_spacing(feed, self.climb).mm());
+        let height = |step_over: f64| {
+            let on_plane = self.height_on_plane(step_over, spacing)?;
+            self.with_curvature(on_plane, step_over).map(Length::mm)
+        };
+        let feed_height = self.height_on_plane(Length::SMALLEST, spacing)?;
+        if feed_height >= tolerance.mm() {
+            return Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
+        }
+        let largest_step_over = self.largest_step_over(spacing);
+        let radius = self.groove_curvature.recip().min(self.cutter.outer_radius().mm());
+        let guess = (8.0 * (tolerance.mm() - feed_height) * radius).sqrt();
+        let step_over = largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)?;
+        step_over
+            .map(Length::computed)
+            .ok_or(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest_step_over) })
+    }
+
+    /// h on a plane, for passes s apart whose tooth marks lie f apart, both in the tangent plane.
+    fn height_on_plane(&self, s: f64, f: f64) -> Result<f64, NoAnswer> {
+        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
+        let (outer, core, corner) = (self.cutter.outer_radius().mm(), self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        if across > 2.0 * outer {
+            return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
+        }
+        if across.hypot(along) > 2.0 * outer {
+            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_mark_spacing(s)) });
+        }
+        let slope = self.contact().slope();
+        if slope.cos() == 0.0 {
+            // Only the cylinder touches a wall.
+            return Ok(circle_height(outer, across.hypot(along)));
+        }
+        if slope.sin() == 0.0 {
+            // The corners of the rectangle between two teeth of two passes lie on the flat or on the corner's round.
+            let beyond_flat = s.hypot(f) - 2.0 * core;
+            return Ok(if beyond_flat > 0.0 { circle_height(corner, beyond_flat) } else { 0.0 });
+        }
+        if self.cutter.kind() == CutterKind::BallEnd && self.ball_alone(s, f) {
+            return Ok(circle_height(outer, s.hypot(f)));
+        }
+        Ok(Ridge::new(&self.body, s, f).level(self.guess(s, f), self.highest(s, f)))
+    }
+
+    fn contact(&self) -> Contact {
+        self.pass.contact
+    }
+
+    /// d/s, how near the passes come seen from above: cos(S) / cos(climb), by which a square with a side along the feed shrinks, less its shrinking along
+    /// the feed. On a wall 1 for the vertical feed and 0 for any other, whatever alpha, which only theta tells apart there.
+    fn spacing_ratio(&self) -> f64 {
+        if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos() / self.climb.cos() }
+    }
+
+    /// Whether a ball-end cutter touches the ridge with its ball and not with its side.
+    ///
+    /// On the sphere the lowest rectangle is centred over the contact, R - h below the centre; its highest corner is
+    /// (s |sin(theta)| + f |cos(theta)|) / 2 up the slope and has to be below the centre.
+    fn ball_alone(&self, s: f64, f: f64) -> bool {
+        let (slope, theta, radius) = (self.contact().slope(), self.contact().theta(), self.cutter.outer_radius().mm());
+        let half_diagonal = s.hypot(f) / 2.0;
+        let up = (s * theta.sin().abs() + f * theta.cos().abs()) / 2.0;
+        half_diagonal <= radius && ((radius - half_diagonal) * (radius + half_diagonal)).sqrt() * slope.cos() >= up * slope.sin()
+    }
+
+    /// About h, for a search to start from: the heights of circles of the analytic radii, R at the most.
+    fn guess(&self, s: f64, f: f64) -> f64 {
+        let outer = self.cutter.outer_radius().mm();
+        s * s / 8.0 * self.groove_curvature.max(outer.recip()).min(2.0 / s) + f * f / (8.0 * outer)
+    }
+
+    /// A height that h cannot exceed on slopes under 90 deg: that of a rectangle between the teeth, seen from above and centred on the axis, which
+    /// is as high as it must be to lie in the cylinder above the corner.
+    ///
+    /// Its corners have the radius sqrt(d^2 + f^2)/2 <= R seen from above. The centre of the disc in which the cylinder begins lies a sin(S) + r cos^2(S) +
+    /// r sin^2(S) over the surface. With gamma the climb, one side of the rectangle rises by f sin(gamma) and the other, whose length d = s cos(S) / cos(gamma)
+    /// runs at sin(theta) / cos(gamma) to the steepest line seen from above, by d tan(S) sin(theta) / cos(gamma). The centre must be half of both
+    /// above the disc, of which the part cos(S) counts.
+    fn highest(&self, s: f64, f: f64) -> f64 {
+        let (slope, theta, climb) = (self.contact().slope(), self.contact().theta(), self.climb);
+        let rise = (f * climb.sin() + s * slope.sin() * theta.sin().abs() / (climb.cos() * climb.cos())) / 2.0;
+        self.cutter.core_radius().mm() * slope.sin() + self.cutter.corner_radius().mm() + rise * slope.cos()
+    }
+
+    /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding less, so
+    /// that it is in the domain itself; never more than can be stated.
+    fn largest_step_over(&self, f: f64) -> f64 {
+        let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
+        let curvature = self.pass.surface.per_mm();
+        if curvature == 0.0 { on_plane } else { on_plane.min(largest_groove_distance(self.groove_curvature, curvature).mm()) }
+    }
+
+    /// The distance of marks up to which they overlap, seen from above, in passes s apart.
+    fn largest_mark_spacing(&self, s: f64) -> f64 {
+        largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
+    }
+
+    /// Adds to a height on the plane what the analytic model says that the surface's curvature changes at the step-over s.
+    fn with_curvature(&self, on_plane: f64, s: f64) -> Result<Length, NoAnswer> {
+        let (k, c) = (self.groove_curvature, self.pass.surface.per_mm());
+        if c == 0.0 {
+            return Ok(Length::computed(on_plane));
+        }
+        let (Some(curved), Some(plane)) = (groove_height(k, c, s), groove_height(k, 0.0, s)) else {
+            return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
+        };
+        let height = on_plane + (curved - plane);
+        if height > 0.0 {
+            Ok(Length::computed(height))
+        } else if on_plane > 0.0 {
+            // The circle through the contact and the two ridges beside it is as hollow as the cutter is there.
+            Err(NoAnswer::Gouges { effective_radius: Length::computed((s * s / on_plane / 4.0 + on_plane) / 2.0) })
+        } else {
+            Err(NoAnswer::FlatGouges)
+        }
+    }
+}
+
+/// P - sqrt(P^2 - c^2/4), what circles of radius P leave at the distance c <= 2P, without cancellation.
+fn circle_height(radius: f64, chord: f64) -> f64 {
+    // A rounding may put c over 2P where the caller's own comparison did not.
+    let ratio = (chord / (2.0 * radius)).min(1.0);
+    chord / 2.0 * ratio / (1.0 + ((1.0 - ratio) * (1.0 + ratio)).sqrt())
+}
+
+/// The length whose part `ratio` and the leg `leg` have the hypotenuse `hypotenuse`, a rounding less; at most what can be stated.
+fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
+    let room = ((hypotenuse - leg) * (hypotenuse + leg)).max(0.0).sqrt();
+    (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)
+}
+
+/// Where in `[smallest, largest]` a height that grows from under `target` reaches it; `None` if it stays under it. The search starts at `guess`.
+///
+/// The root is sought over the logarithm, in (h - target) / (h + target), where a power law is nearly a straight line.
+fn largest_within(
+    target: f64,
+    guess: f64,
+    smallest: f64,
+    largest: f64,
+    height: impl Fn(f64) -> Result<f64, NoAnswer>,
+) -> Result<Option<f64>, NoAnswer> {
+    let excess = |height: f64| (height - target) / (height + target);
+    let mut at = guess.max(smallest).min(largest);
+    let mut value = excess(height(at)?);
+    let (mut low, mut high) = (None, None);
+    // From the guess outwards by factors of 2, at most from 1e-6 to 1e6 mm or down to no length at all.
+    loop {
+        if value < 0.0 { low = Some((at, value)) } else { high = Some((at, value)) }
+        if low.is_some() && high.is_some() {
+            break;
+        }
+        let next = if value < 0.0 { (2.0 * at).min(largest) } else { (at / 2.0).max(smallest) };
+        if next == at {
+            break;
+        }
+        at = next;
+        value = excess(height(at)?);
+    }
+    let (Some(low), Some(high)) = (low, high) else {
+        return Ok(if low.is_some() { None } else { Some(at) });
+    };
+    // Between two places with a height, a place without one is in a hollow that the cutter gouges: it has no height left.
+    let over_logarithm = |u: f64| height(u.exp()).map_or(-1.0, excess);
+    Ok(Some(bracketed_root((low.0.ln(), low.1), (high.0.ln(), high.1), over_logarithm).exp()))
+}
+
+#[cfg(test)]
+mod tests;

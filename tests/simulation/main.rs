@@ -1,0 +1,116 @@
+//! Model `envelope` against a simulation that knows only the cutter's solid: the model's height is never exceeded, and it is reached.
+//!
+//! The default run takes 240 configurations. More, on a finer grid of seeds, by one command:
+//!
+//! ```sh
+//! SCALLOPD_SIMULATIONS=5000 cargo test --release --test simulation
+//! ```
+
+mod solid;
+
+use scallopd::milling::{Contact, Cutter, Envelope, NoAnswer, Pass, Runout, SurfaceCurvature};
+use scallopd::quantity::Length;
+use solid::{Grid, Setup, Solid, highest_uncut};
+
+/// Splitmix64: numbers that look random and are the same on each run.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        #[expect(clippy::cast_precision_loss, reason = "53 bits fit")]
+        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
+        unit
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// One of the ends in one case of ten each, otherwise anything between.
+    fn with_ends(&mut self, low: f64, high: f64) -> f64 {
+        match self.unit() {
+            u if u < 0.1 => low,
+            u if u < 0.2 => high,
+            _ => self.within(low, high),
+        }
+    }
+}
+
+fn mm(value: f64) -> Length {
+    Length::from_mm(value).unwrap()
+}
+
+/// A configuration and the model's height for it.
+#[derive(Debug)]
+struct Case {
+    setup: Setup,
+    alpha_deg: f64,
+    height: f64,
+}
+
+impl Case {
+    /// Slopes 0 to 90 deg, all directions, r/R from 0 to 1, marks up to 0.4 mm apart, step-overs that leave 1 to 100 um.
+    fn draw(random: &mut Random) -> Result<Self, NoAnswer> {
+        let outer_radius = random.within(1.0, 10.0);
+        let ratio = random.with_ends(0.0, 1.0);
+        let (cutter, corner_radius) = if ratio == 0.0 {
+            (Cutter::flat_end(mm(2.0 * outer_radius)), 0.0)
+        } else if ratio == 1.0 {
+            (Cutter::ball_end(mm(2.0 * outer_radius)), outer_radius)
+        } else {
+            (Cutter::toroidal(mm(2.0 * outer_radius), mm(ratio * outer_radius)).unwrap(), ratio * outer_radius)
+        };
+        let (slope_deg, alpha_deg) = (random.with_ends(0.0, 90.0), random.with_ends(0.0, 90.0));
+        let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();
+        let envelope = Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE })?;
+        let left = 1e-3 * 100.0_f64.powf(random.unit());
+        let step_over = match envelope.max_step_over(mm(left), None) {
+            // Along a wall no step-over leaves anything.
+            Err(NoAnswer::ToleranceLimitsNoStepOver { .. }) => mm(random.within(0.1, 1.0)),
+            step_over => step_over?,
+        };
+        let mark_spacing = random.within(1e-3, 0.4);
+        let height = envelope.scallop_height(step_over, Some(mm(mark_spacing)))?.total().mm();
+        let solid = Solid { outer_radius, corner_radius };
+        let theta_deg = contact.theta().radians().to_degrees();
+        Ok(Self { setup: Setup { solid, slope_deg, theta_deg, step_over: step_over.mm(), mark_spacing }, alpha_deg, height })
+    }
+
+    /// The simulated height as a share of the model's; where the model says that nothing is left, 1 if the simulation agrees to 1e-11 mm.
+    /// Elsewhere columns end at 1e-8 of the height, far below the 1e-6 by which it is judged.
+    fn reached(&self, grid: Grid) -> f64 {
+        let resolution = (1e-8 * self.height).max(1e-11);
+        let simulated = highest_uncut(self.setup, grid, 4.0 * self.setup.solid.outer_radius, resolution);
+        if self.height > 0.0 { simulated / self.height } else { 1.0 + (simulated - resolution).max(0.0) }
+    }
+}
+
+/// The configurations to simulate.
+fn wanted() -> usize {
+    std::env::var("SCALLOPD_SIMULATIONS").map_or(240, |count| count.parse().expect("SCALLOPD_SIMULATIONS must be a count"))
+}
+
+#[test]
+fn the_height_is_never_exceeded_and_is_reached() {
+    let wanted = wanted();
+    let mut random = Random(20_261_121);
+    let (mut reached, mut without_answer) = (Vec::new(), 0);
+    while reached.len() < wanted {
+        let Ok(case) = Case::draw(&mut random) else {
+            without_answer += 1;
+            continue;
+        };
+        let share = case.reached(Grid { along: 48, across: 160 });
+        assert!(share <= 1.0 + 1e-6, "the simulation leaves {share} of the model's height in {case:?}");
+        reached.push(share);
+    }
+    reached.sort_by(f64::total_cmp);
+    let (least, median, most) = (reached[0], reached[wanted / 2], reached[wanted - 1]);
+    println!("{wanted} configurations: simulated height {least:.4} to {most:.8} of the model's, median {median:.4}; {without_answer} without answer");
+    assert!(median >= 0.98, "the model's height is not reached: median {median}");
+    assert!(10 * without_answer <= wanted, "{without_answer} configurations have no answer");
+}

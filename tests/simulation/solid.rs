@@ -1,0 +1,193 @@
+//! A brute-force simulation of finish milling on an inclined plane, written from the cutter's solid alone: which points the body covers, and
+//! nothing else. It knows neither radii of curvature nor profiles nor how marks meet.
+
+/// A turning cutter, its axis the Z axis and its corner's centre at z = 0: a cylinder of radius R with the edge at its bottom rounded by r.
+#[derive(Debug, Clone, Copy)]
+pub struct Solid {
+    /// R in mm.
+    pub outer_radius: f64,
+    /// r in mm, 0 for a sharp edge, R for a ball.
+    pub corner_radius: f64,
+}
+
+impl Solid {
+    /// Where the body begins above the distance `rho <= R` from the axis.
+    fn floor(self, rho: f64) -> f64 {
+        let beyond_flat = rho - (self.outer_radius - self.corner_radius);
+        if beyond_flat <= 0.0 { -self.corner_radius } else { -(self.corner_radius.powi(2) - beyond_flat.powi(2)).max(0.0).sqrt() }
+    }
+
+    fn contains(self, [x, y, z]: [f64; 3]) -> bool {
+        let rho = x.hypot(y);
+        rho <= self.outer_radius && z >= self.floor(rho)
+    }
+
+    /// The distance rho at which a plane of the slope `slope` (rad) touches the body from below, and that plane's height over the axis' origin
+    /// along its normal: the least of -rho sin + floor(rho) cos, found by halving in thirds.
+    fn touch(self, slope: f64) -> (f64, f64) {
+        let height = |rho: f64| self.floor(rho) * slope.cos() - rho * slope.sin();
+        let (mut low, mut high) = (0.0, self.outer_radius);
+        for _ in 0..200 {
+            let (a, b) = ((2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0);
+            if height(a) < height(b) { high = b } else { low = a }
+        }
+        (low, height(low))
+    }
+}
+
+/// A plane to be milled and the feed on it.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup {
+    /// The cutter.
+    pub solid: Solid,
+    /// The slope in degrees.
+    pub slope_deg: f64,
+    /// The feed's angle to the steepest descent in the tangent plane, in degrees.
+    pub theta_deg: f64,
+    /// The distance of the passes along the surface, in mm.
+    pub step_over: f64,
+    /// The distance of the tooth marks along the feed, in mm.
+    pub mark_spacing: f64,
+}
+
+/// How fine the simulation looks.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid {
+    /// Places, and phases between neighbouring passes, in one distance of marks.
+    pub along: usize,
+    /// Places in one step-over.
+    pub across: usize,
+}
+
+/// Passes that can reach a place beside the one under it: two on either side.
+const PASSES: i32 = 2;
+
+/// Columns along the normal through places of the tangent plane.
+struct Columns {
+    solid: Solid,
+    normal: [f64; 3],
+    feed: [f64; 3],
+    side: [f64; 3],
+    touch: f64,
+    /// Where the body touches the plane, across the feed and along it, seen from the axis.
+    contact: (f64, f64),
+}
+
+impl Columns {
+    fn new(setup: Setup) -> Self {
+        let (slope, theta) = (setup.slope_deg.to_radians(), setup.theta_deg.to_radians());
+        let steepest = [slope.cos(), 0.0, -slope.sin()];
+        let feed = [steepest[0] * theta.cos(), theta.sin(), steepest[2] * theta.cos()];
+        let side = [-steepest[0] * theta.sin(), theta.cos(), -steepest[2] * theta.sin()];
+        let (rho, touch) = setup.solid.touch(slope);
+        let contact = [-rho, 0.0, setup.solid.floor(rho)];
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (across, along) = (dot(contact, side), dot(contact, feed));
+        Self { solid: setup.solid, normal: [slope.sin(), 0.0, slope.cos()], feed, side, touch, contact: (across, along) }
+    }
+
+    fn covers(&self, x: f64, y: f64, p: f64) -> bool {
+        let (x, y, p) = (x + self.contact.1, y + self.contact.0, p + self.touch);
+        self.solid.contains(std::array::from_fn(|i| self.feed[i] * x + self.side[i] * y + self.normal[i] * p))
+    }
+
+    /// How high the material stands under the body at (x, y), infinite where the body is not met up to `ceiling`. The search starts from `hint`.
+    fn uncut(&self, x: f64, y: f64, hint: f64, ceiling: f64, resolution: f64) -> f64 {
+        let mut inside = hint.min(ceiling);
+        let mut step = resolution * 16.0;
+        while !self.covers(x, y, inside) {
+            if inside >= ceiling {
+                return f64::INFINITY;
+            }
+            inside = (inside + step).min(ceiling);
+            step *= 2.0;
+        }
+        // The surface touches the body, so that nothing under it is covered; the body is convex, so that the column enters it once.
+        let mut step = resolution * 16.0;
+        let mut outside = inside - step;
+        while outside > 0.0 && self.covers(x, y, outside) {
+            inside = outside;
+            step *= 2.0;
+            outside -= step;
+        }
+        outside = outside.max(-resolution);
+        while inside - outside > resolution {
+            let middle = f64::midpoint(inside, outside);
+            if self.covers(x, y, middle) { inside = middle } else { outside = middle }
+        }
+        outside
+    }
+}
+
+/// What one pass leaves at the grid's places, over a mark's length and `2 PASSES` step-overs.
+struct Groove {
+    along: usize,
+    first_row: i32,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Groove {
+    fn mill(setup: Setup, grid: Grid, ceiling: f64, resolution: f64) -> Self {
+        let columns = Columns::new(setup);
+        let per_pass = i32::try_from(grid.across).expect("a grid's size");
+        let (first, last) = (-PASSES * per_pass, PASSES * per_pass);
+        let mut rows = vec![Vec::new(); usize::try_from(last - first).expect("rows")];
+        // Outwards from the contact, so that each row starts with the tooth that cut deepest in the row before it.
+        let mut sweep = |order: &mut dyn Iterator<Item = i32>| {
+            let (mut tooth, mut hint) = (0.0, 0.0);
+            for row in order {
+                let y = f64::from(row) * setup.step_over / f64::from(per_pass);
+                let (mut row_tooth, mut row_hint, mut found) = (tooth, hint, false);
+                let cells = (0..grid.along).map(|cell| {
+                    #[expect(clippy::cast_precision_loss, reason = "a grid has few cells")]
+                    let x = setup.mark_spacing * cell as f64 / grid.along as f64;
+                    let height = |tooth: f64, hint| columns.uncut(x - tooth * setup.mark_spacing, y, hint, ceiling, resolution);
+                    let mut least = height(row_tooth, row_hint);
+                    // A convex body leaves a convex height, so that going down from tooth to tooth ends at the deepest.
+                    for direction in [-1.0, 1.0] {
+                        loop {
+                            let next = height(row_tooth + direction, if least.is_finite() { least } else { row_hint });
+                            if next >= least {
+                                break;
+                            }
+                            (row_tooth, least) = (row_tooth + direction, next);
+                        }
+                    }
+                    if least.is_finite() {
+                        row_hint = least;
+                        if !found {
+                            (tooth, hint, found) = (row_tooth, least, true);
+                        }
+                    }
+                    least
+                });
+                rows[usize::try_from(row - first).expect("a row")] = cells.collect();
+            }
+        };
+        sweep(&mut (0..last));
+        sweep(&mut (first..0).rev());
+        Self { along: grid.along, first_row: first, rows }
+    }
+
+    fn row(&self, row: i32) -> &[f64] {
+        &self.rows[usize::try_from(row - self.first_row).expect("a row of the groove")]
+    }
+}
+
+/// The highest place that passes side by side leave, over every phase of the grid between the teeth of one pass and the next.
+pub fn highest_uncut(setup: Setup, grid: Grid, ceiling: f64, resolution: f64) -> f64 {
+    let groove = Groove::mill(setup, grid, ceiling, resolution);
+    let per_pass = i32::try_from(grid.across).expect("a grid's size");
+    let mut highest = 0.0_f64;
+    for row in 0..per_pass {
+        // The passes whose contact lies one step-over behind, under, one and two ahead of the row's.
+        let passes = [1, 0, -1, -2].map(|ahead| groove.row(row + ahead * per_pass));
+        for phase in 0..groove.along {
+            for cell in 0..groove.along {
+                let at = |pass: usize| passes[pass][(cell + pass * phase) % groove.along];
+                highest = highest.max(at(0).min(at(1)).min(at(2)).min(at(3)));
+            }
+        }
+    }
+    highest
+}
