@@ -1,5 +1,7 @@
 //! A surface known by sample points or facets: readers of the files that CAD systems write, moments, principal axes, shape.
 
+pub mod read;
+
 /// Takes the pieces of which a surface is made, one after the other, and keeps of them what it needs. Readers are written against
 /// this, so that a file of any size passes through without being held.
 pub trait Sink {
