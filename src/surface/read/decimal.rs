@@ -98,12 +98,12 @@ pub(super) fn unbounded(found: &str) -> Flaw {
     Flaw::new(FaultKind::OutOfRange, format!("a finite coordinate of at most {LARGEST_COORDINATE:e} in magnitude"), found.to_owned())
 }
 
-/// A word that must be a coordinate as a whole, with a decimal point.
-pub(super) fn coordinate(word: &[u8]) -> Result<f64, Flaw> {
+/// A word that must be a coordinate as a whole, with a decimal point; `expected` says what it is.
+pub(super) fn coordinate(word: &[u8], expected: &'static str) -> Result<f64, Flaw> {
     match number(word, b'.') {
         Some((value, length)) if length == word.len() => bounded(value, word),
         _ if names_no_finite_number(word) => Err(unbounded(&quoted(word))),
-        _ => Err(Flaw::malformed("a number", word)),
+        _ => Err(Flaw::malformed(expected, word)),
     }
 }
 
@@ -156,11 +156,11 @@ mod tests {
 
     #[test]
     fn coordinates_are_finite_and_bounded() {
-        assert_eq!(coordinate(b"-1e12"), Ok(-1e12));
+        assert_eq!(coordinate(b"-1e12", "a number"), Ok(-1e12));
         for word in ["1.0000001e12", "1e400", "nan", "-NaN", "inf", "-Infinity", "1.#QNAN"] {
-            assert_eq!(coordinate(word.as_bytes()), Err(unbounded(&quoted(word.as_bytes()))), "{word}");
+            assert_eq!(coordinate(word.as_bytes(), "a number"), Err(unbounded(&quoted(word.as_bytes()))), "{word}");
         }
-        assert_eq!(coordinate(b"1.2.3"), Err(Flaw::malformed("a number", b"1.2.3")));
+        assert_eq!(coordinate(b"1.2.3", "a number"), Err(Flaw::malformed("a number", b"1.2.3")));
     }
 
     proptest! {

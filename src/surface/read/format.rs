@@ -102,7 +102,7 @@ pub(super) struct Found {
 }
 
 /// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all.
-pub(super) fn find(head: &[u8], hint: &Hint) -> Result<Found, Fault> {
+pub(super) fn find(head: &[u8], hint: Hint) -> Result<Found, Fault> {
     if head.is_empty() {
         return Err(Flaw::new(FaultKind::Empty, "a surface", "an empty file").at_byte(0));
     }
@@ -170,7 +170,7 @@ fn control_byte(text: &[u8]) -> Option<usize> {
 }
 
 /// The format of a text without a magic word.
-fn by_first_statement(text: &[u8], hint: &Hint) -> Family {
+fn by_first_statement(text: &[u8], hint: Hint) -> Family {
     let first = statements(text).find(|line| !line.starts_with(b"#") && !line.starts_with(b"//"));
     if first.is_some_and(is_obj) {
         return Family::Obj;
@@ -226,7 +226,7 @@ mod tests {
     use super::*;
 
     fn family(head: &[u8], name: &str) -> Family {
-        find(head, &Hint::new(None, Some(name))).unwrap().format
+        find(head, Hint::new(None, Some(name))).unwrap().format
     }
 
     fn binary_stl(header: &[u8]) -> Vec<u8> {
@@ -287,12 +287,12 @@ mod tests {
             (b"PK\x03\x04rest", "ZIP"),
             (b"ISO-10303-21;", "STEP"),
         ] {
-            let fault = find(head, &Hint::default()).unwrap_err();
+            let fault = find(head, Hint::default()).unwrap_err();
             assert_eq!(fault.kind(), FaultKind::UnknownFormat);
             assert!(fault.found().contains(word), "{fault}");
         }
-        let fault = find(b"1,2,3\n1,\x002,3\n", &Hint::new(None, Some("a.csv"))).unwrap_err();
+        let fault = find(b"1,2,3\n1,\x002,3\n", Hint::new(None, Some("a.csv"))).unwrap_err();
         assert_eq!(fault.to_string(), "byte 8: expected text, found the control byte 0x00");
-        assert_eq!(find(b"", &Hint::default()).unwrap_err().kind(), FaultKind::Empty);
+        assert_eq!(find(b"", Hint::default()).unwrap_err().kind(), FaultKind::Empty);
     }
 }

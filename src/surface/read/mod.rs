@@ -161,7 +161,7 @@ impl Reader {
 
     /// Chooses the format by the first bytes of the file and has them read.
     fn open<S: Sink>(&mut self, start: &[u8], sink: &mut S) -> Result<(), Fault> {
-        let Found { format, mark } = format::find(&start[..start.len().min(HEAD)], &self.hint)?;
+        let Found { format, mark } = format::find(&start[..start.len().min(HEAD)], self.hint)?;
         let mut body = Box::new(match format {
             format::Family::Text => Body::Text(text::Reader::new()),
             format::Family::StlAscii => Body::StlAscii(stl_ascii::Reader::new()),

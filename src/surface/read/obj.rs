@@ -100,7 +100,7 @@ impl Content {
         let mut vertex = [0.0; 3];
         for (value, before) in vertex.iter_mut().zip(["none", "one", "two"]) {
             let word = words.next().ok_or_else(|| Flaw::new(FaultKind::Malformed, "three numbers after \"v\"", before))?;
-            *value = coordinate(word)?;
+            *value = coordinate(word, "a number")?;
         }
         self.mesh.add_vertex(vertex)
     }
@@ -145,9 +145,10 @@ fn vertex_number(word: &[u8]) -> Result<VertexNumber, Flaw> {
         at += 1;
     }
     let others = &word[at..];
-    let slashes = others.iter().filter(|byte| **byte == b'/').count();
-    let well_formed =
-        others.is_empty() || (others[0] == b'/' && slashes <= 2 && others.iter().all(|byte| matches!(byte, b'/' | b'-' | b'0'..=b'9')));
+    let well_formed = others.is_empty()
+        || (others[0] == b'/'
+            && others.split(|byte| *byte == b'/').count() <= 3
+            && others.iter().all(|byte| matches!(byte, b'/' | b'-' | b'0'..=b'9')));
     if at == start || !well_formed {
         return Err(Flaw::malformed("a corner as v, v/vt, v//vn or v/vt/vn", word));
     }

@@ -201,7 +201,7 @@ impl Ring {
         !self.inward.iter().map(|other| self.flat[*other]).any(|p| {
             let sides = [side(a, b, p), side(b, c, p), side(c, a, p)];
             let inside = if strict { sides.iter().all(|side| *side > 0.0) } else { sides.iter().all(|side| *side >= 0.0) };
-            inside && p != a && p != b && p != c
+            inside && [a, b, c].iter().all(|corner| !same(p, *corner))
         })
     }
 
@@ -217,6 +217,12 @@ impl Ring {
             }
         }
     }
+}
+
+/// Whether two corners are one point, as where a hole is joined to the outline.
+#[allow(clippy::float_cmp, reason = "a point that occurs twice has the same numbers")]
+fn same(a: [f64; 2], b: [f64; 2]) -> bool {
+    a == b
 }
 
 /// Twice the area of the triangle a, b, p: positive where p is to the left of the way from a to b.

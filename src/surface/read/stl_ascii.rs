@@ -93,8 +93,7 @@ impl State {
             self.step = after_corner(corner);
             return Ok(());
         }
-        let mut words = Words::of(line);
-        while let Some(word) = words.next() {
+        for word in Words::of(line) {
             if self.step == Step::Between {
                 if self.between(word)? {
                     return Ok(());
@@ -137,7 +136,7 @@ impl State {
             Step::Loop => keyword(b"loop", Step::Vertex(0))?,
             Step::Vertex(corner) => keyword(b"vertex", Step::Coordinate(corner, 0))?,
             Step::Coordinate(corner, axis) => {
-                self.corners[usize::from(corner)][usize::from(axis)] = coordinate(word)?;
+                self.corners[usize::from(corner)][usize::from(axis)] = coordinate(word, self.step.expected())?;
                 if axis < 2 { Step::Coordinate(corner, axis + 1) } else { after_corner(corner) }
             }
             Step::EndLoop => keyword(b"endloop", Step::EndFacet)?,

@@ -31,17 +31,16 @@ impl Reader {
     }
 
     pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        let promised = match self.promised {
-            Some(promised) => promised,
-            None => {
-                if !self.complete(&mut chunk, START) {
-                    return Ok(());
-                }
-                let [.., a, b, c, d] = self.begun;
-                let promised = u64::from(u32::from_le_bytes([a, b, c, d]));
-                self.promised = Some(promised);
-                promised
+        let promised = if let Some(promised) = self.promised {
+            promised
+        } else {
+            if !self.complete(&mut chunk, START) {
+                return Ok(());
             }
+            let [.., a, b, c, d] = self.begun;
+            let promised = u64::from(u32::from_le_bytes([a, b, c, d]));
+            self.promised = Some(promised);
+            promised
         };
         if self.length > 0 && self.complete(&mut chunk, RECORD) {
             let record = self.begun;

@@ -43,7 +43,7 @@ impl Rows {
         let mut vertex = [0.0; 3];
         for property in &element.properties {
             match *property {
-                Property::Scalar { axis: Some(axis), .. } => vertex[axis] = coordinate(word(&mut words, &element.name)?)?,
+                Property::Scalar { axis: Some(axis), .. } => vertex[axis] = coordinate(word(&mut words, &element.name)?, "a number")?,
                 Property::Scalar { axis: None, .. } => {
                     word(&mut words, &element.name)?;
                 }

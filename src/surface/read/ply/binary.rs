@@ -96,17 +96,16 @@ impl Body {
     }
 
     fn read_list(&mut self, count: Type, item: Type, corners: bool, chunk: &mut &[u8], surface: &mut Surface) -> Result<bool, Fault> {
-        let mut left = match self.left {
-            Some(left) => left,
-            None => {
-                let start = self.input.offset;
-                let Some(bytes) = self.input.take(chunk, count.size()) else { return Ok(false) };
-                let length = integer(count, self.format, bytes);
-                let Ok(length) = u64::try_from(length) else {
-                    return Err(Flaw::new(FaultKind::OutOfRange, "the length of a list", length.to_string()).at_byte(start));
-                };
-                if corners { length } else { length * item.size() as u64 }
-            }
+        let mut left = if let Some(left) = self.left {
+            left
+        } else {
+            let start = self.input.offset;
+            let Some(bytes) = self.input.take(chunk, count.size()) else { return Ok(false) };
+            let length = integer(count, self.format, bytes);
+            let Ok(length) = u64::try_from(length) else {
+                return Err(Flaw::new(FaultKind::OutOfRange, "the length of a list", length.to_string()).at_byte(start));
+            };
+            if corners { length } else { length * item.size() as u64 }
         };
         if corners {
             while left > 0 {
