@@ -53,13 +53,14 @@ fn a_byte_at_a_time_is_enough() {
 #[test]
 fn a_large_file_is_the_same_byte_by_byte_and_whole() {
     let numbers = |index: u32| format!("{} {} {}", index % 97, f64::from(index) * 0.37, f64::from(index).sqrt());
-    let text: String = (0..5000).map(|index| numbers(index) + "\n").collect();
-    let obj: String = (0..5000).map(|index| format!("v {}\nf -1 -1 1\n", numbers(index))).collect();
+    let repeat = |count: u32, part: &dyn Fn(u32) -> String| (0..count).map(part).collect::<Vec<_>>().concat();
+    let text = repeat(5000, &|index| numbers(index) + "\n");
+    let obj = repeat(5000, &|index| format!("v {}\nf -1 -1 1\n", numbers(index)));
     let facet =
         |index: u32| format!("facet normal 0 0 0 outer loop\nvertex {0}\nvertex {0}\nvertex {0}\nendloop endfacet\n", numbers(index));
-    let stl: String = std::iter::once("solid\n".into()).chain((0..2000).map(facet)).collect();
-    let binary = binary_stl("", &[TRIANGLE; 3000]);
-    let cloud: String = (0..5000).map(|index| numbers(index) + "\r\n").collect();
+    let stl = "solid\n".to_owned() + &repeat(2000, &facet);
+    let binary = binary_stl("", &vec![TRIANGLE; 3000]);
+    let cloud = text.replace('\n', "\r\n");
     let head =
         "ply\r\nformat ascii 1.0\r\nelement vertex 5000\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\nend_header\r\n";
     for file in [

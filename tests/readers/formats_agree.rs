@@ -2,7 +2,6 @@
 
 use super::*;
 use proptest::prelude::*;
-use std::fmt::Write;
 
 /// A wavy surface over a rectangle as vertices in rows and triangles by number; in single precision, which all formats can hold.
 fn surface(rows: u16, columns: u16) -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {
@@ -36,43 +35,35 @@ fn ply(encoding: &str, vertices: &[[f32; 3]], triangles: &[[usize; 3]]) -> Vec<u
         triangles.len()
     );
     let mut file = head.into_bytes();
+    let number = |value: f32| if encoding == "binary_big_endian" { value.to_be_bytes() } else { value.to_le_bytes() };
     let index = |vertex: usize| i32::try_from(vertex).unwrap();
-    match encoding {
-        "ascii" => {
-            vertices.iter().for_each(|vertex| file.extend(format!("{}\n", words(&exact(*vertex), " ")).bytes()));
-            triangles.iter().for_each(|triangle| file.extend(format!("3 {}\n", words(triangle, " ")).bytes()));
+    let index = |vertex: usize| if encoding == "binary_big_endian" { index(vertex).to_be_bytes() } else { index(vertex).to_le_bytes() };
+    for vertex in vertices {
+        match encoding {
+            "ascii" => file.extend(format!("{}\n", words(&exact(*vertex), " ")).bytes()),
+            _ => file.extend(vertex.iter().flat_map(|value| number(*value))),
         }
-        "binary_little_endian" => {
-            file.extend(vertices.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
-            triangles
-                .iter()
-                .for_each(|triangle| file.extend([3].into_iter().chain(triangle.iter().flat_map(|vertex| index(*vertex).to_le_bytes()))));
-        }
-        _ => {
-            file.extend(vertices.as_flattened().iter().flat_map(|value| value.to_be_bytes()));
-            triangles
-                .iter()
-                .for_each(|triangle| file.extend([3].into_iter().chain(triangle.iter().flat_map(|vertex| index(*vertex).to_be_bytes()))));
+    }
+    for triangle in triangles {
+        match encoding {
+            "ascii" => file.extend(format!("3 {}\n", words(triangle, " ")).bytes()),
+            _ => file.extend([3].into_iter().chain(triangle.iter().flat_map(|vertex| index(*vertex)))),
         }
     }
     file
 }
 
 fn obj(vertices: &[[f32; 3]], triangles: &[[usize; 3]]) -> String {
-    let mut file = String::new();
-    vertices.iter().for_each(|vertex| writeln!(file, "v {}", words(&exact(*vertex), " ")).unwrap());
-    triangles.iter().for_each(|triangle| writeln!(file, "f {}", words(&triangle.map(|vertex| vertex + 1), " ")).unwrap());
-    file
+    let vertices = vertices.iter().map(|vertex| format!("v {}\n", words(&exact(*vertex), " ")));
+    let faces = triangles.iter().map(|triangle| format!("f {}\n", words(&triangle.map(|vertex| vertex + 1), " ")));
+    vertices.chain(faces).collect::<Vec<_>>().concat()
 }
 
 fn ascii_stl(facets: &[[[f64; 3]; 3]]) -> String {
-    let mut file = "solid surface\n".to_owned();
-    for facet in facets {
-        file += "facet normal 0 0 0\nouter loop\n";
-        facet.iter().for_each(|corner| writeln!(file, "vertex {}", words(corner, " ")).unwrap());
-        file += "endloop\nendfacet\n";
-    }
-    file + "endsolid surface\n"
+    let vertex = |corner: &[f64; 3]| format!("vertex {}\n", words(corner, " "));
+    let facet =
+        |corners: &[[f64; 3]; 3]| format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", corners.each_ref().map(vertex).concat());
+    format!("solid surface\n{}endsolid surface\n", facets.iter().map(facet).collect::<Vec<_>>().concat())
 }
 
 #[test]
@@ -96,7 +87,7 @@ fn facets_are_the_same_in_six_encodings() {
 fn points_are_the_same_in_every_layout() {
     let (vertices, _) = surface(30, 40);
     let expected: Vec<[f64; 3]> = vertices.iter().map(|vertex| exact(*vertex)).collect();
-    let lines = |separator: &str| expected.iter().map(|point| words(point, separator) + "\n").collect::<String>();
+    let lines = |separator: &str| expected.iter().map(|point| words(point, separator)).collect::<Vec<_>>().join("\n");
     let files = [lines(","), lines(";"), lines(";").replace('.', ","), lines("\t"), lines(" "), lines(" ").replace('.', ",")];
     for file in files.into_iter().map(String::into_bytes).chain([
         obj(&vertices, &[]).into_bytes(),
@@ -110,7 +101,7 @@ fn points_are_the_same_in_every_layout() {
 proptest! {
     #[test]
     fn points_come_back_as_they_were_written(points in proptest::collection::vec([-1e12..1e12, -1.0..1.0, -1e-9..1e-9_f64], 1..20), separator in "[;\t ]", comma: bool) {
-        let text: String = points.iter().map(|point| words(point, &separator) + "\n").collect();
+        let text: String = points.iter().map(|point| words(point, &separator)).collect::<Vec<_>>().join("\n");
         let text = if comma { text.replace('.', ",") } else { text };
         prop_assert_eq!(super::points(text), points);
     }

@@ -19,7 +19,7 @@ fn ascii_passes_in_any_case_and_layout() {
         format!("\n\n  {ASCII}\n\n"),
         ASCII.replace("solid part", "solid"),
         ASCII.replace("solid part", "solid facet of a vertex"),
-        ASCII.replace("solid part\n", ""),
+        ASCII.replacen("solid part\n", "", 1),
         format!("solid part\n{}", words.join(" ")),
         format!("solid part\n{}", words.join("\n\n\t")),
     ] {
@@ -50,9 +50,9 @@ fn normals_are_not_looked_at() {
 fn what_is_not_stl_is_refused_with_its_line() {
     for (wrong, right, sentence) in [
         ("0 0.5", "0", "line 6: expected a number, three for each vertex, found \"vertex\""),
-        ("0 0.5", "0 0.5 7", "line 6: expected \"vertex\", three for each facet, found \"7\""),
+        ("0 0.5", "0 0.5 7", "line 5: expected \"vertex\", three for each facet, found \"7\""),
         ("0 0.5", "0 nan", "line 5: expected a finite coordinate of at most 1e12 in magnitude, found \"nan\""),
-        ("0 0.5", "0 0,5", "line 5: expected a number, found \"0,5\""),
+        ("0 0.5", "0 0,5", "line 5: expected a number, three for each vertex, found \"0,5\""),
         ("0 0.5", "0 1e13", "line 5: expected a finite coordinate of at most 1e12 in magnitude, found \"1e13\""),
         ("  endloop", "vertex 1 1 1\nendloop", "line 7: expected \"endloop\" after three vertices, found \"vertex\""),
         ("   vertex 0 1 0.25\n", "", "line 6: expected \"vertex\", three for each facet, found \"endloop\""),

@@ -294,7 +294,7 @@ fn header(line: &[u8]) -> Option<[(usize, usize); 3]> {
         for (axis, letter) in [b'x', b'y', b'z'].into_iter().enumerate() {
             let leads = |name: &&[u8]| name_words(name).next().is_some_and(|word| is_letter(word, letter));
             let contains = |name: &&[u8]| name_words(name).any(|word| is_letter(word, letter));
-            let column = names.iter().position(|name| leads(name)).or_else(|| names.iter().position(|name| contains(name)))?;
+            let column = names.iter().position(leads).or_else(|| names.iter().position(contains))?;
             columns[axis] = (column, axis);
         }
         columns.sort_unstable();
