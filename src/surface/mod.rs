@@ -6,6 +6,7 @@ mod grid;
 mod moments;
 mod piece;
 mod principal_axes;
+pub mod read;
 mod sampled;
 mod shape;
 

@@ -1,0 +1,60 @@
+//! What must hold of every file, read whole or in pieces.
+
+use scallopd::surface::Sink;
+use scallopd::surface::read::{Fault, Hint, LARGEST_COORDINATE, Reader, Summary};
+
+/// Counts and mixes what comes, so that two readings can be compared without keeping them.
+#[derive(Default, PartialEq, Debug)]
+struct Digest {
+    points: u64,
+    facets: u64,
+    mixed: u64,
+}
+
+impl Digest {
+    fn take(&mut self, numbers: &[f64]) {
+        for number in numbers {
+            assert!(number.abs() <= LARGEST_COORDINATE, "{number}");
+            self.mixed = self.mixed.rotate_left(5).wrapping_add(number.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        }
+    }
+}
+
+impl Sink for Digest {
+    fn point(&mut self, point: [f64; 3]) {
+        self.points += 1;
+        self.take(&point);
+    }
+
+    fn facet(&mut self, corners: [[f64; 3]; 3]) {
+        self.facets += 1;
+        self.take(corners.as_flattened());
+    }
+}
+
+fn digest(file: &[u8], chunk: usize, name: &str) -> (Digest, Result<Summary, Fault>) {
+    let mut reader = Reader::new(Hint::new(None, Some(name))).with_vertex_limit(1_000_000);
+    let mut digest = Digest::default();
+    for chunk in file.chunks(chunk) {
+        if let Err(fault) = reader.push(chunk, &mut digest) {
+            return (digest, Err(fault));
+        }
+    }
+    let result = reader.finish(&mut digest);
+    (digest, result)
+}
+
+/// Reads a file of this name whole and in chunks of a size that its own bytes choose.
+pub fn read(file: &[u8], name: &str) {
+    let (whole, result) = digest(file, file.len().max(1), name);
+    let size = 1 + file.iter().fold(0, |sum: usize, byte| sum + usize::from(*byte)) % 13;
+    let (pieces, in_pieces) = digest(file, size, name);
+    assert_eq!((&whole, &result), (&pieces, &in_pieces));
+    match result {
+        Ok(summary) => {
+            assert_eq!((summary.points, summary.facets), (whole.points, whole.facets));
+            assert!(summary.points + summary.facets > 0 && (summary.points == 0 || summary.facets == 0));
+        }
+        Err(fault) => assert!(fault.to_string().chars().all(|c| !c.is_control())),
+    }
+}

@@ -1,0 +1,9 @@
+//! STL in text.
+
+#![no_main]
+
+mod reading;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    reading::read(&[b"solid\n", bytes].concat(), "a.stl");
+});

@@ -1,0 +1,9 @@
+//! Points in text.
+
+#![no_main]
+
+mod reading;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    reading::read(bytes, "a.csv");
+});

@@ -1,0 +1,182 @@
+//! Decimal numbers out of bytes, correctly rounded, without allocation on the ways that files take.
+
+use super::LARGEST_COORDINATE;
+use super::fault::{FaultKind, Flaw, quoted};
+
+/// The number at the start of `text` and the bytes that it takes, or `None` where no number starts. `mark` is the decimal mark,
+/// point or comma.
+///
+/// A number is `[+-] digits [mark digits] [e [+-] digits]`, with digits on one side of the mark at least; `E`, and Fortran's `d`
+/// and `D`, stand for `e`. The value is the double nearest to what is written, infinite where that is beyond the largest.
+pub(super) fn number(text: &[u8], mark: u8) -> Option<(f64, usize)> {
+    let negative = text.first() == Some(&b'-');
+    let start = usize::from(negative || text.first() == Some(&b'+'));
+    let (whole, mut at) = digits(text, start, 0);
+    let mut count = at - start;
+    let mut mantissa = whole;
+    let mut exponent = 0;
+    if text.get(at) == Some(&mark) {
+        let (all, end) = digits(text, at + 1, whole);
+        let decimals = end - (at + 1);
+        if count + decimals > 0 {
+            (mantissa, at) = (all, end);
+            count += decimals;
+            exponent = -i64::try_from(decimals).ok()?;
+        }
+    }
+    if count == 0 {
+        return None;
+    }
+    if let Some(b'e' | b'E' | b'd' | b'D') = text.get(at) {
+        let negative = text.get(at + 1) == Some(&b'-');
+        let first = at + 1 + usize::from(negative || text.get(at + 1) == Some(&b'+'));
+        let (power, end) = power(text, first);
+        if end > first {
+            exponent += if negative { -power } else { power };
+            at = end;
+        }
+    }
+    // 19 digits always fit into 64 bits.
+    let value = match (count <= 19).then(|| exact(mantissa, exponent)).flatten() {
+        Some(magnitude) if negative => -magnitude,
+        Some(magnitude) => magnitude,
+        None => rounded(&text[..at], mark)?,
+    };
+    Some((value, at))
+}
+
+/// The digits from `at` on, appended to `value`, and where they end. More than 19 digits wrap, which the caller must notice.
+fn digits(text: &[u8], mut at: usize, mut value: u64) -> (u64, usize) {
+    while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
+        value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
+        at += 1;
+    }
+    (value, at)
+}
+
+/// The digits of an exponent; what no double reaches stays at a million.
+fn power(text: &[u8], mut at: usize) -> (i64, usize) {
+    let mut value = 0;
+    while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
+        value = (value * 10 + i64::from(digit)).min(1_000_000);
+        at += 1;
+    }
+    (value, at)
+}
+
+/// mantissa 10^exponent, where one correctly rounded operation on two exact doubles gives it: integers to 2^53 and powers to
+/// 10^22 = 2^22 5^22 are exact, since 5^22 < 2^53.
+fn exact(mantissa: u64, exponent: i64) -> Option<f64> {
+    const POWERS: [f64; 23] =
+        [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22];
+    if mantissa > 1 << 53 {
+        return None;
+    }
+    #[allow(clippy::cast_precision_loss, reason = "at most 2^53, which is exact")]
+    let mantissa = mantissa as f64;
+    let power = *POWERS.get(usize::try_from(exponent.unsigned_abs()).ok()?)?;
+    Some(if exponent < 0 { mantissa / power } else { mantissa * power })
+}
+
+/// By the standard library, which takes neither a comma nor Fortran's `d`.
+fn rounded(token: &[u8], mark: u8) -> Option<f64> {
+    let token = std::str::from_utf8(token).ok()?;
+    if mark == b'.' && !token.contains(['d', 'D']) {
+        return token.parse().ok();
+    }
+    token.replace(',', ".").replace(['d', 'D'], "e").parse().ok()
+}
+
+/// `value` if it can be a coordinate; `token` is what was written.
+pub(super) fn bounded(value: f64, token: &[u8]) -> Result<f64, Flaw> {
+    if value.abs() <= LARGEST_COORDINATE { Ok(value) } else { Err(unbounded(&quoted(token))) }
+}
+
+/// The refusal of a number that cannot be a coordinate.
+#[cold]
+pub(super) fn unbounded(found: &str) -> Flaw {
+    Flaw::new(FaultKind::OutOfRange, format!("a finite coordinate of at most {LARGEST_COORDINATE:e} in magnitude"), found.to_owned())
+}
+
+/// A word that must be a coordinate as a whole, with a decimal point; `expected` says what it is.
+pub(super) fn coordinate(word: &[u8], expected: &'static str) -> Result<f64, Flaw> {
+    match number(word, b'.') {
+        Some((value, length)) if length == word.len() => bounded(value, word),
+        _ if names_no_finite_number(word) => Err(unbounded(&quoted(word))),
+        _ => Err(Flaw::malformed(expected, word)),
+    }
+}
+
+/// Whether `word` is one of the spellings that programs write for infinity and for what is not a number.
+pub(super) fn names_no_finite_number(word: &[u8]) -> bool {
+    let word = word.strip_prefix(b"-").or_else(|| word.strip_prefix(b"+")).unwrap_or(word);
+    let starts = |name: &[u8]| word.get(..name.len()).is_some_and(|head| head.eq_ignore_ascii_case(name));
+    let is = |name: &[u8]| word.eq_ignore_ascii_case(name);
+    is(b"nan") || starts(b"nan(") || is(b"inf") || is(b"infinity") || starts(b"1.#")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn every_spelling_of_a_number_is_read() {
+        for (text, value) in [
+            ("0", 0.0),
+            ("-0", -0.0),
+            ("+1", 1.0),
+            ("1.", 1.0),
+            (".5", 0.5),
+            ("-.5e1", -5.0),
+            ("1.25E+02", 125.0),
+            ("1.25d-02", 0.0125),
+            ("123456789012345678901234567890", 123_456_789_012_345_678_901_234_567_890.0),
+            ("9007199254740993", 9_007_199_254_740_993.0),
+            ("0.1234567890123456789D0", 0.123_456_789_012_345_678_9),
+            ("1e-400", 0.0),
+            ("1e99999999999999999999", f64::INFINITY),
+        ] {
+            assert_eq!(number(text.as_bytes(), b'.'), Some((value, text.len())), "{text}");
+            let comma = text.replace('.', ",");
+            assert_eq!(number(comma.as_bytes(), b','), Some((value, text.len())), "{comma}");
+        }
+        assert!(number(b"-0", b'.').unwrap().0.is_sign_negative());
+    }
+
+    #[test]
+    fn a_number_ends_where_it_can_go_no_further() {
+        for (text, length) in [("1e", 1), ("1e+", 1), ("1.5.2", 3), ("1,5", 1), ("2x", 1), ("1.e5", 4), ("3-4", 1)] {
+            assert_eq!(number(text.as_bytes(), b'.').map(|found| found.1), Some(length), "{text}");
+        }
+        for text in ["", ".", "-", "+.", "e5", "nan", "inf", "--1", " 1", "-.e1"] {
+            assert_eq!(number(text.as_bytes(), b'.'), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn coordinates_are_finite_and_bounded() {
+        assert_eq!(coordinate(b"-1e12", "a number"), Ok(-1e12));
+        for word in ["1.0000001e12", "1e400", "nan", "-NaN", "inf", "-Infinity", "1.#QNAN"] {
+            assert_eq!(coordinate(word.as_bytes(), "a number"), Err(unbounded(&quoted(word.as_bytes()))), "{word}");
+        }
+        assert_eq!(coordinate(b"1.2.3", "a number"), Err(Flaw::malformed("a number", b"1.2.3")));
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_the_standard_library_to_the_bit(text in "[+-]?([0-9]{1,24}(\\.[0-9]{0,24})?|\\.[0-9]{1,24})([eE][+-]?[0-9]{1,3})?") {
+            let (value, length) = number(text.as_bytes(), b'.').unwrap();
+            prop_assert_eq!(length, text.len());
+            prop_assert_eq!(value.to_bits(), text.parse::<f64>().unwrap().to_bits());
+        }
+
+        #[test]
+        fn a_double_written_out_comes_back(bits in any::<u64>()) {
+            let value = f64::from_bits(bits);
+            prop_assume!(value.is_finite());
+            let text = format!("{value:e}");
+            prop_assert_eq!(number(text.as_bytes(), b'.').unwrap().0.to_bits(), bits);
+        }
+    }
+}

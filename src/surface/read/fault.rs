@@ -1,0 +1,148 @@
+//! What a reader says when it cannot go on: where in the file, what would have been right there, and what stands there instead.
+
+use std::borrow::Cow;
+use std::fmt;
+
+/// A place in a file, as its author can find it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// A line of a text file, counted from 1.
+    Line(u64),
+    /// A byte of a binary file, counted from 0.
+    Byte(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(number) => write!(f, "line {number}"),
+            Self::Byte(offset) => write!(f, "byte {offset}"),
+        }
+    }
+}
+
+/// In what way a file is wrong, for a caller that answers the ways differently.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultKind {
+    /// Not one of the formats that are read, or not in an encoding that is.
+    UnknownFormat,
+    /// Not written as the format asks.
+    Malformed,
+    /// A number that is not finite, beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE), or an index of a vertex that is not there.
+    OutOfRange,
+    /// Ends before what it promises.
+    Truncated,
+    /// Larger than a limit of the reader: length of a line, corners of a face, number of vertices.
+    TooLarge,
+    /// Holds neither a point nor a facet.
+    Empty,
+}
+
+/// Why a file was refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    place: Place,
+    flaw: Flaw,
+}
+
+impl Fault {
+    /// In what way the file is wrong.
+    #[must_use]
+    pub fn kind(&self) -> FaultKind {
+        self.flaw.kind
+    }
+
+    /// Where in the file.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
+    /// What would have been right there.
+    #[must_use]
+    pub fn expected(&self) -> &str {
+        &self.flaw.expected
+    }
+
+    /// What stands there: a description, or a short quotation with its special characters escaped.
+    #[must_use]
+    pub fn found(&self) -> &str {
+        &self.flaw.found
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: expected {}, found {}", self.place, self.flaw.expected, self.flaw.found)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// A fault whose place the caller knows better.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Flaw {
+    kind: FaultKind,
+    expected: Cow<'static, str>,
+    found: Cow<'static, str>,
+}
+
+impl Flaw {
+    #[cold]
+    pub(super) fn new(kind: FaultKind, expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
+        Self { kind, expected: expected.into(), found: found.into() }
+    }
+
+    pub(super) fn kind(&self) -> FaultKind {
+        self.kind
+    }
+
+    /// What does not follow the format's grammar, quoted.
+    #[cold]
+    pub(super) fn malformed(expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
+        Self::new(FaultKind::Malformed, expected, quoted(found))
+    }
+
+    #[cold]
+    pub(super) fn at_line(self, number: u64) -> Fault {
+        Fault { place: Place::Line(number), flaw: self }
+    }
+
+    #[cold]
+    pub(super) fn at_byte(self, offset: u64) -> Fault {
+        Fault { place: Place::Byte(offset), flaw: self }
+    }
+}
+
+/// `text` in quotation marks, cut to 40 characters, with its control characters escaped so that it can be shown anywhere.
+pub(super) fn quoted(text: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    if text.is_empty() {
+        return "nothing".into();
+    }
+    // A character takes at most 4 bytes.
+    let head = String::from_utf8_lossy(&text[..text.len().min(4 * (LONGEST + 1))]);
+    let shown: String = head.chars().flat_map(char::escape_debug).take(LONGEST).collect();
+    let whole = text.len() <= 4 * (LONGEST + 1) && head.chars().flat_map(char::escape_debug).count() <= LONGEST;
+    format!("\"{shown}{}\"", if whole { "" } else { "..." })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_reads_as_a_sentence() {
+        let fault = Flaw::malformed("three numbers", b"1,2").at_line(7);
+        assert_eq!(fault.to_string(), "line 7: expected three numbers, found \"1,2\"");
+        assert_eq!(Flaw::malformed("a byte", b"").at_byte(0).to_string(), "byte 0: expected a byte, found nothing");
+    }
+
+    #[test]
+    fn quotations_are_short_and_harmless() {
+        assert_eq!(quoted(b"a\x00\x1b[31m\"\n"), "\"a\\0\\u{1b}[31m\\\"\\n\"");
+        assert_eq!(quoted(&[b'x'; 40]), format!("\"{}\"", "x".repeat(40)));
+        assert_eq!(quoted(&[b'x'; 41]), format!("\"{}...\"", "x".repeat(40)));
+        assert_eq!(quoted(&[0xff; 1000]).chars().count(), 40 + 5);
+    }
+}

@@ -1,0 +1,293 @@
+//! The header of PLY: lines from `ply` to `end_header`.
+
+use super::super::Format;
+use super::super::fault::{Fault, FaultKind, Flaw, quoted};
+use super::super::lines::Words;
+
+/// The longest header, in bytes: what all its elements and properties take stays under it, too.
+const LONGEST_HEADER: u64 = 1 << 16;
+
+/// A header that has been understood and has what a surface needs.
+#[derive(Debug)]
+pub(super) struct Header {
+    pub(super) format: Format,
+    pub(super) elements: Vec<Element>,
+}
+
+#[derive(Debug)]
+pub(super) struct Element {
+    pub(super) kind: Kind,
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Vertex,
+    Face,
+    Other,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Property {
+    /// One number; of a vertex, perhaps a coordinate.
+    Scalar { number: Type, axis: Option<usize> },
+    /// A count and as many items; of a face, perhaps its corners.
+    List { count: Type, item: Type, corners: bool },
+}
+
+/// The type of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Type {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Type {
+    fn of(name: &[u8]) -> Result<Self, Flaw> {
+        Ok(match name {
+            b"char" | b"int8" => Self::I8,
+            b"uchar" | b"uint8" => Self::U8,
+            b"short" | b"int16" => Self::I16,
+            b"ushort" | b"uint16" => Self::U16,
+            b"int" | b"int32" => Self::I32,
+            b"uint" | b"uint32" => Self::U32,
+            b"float" | b"float32" => Self::F32,
+            b"double" | b"float64" => Self::F64,
+            _ => return Err(Flaw::malformed("a type such as float or int32", name)),
+        })
+    }
+
+    fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// The bytes that a number of this type takes.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+/// Joins chunks into the header's lines and reads them.
+#[derive(Debug)]
+pub(super) struct HeaderLines {
+    begun: Vec<u8>,
+    /// What ends a line, once the first has ended: after `end_header` and a CR, a LF may be the first byte of binary data, so that
+    /// it is part of the line's end only if it has been so before.
+    ending: Option<u8>,
+    /// The first line has met a CR and waits for the byte after it.
+    after_cr: bool,
+    ended: u64,
+    skipped: u64,
+    bytes: u64,
+    format: Option<Format>,
+    elements: Vec<Element>,
+}
+
+impl HeaderLines {
+    /// `skipped` bytes of the file have been passed over.
+    pub(super) fn after(skipped: u64) -> Self {
+        Self { begun: Vec::new(), ending: None, after_cr: false, ended: 0, skipped, bytes: 0, format: None, elements: Vec::new() }
+    }
+
+    /// Lines of the header that have ended.
+    pub(super) fn ended(&self) -> u64 {
+        self.ended
+    }
+
+    /// Bytes of the file before what follows the header.
+    pub(super) fn bytes(&self) -> u64 {
+        self.skipped + self.bytes
+    }
+
+    /// A fault of the line that has been read last.
+    pub(super) fn fault(&self, flaw: Flaw) -> Fault {
+        flaw.at_line(self.ended)
+    }
+
+    /// The refusal of a file that ends here.
+    pub(super) fn cut_off(&self) -> Fault {
+        Flaw::new(FaultKind::Truncated, "a header that ends with \"end_header\"", "the end of the file").at_line(self.ended + 1)
+    }
+
+    /// Takes the header's part of `chunk`, and tells what it says when it is whole.
+    pub(super) fn push(&mut self, chunk: &mut &[u8]) -> Result<Option<Header>, Fault> {
+        while let Some((&byte, rest)) = chunk.split_first() {
+            if self.after_cr && byte != b'\n' {
+                // The CR was a line's end by itself, and this byte is the next line's.
+                self.after_cr = false;
+                self.ending = Some(b'\r');
+                self.line()?;
+            }
+            *chunk = rest;
+            self.bytes += 1;
+            if self.bytes > LONGEST_HEADER {
+                return Err(Flaw::new(FaultKind::TooLarge, format!("a header of at most {LONGEST_HEADER} bytes"), "a longer one")
+                    .at_line(self.ended + 1));
+            }
+            match self.ending {
+                None if byte == b'\r' => self.after_cr = true,
+                None if byte == b'\n' => {
+                    self.after_cr = false;
+                    self.ending = Some(b'\n');
+                    self.line()?;
+                }
+                Some(ending) if byte == ending => {
+                    if self.line()? {
+                        return self.header().map(Some).map_err(|flaw| self.fault(flaw));
+                    }
+                }
+                _ => self.begun.push(byte),
+            }
+        }
+        Ok(None)
+    }
+
+    /// Reads the line that has ended, and tells whether it ends the header.
+    fn line(&mut self) -> Result<bool, Fault> {
+        let mut line = std::mem::take(&mut self.begun);
+        if self.ending == Some(b'\n') && line.last() == Some(&b'\r') {
+            line.pop();
+        }
+        self.ended += 1;
+        self.statement(&line).map_err(|flaw| self.fault(flaw))
+    }
+
+    fn statement(&mut self, line: &[u8]) -> Result<bool, Flaw> {
+        let mut words = Words::of(line);
+        let keyword = words.next().unwrap_or_default();
+        if self.ended == 1 {
+            return if keyword == b"ply" { Ok(false) } else { Err(Flaw::malformed("\"ply\"", line)) };
+        }
+        match keyword {
+            b"end_header" => return Ok(true),
+            b"format" => self.format(&mut words)?,
+            b"element" => self.element(&mut words)?,
+            b"property" => self.property(&mut words)?,
+            b"comment" | b"obj_info" | b"" => return Ok(false),
+            _ => return Err(Flaw::malformed("format, element, property, comment, obj_info or end_header", line)),
+        }
+        match words.next() {
+            None => Ok(false),
+            Some(word) => Err(Flaw::malformed("the end of the line", word)),
+        }
+    }
+
+    fn format(&mut self, words: &mut Words) -> Result<(), Flaw> {
+        let format = match words.next().unwrap_or_default() {
+            b"ascii" => Format::PlyAscii,
+            b"binary_little_endian" => Format::PlyLittleEndian,
+            b"binary_big_endian" => Format::PlyBigEndian,
+            other => return Err(Flaw::malformed("ascii, binary_little_endian or binary_big_endian", other)),
+        };
+        let version = words.next().unwrap_or_default();
+        if version != b"1.0" {
+            return Err(Flaw::malformed("version 1.0", version));
+        }
+        if self.format.replace(format).is_some() {
+            return Err(Flaw::new(FaultKind::Malformed, "one format", "a second one"));
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, words: &mut Words) -> Result<(), Flaw> {
+        let name = words.next().ok_or_else(|| Flaw::malformed("the name of an element", b""))?;
+        let kind = match name {
+            b"vertex" => Kind::Vertex,
+            b"face" => Kind::Face,
+            b"tristrips" => return Err(Flaw::new(FaultKind::Malformed, "faces", "triangle strips; export the surface with faces")),
+            _ => Kind::Other,
+        };
+        if kind != Kind::Other && self.elements.iter().any(|element| element.kind == kind) {
+            return Err(Flaw::new(FaultKind::Malformed, "one element of this name", quoted(name)));
+        }
+        let count = words.next().unwrap_or_default();
+        let count = integer(count).ok_or_else(|| Flaw::malformed("a count of at most 18 digits", count))?;
+        self.elements.push(Element { kind, name: String::from_utf8_lossy(name).chars().take(40).collect(), count, properties: Vec::new() });
+        Ok(())
+    }
+
+    fn property(&mut self, words: &mut Words) -> Result<(), Flaw> {
+        let Some(element) = self.elements.last_mut() else {
+            return Err(Flaw::new(FaultKind::Malformed, "an element before its properties", "a property"));
+        };
+        let first = words.next().unwrap_or_default();
+        let property = if first == b"list" {
+            let count = Type::of(words.next().unwrap_or_default())?;
+            let item = Type::of(words.next().unwrap_or_default())?;
+            let name = name(words)?;
+            let corners = element.kind == Kind::Face && matches!(name, b"vertex_indices" | b"vertex_index");
+            if !count.is_integer() || (corners && !item.is_integer()) {
+                return Err(Flaw::malformed("integers", name));
+            }
+            Property::List { count, item, corners }
+        } else {
+            let number = Type::of(first)?;
+            let axes: [&[u8]; 3] = [b"x", b"y", b"z"];
+            let name = name(words)?;
+            let axis = axes.iter().position(|axis| *axis == name).filter(|_| element.kind == Kind::Vertex);
+            Property::Scalar { number, axis }
+        };
+        let means_something = matches!(property, Property::Scalar { axis: Some(_), .. } | Property::List { corners: true, .. });
+        if means_something && element.properties.iter().any(|other| other.means_the_same_as(&property)) {
+            return Err(Flaw::new(FaultKind::Malformed, "each coordinate and the corners once", "a second time"));
+        }
+        element.properties.push(property);
+        Ok(())
+    }
+
+    /// What the lines have said, if a surface can be read by it.
+    fn header(&mut self) -> Result<Header, Flaw> {
+        let missing = |what: &'static str| Flaw::new(FaultKind::Malformed, what, "the end of the header without it");
+        let format = self.format.ok_or_else(|| missing("a format"))?;
+        let place = |kind| self.elements.iter().position(|element| element.kind == kind);
+        let vertex = place(Kind::Vertex).ok_or_else(|| missing("an element vertex"))?;
+        let has = |element: &Element, wanted: &dyn Fn(&Property) -> bool| element.properties.iter().any(wanted);
+        for (axis, name) in ["a vertex property x", "a vertex property y", "a vertex property z"].into_iter().enumerate() {
+            if !has(&self.elements[vertex], &|property| matches!(property, Property::Scalar { axis: Some(other), .. } if *other == axis)) {
+                return Err(missing(name));
+            }
+        }
+        if let Some(face) = place(Kind::Face).filter(|face| self.elements[*face].count > 0) {
+            if !has(&self.elements[face], &|property| matches!(property, Property::List { corners: true, .. })) {
+                return Err(missing("a list vertex_indices of the faces"));
+            }
+            if face < vertex {
+                return Err(Flaw::new(FaultKind::Malformed, "vertices before faces", "the element face before vertex"));
+            }
+        }
+        Ok(Header { format, elements: std::mem::take(&mut self.elements) })
+    }
+}
+
+impl Property {
+    fn means_the_same_as(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Scalar { axis: one, .. }, Self::Scalar { axis: other, .. }) => one == other,
+            (Self::List { corners: one, .. }, Self::List { corners: other, .. }) => one == other,
+            _ => false,
+        }
+    }
+}
+
+fn name<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Flaw> {
+    words.next().ok_or_else(|| Flaw::malformed("the name of a property", b""))
+}
+
+/// A whole number of at most 18 digits, so that sums of the few that fit into a header do not overflow.
+pub(super) fn integer(word: &[u8]) -> Option<u64> {
+    let fits = !word.is_empty() && word.len() <= 18;
+    fits.then(|| word.iter().try_fold(0, |value, byte| byte.is_ascii_digit().then(|| value * 10 + u64::from(byte - b'0'))))?
+}

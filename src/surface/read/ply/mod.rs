@@ -1,0 +1,156 @@
+//! PLY: a header that describes elements and their properties, then the rows of one element after the other, as text or binary
+//! in either byte order.
+//!
+//! Vertices need scalars x, y and z of any type; faces a list `vertex_indices` or `vertex_index` of integers. Other properties
+//! and other elements are passed over, which the header tells how to do. Vertices must come before faces. A file without faces
+//! is its vertices, which then need not be kept. Triangle strips are refused.
+
+mod ascii;
+mod binary;
+mod header;
+
+use super::fault::{Fault, FaultKind, Flaw};
+use super::mesh::{Mesh, too_many_vertices};
+use super::{Format, Notes, Sink, Summary};
+use header::{Element, Header, HeaderLines, Kind};
+use std::collections::VecDeque;
+
+/// The reader of PLY.
+#[derive(Debug)]
+pub(super) struct Reader {
+    stage: Stage,
+    surface: Surface,
+}
+
+#[derive(Debug)]
+enum Stage {
+    Header(HeaderLines),
+    Ascii(ascii::Body),
+    Binary(binary::Body),
+}
+
+/// What both bodies make of the rows that they read.
+#[derive(Debug)]
+struct Surface {
+    mesh: Mesh,
+    /// Faces follow, so that vertices must be kept.
+    keeps: bool,
+    points: u64,
+    other_elements: u64,
+    trailing_bytes: u64,
+}
+
+/// Elements whose rows are still to come.
+#[derive(Debug)]
+struct Rows {
+    elements: VecDeque<Element>,
+    /// Rows of the first of them that have been read.
+    read: u64,
+}
+
+impl Reader {
+    /// `skipped` bytes of the file have been passed over.
+    pub(super) fn new(vertex_limit: usize, skipped: u64) -> Self {
+        let surface = Surface { mesh: Mesh::new(vertex_limit), keeps: false, points: 0, other_elements: 0, trailing_bytes: 0 };
+        Self { stage: Stage::Header(HeaderLines::after(skipped)), surface }
+    }
+
+    pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        if let Stage::Header(lines) = &mut self.stage {
+            let Some(header) = lines.push(&mut chunk)? else { return Ok(()) };
+            self.stage = self.surface.begin(header, lines)?;
+        }
+        match &mut self.stage {
+            Stage::Header(_) => Ok(()),
+            Stage::Ascii(body) => body.push(chunk, &mut self.surface, sink),
+            Stage::Binary(body) => body.push(chunk, &mut self.surface, sink),
+        }
+    }
+
+    pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
+        let format = match self.stage {
+            Stage::Header(lines) => return Err(lines.cut_off()),
+            Stage::Ascii(body) => body.finish(&mut self.surface, sink)?,
+            Stage::Binary(body) => body.finish()?,
+        };
+        let mesh = &self.surface.mesh;
+        let notes = Notes {
+            trailing_bytes: self.surface.trailing_bytes,
+            other_elements: self.surface.other_elements,
+            crossed_polygons: mesh.crossed(),
+            ..Notes::default()
+        };
+        Ok(Summary { format, points: self.surface.points, facets: mesh.facets(), notes })
+    }
+}
+
+impl Surface {
+    fn begin(&mut self, header: Header, lines: &HeaderLines) -> Result<Stage, Fault> {
+        let count = |kind| header.elements.iter().filter(|element| element.kind == kind).map(|element| element.count).sum::<u64>();
+        self.keeps = count(Kind::Face) > 0;
+        self.other_elements = header
+            .elements
+            .iter()
+            .filter(|element| element.kind == Kind::Other)
+            .fold(0, |sum: u64, element| sum.saturating_add(element.count));
+        let vertices = count(Kind::Vertex);
+        if vertices == 0 {
+            return Err(lines.fault(Flaw::new(FaultKind::Empty, "a vertex", "0 vertices in the header")));
+        }
+        if self.keeps && vertices > self.mesh.limit() as u64 {
+            return Err(lines.fault(too_many_vertices(self.mesh.limit())));
+        }
+        let mut rows = Rows { elements: header.elements.into(), read: 0 };
+        rows.settle();
+        Ok(match header.format {
+            Format::PlyAscii => Stage::Ascii(ascii::Body::new(rows, lines.ended())),
+            format => Stage::Binary(binary::Body::new(rows, format, lines.bytes())),
+        })
+    }
+
+    fn vertex<S: Sink>(&mut self, vertex: [f64; 3], sink: &mut S) -> Result<(), Flaw> {
+        if self.keeps {
+            return self.mesh.add_vertex(vertex);
+        }
+        self.points += 1;
+        sink.point(vertex);
+        Ok(())
+    }
+
+    /// A corner of the face that is being read; `None` as the number of a vertex is a negative one.
+    fn corner(&mut self, vertex: Option<u64>, written: &dyn Fn() -> String) -> Result<(), Flaw> {
+        let number = vertex.and_then(|vertex| usize::try_from(vertex).ok());
+        number.and_then(|number| self.mesh.add_corner(number)).unwrap_or_else(|| {
+            let expected = format!("the number of one of {} vertices, from 0", self.mesh.vertices().len());
+            Err(Flaw::new(FaultKind::OutOfRange, expected, written()))
+        })
+    }
+}
+
+impl Rows {
+    /// The element whose row comes next.
+    fn element(&self) -> Option<&Element> {
+        self.elements.front()
+    }
+
+    /// Takes note that a row has been read.
+    fn advance(&mut self) {
+        self.read += 1;
+        self.settle();
+    }
+
+    /// Leaves out elements without rows to come, and those without properties, whose rows are nothing.
+    fn settle(&mut self) {
+        while self.element().is_some_and(|element| element.properties.is_empty() || self.read >= element.count) {
+            self.elements.pop_front();
+            self.read = 0;
+        }
+    }
+
+    /// Why a file cannot end here; nothing if it can.
+    fn missing(&self) -> Option<Flaw> {
+        let element = self.element()?;
+        let expected = format!("{} rows of the element {}, as the header says", element.count, element.name);
+        Some(Flaw::new(FaultKind::Truncated, expected, format!("the end of the file after {}", self.read)))
+    }
+}

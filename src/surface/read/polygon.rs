@@ -1,0 +1,370 @@
+//! Polygons cut into triangles that keep to the polygon's side, so that area, moments and direction are those of the polygon.
+//!
+//! A fan from the first corner does for every convex polygon and many others. Where a triangle of the fan would be turned over,
+//! ears are cut off one after the other instead [Meisters 1975, two ears theorem].
+
+use super::fault::{FaultKind, Flaw};
+
+/// The most corners of a polygon.
+const MOST_CORNERS: usize = 1 << 16;
+
+/// The most corners of a polygon that no fan covers: the work on ears grows with their square.
+const MOST_CORNERS_BY_EARS: usize = 512;
+
+/// Part of a polygon's area by which a triangle may be turned over and pass: corners in single precision are off by 6e-8 of their
+/// size, which turns over triangles whose corners should be in line.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// How a polygon was cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cut {
+    /// The triangles are the polygon.
+    Exact,
+    /// The outline crosses itself: the triangles have its area vector, but some are turned over.
+    Crossed,
+}
+
+/// A polygon, and room for cutting it that is used again for the next.
+#[derive(Debug, Default)]
+pub(super) struct Polygon {
+    corners: Vec<[f64; 3]>,
+    ring: Ring,
+}
+
+impl Polygon {
+    pub(super) fn clear(&mut self) {
+        self.corners.clear();
+    }
+
+    pub(super) fn corners(&self) -> &[[f64; 3]] {
+        &self.corners
+    }
+
+    pub(super) fn add(&mut self, corner: [f64; 3]) -> Result<(), Flaw> {
+        if self.corners.len() >= MOST_CORNERS {
+            return Err(Flaw::new(FaultKind::TooLarge, format!("at most {MOST_CORNERS} corners in a face"), "more"));
+        }
+        self.corners.push(corner);
+        Ok(())
+    }
+
+    /// Hands the triangles to `emit`, in the order of the corners.
+    pub(super) fn cut(&mut self, mut emit: impl FnMut([[f64; 3]; 3])) -> Result<Cut, Flaw> {
+        let corners = &self.corners[..];
+        if let &[a, b, c] = corners {
+            emit([a, b, c]);
+            return Ok(Cut::Exact);
+        }
+        let verdict = judge(corners);
+        if let Fan::Fits | Fan::Crosses = verdict {
+            for pair in corners[1..].windows(2) {
+                emit([corners[0], pair[0], pair[1]]);
+            }
+        }
+        match verdict {
+            Fan::Fits => Ok(Cut::Exact),
+            Fan::Crosses => Ok(Cut::Crossed),
+            Fan::TurnsOver(_) if corners.len() > MOST_CORNERS_BY_EARS => {
+                let expected = format!("at most {MOST_CORNERS_BY_EARS} corners in a face that is not convex");
+                Err(Flaw::new(FaultKind::TooLarge, expected, corners.len().to_string()))
+            }
+            Fan::TurnsOver(area) => Ok(self.ring.cut(corners, area, emit)),
+        }
+    }
+}
+
+/// Whether a fan from the first corner covers a polygon.
+enum Fan {
+    Fits,
+    /// Some triangles are turned over against the polygon, whose area vector (doubled) this is.
+    TurnsOver([f64; 3]),
+    /// The triangles cancel each other.
+    Crosses,
+}
+
+fn judge(corners: &[[f64; 3]]) -> Fan {
+    let first = corners[0];
+    let triangles = || corners[1..].windows(2).map(|pair| cross(minus(pair[0], first), minus(pair[1], first)));
+    let extent = corners.iter().map(|corner| minus(*corner, first)).map(|edge| dot(edge, edge)).fold(0.0, f64::max);
+    let mut area = [0.0; 3];
+    let mut sizes = 0.0;
+    for triangle in triangles() {
+        area = [area[0] + triangle[0], area[1] + triangle[1], area[2] + triangle[2]];
+        sizes += dot(triangle, triangle).sqrt();
+    }
+    // A line rather than a polygon: whatever its triangles do, they cover nothing.
+    if sizes <= NEGLIGIBLE * extent {
+        return Fan::Fits;
+    }
+    let square = dot(area, area);
+    if square.sqrt() <= NEGLIGIBLE * sizes {
+        return Fan::Crosses;
+    }
+    if triangles().all(|triangle| dot(triangle, area) >= -NEGLIGIBLE * square) { Fan::Fits } else { Fan::TurnsOver(area) }
+}
+
+/// What is left of a polygon while ears are cut off it, seen along its normal, counter-clockwise.
+#[derive(Debug, Default)]
+struct Ring {
+    flat: Vec<[f64; 2]>,
+    next: Vec<usize>,
+    previous: Vec<usize>,
+    /// Corners at which the outline turns inwards: only they can stand in the way of an ear.
+    inward: Vec<usize>,
+}
+
+impl Ring {
+    fn cut(&mut self, corners: &[[f64; 3]], area: [f64; 3], mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
+        self.lay_out(corners, area);
+        let mut left = corners.len();
+        let mut at = 0;
+        let mut refused = 0;
+        // Corners on the border of an ear block it at first; where that leaves no ear, as where two parts of the outline run along
+        // each other, only those inside do.
+        let mut strict = false;
+        // Each corner is looked at a few times in an ordinary polygon; this many times means that it is not one.
+        let mut looks = 16 * corners.len();
+        while left > 3 && looks > 0 {
+            looks -= 1;
+            let (before, after) = (self.previous[at], self.next[at]);
+            if self.is_ear(at, strict) {
+                emit([corners[before], corners[at], corners[after]]);
+                self.remove(at);
+                left -= 1;
+                refused = 0;
+                at = before;
+            } else {
+                refused += 1;
+                at = after;
+            }
+            if refused > left {
+                if strict {
+                    break;
+                }
+                strict = true;
+                refused = 0;
+            }
+        }
+        self.fan(at, corners, area, emit)
+    }
+
+    /// The remaining corners as a fan: one triangle, if all went well.
+    fn fan(&self, first: usize, corners: &[[f64; 3]], area: [f64; 3], mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
+        let mut cut = Cut::Exact;
+        let mut second = self.next[first];
+        while self.next[second] != first {
+            let third = self.next[second];
+            let [a, b, c] = [first, second, third].map(|corner| corners[corner]);
+            if dot(cross(minus(b, a), minus(c, a)), area) < -NEGLIGIBLE * dot(area, area) {
+                cut = Cut::Crossed;
+            }
+            emit([a, b, c]);
+            second = third;
+        }
+        cut
+    }
+
+    fn lay_out(&mut self, corners: &[[f64; 3]], area: [f64; 3]) {
+        let largest = (0..3).max_by(|a, b| area[*a].abs().total_cmp(&area[*b].abs())).unwrap_or(2);
+        let (mut u, mut v) = ((largest + 1) % 3, (largest + 2) % 3);
+        if area[largest] < 0.0 {
+            std::mem::swap(&mut u, &mut v);
+        }
+        let count = corners.len();
+        self.flat.clear();
+        // From the first corner, so that polygons far from the origin lose nothing.
+        self.flat.extend(corners.iter().map(|corner| [corner[u] - corners[0][u], corner[v] - corners[0][v]]));
+        self.next.clear();
+        self.next.extend((1..count).chain([0]));
+        self.previous.clear();
+        self.previous.extend([count - 1].into_iter().chain(0..count - 1));
+        self.inward.clear();
+        for corner in 0..count {
+            if self.turn(corner) < 0.0 {
+                self.inward.push(corner);
+            }
+        }
+    }
+
+    /// Twice the area of the triangle of a corner and its neighbours, negative where the outline turns inwards.
+    fn turn(&self, corner: usize) -> f64 {
+        side(self.flat[self.previous[corner]], self.flat[corner], self.flat[self.next[corner]])
+    }
+
+    fn is_ear(&self, corner: usize, strict: bool) -> bool {
+        let turn = self.turn(corner);
+        if turn <= 0.0 {
+            // Corners in line: nothing is cut off with the middle one.
+            return turn == 0.0;
+        }
+        let [a, b, c] = [self.previous[corner], corner, self.next[corner]].map(|corner| self.flat[corner]);
+        !self.inward.iter().map(|other| self.flat[*other]).any(|p| {
+            let sides = [side(a, b, p), side(b, c, p), side(c, a, p)];
+            let inside = if strict { sides.iter().all(|side| *side > 0.0) } else { sides.iter().all(|side| *side >= 0.0) };
+            inside && [a, b, c].iter().all(|corner| !same(p, *corner))
+        })
+    }
+
+    fn remove(&mut self, corner: usize) {
+        let (before, after) = (self.previous[corner], self.next[corner]);
+        self.next[before] = after;
+        self.previous[after] = before;
+        self.inward.retain(|inward| *inward != corner);
+        // An ear that is cut off turns its neighbours outwards, if at all.
+        for neighbour in [before, after] {
+            if self.turn(neighbour) >= 0.0 {
+                self.inward.retain(|inward| *inward != neighbour);
+            }
+        }
+    }
+}
+
+/// Whether two corners are one point, as where a hole is joined to the outline.
+#[allow(clippy::float_cmp, reason = "a point that occurs twice has the same numbers")]
+fn same(a: [f64; 2], b: [f64; 2]) -> bool {
+    a == b
+}
+
+/// Twice the area of the triangle a, b, p: positive where p is to the left of the way from a to b.
+fn side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The triangles of a polygon given in a plane, laid on a slope, with their areas along the slope's normal.
+    fn cut(outline: &[[f64; 2]]) -> (Cut, Vec<[[f64; 3]; 3]>) {
+        let mut polygon = Polygon::default();
+        for [u, v] in outline {
+            // An orthonormal pair, so that areas stay.
+            polygon.add([0.6 * u + 7.0, *v - 3.0, 0.8 * u + 1.0]).unwrap();
+        }
+        let mut triangles = Vec::new();
+        let cut = polygon.cut(|triangle| triangles.push(triangle)).unwrap();
+        (cut, triangles)
+    }
+
+    fn along_normal([a, b, c]: [[f64; 3]; 3]) -> f64 {
+        dot(cross(minus(b, a), minus(c, a)), [-0.8, 0.0, 0.6]) / 2.0
+    }
+
+    fn shoelace(outline: &[[f64; 2]]) -> f64 {
+        (0..outline.len()).map(|i| (outline[i], outline[(i + 1) % outline.len()])).map(|(p, q)| (p[0] * q[1] - q[0] * p[1]) / 2.0).sum()
+    }
+
+    fn must_be_exact(outline: &[[f64; 2]]) {
+        let (cut, triangles) = cut(outline);
+        let area = shoelace(outline);
+        assert_eq!(cut, Cut::Exact);
+        assert_eq!(triangles.len(), outline.len() - 2);
+        // All on the polygon's side and its area in sum: then they cannot overlap.
+        assert!(triangles.iter().all(|triangle| along_normal(*triangle) >= -NEGLIGIBLE * area), "{triangles:?}");
+        approx::assert_relative_eq!(triangles.iter().map(|triangle| along_normal(*triangle)).sum::<f64>(), area, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn an_arrow_is_cut_where_it_is_hollow() {
+        let arrow = [[0.0, 0.0], [4.0, -2.0], [1.0, 0.0], [4.0, 2.0]];
+        for first in 0..4 {
+            let mut turned = arrow;
+            turned.rotate_left(first);
+            must_be_exact(&turned);
+        }
+    }
+
+    #[test]
+    fn a_comb_and_a_spiral_are_cut_exactly() {
+        let mut comb = vec![[0.0, 0.0], [20.0, 0.0], [20.0, 5.0]];
+        for tooth in (0..10).rev() {
+            let left = 2.0 * f64::from(tooth);
+            comb.extend([[left + 1.5, 5.0], [left + 1.5, 1.0], [left + 0.5, 1.0], [left + 0.5, 5.0]]);
+        }
+        comb.push([0.0, 5.0]);
+        must_be_exact(&comb);
+        let at = |step: u32, gap: f64| {
+            let angle = 0.3 * f64::from(step);
+            [(1.0 + angle + gap) * angle.cos(), (1.0 + angle + gap) * angle.sin()]
+        };
+        let spiral: Vec<[f64; 2]> = (0..60).map(|step| at(step, 3.0)).chain((0..60).rev().map(|step| at(step, 0.0))).collect();
+        must_be_exact(&spiral);
+    }
+
+    #[test]
+    fn a_hole_joined_to_the_outline_stays_a_hole() {
+        must_be_exact(&[
+            [0.0, 0.0],
+            [6.0, 0.0],
+            [6.0, 6.0],
+            [0.0, 6.0],
+            [0.0, 0.0],
+            [2.0, 2.0],
+            [2.0, 4.0],
+            [4.0, 4.0],
+            [4.0, 2.0],
+            [2.0, 2.0],
+        ]);
+    }
+
+    #[test]
+    fn an_outline_that_crosses_itself_is_told() {
+        assert_eq!(cut(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]).0, Cut::Crossed);
+        assert_eq!(cut(&[[0.0, 0.0], [3.0, 3.0], [3.0, 0.0], [0.0, 2.0]]).0, Cut::Crossed);
+    }
+
+    #[test]
+    fn a_line_passes_as_it_is() {
+        let (cut, triangles) = cut(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [3.0, 0.0]]);
+        assert_eq!((cut, triangles.len()), (Cut::Exact, 2));
+    }
+
+    #[test]
+    fn corners_are_limited() {
+        let circle = |count: u32| (0..count).map(move |step| (f64::from(step) / f64::from(count) * 6.28).sin_cos()).map(|(v, u)| [u, v]);
+        let mut hollow: Vec<[f64; 2]> = circle(512).collect();
+        must_be_exact(&hollow);
+        hollow.insert(1, [0.0, 0.0]);
+        let mut polygon = Polygon::default();
+        hollow.iter().for_each(|[u, v]| polygon.add([*u, *v, 0.0]).unwrap());
+        assert_eq!(polygon.cut(|_| ()).unwrap_err().kind(), FaultKind::TooLarge);
+        assert!((hollow.len()..MOST_CORNERS).all(|_| polygon.add([0.0; 3]).is_ok()));
+        assert_eq!(polygon.add([0.0; 3]).unwrap_err().kind(), FaultKind::TooLarge);
+    }
+
+    proptest! {
+        #[test]
+        fn stars_are_cut_exactly(radii in proptest::collection::vec(0.05_f64..10.0, 4..60), first in 0_usize..60) {
+            let count = radii.len();
+            let at = |index: usize| {
+                #[allow(clippy::cast_precision_loss, reason = "under 60")]
+                let angle = index as f64 / count as f64 * std::f64::consts::TAU;
+                [radii[index] * angle.cos(), radii[index] * angle.sin()]
+            };
+            let mut star: Vec<[f64; 2]> = (0..count).map(at).collect();
+            star.rotate_left(first % count);
+            must_be_exact(&star);
+        }
+
+        #[test]
+        fn whatever_the_outline_the_area_vector_is_its_own(outline in proptest::collection::vec([-10.0_f64..10.0, -10.0..10.0], 3..30)) {
+            let (_, triangles) = cut(&outline);
+            prop_assert_eq!(triangles.len(), outline.len() - 2);
+            // 30 triangles of up to 200 mm2, each rounded to 1e-16 of that.
+            approx::assert_abs_diff_eq!(triangles.iter().map(|triangle| along_normal(*triangle)).sum::<f64>(), shoelace(&outline), epsilon = 1e-11);
+        }
+    }
+}

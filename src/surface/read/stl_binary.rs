@@ -1,0 +1,122 @@
+//! Binary STL: a header of 80 bytes that says nothing, a count of 4, and for each facet 50 bytes: normal and corners in single
+//! precision, little end first, and 2 bytes to which programs give meanings of their own.
+//!
+//! Normals are not looked at, since corners tell them. Bytes after the last facet are counted.
+
+use super::decimal::unbounded;
+use super::fault::{Fault, FaultKind, Flaw};
+use super::{Format, LARGEST_COORDINATE, Notes, Sink, Summary};
+
+const HEADER: usize = 80;
+const START: usize = HEADER + 4;
+const RECORD: usize = 50;
+/// The corners follow the normal's three numbers.
+const FIRST_CORNER: usize = 12;
+
+/// The reader of binary STL.
+#[derive(Debug)]
+pub(super) struct Reader {
+    /// The start of a piece, header with count or record, whose end has not arrived.
+    begun: [u8; START],
+    length: usize,
+    /// The facets that the file promises, once it has.
+    promised: Option<u64>,
+    facets: u64,
+    trailing_bytes: u64,
+}
+
+impl Reader {
+    pub(super) fn new() -> Self {
+        Self { begun: [0; START], length: 0, promised: None, facets: 0, trailing_bytes: 0 }
+    }
+
+    pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        let promised = if let Some(promised) = self.promised {
+            promised
+        } else {
+            if !self.complete(&mut chunk, START) {
+                return Ok(());
+            }
+            let [.., a, b, c, d] = self.begun;
+            let promised = u64::from(u32::from_le_bytes([a, b, c, d]));
+            self.promised = Some(promised);
+            promised
+        };
+        if self.length > 0 && self.complete(&mut chunk, RECORD) {
+            let record = self.begun;
+            self.records(&[*record.first_chunk().expect("84 bytes hold 50")], sink)?;
+        }
+        let (records, _) = chunk.as_chunks::<RECORD>();
+        let left = usize::try_from(promised - self.facets).unwrap_or(usize::MAX);
+        let records = &records[..records.len().min(left)];
+        self.records(records, sink)?;
+        let rest = &chunk[records.len() * RECORD..];
+        if self.facets == promised {
+            self.trailing_bytes += rest.len() as u64;
+        } else {
+            self.begun[self.length..self.length + rest.len()].copy_from_slice(rest);
+            self.length += rest.len();
+        }
+        Ok(())
+    }
+
+    /// Moves bytes from `chunk` to the piece that has begun until it has `size` of them, and tells whether it has.
+    fn complete(&mut self, chunk: &mut &[u8], size: usize) -> bool {
+        let (part, rest) = chunk.split_at(chunk.len().min(size - self.length));
+        self.begun[self.length..self.length + part.len()].copy_from_slice(part);
+        self.length += part.len();
+        *chunk = rest;
+        if self.length < size {
+            return false;
+        }
+        self.length = 0;
+        true
+    }
+
+    fn records<S: Sink>(&mut self, records: &[[u8; RECORD]], sink: &mut S) -> Result<(), Fault> {
+        for record in records {
+            let corners = corners(record);
+            if !corners.iter().flatten().fold(true, |fine, value| fine & (value.abs() <= LARGEST_COORDINATE)) {
+                return Err(self.unbounded(&corners));
+            }
+            self.facets += 1;
+            sink.facet(corners);
+        }
+        Ok(())
+    }
+
+    /// The refusal of the record after those that have been read.
+    #[cold]
+    fn unbounded(&self, corners: &[[f64; 3]; 3]) -> Fault {
+        let numbers = corners.as_flattened();
+        let first = numbers.iter().position(|value| value.is_nan() || value.abs() > LARGEST_COORDINATE).unwrap_or(0);
+        let offset = START as u64 + RECORD as u64 * self.facets + (FIRST_CORNER + 4 * first) as u64;
+        unbounded(&numbers[first].to_string()).at_byte(offset)
+    }
+
+    pub(super) fn finish(self) -> Result<Summary, Fault> {
+        let Some(promised) = self.promised else {
+            let expected = format!("{START} bytes of header and count of a binary STL");
+            return Err(Flaw::new(FaultKind::Truncated, expected, self.length.to_string()).at_byte(self.length as u64));
+        };
+        let end = START as u64 + RECORD as u64 * self.facets + self.length as u64;
+        if self.facets < promised {
+            let expected = format!("{promised} facets, as the count at byte {HEADER} says");
+            return Err(Flaw::new(FaultKind::Truncated, expected, format!("the end of the file after {}", self.facets)).at_byte(end));
+        }
+        if promised == 0 {
+            let found = format!("the count 0, and {} bytes after it", self.trailing_bytes);
+            return Err(Flaw::new(FaultKind::Empty, "a facet", found).at_byte(HEADER as u64));
+        }
+        let notes = Notes { trailing_bytes: self.trailing_bytes, ..Notes::default() };
+        Ok(Summary { format: Format::StlBinary, points: 0, facets: self.facets, notes })
+    }
+}
+
+fn corners(record: &[u8; RECORD]) -> [[f64; 3]; 3] {
+    let coordinate = |index: usize| {
+        let at = FIRST_CORNER + 4 * index;
+        f64::from(f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]))
+    };
+    [0, 3, 6].map(|first| [first, first + 1, first + 2].map(coordinate))
+}

@@ -1,0 +1,82 @@
+//! The readers of surface files, by what reaches the sink and by what is refused: ordinary files, messy ones and hostile ones.
+
+mod cutting;
+mod formats_agree;
+mod hostile;
+mod obj;
+mod ply;
+mod stl;
+mod text;
+
+use scallopd::surface::Sink;
+use scallopd::surface::read::{Fault, FaultKind, Format, Hint, Notes, Reader, Summary};
+
+/// Keeps all that a reader hands out.
+#[derive(Debug, Default, Clone, PartialEq)]
+struct Recorder {
+    points: Vec<[f64; 3]>,
+    facets: Vec<[[f64; 3]; 3]>,
+}
+
+impl Sink for Recorder {
+    fn point(&mut self, point: [f64; 3]) {
+        self.points.push(point);
+    }
+
+    fn facet(&mut self, corners: [[f64; 3]; 3]) {
+        self.facets.push(corners);
+    }
+}
+
+/// Reads a whole file in one chunk, of which its sender says nothing.
+fn read(file: impl AsRef<[u8]>) -> Result<(Recorder, Summary), Fault> {
+    read_in_chunks(&[file.as_ref()], Hint::default()).1
+}
+
+/// What the sink has got, and how reading ended.
+fn read_in_chunks(chunks: &[&[u8]], hint: Hint) -> (Recorder, Result<(Recorder, Summary), Fault>) {
+    let mut reader = Reader::new(hint);
+    let mut recorder = Recorder::default();
+    for chunk in chunks {
+        if let Err(fault) = reader.push(chunk, &mut recorder) {
+            return (recorder, Err(fault));
+        }
+    }
+    let result = reader.finish(&mut recorder);
+    (recorder.clone(), result.map(|summary| (recorder, summary)))
+}
+
+/// The points of a file without facets, whose summary must say the same.
+fn points(file: impl AsRef<[u8]>) -> Vec<[f64; 3]> {
+    let (recorder, summary) = read(file).unwrap();
+    assert_eq!((summary.points, summary.facets), (recorder.points.len() as u64, 0));
+    assert_eq!(recorder.facets, Vec::<[[f64; 3]; 3]>::new());
+    recorder.points
+}
+
+/// The facets of a file that has them, whose summary must say the same.
+fn facets(file: impl AsRef<[u8]>) -> Vec<[[f64; 3]; 3]> {
+    let (recorder, summary) = read(file).unwrap();
+    assert_eq!((summary.points, summary.facets), (0, recorder.facets.len() as u64));
+    assert_eq!(recorder.points, Vec::<[f64; 3]>::new());
+    recorder.facets
+}
+
+/// The sentence with which a file is refused.
+fn refusal(file: impl AsRef<[u8]>) -> String {
+    read(file).unwrap_err().to_string()
+}
+
+/// A binary STL with this header, padded, and these facets, whose normals are NaN.
+fn binary_stl(header: &str, facets: &[[[f32; 3]; 3]]) -> Vec<u8> {
+    let mut file = header.as_bytes().to_vec();
+    file.resize(80, 0);
+    file.extend(u32::try_from(facets.len()).unwrap().to_le_bytes());
+    for facet in facets {
+        file.extend([f32::NAN; 3].iter().chain(facet.as_flattened()).flat_map(|value| value.to_le_bytes()));
+        file.extend([0xab, 0xcd]);
+    }
+    file
+}
+
+const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];
