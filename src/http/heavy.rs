@@ -97,12 +97,14 @@ impl Place {
         let permit = Arc::clone(&self.permit);
         let span = tracing::Span::current();
         self.threads.spawn_fifo(move || {
-            if !sender.is_closed() {
-                let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
-                // A receiver that is gone wants no result.
-                let _ = sender.send(done);
+            if sender.is_closed() {
+                return;
             }
+            let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
+            // Before the result is there, or the place of an answered request would still be taken.
             drop(permit);
+            // A receiver that is gone wants no result.
+            let _ = sender.send(done);
         });
         match receiver.await {
             Ok(Ok(result)) => result,

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use axum::Router;
 use axum::body::{Body, Bytes};
@@ -15,25 +15,25 @@ use tokio::io::AsyncWriteExt;
 
 use crate::server::{TestServer, defaults, read_all, send};
 
-const LIMIT: u64 = 1 << 20;
+const LIMIT: usize = 1 << 20;
 
 /// A route that counts what it reads, and the count.
-fn counting() -> (Router<Operations>, Arc<AtomicU64>) {
-    let count = Arc::new(AtomicU64::new(0));
+fn counting() -> (Router<Operations>, Arc<AtomicUsize>) {
+    let count = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&count);
     let read = move |mut body: Body| async move {
         while let Some(Ok(frame)) = body.frame().await {
-            counted.fetch_add(frame.data_ref().map_or(0, Bytes::len) as u64, Ordering::SeqCst);
+            counted.fetch_add(frame.data_ref().map_or(0, Bytes::len), Ordering::SeqCst);
         }
         "whatever the handler makes of the error"
     };
     (Router::new().route("/read/batch", post(read.clone())).route("/read", post(read)), count)
 }
 
-async fn start() -> (TestServer, Arc<AtomicU64>) {
+async fn start() -> (TestServer, Arc<AtomicUsize>) {
     let (routes, count) = counting();
     let mut settings = defaults();
-    settings.http.max_json_bytes = LIMIT;
+    settings.http.max_json_bytes = LIMIT as u64;
     (TestServer::start(settings, routes).await, count)
 }
 
@@ -65,7 +65,7 @@ async fn an_endless_body_is_read_up_to_the_limit_and_refused() {
     let (mut reader, mut writer) = stream.into_split();
     let sending = tokio::spawn(async move {
         writer.write_all(b"POST /read/batch HTTP/1.1\r\nhost: test\r\ntransfer-encoding: chunked\r\n\r\n").await.unwrap();
-        let chunk = [&b"8000\r\n"[..], &[b'x'; 0x8000], b"\r\n"].concat();
+        let chunk = [&b"800\r\n"[..], &[b'x'; 0x800], b"\r\n"].concat();
         let mut sent = 0;
         while writer.write_all(&chunk).await.is_ok() {
             sent += chunk.len();
@@ -85,7 +85,7 @@ async fn an_endless_body_is_read_up_to_the_limit_and_refused() {
 async fn a_gzip_bomb_is_unfolded_up_to_the_limit_and_refused() {
     let (server, count) = start().await;
     let bomb = gzip(&vec![0; 200 << 20]);
-    assert!(bomb.len() < LIMIT as usize, "the bomb is small before it unfolds: {}", bomb.len());
+    assert!(bomb.len() < LIMIT, "the bomb is small before it unfolds: {}", bomb.len());
     let answer = post_gzip(&server, "/read/batch", bomb).await;
     assert_eq!(answer.status(), 413);
     let read = count.load(Ordering::SeqCst);
@@ -95,7 +95,7 @@ async fn a_gzip_bomb_is_unfolded_up_to_the_limit_and_refused() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_body_of_just_the_limit_is_accepted_plain_and_compressed() {
     let (server, count) = start().await;
-    let body = vec![b'x'; LIMIT as usize];
+    let body = vec![b'x'; LIMIT];
     let plain = server.client.post(server.url("/read/batch")).body(body.clone()).send().await.unwrap();
     assert_eq!(plain.status(), 200);
     assert_eq!(post_gzip(&server, "/read/batch", gzip(&body)).await.status(), 200);

@@ -1,54 +1,13 @@
 //! The program itself: its settings, its health check, its end.
 
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
-use std::process::{Child, Command, Output, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
 use std::time::Duration;
 
+use crate::launch::{Program, scallopd, text};
 use crate::server::PATIENCE;
-
-fn scallopd() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scallopd"));
-    for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("SCALLOPD_")) {
-        command.env_remove(name);
-    }
-    command
-}
-
-fn text(output: &Output) -> String {
-    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
-}
-
-/// A running program and the lines that it logs.
-struct Program {
-    child: Child,
-    address: SocketAddr,
-    log: JoinHandle<Vec<serde_json::Value>>,
-}
-
-impl Program {
-    fn start(arguments: &[&str]) -> Self {
-        let mut child = scallopd().args(["--listen", "127.0.0.1:0"]).args(arguments).stdout(Stdio::piped()).spawn().unwrap();
-        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap());
-        let first: serde_json::Value = lines.next().expect("a line that says where it listens");
-        let address = first["address"].as_str().expect("an address").parse().unwrap();
-        Self { child, address, log: std::thread::spawn(move || lines.collect()) }
-    }
-
-    fn signal(&self, name: &str) {
-        let killed = Command::new("kill").args([&format!("-{name}"), &self.child.id().to_string()]).status().unwrap();
-        assert!(killed.success());
-    }
-
-    /// The exit code and the log.
-    fn wait(mut self) -> (Option<i32>, Vec<serde_json::Value>) {
-        let code = self.child.wait().unwrap().code();
-        (code, self.log.join().unwrap())
-    }
-}
 
 /// The answer to one request on a connection of its own; `None` where the server does not listen any more or takes no request.
 fn ask(address: SocketAddr) -> Option<String> {

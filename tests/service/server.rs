@@ -48,7 +48,7 @@ impl TestServer {
             };
             server::serve(listener, app, &settings.server, stop).await
         });
-        let client = reqwest::Client::builder().timeout(PATIENCE).build().unwrap();
+        let client = reqwest::Client::builder().no_gzip().timeout(PATIENCE).build().unwrap();
         Self { address, operations, client, stop: Some(stop), served }
     }
 
