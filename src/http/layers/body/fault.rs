@@ -1,0 +1,56 @@
+//! What can be wrong with a body as it arrives, before anybody looks at what it says.
+
+use std::fmt;
+use std::time::Duration;
+
+use axum::http::StatusCode;
+use axum::response::Response;
+
+use crate::http::layers::problem::problem;
+
+/// The rule that a body broke.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum BodyFault {
+    /// More bytes than are accepted, decompressed.
+    TooLarge {
+        /// How many are accepted.
+        largest: u64,
+    },
+    /// Nothing came for too long.
+    Stalled {
+        /// How long nothing may come.
+        longest: Duration,
+    },
+    /// It came too slowly on average.
+    TooSlow {
+        /// The slowest average that is accepted.
+        slowest_bytes_s: u64,
+    },
+    /// It could not be read or decompressed.
+    Unreadable(String),
+}
+
+impl fmt::Display for BodyFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooLarge { largest } => write!(f, "the body, counted decompressed, is larger than {largest} bytes"),
+            Self::Stalled { longest } => write!(f, "nothing of the body came for {} s", longest.as_secs()),
+            Self::TooSlow { slowest_bytes_s } => write!(f, "the body came at less than {slowest_bytes_s} bytes a second"),
+            Self::Unreadable(cause) => write!(f, "the body could not be read: {cause}"),
+        }
+    }
+}
+
+impl std::error::Error for BodyFault {}
+
+impl BodyFault {
+    /// The problem that the client is told.
+    pub(super) fn answer(&self) -> Response {
+        let (status, slug, title) = match self {
+            Self::TooLarge { .. } => (StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large"),
+            Self::Stalled { .. } | Self::TooSlow { .. } => (StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long"),
+            Self::Unreadable(_) => (StatusCode::BAD_REQUEST, "unreadable-body", "The body could not be read"),
+        };
+        problem(status, slug, title, self.to_string())
+    }
+}

@@ -1,0 +1,126 @@
+//! The way of a request's body into the server: how slowly it may come (`pace`), how large it may be once decompressed (`bound`), and
+//! how long the answer may take after it. A body that breaks a rule ends with an error, and the answer is the rule's problem
+//! whatever the handler made of that error.
+
+mod bound;
+mod fault;
+mod pace;
+mod reception;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::Response;
+use tokio::time::{Instant, timeout_at};
+
+use super::problem::problem;
+use super::weight::Weight;
+use crate::settings::HttpSettings;
+use fault::BodyFault;
+use reception::Reception;
+
+/// The rules, from the settings.
+#[derive(Debug)]
+pub(super) struct Limits {
+    single: u64,
+    json: u64,
+    upload: u64,
+    request_timeout: Duration,
+    pace: pace::Pace,
+}
+
+impl Limits {
+    pub(super) fn new(settings: &HttpSettings) -> Self {
+        Self {
+            single: settings.max_json_bytes.min(HttpSettings::LARGEST_SINGLE),
+            json: settings.max_json_bytes,
+            upload: settings.max_upload_bytes,
+            request_timeout: settings.request_timeout,
+            pace: pace::Pace { longest_stall: settings.body_idle_timeout, slowest_bytes_s: settings.min_body_rate },
+        }
+    }
+
+    fn largest(&self, path: &str) -> u64 {
+        match Weight::of(path) {
+            Weight::Probe | Weight::Single => self.single,
+            Weight::Heavy => self.json,
+            Weight::Upload => self.upload,
+        }
+    }
+}
+
+/// Layer, outside decompression: refuses what the head already rules out, minds the pace, and answers in time.
+pub(super) async fn receive(State(limits): State<Arc<Limits>>, mut request: Request, next: Next) -> Response {
+    let largest = limits.largest(request.uri().path());
+    match encoding(request.headers()) {
+        Encoding::Gzip => {}
+        Encoding::Identity if stated_length(request.headers()).is_none_or(|length| length <= largest) => {}
+        Encoding::Identity => return BodyFault::TooLarge { largest }.answer(),
+        Encoding::Other => return unsupported_encoding(),
+    }
+    let reception = Arc::new(Reception::begin());
+    request.extensions_mut().insert(Arc::clone(&reception));
+    let request = request.map(|body| Body::new(pace::Paced::new(body, limits.pace, Arc::clone(&reception))));
+    let answer = answer_within(limits.request_timeout, &reception, next.run(request)).await;
+    match (reception.fault(), answer) {
+        (Some(fault), _) => fault.answer(),
+        (None, Some(response)) => response,
+        (None, None) => took_too_long(limits.request_timeout),
+    }
+}
+
+/// Layer, inside decompression: ends the body at its limit.
+pub(super) async fn bound(State(limits): State<Arc<Limits>>, request: Request, next: Next) -> Response {
+    let largest = limits.largest(request.uri().path());
+    let reception = request.extensions().get::<Arc<Reception>>().cloned();
+    let Some(reception) = reception else { unreachable!("the layer around this one begins the reception") };
+    next.run(request.map(|body| Body::new(bound::Bound::new(body, largest, reception)))).await
+}
+
+/// What `answer` yields within `longest` of the request's last byte: a long upload over a slow line is not a slow answer.
+async fn answer_within(longest: Duration, reception: &Reception, answer: impl Future<Output = Response>) -> Option<Response> {
+    let mut answer = std::pin::pin!(answer);
+    loop {
+        let deadline = reception.last_byte() + longest;
+        match timeout_at(deadline, answer.as_mut()).await {
+            Ok(response) => return Some(response),
+            Err(_) if reception.last_byte() + longest > Instant::now() => {}
+            Err(_) => return None,
+        }
+    }
+}
+
+enum Encoding {
+    Identity,
+    Gzip,
+    Other,
+}
+
+fn encoding(headers: &HeaderMap) -> Encoding {
+    match headers.get(header::CONTENT_ENCODING).map(HeaderValue::as_bytes) {
+        None | Some(b"identity") => Encoding::Identity,
+        Some(b"gzip") => Encoding::Gzip,
+        Some(_) => Encoding::Other,
+    }
+}
+
+fn stated_length(headers: &HeaderMap) -> Option<u64> {
+    headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
+}
+
+fn unsupported_encoding() -> Response {
+    let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
+    let detail = "send the body plain or with the header content-encoding: gzip".to_owned();
+    let mut response = problem(status, "unsupported-encoding", "The content encoding is not supported", detail);
+    response.headers_mut().insert(header::ACCEPT_ENCODING, HeaderValue::from_static("gzip"));
+    response
+}
+
+fn took_too_long(longest: Duration) -> Response {
+    let detail = format!("no answer within {} s of the request's last byte", longest.as_secs());
+    problem(StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long", detail)
+}

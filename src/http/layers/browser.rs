@@ -1,0 +1,43 @@
+//! What browsers are told: which pages may call the service, and what a page of the service itself may do.
+
+use std::time::Duration;
+
+use axum::http::{HeaderName, HeaderValue, Method, header};
+use axum::response::Response;
+use tower_http::cors::{AllowOrigin, CorsLayer};
+
+use crate::settings::CorsOrigins;
+
+/// Cross-origin rules; none where no origin is listed, so that browsers keep to their own.
+pub(super) fn cors(origins: &CorsOrigins) -> Option<CorsLayer> {
+    let allowed = match origins {
+        CorsOrigins::Any => AllowOrigin::any(),
+        CorsOrigins::Listed(listed) if listed.is_empty() => return None,
+        CorsOrigins::Listed(listed) => AllowOrigin::list(listed.iter().cloned()),
+    };
+    let layer = CorsLayer::new()
+        .allow_origin(allowed)
+        .allow_methods([Method::GET, Method::POST])
+        .allow_headers([header::CONTENT_TYPE, header::CONTENT_ENCODING, super::request_id::HEADER, HeaderName::from_static("traceparent")])
+        .expose_headers([super::request_id::HEADER, header::RETRY_AFTER])
+        .max_age(Duration::from_hours(1));
+    Some(layer)
+}
+
+/// Scripts and styles from this server only; style attributes are what the documentation page's script sets.
+const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
+    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
+);
+
+/// Layer: no answer is to be taken for another type than it says; a page that sets no policy of its own gets a strict one.
+pub(super) async fn secure(mut response: Response) -> Response {
+    let page = response.headers().get(header::CONTENT_TYPE).is_some_and(|media_type| media_type.as_bytes().starts_with(b"text/html"));
+    let headers = response.headers_mut();
+    headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    if page {
+        headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(PAGE_POLICY);
+        headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+        headers.insert(header::X_FRAME_OPTIONS, HeaderValue::from_static("DENY"));
+    }
+    response
+}

@@ -1,0 +1,176 @@
+//! One log line, one span and one count for each request, when its answer has been sent or given up.
+
+use std::pin::Pin;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, LazyLock};
+use std::task::{Context, Poll};
+use std::time::Instant;
+
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::{HeaderValue, header};
+use axum::middleware::Next;
+use axum::response::Response;
+use http_body::{Frame, SizeHint};
+use tracing::{Instrument, Level, Span};
+
+use super::request_id::{self, RequestId};
+use super::weight::Weight;
+use crate::http::metrics::{Metrics, UNMATCHED, method_label};
+use crate::http::operations::Operations;
+
+/// The status under which a request is counted whose client left before the answer: the one that nginx gives it.
+const CLIENT_LEFT: u16 = 499;
+
+/// Layer: identifies the request, and tells and counts it at its end.
+pub(super) async fn observe(State(operations): State<Operations>, mut request: Request, next: Next) -> Response {
+    let id = request_id::take_or_create(&mut request);
+    let mut record = Record::begin(&request, &id, operations.metrics.clone());
+    let span = record.span.clone();
+    crate::telemetry::continue_trace(&span, request.headers());
+    let request_bytes = Arc::clone(&record.request_bytes);
+    let request = request.map(|body| if body.is_end_stream() { body } else { Body::new(Counted { body, bytes: request_bytes }) });
+    let mut response = next.run(request).instrument(span).await;
+    record.status = response.status().as_u16();
+    id.mark(&mut response);
+    if operations.readiness.is_draining() {
+        // A client that is told moves to another server; one that is cut off loses the request that it may just be sending.
+        response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+    }
+    response.map(|body| Body::new(Answer { body, record }))
+}
+
+/// What is known of one request. Dropping it is the request's end.
+struct Record {
+    id: RequestId,
+    method: &'static str,
+    route: Arc<str>,
+    probe: bool,
+    began: Instant,
+    status: u16,
+    request_bytes: Arc<AtomicU64>,
+    response_bytes: u64,
+    span: Span,
+    metrics: Metrics,
+}
+
+impl Record {
+    fn begin(request: &Request, id: &RequestId, metrics: Metrics) -> Self {
+        static NO_ROUTE: LazyLock<Arc<str>> = LazyLock::new(|| Arc::from(UNMATCHED));
+        let route = request.extensions().get::<MatchedPath>().map_or_else(|| Arc::clone(&NO_ROUTE), |path| Arc::from(path.as_str()));
+        let method = method_label(request.method());
+        let span = tracing::info_span!(
+            "request",
+            request_id = id.as_str(),
+            otel.name = format_args!("{method} {route}"),
+            otel.kind = "server",
+            http.request.method = method,
+            http.route = &*route,
+            http.response.status_code = tracing::field::Empty,
+        );
+        metrics.began();
+        let probe = Weight::of(request.uri().path()) == Weight::Probe;
+        let request_bytes = Arc::default();
+        Self {
+            id: id.clone(),
+            method,
+            route,
+            probe,
+            began: Instant::now(),
+            status: CLIENT_LEFT,
+            request_bytes,
+            response_bytes: 0,
+            span,
+            metrics,
+        }
+    }
+}
+
+impl Drop for Record {
+    fn drop(&mut self) {
+        let duration = self.began.elapsed();
+        self.metrics.ended(self.method, &self.route, self.status, duration);
+        self.span.record("http.response.status_code", self.status);
+        // The line stands for itself: what the span would add is in it.
+        macro_rules! line {
+            ($level:expr) => {
+                tracing::event!(
+                    parent: None,
+                    $level,
+                    request_id = self.id.as_str(),
+                    method = self.method,
+                    route = &*self.route,
+                    status = self.status,
+                    // Microseconds are enough for a person and half the digits.
+                    duration_ms = (duration.as_secs_f64() * 1e6).round() / 1e3,
+                    request_bytes = self.request_bytes.load(Ordering::Relaxed),
+                    response_bytes = self.response_bytes,
+                    "request"
+                )
+            };
+        }
+        match self.status {
+            500 => line!(Level::ERROR),
+            // Probes and scrapes come every few seconds for ever.
+            _ if self.probe => line!(Level::DEBUG),
+            _ => line!(Level::INFO),
+        }
+    }
+}
+
+/// A request's body, counted as it comes over the wire.
+struct Counted {
+    body: Body,
+    bytes: Arc<AtomicU64>,
+}
+
+impl HttpBody for Counted {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let polled = Pin::new(&mut self.body).poll_frame(context);
+        self.bytes.fetch_add(length(&polled), Ordering::Relaxed);
+        polled
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
+
+/// An answer's body, with the request's record until it is sent.
+struct Answer {
+    body: Body,
+    record: Record,
+}
+
+impl HttpBody for Answer {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let polled = Pin::new(&mut self.body).poll_frame(context);
+        self.record.response_bytes += length(&polled);
+        polled
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
+
+fn length(polled: &Poll<Option<Result<Frame<Bytes>, axum::Error>>>) -> u64 {
+    match polled {
+        Poll::Ready(Some(Ok(frame))) => frame.data_ref().map_or(0, |data| data.len() as u64),
+        _ => 0,
+    }
+}

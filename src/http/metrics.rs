@@ -1,0 +1,210 @@
+//! What is counted, and its text for Prometheus. Every label has few values: routes are templates, methods and reasons are listed here.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::State;
+use axum::http::{Method, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use prometheus_client::encoding::{EncodeLabelSet, text};
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::metrics::histogram::Histogram;
+use prometheus_client::metrics::info::Info;
+use prometheus_client::registry::Registry;
+
+/// Upper bounds of the durations' classes, in s: from a single calculation's to the request time-out.
+const DURATIONS: [f64; 18] =
+    [0.000_1, 0.000_25, 0.000_5, 0.001, 0.002_5, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 60.0];
+
+/// The label of requests that no route matches, so that invented paths make no new series.
+pub(crate) const UNMATCHED: &str = "unmatched";
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct RequestLabels {
+    method: &'static str,
+    route: Arc<str>,
+    status: u16,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct DurationLabels {
+    route: Arc<str>,
+    status: u16,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct ShedLabels {
+    reason: &'static str,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct FormatLabels {
+    format: &'static str,
+}
+
+type Durations = Family<DurationLabels, Histogram, fn() -> Histogram>;
+
+/// Why a request was turned away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShedReason {
+    /// As many requests as are accepted were in flight.
+    InFlight,
+    /// As many uploads and batches as are accepted were being worked on.
+    Heavy,
+}
+
+/// The counters. Clones share them.
+#[derive(Debug, Clone)]
+pub struct Metrics {
+    registry: Arc<Registry>,
+    requests: Family<RequestLabels, Counter>,
+    durations: Durations,
+    in_flight: Gauge,
+    shed_in_flight: Counter,
+    shed_heavy: Counter,
+    upload_bytes: Counter,
+    upload_facets: Family<FormatLabels, Counter>,
+}
+
+impl Metrics {
+    /// Counters at zero.
+    #[must_use]
+    pub fn new() -> Self {
+        let requests = Family::default();
+        let durations = Durations::new_with_constructor(|| Histogram::new(DURATIONS));
+        let in_flight = Gauge::default();
+        let shed = Family::<ShedLabels, Counter>::default();
+        let upload_bytes = Counter::default();
+        let upload_facets = Family::default();
+        let mut registry = Registry::default();
+        registry.register("scallopd_http_requests", "Requests answered", requests.clone());
+        registry.register("scallopd_http_request_duration_seconds", "From a request's head to the end of its answer", durations.clone());
+        registry.register("scallopd_http_requests_in_flight", "Requests being answered", in_flight.clone());
+        registry.register("scallopd_http_requests_shed", "Requests turned away under load", shed.clone());
+        registry.register("scallopd_upload_bytes", "Bytes of uploads, decompressed", upload_bytes.clone());
+        registry.register("scallopd_upload_facets", "Facets and points read from uploads", upload_facets.clone());
+        let version = option_env!("CARGO_PKG_VERSION").unwrap_or("unknown");
+        let revision = option_env!("SCALLOPD_REVISION").filter(|revision| !revision.is_empty()).unwrap_or("unknown");
+        registry.register("scallopd_build", "What is running", Info::new([("version", version), ("revision", revision)]));
+        registry.register_collector(Box::new(super::process::Process));
+        Self {
+            registry: Arc::new(registry),
+            requests,
+            durations,
+            in_flight,
+            shed_in_flight: shed.get_or_create_owned(&ShedLabels { reason: "in_flight" }),
+            shed_heavy: shed.get_or_create_owned(&ShedLabels { reason: "heavy" }),
+            upload_bytes,
+            upload_facets,
+        }
+    }
+
+    /// One more request is in flight.
+    pub(crate) fn began(&self) {
+        self.in_flight.inc();
+    }
+
+    /// A request was answered, or left by its client.
+    pub(crate) fn ended(&self, method: &'static str, route: &Arc<str>, status: u16, duration: Duration) {
+        self.in_flight.dec();
+        self.requests.get_or_create(&RequestLabels { method, route: Arc::clone(route), status }).inc();
+        self.durations.get_or_create(&DurationLabels { route: Arc::clone(route), status }).observe(duration.as_secs_f64());
+    }
+
+    /// A request was turned away.
+    pub fn shed(&self, reason: ShedReason) {
+        match reason {
+            ShedReason::InFlight => self.shed_in_flight.inc(),
+            ShedReason::Heavy => self.shed_heavy.inc(),
+        };
+    }
+
+    /// Bytes of an upload arrived, decompressed.
+    pub fn upload_bytes(&self, bytes: u64) {
+        self.upload_bytes.inc_by(bytes);
+    }
+
+    /// An upload of this format held so many facets, or points where it has no facets.
+    pub fn upload_facets(&self, format: &'static str, facets: u64) {
+        self.upload_facets.get_or_create(&FormatLabels { format }).inc_by(facets);
+    }
+
+    /// The counters as OpenMetrics text.
+    fn text(&self) -> Result<String, std::fmt::Error> {
+        let mut page = String::new();
+        text::encode(&mut page, &self.registry)?;
+        Ok(page)
+    }
+}
+
+impl Default for Metrics {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The label of a method; methods that clients invent make no new series.
+pub(crate) fn method_label(method: &Method) -> &'static str {
+    match *method {
+        Method::GET => "GET",
+        Method::POST => "POST",
+        Method::HEAD => "HEAD",
+        Method::OPTIONS => "OPTIONS",
+        Method::PUT => "PUT",
+        Method::DELETE => "DELETE",
+        Method::PATCH => "PATCH",
+        _ => "other",
+    }
+}
+
+/// `GET /metrics`.
+pub async fn show(State(metrics): State<Metrics>) -> Response {
+    match metrics.text() {
+        Ok(page) => ([(header::CONTENT_TYPE, "application/openmetrics-text; version=1.0.0; charset=utf-8")], page).into_response(),
+        Err(error) => {
+            tracing::error!(%error, "the metrics could not be written");
+            StatusCode::INTERNAL_SERVER_ERROR.into_response()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_text_names_what_was_counted() {
+        let metrics = Metrics::new();
+        let route: Arc<str> = Arc::from("/v1/max-feed");
+        metrics.began();
+        metrics.ended("POST", &route, 200, Duration::from_millis(2));
+        metrics.began();
+        metrics.shed(ShedReason::Heavy);
+        metrics.upload_bytes(84);
+        metrics.upload_facets("stl", 2);
+        let page = metrics.text().unwrap();
+        for line in [
+            "scallopd_http_requests_total{method=\"POST\",route=\"/v1/max-feed\",status=\"200\"} 1",
+            "scallopd_http_request_duration_seconds_bucket{le=\"0.0025\",route=\"/v1/max-feed\",status=\"200\"} 1",
+            "scallopd_http_request_duration_seconds_bucket{le=\"0.001\",route=\"/v1/max-feed\",status=\"200\"} 0",
+            "scallopd_http_requests_in_flight 1",
+            "scallopd_http_requests_shed_total{reason=\"heavy\"} 1",
+            "scallopd_http_requests_shed_total{reason=\"in_flight\"} 0",
+            "scallopd_upload_bytes_total 84",
+            "scallopd_upload_facets_total{format=\"stl\"} 2",
+            concat!("scallopd_build_info{version=\"", env!("CARGO_PKG_VERSION"), "\""),
+        ] {
+            assert!(page.contains(line), "{line} is not in\n{page}");
+        }
+        assert!(page.ends_with("# EOF\n"));
+    }
+
+    #[test]
+    fn invented_methods_share_a_label() {
+        for invented in ["BREW", "get", "PROPFIND"] {
+            assert_eq!(method_label(&invented.parse().unwrap()), "other");
+        }
+    }
+}

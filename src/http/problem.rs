@@ -1,0 +1,197 @@
+//! Answers to requests that fail: problem details (RFC 9457), the same for every route and every layer.
+//!
+//! A handler or layer that fails returns a [`Problem`], or any response with an error status and no body that matters;
+//! [`describe_errors`] turns both into `application/problem+json` on the way out, where path and request id are known.
+
+use super::reading::{Fault, Faults};
+use axum::extract::Request;
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use utoipa::openapi::{Content, Ref, RefOr, ResponseBuilder};
+use utoipa::{IntoResponses, ToSchema};
+
+/// A request that failed, before it is written.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem {
+    status: StatusCode,
+    kind: &'static str,
+    title: &'static str,
+    detail: Cow<'static, str>,
+    errors: Vec<Fault>,
+    members: Map<String, Value>,
+    retry_after_s: Option<u32>,
+}
+
+impl Problem {
+    pub(crate) fn new(status: StatusCode, kind: &'static str, title: &'static str, detail: impl Into<Cow<'static, str>>) -> Self {
+        Self { status, kind, title, detail: detail.into(), errors: Vec::new(), members: Map::new(), retry_after_s: None }
+    }
+
+    /// The request is well-formed and cannot be answered, for all the reasons in `faults`.
+    pub(crate) fn faulty_request(faults: Faults) -> Self {
+        let errors = faults.into_listed();
+        let detail = match errors.as_slice() {
+            [only] => only.detail.clone(),
+            several => format!("{} faults, listed in errors", several.len()),
+        };
+        Self { errors, ..Self::new(StatusCode::UNPROCESSABLE_ENTITY, "invalid-request", "The request cannot be answered", detail) }
+    }
+
+    /// The same problem under a name and title of its own.
+    pub(crate) fn named(self, kind: &'static str, title: &'static str) -> Self {
+        Self { kind, title, ..self }
+    }
+
+    /// With a further member that a program can use.
+    pub(crate) fn with(mut self, member: &str, value: impl Into<Value>) -> Self {
+        self.members.insert(member.to_owned(), value.into());
+        self
+    }
+
+    /// The problem that a bare status stands for.
+    fn of_status(status: StatusCode) -> Self {
+        let (kind, title, detail) = match status {
+            StatusCode::BAD_REQUEST => ("malformed-request", "The request is malformed", "the request could not be read"),
+            StatusCode::NOT_FOUND => ("not-found", "There is nothing here", "no such path; /docs lists what there is"),
+            StatusCode::METHOD_NOT_ALLOWED => ("method-not-allowed", "The method is not allowed here", "the header Allow lists the methods of this path"),
+            StatusCode::REQUEST_TIMEOUT => ("timeout", "The request took too long", "the request was not complete in time"),
+            StatusCode::PAYLOAD_TOO_LARGE => ("too-large", "The body is too large", "the body, counted decompressed, exceeds the limit of this server"),
+            StatusCode::UNSUPPORTED_MEDIA_TYPE => ("unsupported-media-type", "The media type is not supported", "send application/json, plain or with content-encoding gzip"),
+            StatusCode::SERVICE_UNAVAILABLE => ("overloaded", "The server is busy", "the server is at its limit; try again after the seconds in Retry-After"),
+            StatusCode::INTERNAL_SERVER_ERROR => ("internal", "The server failed", "the fault is the server's; its log holds the cause under the request id"),
+            _ => ("failed", status.canonical_reason().unwrap_or("The request failed"), "the request failed"),
+        };
+        Self::new(status, kind, title, detail)
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let mut response = self.status.into_response();
+        if let Some(seconds) = self.retry_after_s {
+            response.headers_mut().insert(header::RETRY_AFTER, seconds.into());
+        }
+        response.extensions_mut().insert(self);
+        response
+    }
+}
+
+/// The request id's header.
+pub(crate) const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
+
+const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
+
+/// Layer: writes every error response as a problem. Client errors keep what the framework said in its body only as a status, because
+/// its texts are not this API's; server errors tell nothing but the request id.
+pub(crate) async fn describe_errors(request: Request, next: Next) -> Response {
+    let instance = request.uri().path().to_owned();
+    let request_id = request.headers().get(REQUEST_ID).and_then(|id| id.to_str().ok()).map(str::to_owned);
+    let mut response = next.run(request).await;
+    let status = response.status();
+    if !status.is_client_error() && !status.is_server_error() {
+        return response;
+    }
+    let problem = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
+    let body = ProblemBody {
+        kind: problem.kind.into(),
+        title: problem.title.into(),
+        status: status.as_u16(),
+        detail: problem.detail.into_owned(),
+        instance,
+        request_id,
+        errors: problem.errors.into_iter().map(FaultBody::from).collect(),
+        members: problem.members,
+    };
+    let (mut parts, _) = response.into_parts();
+    parts.headers.remove(header::CONTENT_LENGTH);
+    parts.headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);
+    match serde_json::to_vec(&body) {
+        Ok(json) => Response::from_parts(parts, json.into()),
+        Err(error) => {
+            tracing::error!(%error, "a problem could not be written");
+            StatusCode::INTERNAL_SERVER_ERROR.into_response()
+        }
+    }
+}
+
+/// Why a request failed (RFC 9457).
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Problem)]
+pub(crate) struct ProblemBody {
+    /// Which problem: a stable name to decide by.
+    #[serde(rename = "type")]
+    #[schema(format = UriReference, example = "invalid-request")]
+    kind: Cow<'static, str>,
+    /// The problem in a few words, the same for every occurrence.
+    title: Cow<'static, str>,
+    /// The HTTP status.
+    #[schema(minimum = 400, maximum = 599)]
+    status: u16,
+    /// What went wrong here and what would be right, for a person.
+    detail: String,
+    /// The path of the request.
+    #[schema(format = UriReference)]
+    instance: String,
+    /// The request's id, which the server's log lines carry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    request_id: Option<String>,
+    /// All faults of an invalid request.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schema(required = false)]
+    errors: Vec<FaultBody>,
+    /// Figures of some problems: `step_over_height_mm` and `max_step_over_mm` of `tolerance-exceeded`.
+    #[serde(flatten)]
+    #[schema(ignore)]
+    members: Map<String, Value>,
+}
+
+/// One fault of an invalid request.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Fault)]
+struct FaultBody {
+    /// Where: a JSON pointer (RFC 6901) into the request; for an uploaded file the line or byte is in `detail`.
+    #[schema(example = "/cutter/corner_radius_mm")]
+    pointer: String,
+    /// Which: a stable name to decide by.
+    #[schema(example = "out-of-range")]
+    code: Cow<'static, str>,
+    /// What is wrong and what would be right, for a person.
+    detail: String,
+}
+
+impl From<Fault> for FaultBody {
+    fn from(fault: Fault) -> Self {
+        Self { pointer: fault.pointer, code: fault.code.into(), detail: fault.detail }
+    }
+}
+
+/// The problems that any operation with a JSON body can answer with, for the API document.
+pub(crate) struct Problems;
+
+impl IntoResponses for Problems {
+    fn responses() -> BTreeMap<String, RefOr<utoipa::openapi::Response>> {
+        [
+            ("400", "The body is not JSON"),
+            ("408", "The request was not complete in time"),
+            ("413", "The body, counted decompressed, exceeds the server's limit"),
+            ("415", "The body's media type or encoding is not supported"),
+            ("422", "The request is well-formed and cannot be answered; `errors` lists every fault with its place"),
+            ("500", "The server failed; its log holds the cause under the request id"),
+            ("503", "The server is busy; try again after the seconds in Retry-After"),
+        ]
+        .into_iter()
+        .map(|(status, description)| (status.to_owned(), problem_response(description)))
+        .collect()
+    }
+}
+
+fn problem_response(description: &str) -> RefOr<utoipa::openapi::Response> {
+    let content = Content::new(Some(RefOr::Ref(Ref::from_schema_name("Problem"))));
+    ResponseBuilder::new().description(description).content("application/problem+json", content).build().into()
+}

@@ -1,0 +1,190 @@
+//! The members that requests are made of: for each kind of value, how it is read and what the API document says of it. Both
+//! come from one description, so that no bound can differ between them.
+
+use super::object::describe;
+use super::{Faulted, Faults, Place};
+use crate::quantity::{Length, OutOfRange};
+use serde_json::value::RawValue;
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
+use utoipa::openapi::{RefOr, Schema};
+
+/// A named member of a request.
+pub(crate) struct Member<K> {
+    /// The name on the wire, with its unit.
+    pub(crate) name: &'static str,
+    /// What it is, for the document and for the fault that it is missing.
+    pub(crate) about: &'static str,
+    /// What values it takes.
+    pub(crate) kind: K,
+}
+
+/// A kind of value.
+pub(crate) trait Kind {
+    /// What it becomes.
+    type Value;
+    /// Reads it, recording every fault.
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted>;
+    /// Its schema, with `about` as the description.
+    fn schema(&self, about: &str) -> RefOr<Schema>;
+}
+
+/// A number within bounds.
+pub(crate) struct Number {
+    pub(crate) minimum: f64,
+    pub(crate) maximum: f64,
+    pub(crate) example: f64,
+}
+
+impl Kind for Number {
+    type Value = f64;
+
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+        let value = number(raw, place, faults)?;
+        in_range(OutOfRange::check(value, self.minimum, self.maximum), raw, place, faults)
+    }
+
+    fn schema(&self, about: &str) -> RefOr<Schema> {
+        let schema = ObjectBuilder::new().schema_type(Type::Number).description(Some(about)).examples([self.example]);
+        schema.minimum(Some(self.minimum)).maximum(Some(self.maximum)).into()
+    }
+}
+
+/// A length that somebody states, in mm.
+pub(crate) struct StatedLength {
+    pub(crate) example: f64,
+}
+
+impl Kind for StatedLength {
+    type Value = Length;
+
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Length, Faulted> {
+        in_range(Length::from_mm(number(raw, place, faults)?), raw, place, faults)
+    }
+
+    fn schema(&self, about: &str) -> RefOr<Schema> {
+        Number { minimum: Length::SMALLEST, maximum: Length::LARGEST, example: self.example }.schema(about)
+    }
+}
+
+/// A length that may be 0, which stands for none.
+pub(crate) struct LengthOrNone {
+    pub(crate) example: f64,
+}
+
+impl Kind for LengthOrNone {
+    type Value = Option<Length>;
+
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Option<Length>, Faulted> {
+        let value = number(raw, place, faults)?;
+        if value == 0.0 {
+            return Ok(None);
+        }
+        in_range(Length::from_mm(value), raw, place, faults).map(Some)
+    }
+
+    fn schema(&self, about: &str) -> RefOr<Schema> {
+        Number { minimum: 0.0, maximum: Length::LARGEST, example: self.example }.schema(about)
+    }
+}
+
+/// A whole number within bounds.
+pub(crate) struct Whole {
+    pub(crate) minimum: u32,
+    pub(crate) maximum: u32,
+    pub(crate) example: u32,
+}
+
+impl Kind for Whole {
+    type Value = u32;
+
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<u32, Faulted> {
+        let value = number(raw, place, faults)?;
+        let value = in_range(OutOfRange::check(value, self.minimum.into(), self.maximum.into()), raw, place, faults)?;
+        if value.fract() != 0.0 {
+            return Err(faults.add(&place, "wrong-type", format_args!("expected a whole number, found {}", describe(raw))));
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and between two u32 bounds")]
+        Ok(value as u32)
+    }
+
+    fn schema(&self, about: &str) -> RefOr<Schema> {
+        let schema = ObjectBuilder::new().schema_type(Type::Integer).description(Some(about)).examples([self.example]);
+        schema.minimum(Some(f64::from(self.minimum))).maximum(Some(f64::from(self.maximum))).into()
+    }
+}
+
+/// A vector of three components, of any length but zero.
+pub(crate) struct Vector {
+    pub(crate) example: [f64; 3],
+}
+
+impl Kind for Vector {
+    type Value = [f64; 3];
+
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
+        let items = items(raw, place, faults)?;
+        let [x, y, z] = items.as_slice() else {
+            return Err(faults.add(&place, "wrong-type", format_args!("expected three numbers, found {} items", items.len())));
+        };
+        let [x, y, z] = [(0, x), (1, y), (2, z)].map(|(index, raw)| number(raw, place.item(index), faults));
+        Ok([x?, y?, z?])
+    }
+
+    fn schema(&self, about: &str) -> RefOr<Schema> {
+        let component = ObjectBuilder::new().schema_type(Type::Number);
+        let schema = ArrayBuilder::new().items(component).min_items(Some(3)).max_items(Some(3));
+        schema.description(Some(about)).examples([serde_json::json!(self.example)]).into()
+    }
+}
+
+/// One of several words.
+pub(crate) struct Choice<T: 'static> {
+    pub(crate) words: &'static [(&'static str, T)],
+}
+
+impl<T: Copy> Kind for Choice<T> {
+    type Value = T;
+
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+        let word = text(raw, place, faults)?;
+        match self.words.iter().find(|(known, _)| *known == word) {
+            Some((_, value)) => Ok(*value),
+            None => {
+                let known: Vec<_> = self.words.iter().map(|(known, _)| *known).collect();
+                Err(faults.add(&place, "unknown-value", format_args!("expected one of {}, found {}", known.join(", "), describe(raw))))
+            }
+        }
+    }
+
+    fn schema(&self, about: &str) -> RefOr<Schema> {
+        let schema = ObjectBuilder::new().schema_type(Type::String).description(Some(about));
+        schema.enum_values(Some(self.words.iter().map(|(word, _)| *word))).into()
+    }
+}
+
+/// The finite number that `raw` is. A number too large for double precision, such as 1e999, is out of range, not infinite.
+pub(crate) fn number(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+    let text = raw.get();
+    if !matches!(text.as_bytes()[0], b'-' | b'0'..=b'9') {
+        return Err(faults.add(&place, "wrong-type", format_args!("expected a number, found {}", describe(raw))));
+    }
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(faults.add(&place, "out-of-range", format_args!("the number must be finite, found {}", describe(raw)))),
+    }
+}
+
+/// The text that `raw` is.
+pub(crate) fn text(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<String, Faulted> {
+    serde_json::from_str(raw.get()).map_err(|_| faults.add(&place, "wrong-type", format_args!("expected a string, found {}", describe(raw))))
+}
+
+/// The items of the array that `raw` is, unread.
+pub(crate) fn items<'a>(raw: &'a RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
+    serde_json::from_str(raw.get()).map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))
+}
+
+/// The checked value, or the fault with the bounds that it broke.
+pub(crate) fn in_range<T>(checked: Result<T, OutOfRange>, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+    checked.map_err(|bounds| faults.add(&place, "out-of-range", format_args!("{bounds}, found {}", describe(raw))))
+}

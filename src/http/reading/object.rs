@@ -1,0 +1,138 @@
+//! Reads a JSON object member by member, with all its faults and their places.
+
+use super::member::{Kind, Member};
+use super::{Faulted, Faults, Place};
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde_json::value::RawValue;
+use std::borrow::Cow;
+use std::fmt;
+
+/// A JSON object whose members are taken out one by one. What is left at the end is unknown.
+pub(crate) struct Object<'a, 'p> {
+    place: Place<'p>,
+    members: Vec<(Cow<'a, str>, &'a RawValue)>,
+    known: Vec<&'static str>,
+}
+
+impl<'a, 'p> Object<'a, 'p> {
+    /// Opens `raw`, at `place`, as an object.
+    pub(crate) fn open(raw: &'a RawValue, place: Place<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
+        if !raw.get().starts_with('{') {
+            return Err(faults.add(&place, "wrong-type", format_args!("expected an object, found {}", describe(raw))));
+        }
+        match serde_json::from_str::<Members<'a>>(raw.get()) {
+            Ok(Members(members)) => Ok(Self { place, members, known: Vec::with_capacity(12) }),
+            Err(error) => Err(faults.add(&place, "unreadable", error)),
+        }
+    }
+
+    /// Where the object is.
+    pub(crate) fn place(&self) -> Place<'p> {
+        self.place
+    }
+
+    /// Whether a member is there and not yet taken.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.members.iter().any(|(key, _)| key == name)
+    }
+
+    /// Takes the member `name` as it stands. A second one of the same name is a fault.
+    pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<&'a RawValue> {
+        self.known.push(name);
+        let found = self.members.iter().position(|(key, _)| key == name).map(|index| self.members.remove(index).1);
+        while let Some(again) = self.members.iter().position(|(key, _)| key == name) {
+            self.members.remove(again);
+            faults.add(&self.place.member(name), "repeated-field", "the field is given more than once");
+        }
+        found
+    }
+
+    /// A member that must be there.
+    pub(crate) fn required<K: Kind>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<K::Value, Faulted> {
+        match self.optional(member, faults)? {
+            Some(value) => Ok(value),
+            None => Err(faults.add(&self.place.member(member.name), "missing-field", format_args!("the field is missing: {}", member.about))),
+        }
+    }
+
+    /// A member that may be absent.
+    pub(crate) fn optional<K: Kind>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<Option<K::Value>, Faulted> {
+        let Some(raw) = self.take(member.name, faults) else {
+            return Ok(None);
+        };
+        member.kind.read(raw, self.place.member(member.name), faults).map(Some)
+    }
+
+    /// Ends the reading: what was not taken is unknown.
+    pub(crate) fn close(self, faults: &mut Faults) -> Result<(), Faulted> {
+        let mut result = Ok(());
+        for (name, _) in &self.members {
+            let detail = format_args!("unknown field; known here: {}", self.known.join(", ")).to_string();
+            result = Err(faults.add(&self.place.member(name), "unknown-field", detail));
+        }
+        result
+    }
+}
+
+/// What a JSON text is, for a person who expected something else.
+pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
+    const SHOWN: usize = 40;
+    let text = raw.get();
+    match text.as_bytes()[0] {
+        b'{' => "an object".into(),
+        b'[' => "an array".into(),
+        b't' | b'f' => format!("the boolean {text}").into(),
+        b'n' => "null".into(),
+        first => {
+            let what = if first == b'"' { "the string" } else { "the number" };
+            let shown: String = text.chars().take(SHOWN).collect();
+            let more = if shown.len() < text.len() { "..." } else { "" };
+            format!("{what} {shown}{more}").into()
+        }
+    }
+}
+
+/// The members of an object in the order sent, their values unread.
+struct Members<'a>(Vec<(Cow<'a, str>, &'a RawValue)>);
+
+impl<'de> Deserialize<'de> for Members<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Collect;
+        impl<'de> Visitor<'de> for Collect {
+            type Value = Members<'de>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut members = Vec::with_capacity(8);
+                while let Some((Name(name), value)) = map.next_entry()? {
+                    members.push((name, value));
+                }
+                Ok(Members(members))
+            }
+        }
+        deserializer.deserialize_map(Collect)
+    }
+}
+
+/// A member's name, borrowed from the body unless it is written with escapes.
+struct Name<'a>(Cow<'a, str>);
+
+impl<'de> Deserialize<'de> for Name<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Borrow;
+        impl<'de> Visitor<'de> for Borrow {
+            type Value = Name<'de>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a field name")
+            }
+            fn visit_borrowed_str<E>(self, name: &'de str) -> Result<Self::Value, E> {
+                Ok(Name(Cow::Borrowed(name)))
+            }
+            fn visit_str<E>(self, name: &str) -> Result<Self::Value, E> {
+                Ok(Name(Cow::Owned(name.to_owned())))
+            }
+        }
+        deserializer.deserialize_str(Borrow)
+    }
+}

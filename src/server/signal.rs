@@ -1,0 +1,33 @@
+//! The signals by which a server is asked to stop.
+
+use std::io;
+
+/// Ready at the first SIGTERM or Ctrl-C. From then on these signals do nothing: the grace bounds the rest.
+///
+/// # Errors
+/// Where the system gives no signals.
+#[cfg(unix)]
+pub fn stop_signal() -> io::Result<impl Future<Output = &'static str>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let (mut terminate, mut interrupt) = (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
+    Ok(async move {
+        tokio::select! {
+            _ = terminate.recv() => "SIGTERM",
+            _ = interrupt.recv() => "SIGINT",
+        }
+    })
+}
+
+/// Ready at the first Ctrl-C.
+///
+/// # Errors
+/// None on this system.
+#[cfg(not(unix))]
+pub fn stop_signal() -> io::Result<impl Future<Output = &'static str>> {
+    Ok(async {
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+        "Ctrl-C"
+    })
+}

@@ -1,0 +1,178 @@
+//! Flags, variables, defaults and help. Every value is text here; [`Settings`](super::Settings) reads it.
+
+use std::ffi::OsString;
+use std::fmt;
+use std::net::SocketAddr;
+
+use clap::{Args, Parser, Subcommand};
+
+use super::fault::{address, take};
+use super::{Faults, Settings};
+
+/// What the program was asked to do.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// Serve.
+    Serve(Box<Settings>),
+    /// Print the OpenAPI document.
+    OpenApi,
+    /// Ask the server that listens there whether it is ready.
+    Healthcheck(SocketAddr),
+}
+
+/// Why there is no [`Command`].
+#[derive(Debug)]
+pub enum Refusal {
+    /// Help or the version was asked for, or the flags themselves cannot be understood.
+    Usage(clap::Error),
+    /// Values that cannot be used.
+    Faults(Faults),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usage(usage) => write!(f, "{usage}"),
+            Self::Faults(faults) => write!(f, "{faults}"),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl Command {
+    /// What `arguments` (the program's name first) and the environment ask for.
+    ///
+    /// # Errors
+    /// [`Refusal`], with every fault of every value.
+    pub fn read(arguments: impl IntoIterator<Item: Into<OsString> + Clone>) -> Result<Self, Refusal> {
+        let line = CommandLine::try_parse_from(arguments).map_err(Refusal::Usage)?;
+        match line.errand {
+            None => Settings::read(&line.given).map(Box::new).map(Self::Serve).map_err(Refusal::Faults),
+            Some(Errand::Openapi) => Ok(Self::OpenApi),
+            Some(Errand::Healthcheck) => {
+                let mut faults = Vec::new();
+                let listen = take(&mut faults, "SCALLOPD_LISTEN", &line.given.listen, address);
+                listen.map(Self::Healthcheck).ok_or(Refusal::Faults(Faults(faults)))
+            }
+        }
+    }
+}
+
+/// Scallop heights, feeds and step-overs of ball-end and toroidal finish milling, over HTTP
+#[derive(Parser)]
+#[command(name = "scallopd", version)]
+struct CommandLine {
+    #[command(flatten)]
+    given: Given,
+    #[command(subcommand)]
+    errand: Option<Errand>,
+}
+
+#[derive(Subcommand)]
+enum Errand {
+    /// Print the OpenAPI document
+    Openapi,
+    /// Ask the running server's /readyz; exit 0 when it is ready, 1 otherwise
+    Healthcheck,
+}
+
+/// The settings as given.
+#[derive(Args)]
+pub(super) struct Given {
+    /// Where to listen, IP address and port; port 0 picks a free one and the log says which
+    #[arg(long, env = "SCALLOPD_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:8080", global = true)]
+    pub(super) listen: String,
+    /// Form of the log lines on standard output: pretty or json
+    #[arg(long, env = "SCALLOPD_LOG_FORMAT", value_name = "FORMAT", default_value = "json")]
+    pub(super) log_format: String,
+    /// Least severe log line that is written: off, error, warn, info, debug or trace
+    #[arg(long, env = "SCALLOPD_LOG_LEVEL", value_name = "LEVEL", default_value = "info")]
+    pub(super) log_level: String,
+    /// Largest JSON body of a batch or a recommendation, decompressed; a single calculation's is 64 KiB at most
+    #[arg(long, env = "SCALLOPD_MAX_JSON_BYTES", value_name = "BYTES", default_value = "67108864")]
+    pub(super) max_json_bytes: String,
+    /// Largest upload, decompressed
+    #[arg(long, env = "SCALLOPD_MAX_UPLOAD_BYTES", value_name = "BYTES", default_value = "1073741824")]
+    pub(super) max_upload_bytes: String,
+    /// Longest time for a request's head to arrive, and for a connection to idle before one
+    #[arg(long, env = "SCALLOPD_HEADER_TIMEOUT_S", value_name = "SECONDS", default_value = "10")]
+    pub(super) header_timeout_s: String,
+    /// Longest time from a request's last byte to its answer
+    #[arg(long, env = "SCALLOPD_REQUEST_TIMEOUT_S", value_name = "SECONDS", default_value = "60")]
+    pub(super) request_timeout_s: String,
+    /// Longest stall of a request's body
+    #[arg(long, env = "SCALLOPD_BODY_IDLE_TIMEOUT_S", value_name = "SECONDS", default_value = "15")]
+    pub(super) body_idle_timeout_s: String,
+    /// Slowest average at which a request's body may arrive, once it took as long as it may stall; 0 for any
+    #[arg(long, env = "SCALLOPD_MIN_BODY_BYTES_S", value_name = "BYTES", default_value = "1024")]
+    pub(super) min_body_bytes_s: String,
+    /// Longest time that a client may leave an answer unread
+    #[arg(long, env = "SCALLOPD_WRITE_TIMEOUT_S", value_name = "SECONDS", default_value = "15")]
+    pub(super) write_timeout_s: String,
+    /// Requests in flight at once, probes and metrics aside; more are shed with 503
+    #[arg(long, env = "SCALLOPD_MAX_IN_FLIGHT", value_name = "COUNT", default_value = "1024")]
+    pub(super) max_in_flight: String,
+    /// Uploads and batches at once; more are shed with 503
+    #[arg(long, env = "SCALLOPD_MAX_HEAVY", value_name = "COUNT", default_value = "16")]
+    pub(super) max_heavy: String,
+    /// Connections open at once; more wait in the system's queue
+    #[arg(long, env = "SCALLOPD_MAX_CONNECTIONS", value_name = "COUNT", default_value = "4096")]
+    pub(super) max_connections: String,
+    /// After SIGTERM, time of /readyz at 503 before the server stops accepting
+    #[arg(long, env = "SCALLOPD_DRAIN_DELAY_S", value_name = "SECONDS", default_value = "0")]
+    pub(super) drain_delay_s: String,
+    /// After that, time for the requests in flight to finish
+    #[arg(long, env = "SCALLOPD_SHUTDOWN_GRACE_S", value_name = "SECONDS", default_value = "30")]
+    pub(super) shutdown_grace_s: String,
+    /// Origins of pages that may call the service, with commas between, or * for any
+    #[arg(long, env = "SCALLOPD_CORS_ORIGINS", value_name = "ORIGINS", default_value = "")]
+    pub(super) cors_origins: String,
+    /// Base address of a collector of OTLP traces over HTTP, such as http://collector:4318
+    #[arg(long, env = "SCALLOPD_OTLP_ENDPOINT", value_name = "URL", default_value = "")]
+    pub(super) otlp_endpoint: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn every_setting_has_a_flag_a_variable_named_alike_a_default_and_a_help_line() {
+        let command = CommandLine::command();
+        command.clone().debug_assert();
+        for argument in command.get_arguments() {
+            let flag = argument.get_long().expect("a flag");
+            let variable = argument.get_env().expect("a variable").to_str().unwrap();
+            assert_eq!(variable, format!("SCALLOPD_{}", flag.to_uppercase().replace('-', "_")));
+            assert_eq!(argument.get_default_values().len(), 1, "{flag}");
+            assert!(argument.get_help().is_some(), "{flag}");
+        }
+    }
+
+    #[test]
+    fn defaults_can_be_used() {
+        let Ok(Command::Serve(settings)) = Command::read(["scallopd"]) else { panic!("the defaults are refused") };
+        assert_eq!(settings.listen.to_string(), "127.0.0.1:8080");
+        assert_eq!(settings.http.max_json_bytes, 64 << 20);
+        assert_eq!(settings.http.max_upload_bytes, 1 << 30);
+        assert_eq!(settings.telemetry.otlp_endpoint, None);
+    }
+
+    #[test]
+    fn all_faults_are_found_at_once() {
+        let line = ["scallopd", "--listen", "here", "--max-in-flight", "0", "--log-format", "xml", "--otlp-endpoint", "nowhere"];
+        let Err(Refusal::Faults(faults)) = Command::read(line) else { panic!("faults are accepted") };
+        let flags: Vec<_> = faults.0.iter().map(super::super::Fault::flag).collect();
+        assert_eq!(flags, ["--listen", "--log-format", "--otlp-endpoint", "--max-in-flight"]);
+    }
+
+    #[test]
+    fn a_health_check_takes_the_address_and_minds_no_other_setting() {
+        let checked = Command::read(["scallopd", "healthcheck", "--listen", "127.0.0.1:9"]);
+        assert!(matches!(checked, Ok(Command::Healthcheck(address)) if address.port() == 9));
+        assert!(matches!(Command::read(["scallopd", "healthcheck", "--listen", "x"]), Err(Refusal::Faults(_))));
+    }
+}

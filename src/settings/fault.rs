@@ -1,0 +1,221 @@
+//! What can be wrong with a setting, and the readings of single values that find it.
+
+use std::fmt;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use axum::http::{HeaderValue, Uri};
+use tracing::level_filters::LevelFilter;
+
+use super::{CorsOrigins, LogFormat};
+
+/// A setting that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The variable's name, `SCALLOPD_*`; the flag's follows from it.
+    pub variable: &'static str,
+    /// What was given, by the flag or the variable.
+    pub given: String,
+    /// What is wrong with it.
+    pub reason: Reason,
+}
+
+impl Fault {
+    /// The flag's name.
+    #[must_use]
+    pub fn flag(&self) -> String {
+        format!("--{}", self.variable.trim_start_matches("SCALLOPD_").to_lowercase().replace('_', "-"))
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} or {}: {:?} {}", self.flag(), self.variable, self.given, self.reason)
+    }
+}
+
+/// Every setting that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Faults(pub Vec<Fault>);
+
+impl fmt::Display for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "these settings cannot be used:")?;
+        self.0.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
+    }
+}
+
+impl std::error::Error for Faults {}
+
+/// What is wrong with a value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Reason {
+    /// Not an IP address with a port.
+    Address,
+    /// Not a whole number within the bounds.
+    WholeNumber {
+        /// The smallest that is accepted.
+        minimum: u64,
+        /// The largest that is accepted.
+        maximum: u64,
+    },
+    /// Not one of the words.
+    Word(&'static str),
+    /// An item of the list that is not an origin.
+    Origin(String),
+    /// Not an `http://` address.
+    Collector,
+    /// A setting of something that this executable was built without.
+    NotBuiltIn,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Address => write!(f, "is not an IP address with a port, such as 0.0.0.0:8080 or [::1]:8080"),
+            Self::WholeNumber { minimum, maximum } => write!(f, "is not a whole number from {minimum} to {maximum}"),
+            Self::Word(words) => write!(f, "is not one of {words}"),
+            Self::Origin(item) => write!(f, "holds {item:?}, which is not an origin such as https://panel.example:8443"),
+            Self::Collector => write!(f, "is not an address such as http://collector:4318 (http only: TLS belongs to a local collector)"),
+            Self::NotBuiltIn => write!(f, "needs a build with the feature `otlp`"),
+        }
+    }
+}
+
+/// The value that `read` finds in `given`, or a new fault.
+pub(super) fn take<T>(
+    faults: &mut Vec<Fault>,
+    variable: &'static str,
+    given: &str,
+    read: impl FnOnce(&str) -> Result<T, Reason>,
+) -> Option<T> {
+    read(given.trim()).map_err(|reason| faults.push(Fault { variable, given: given.to_owned(), reason })).ok()
+}
+
+fn whole(given: &str, minimum: u64, maximum: u64) -> Result<u64, Reason> {
+    given.parse().ok().filter(|number| (minimum..=maximum).contains(number)).ok_or(Reason::WholeNumber { minimum, maximum })
+}
+
+pub(super) fn address(given: &str) -> Result<SocketAddr, Reason> {
+    given.parse().map_err(|_| Reason::Address)
+}
+
+/// Body limits, up to a tebibyte.
+pub(super) fn bytes(given: &str) -> Result<u64, Reason> {
+    whole(given, 1, 1 << 40)
+}
+
+/// Bytes a second; 0 asks for none.
+pub(super) fn rate(given: &str) -> Result<u64, Reason> {
+    whole(given, 0, 1 << 30)
+}
+
+/// How many at once, up to a million.
+pub(super) fn count(given: &str) -> Result<usize, Reason> {
+    // A million fits every usize that this program is built for.
+    whole(given, 1, 1_000_000).map(|number| usize::try_from(number).unwrap_or(usize::MAX))
+}
+
+/// Whole seconds, up to a day.
+pub(super) fn seconds(minimum: u64) -> impl FnOnce(&str) -> Result<Duration, Reason> {
+    move |given| whole(given, minimum, 86_400).map(Duration::from_secs)
+}
+
+pub(super) fn log_format(given: &str) -> Result<LogFormat, Reason> {
+    match given {
+        "pretty" => Ok(LogFormat::Pretty),
+        "json" => Ok(LogFormat::Json),
+        _ => Err(Reason::Word("pretty, json")),
+    }
+}
+
+pub(super) fn level(given: &str) -> Result<LevelFilter, Reason> {
+    match given {
+        "off" => Ok(LevelFilter::OFF),
+        "error" => Ok(LevelFilter::ERROR),
+        "warn" => Ok(LevelFilter::WARN),
+        "info" => Ok(LevelFilter::INFO),
+        "debug" => Ok(LevelFilter::DEBUG),
+        "trace" => Ok(LevelFilter::TRACE),
+        _ => Err(Reason::Word("off, error, warn, info, debug, trace")),
+    }
+}
+
+/// A comma-separated list; `*` alone is any origin, nothing is none.
+pub(super) fn origins(given: &str) -> Result<CorsOrigins, Reason> {
+    if given == "*" {
+        return Ok(CorsOrigins::Any);
+    }
+    given.split(',').map(str::trim).filter(|item| !item.is_empty()).map(origin).collect::<Result<_, _>>().map(CorsOrigins::Listed)
+}
+
+/// Browsers send scheme, host and port and nothing else: an address with a path would never match one.
+fn origin(item: &str) -> Result<HeaderValue, Reason> {
+    let wrong = || Reason::Origin(item.to_owned());
+    let uri: Uri = item.parse().map_err(|_| wrong())?;
+    let (Some(scheme), Some(authority)) = (uri.scheme(), uri.authority()) else { return Err(wrong()) };
+    if format!("{scheme}://{authority}") != item {
+        return Err(wrong());
+    }
+    HeaderValue::from_str(item).map_err(|_| wrong())
+}
+
+/// The collector's address; nothing is none.
+pub(super) fn collector(given: &str) -> Result<Option<Uri>, Reason> {
+    if given.is_empty() {
+        return Ok(None);
+    }
+    if !cfg!(feature = "otlp") {
+        return Err(Reason::NotBuiltIn);
+    }
+    let uri: Uri = given.parse().map_err(|_| Reason::Collector)?;
+    let usable = uri.scheme_str() == Some("http") && uri.authority().is_some() && uri.query().is_none();
+    usable.then_some(Some(uri)).ok_or(Reason::Collector)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_names_flag_variable_value_and_bounds() {
+        let mut faults = Vec::new();
+        assert_eq!(take(&mut faults, "SCALLOPD_MAX_IN_FLIGHT", "none", count), None);
+        let text = Faults(faults).to_string();
+        for part in ["--max-in-flight", "SCALLOPD_MAX_IN_FLIGHT", "\"none\"", "from 1 to 1000000"] {
+            assert!(text.contains(part), "{part} is not in {text}");
+        }
+    }
+
+    #[test]
+    fn bounds_are_inclusive_and_nothing_is_clamped() {
+        assert_eq!(count("1"), Ok(1));
+        assert_eq!(count("1000000"), Ok(1_000_000));
+        for wrong in ["0", "1000001", "-1", "1.5", "", "1e3"] {
+            assert_eq!(count(wrong), Err(Reason::WholeNumber { minimum: 1, maximum: 1_000_000 }), "{wrong}");
+        }
+        assert_eq!(seconds(0)("0"), Ok(Duration::ZERO));
+        assert!(seconds(1)("0").is_err());
+    }
+
+    #[test]
+    fn origins_are_what_browsers_send() {
+        let listed = CorsOrigins::Listed(vec!["https://a.example".parse().unwrap(), "http://b:8080".parse().unwrap()]);
+        assert_eq!(origins("https://a.example, http://b:8080"), Ok(listed));
+        assert_eq!(origins(""), Ok(CorsOrigins::Listed(Vec::new())));
+        assert_eq!(origins("*"), Ok(CorsOrigins::Any));
+        for wrong in ["https://a.example/", "a.example", "https://a.example/path", "*,https://a.example"] {
+            assert!(origins(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    #[cfg(feature = "otlp")]
+    fn a_collector_is_reached_over_plain_http() {
+        assert_eq!(collector(""), Ok(None));
+        assert_eq!(collector("http://collector:4318"), Ok(Some("http://collector:4318".parse().unwrap())));
+        for wrong in ["https://collector:4318", "collector:4318", "grpc://collector:4317", "/v1/traces"] {
+            assert_eq!(collector(wrong), Err(Reason::Collector), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! What an operator can set: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help
+//! (`command_line`). Values are read leniently and checked together, so that one start names every fault. Nothing here knows
+//! the layers that are set.
+
+mod command_line;
+mod fault;
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+pub use command_line::{Command, Refusal};
+pub use fault::{Fault, Faults, Reason};
+use fault::{address, collector, count, level, log_format, origins, seconds, take};
+
+/// Everything that can be set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Where to listen.
+    pub listen: SocketAddr,
+    /// What is told, and how.
+    pub telemetry: TelemetrySettings,
+    /// Connections, from the first byte to the last.
+    pub server: ServerSettings,
+    /// Requests on those connections.
+    pub http: HttpSettings,
+}
+
+/// Logs and traces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TelemetrySettings {
+    /// The form of a log line.
+    pub log_format: LogFormat,
+    /// The least severe line that is written.
+    pub log_level: tracing::level_filters::LevelFilter,
+    /// The collector's base address for OTLP over HTTP; no traces without one.
+    pub otlp_endpoint: Option<axum::http::Uri>,
+}
+
+/// The form of a log line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogFormat {
+    /// For a person at a terminal.
+    Pretty,
+    /// One JSON object a line, for a log collector.
+    Json,
+}
+
+/// Connections.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServerSettings {
+    /// How long a request's head may take, and how long a connection may idle before one.
+    pub header_timeout: Duration,
+    /// How long a client may leave an answer unread before its connection is dropped.
+    pub write_timeout: Duration,
+    /// Connections open at once; more wait in the kernel's queue.
+    pub max_connections: usize,
+    /// How long the server goes on accepting after a signal, with `/readyz` at 503, so that balancers take note.
+    pub drain_delay: Duration,
+    /// How long requests in flight may take to finish once no more are accepted.
+    pub shutdown_grace: Duration,
+}
+
+/// Requests.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HttpSettings {
+    /// The largest JSON body of a batch or a recommendation, decompressed.
+    pub max_json_bytes: u64,
+    /// The largest upload, decompressed.
+    pub max_upload_bytes: u64,
+    /// The time from a request's last byte to its answer.
+    pub request_timeout: Duration,
+    /// How long a body may stall.
+    pub body_idle_timeout: Duration,
+    /// The slowest average at which a body may arrive, in bytes a second.
+    pub min_body_rate: u64,
+    /// Requests in flight at once, probes aside; more are shed.
+    pub max_in_flight: usize,
+    /// Uploads and batches at once; more are shed.
+    pub max_heavy: usize,
+    /// Whose pages may call the service.
+    pub cors_origins: CorsOrigins,
+}
+
+impl HttpSettings {
+    /// The largest body of a single calculation, in bytes: some thousand times what one needs. It is not
+    /// [`max_json_bytes`](Self::max_json_bytes), because as many of these as may be in flight are in memory together.
+    pub const LARGEST_SINGLE: u64 = 64 * 1024;
+}
+
+/// Whose pages may call the service.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CorsOrigins {
+    /// Any page.
+    Any,
+    /// Pages of these origins; none in an empty list.
+    Listed(Vec<axum::http::HeaderValue>),
+}
+
+impl Settings {
+    /// Checks what was given, all of it.
+    ///
+    /// # Errors
+    /// Every fault, each with its flag and variable.
+    fn read(given: &command_line::Given) -> Result<Self, Faults> {
+        let mut faults = Vec::new();
+        let listen = take(&mut faults, "SCALLOPD_LISTEN", &given.listen, address);
+        let telemetry = TelemetrySettings::read(given, &mut faults);
+        let server = ServerSettings::read(given, &mut faults);
+        let http = HttpSettings::read(given, &mut faults);
+        let whole = || Some(Self { listen: listen?, telemetry: telemetry?, server: server?, http: http? });
+        whole().ok_or(Faults(faults))
+    }
+}
+
+impl TelemetrySettings {
+    fn read(given: &command_line::Given, faults: &mut Vec<Fault>) -> Option<Self> {
+        let log_format = take(faults, "SCALLOPD_LOG_FORMAT", &given.log_format, log_format);
+        let log_level = take(faults, "SCALLOPD_LOG_LEVEL", &given.log_level, level);
+        let otlp_endpoint = take(faults, "SCALLOPD_OTLP_ENDPOINT", &given.otlp_endpoint, collector);
+        Some(Self { log_format: log_format?, log_level: log_level?, otlp_endpoint: otlp_endpoint? })
+    }
+}
+
+impl ServerSettings {
+    fn read(given: &command_line::Given, faults: &mut Vec<Fault>) -> Option<Self> {
+        let header_timeout = take(faults, "SCALLOPD_HEADER_TIMEOUT_S", &given.header_timeout_s, seconds(1));
+        let write_timeout = take(faults, "SCALLOPD_WRITE_TIMEOUT_S", &given.write_timeout_s, seconds(1));
+        let max_connections = take(faults, "SCALLOPD_MAX_CONNECTIONS", &given.max_connections, count);
+        let drain_delay = take(faults, "SCALLOPD_DRAIN_DELAY_S", &given.drain_delay_s, seconds(0));
+        let shutdown_grace = take(faults, "SCALLOPD_SHUTDOWN_GRACE_S", &given.shutdown_grace_s, seconds(0));
+        Some(Self {
+            header_timeout: header_timeout?,
+            write_timeout: write_timeout?,
+            max_connections: max_connections?,
+            drain_delay: drain_delay?,
+            shutdown_grace: shutdown_grace?,
+        })
+    }
+}
+
+impl HttpSettings {
+    fn read(given: &command_line::Given, faults: &mut Vec<Fault>) -> Option<Self> {
+        let max_json_bytes = take(faults, "SCALLOPD_MAX_JSON_BYTES", &given.max_json_bytes, fault::bytes);
+        let max_upload_bytes = take(faults, "SCALLOPD_MAX_UPLOAD_BYTES", &given.max_upload_bytes, fault::bytes);
+        let request_timeout = take(faults, "SCALLOPD_REQUEST_TIMEOUT_S", &given.request_timeout_s, seconds(1));
+        let body_idle_timeout = take(faults, "SCALLOPD_BODY_IDLE_TIMEOUT_S", &given.body_idle_timeout_s, seconds(1));
+        let min_body_rate = take(faults, "SCALLOPD_MIN_BODY_BYTES_S", &given.min_body_bytes_s, fault::rate);
+        let max_in_flight = take(faults, "SCALLOPD_MAX_IN_FLIGHT", &given.max_in_flight, count);
+        let max_heavy = take(faults, "SCALLOPD_MAX_HEAVY", &given.max_heavy, count);
+        let cors_origins = take(faults, "SCALLOPD_CORS_ORIGINS", &given.cors_origins, origins);
+        Some(Self {
+            max_json_bytes: max_json_bytes?,
+            max_upload_bytes: max_upload_bytes?,
+            request_timeout: request_timeout?,
+            body_idle_timeout: body_idle_timeout?,
+            min_body_rate: min_body_rate?,
+            max_in_flight: max_in_flight?,
+            max_heavy: max_heavy?,
+            cors_origins: cors_origins?,
+        })
+    }
+}

@@ -1,0 +1,95 @@
+//! Traces to a collector, by OTLP over HTTP with protobuf. The client is hyper's, which the server has in the program anyway, not
+//! one with its own TLS, URLs and pools; a collector is a local one that adds TLS itself.
+
+use std::io;
+use std::time::Duration;
+
+use axum::http::{HeaderMap, Request, Response, Uri};
+use bytes::Bytes;
+use http_body_util::{BodyExt, Full, Limited};
+use hyper_util::client::legacy::Client;
+use hyper_util::client::legacy::connect::HttpConnector;
+use hyper_util::rt::TokioExecutor;
+use opentelemetry::propagation::TextMapPropagator;
+use opentelemetry::trace::TracerProvider;
+use opentelemetry_http::{HeaderExtractor, HttpClient, HttpError};
+use opentelemetry_otlp::{SpanExporter, WithExportConfig, WithHttpConfig};
+use opentelemetry_sdk::Resource;
+use opentelemetry_sdk::propagation::TraceContextPropagator;
+use opentelemetry_sdk::trace::SdkTracerProvider;
+use tokio::runtime::Handle;
+use tracing::{Span, Subscriber};
+use tracing_opentelemetry::{OpenTelemetryLayer, OpenTelemetrySpanExt};
+use tracing_subscriber::registry::LookupSpan;
+
+/// How long a batch of spans may take to be accepted.
+const EXPORT_TIMEOUT: Duration = Duration::from_secs(10);
+/// A collector's answer is a few bytes.
+const LARGEST_ANSWER: usize = 64 * 1024;
+/// How long the end of the program waits for the last batch.
+const LAST_EXPORT: Duration = Duration::from_secs(5);
+
+/// The way of spans to the collector.
+#[derive(Debug)]
+pub(super) struct Traces {
+    provider: SdkTracerProvider,
+}
+
+impl Traces {
+    /// Sends spans to the collector at `endpoint`, in batches and in the background.
+    pub(super) fn start(endpoint: &Uri) -> io::Result<Self> {
+        let base = endpoint.to_string();
+        let exporter = SpanExporter::builder()
+            .with_http()
+            .with_http_client(CollectorClient::new(Handle::current()))
+            .with_endpoint(format!("{}/v1/traces", base.trim_end_matches('/')))
+            .build()
+            .map_err(io::Error::other)?;
+        let resource = Resource::builder().with_service_name(env!("CARGO_PKG_NAME")).build();
+        Ok(Self { provider: SdkTracerProvider::builder().with_batch_exporter(exporter).with_resource(resource).build() })
+    }
+
+    pub(super) fn layer<S: Subscriber + for<'span> LookupSpan<'span>>(&self) -> OpenTelemetryLayer<S, opentelemetry_sdk::trace::SdkTracer> {
+        tracing_opentelemetry::layer().with_tracer(self.provider.tracer(env!("CARGO_PKG_NAME")))
+    }
+
+    pub(super) fn stop(self) {
+        if let Err(error) = self.provider.shutdown_with_timeout(LAST_EXPORT) {
+            tracing::warn!(%error, "the last traces were not sent");
+        }
+    }
+}
+
+pub(super) fn continue_trace(span: &Span, headers: &HeaderMap) {
+    if headers.contains_key("traceparent") {
+        let caller = TraceContextPropagator::new().extract(&HeaderExtractor(headers));
+        // It fails where nothing is traced.
+        let _ = span.set_parent(caller);
+    }
+}
+
+/// Sends on the server's runtime what the exporter's own thread hands over.
+#[derive(Debug)]
+struct CollectorClient {
+    runtime: Handle,
+    client: Client<HttpConnector, Full<Bytes>>,
+}
+
+impl CollectorClient {
+    fn new(runtime: Handle) -> Self {
+        Self { runtime, client: Client::builder(TokioExecutor::new()).build_http() }
+    }
+}
+
+#[async_trait::async_trait]
+impl HttpClient for CollectorClient {
+    async fn send_bytes(&self, request: Request<Bytes>) -> Result<Response<Bytes>, HttpError> {
+        let client = self.client.clone();
+        let exchange = async move {
+            let (parts, body) = client.request(request.map(Full::new)).await?.into_parts();
+            let body = Limited::new(body, LARGEST_ANSWER).collect().await?.to_bytes();
+            Ok::<_, HttpError>(Response::from_parts(parts, body))
+        };
+        self.runtime.spawn(async move { tokio::time::timeout(EXPORT_TIMEOUT, exchange).await }).await??
+    }
+}

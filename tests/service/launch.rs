@@ -1,0 +1,54 @@
+//! The program as it is built, started on a free port.
+
+use std::io::{BufRead, BufReader};
+use std::net::SocketAddr;
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::JoinHandle;
+
+pub(crate) fn scallopd() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scallopd"));
+    for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("SCALLOPD_")) {
+        command.env_remove(name);
+    }
+    command
+}
+
+pub(crate) fn text(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// A running program and the lines that it logs.
+pub(crate) struct Program {
+    child: Child,
+    pub(crate) address: SocketAddr,
+    log: Option<JoinHandle<Vec<serde_json::Value>>>,
+}
+
+impl Program {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
+        let mut child = scallopd().args(["--listen", "127.0.0.1:0"]).args(arguments).stdout(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap());
+        let first: serde_json::Value = lines.next().expect("a line that says where it listens");
+        let address = first["address"].as_str().expect("an address").parse().unwrap();
+        Self { child, address, log: Some(std::thread::spawn(move || lines.collect())) }
+    }
+
+    pub(crate) fn signal(&self, name: &str) {
+        let killed = Command::new("kill").args([&format!("-{name}"), &self.child.id().to_string()]).status().unwrap();
+        assert!(killed.success());
+    }
+
+    /// The exit code and the log.
+    pub(crate) fn wait(mut self) -> (Option<i32>, Vec<serde_json::Value>) {
+        let code = self.child.wait().unwrap().code();
+        (code, self.log.take().expect("a log").join().unwrap())
+    }
+}
+
+/// A test that fails leaves no program behind.
+impl Drop for Program {
+    fn drop(&mut self) {
+        // It has usually ended.
+        let _ = self.child.kill();
+    }
+}

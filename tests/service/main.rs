@@ -1,0 +1,14 @@
+//! The service as its operators and its worst clients meet it. Servers run in-process around small routers of the tests' own, except
+//! where the program itself is what is tested.
+
+mod launch;
+mod limits;
+mod observability;
+mod panics;
+mod program;
+mod server;
+mod shedding;
+mod shutdown;
+mod slow_clients;
+#[cfg(feature = "otlp")]
+mod traces;

@@ -1,0 +1,81 @@
+//! What requests leave behind, and what answers carry.
+
+use axum::Router;
+use axum::extract::Path;
+use axum::response::Html;
+use axum::routing::get;
+use scallopd::http::operations::Operations;
+use scallopd::settings::CorsOrigins;
+
+use crate::server::{TestServer, defaults};
+
+fn routes() -> Router<Operations> {
+    Router::new()
+        .route("/items/{name}", get(|Path(name): Path<String>| async move { name }))
+        .route("/page", get(|| async { Html("<p>") }))
+        .route("/long", get(|| async { "scallop ".repeat(1000) }))
+}
+
+#[tokio::test]
+async fn requests_are_counted_by_route_not_by_path() {
+    let server = TestServer::start(defaults(), routes()).await;
+    for path in ["/items/a", "/items/b", "/nothing", "/nothing/else"] {
+        server.get(path).await.text().await.unwrap();
+    }
+    let brew = reqwest::Method::from_bytes(b"BREW").unwrap();
+    assert_eq!(server.client.request(brew, server.url("/items/a")).send().await.unwrap().status(), 405);
+    let metrics = server.metrics().await;
+    for line in [
+        "scallopd_http_requests_total{method=\"GET\",route=\"/items/{name}\",status=\"200\"} 2",
+        "scallopd_http_requests_total{method=\"GET\",route=\"unmatched\",status=\"404\"} 2",
+        "scallopd_http_requests_total{method=\"other\",route=\"/items/{name}\",status=\"405\"} 1",
+        "scallopd_http_request_duration_seconds_count{route=\"/items/{name}\",status=\"200\"} 2",
+    ] {
+        assert!(metrics.contains(line), "{line} is not in\n{metrics}");
+    }
+    assert!(!metrics.contains("BREW") && !metrics.contains("nothing"), "{metrics}");
+}
+
+#[tokio::test]
+async fn the_callers_request_id_comes_back_and_one_is_made_where_it_sent_none() {
+    let server = TestServer::start(defaults(), routes()).await;
+    let named = server.client.get(server.url("/nothing")).header("x-request-id", "order-66").send().await.unwrap();
+    assert_eq!(named.headers()["x-request-id"], "order-66");
+    let first = server.get("/livez").await.headers()["x-request-id"].clone();
+    assert_ne!(server.get("/livez").await.headers()["x-request-id"], first);
+}
+
+#[tokio::test]
+async fn pages_carry_a_policy_and_nothing_is_sniffed() {
+    let server = TestServer::start(defaults(), routes()).await;
+    let page = server.get("/page").await;
+    assert!(page.headers()["content-security-policy"].to_str().unwrap().contains("frame-ancestors 'none'"));
+    let text = server.get("/items/a").await;
+    assert!(!text.headers().contains_key("content-security-policy"));
+    assert_eq!(text.headers()["x-content-type-options"], "nosniff");
+}
+
+#[tokio::test]
+async fn long_answers_are_compressed_when_asked() {
+    let server = TestServer::start(defaults(), routes()).await;
+    let asked = server.client.get(server.url("/long")).header("accept-encoding", "gzip").send().await.unwrap();
+    assert_eq!(asked.headers()["content-encoding"], "gzip");
+    assert!(asked.bytes().await.unwrap().len() < 1000);
+    let identity = server.client.get(server.url("/long")).header("accept-encoding", "identity").send().await.unwrap();
+    assert!(!identity.headers().contains_key("content-encoding"));
+}
+
+#[tokio::test]
+async fn only_listed_origins_may_call() {
+    let mut settings = defaults();
+    settings.http.cors_origins = CorsOrigins::Listed(vec!["https://panel.example".parse().unwrap()]);
+    let server = TestServer::start(settings, routes()).await;
+    let ask = |origin: &'static str| server.client.get(server.url("/items/a")).header("origin", origin).send();
+    assert_eq!(ask("https://panel.example").await.unwrap().headers()["access-control-allow-origin"], "https://panel.example");
+    assert!(!ask("https://other.example").await.unwrap().headers().contains_key("access-control-allow-origin"));
+    let preflight = server.client.request(reqwest::Method::OPTIONS, server.url("/items/a"));
+    let preflight =
+        preflight.header("origin", "https://panel.example").header("access-control-request-method", "POST").send().await.unwrap();
+    assert!(preflight.status().is_success());
+    assert!(preflight.headers()["access-control-allow-methods"].to_str().unwrap().contains("POST"));
+}

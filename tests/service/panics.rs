@@ -1,0 +1,35 @@
+//! Handlers that panic.
+
+use axum::Router;
+use axum::routing::get;
+use scallopd::http::heavy::Place;
+
+use crate::server::{TestServer, defaults};
+
+async fn fail() -> &'static str {
+    panic!("on purpose: a secret of the server")
+}
+
+async fn fail_at_heavy_work(place: Place) -> &'static str {
+    place.run(|| panic!("on purpose: a secret of the server")).await
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_panic_is_a_500_that_tells_nothing_and_the_server_goes_on() {
+    let routes = Router::new().route("/fail", get(fail)).route("/fail/batch", get(fail_at_heavy_work));
+    let mut settings = defaults();
+    settings.http.max_in_flight = 1;
+    settings.http.max_heavy = 1;
+    let server = TestServer::start(settings, routes).await;
+    for _ in 0..5 {
+        for path in ["/fail", "/fail/batch"] {
+            let answer = server.get(path).await;
+            assert_eq!(answer.status(), 500);
+            assert_eq!(answer.headers()["content-type"], "application/problem+json");
+            assert!(answer.headers().contains_key("x-request-id"));
+            let body = answer.text().await.unwrap();
+            assert!(!body.contains("secret"), "{body}");
+        }
+    }
+    assert_eq!(server.get("/livez").await.status(), 200);
+}

@@ -1,0 +1,130 @@
+//! The program itself: its settings, its health check, its end.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use crate::launch::{Program, scallopd, text};
+use crate::server::PATIENCE;
+
+/// The answer to one request on a connection of its own; `None` where the server does not listen any more or takes no request.
+fn ask(address: SocketAddr) -> Option<String> {
+    let mut stream = TcpStream::connect(address).ok()?;
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    stream.write_all(b"GET /metrics HTTP/1.1\r\nhost: test\r\nconnection: close\r\n\r\n").ok()?;
+    let mut answer = String::new();
+    match stream.read_to_string(&mut answer) {
+        Ok(_) => Some(answer),
+        Err(error) => {
+            assert!(answer.is_empty(), "an answer was cut off ({error}): {answer}");
+            None
+        }
+    }
+}
+
+#[test]
+fn all_faults_of_flags_and_variables_are_reported_at_once_with_both_names() {
+    let output = scallopd().args(["--listen", "nowhere", "--max-heavy", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let text = text(&output);
+    for part in ["--listen or SCALLOPD_LISTEN: \"nowhere\"", "--max-heavy or SCALLOPD_MAX_HEAVY: \"0\"", "SCALLOPD_LOG_LEVEL: \"loud\""] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+}
+
+#[test]
+fn help_names_every_variable_with_its_default() {
+    let help = text(&scallopd().arg("--help").output().unwrap());
+    for part in ["[env: SCALLOPD_LISTEN=]", "[default: 127.0.0.1:8080]", "[env: SCALLOPD_OTLP_ENDPOINT=]", "healthcheck", "openapi"] {
+        assert!(help.contains(part), "{part} is not in\n{help}");
+    }
+}
+
+#[test]
+fn a_health_check_tells_a_ready_server_from_none() {
+    let program = Program::start(&[]);
+    let port = program.address.port();
+    // An address to listen on is asked on the loopback one.
+    let check = || scallopd().arg("healthcheck").env("SCALLOPD_LISTEN", format!("0.0.0.0:{port}")).status().unwrap().code();
+    assert_eq!(check(), Some(0));
+    program.signal("INT");
+    assert_eq!(program.wait().0, Some(0));
+    assert_eq!(check(), Some(1));
+}
+
+#[test]
+fn an_address_in_use_ends_the_program_with_a_reason() {
+    let program = Program::start(&[]);
+    let second = scallopd().args(["--listen", &program.address.to_string()]).output().unwrap();
+    assert_eq!(second.status.code(), Some(1));
+    assert!(text(&second).contains("in use"), "{}", text(&second));
+    program.signal("TERM");
+    assert_eq!(program.wait().0, Some(0));
+}
+
+#[test]
+fn a_draining_program_still_answers_and_a_health_check_fails() {
+    let program = Program::start(&["--drain-delay-s", "3"]);
+    program.signal("TERM");
+    let deadline = std::time::Instant::now() + PATIENCE;
+    loop {
+        let answer = scallopd().args(["healthcheck", "--listen", &program.address.to_string()]).output().unwrap();
+        if answer.status.code() == Some(1) {
+            // It answered: a connection that is refused would have been reported.
+            assert_eq!(text(&answer), "");
+            break;
+        }
+        assert!(std::time::Instant::now() < deadline, "the server stays ready");
+    }
+    assert_eq!(program.wait().0, Some(0));
+}
+
+#[test]
+fn a_termination_under_load_loses_no_accepted_request() {
+    let program = Program::start(&["--log-level", "debug"]);
+    let address = program.address;
+    let over = Arc::new(AtomicBool::new(false));
+    let clients: Vec<_> = (0..16)
+        .map(|_| {
+            let over = Arc::clone(&over);
+            std::thread::spawn(move || {
+                let mut answered = 0;
+                while !over.load(Ordering::Relaxed) {
+                    let Some(answer) = ask(address) else { continue };
+                    assert!(answer.starts_with("HTTP/1.1 200") && answer.ends_with("# EOF\n"), "an answer was cut off: {answer:?}");
+                    answered += 1;
+                }
+                answered
+            })
+        })
+        .collect();
+    std::thread::sleep(Duration::from_millis(700));
+    program.signal("TERM");
+    let (code, log) = program.wait();
+    over.store(true, Ordering::Relaxed);
+    let answered: usize = clients.into_iter().map(|client| client.join().unwrap()).sum();
+    assert_eq!(code, Some(0));
+    // Each request that the server began has a line in its log; each must be an answer that a client read whole.
+    let begun: Vec<_> = log.iter().filter(|line| line["message"] == "request").collect();
+    assert!(begun.iter().all(|line| line["status"] == 200), "a request was given up");
+    assert!(answered > 100, "that was no load: {answered}");
+    assert_eq!(answered, begun.len());
+}
+
+#[test]
+fn a_request_is_one_line_with_its_id_route_status_duration_and_bytes() {
+    let program = Program::start(&["--log-level", "debug"]);
+    let mut stream = TcpStream::connect(program.address).unwrap();
+    stream.write_all(b"GET /livez HTTP/1.1\r\nhost: test\r\nx-request-id: order-66\r\nconnection: close\r\n\r\n").unwrap();
+    stream.read_to_string(&mut String::new()).unwrap();
+    program.signal("TERM");
+    let (_, log) = program.wait();
+    let of_request: Vec<_> = log.iter().filter(|line| line["request_id"] == "order-66").collect();
+    assert_eq!(of_request.len(), 1);
+    let line = of_request[0];
+    assert_eq!((line["route"].as_str(), line["method"].as_str(), line["status"].as_u64()), (Some("/livez"), Some("GET"), Some(200)));
+    assert_eq!((line["request_bytes"].as_u64(), line["response_bytes"].as_u64()), (Some(0), Some(6)));
+    assert!(line["duration_ms"].as_f64().unwrap() >= 0.0);
+}

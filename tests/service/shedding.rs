@@ -1,0 +1,76 @@
+//! Under more load than is accepted.
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::routing::{get, post};
+use scallopd::http::heavy::Place;
+use scallopd::http::operations::Operations;
+use tokio::sync::Semaphore;
+
+use crate::server::{TestServer, defaults, until};
+
+/// Routes that answer once the test lets them.
+fn waiting(release: &Arc<Semaphore>) -> Router<Operations> {
+    let (single, heavy) = (Arc::clone(release), Arc::clone(release));
+    let single = move || async move { single.acquire().await.map(|_| "done").unwrap() };
+    let heavy = move |place: Place| async move {
+        let _released = heavy.acquire().await.unwrap();
+        place.run(|| "done").await
+    };
+    Router::new().route("/single", get(single)).route("/heavy/batch", post(heavy)).route("/quick", get(|| async { "quick" }))
+}
+
+fn problem_of(body: &str) -> serde_json::Value {
+    serde_json::from_str(body).unwrap()
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn requests_past_the_limit_are_shed_while_probes_answer() {
+    let release = Arc::new(Semaphore::new(0));
+    let mut settings = defaults();
+    settings.http.max_in_flight = 3;
+    let server = TestServer::start(settings, waiting(&release)).await;
+    let held: Vec<_> = (0..3).map(|_| tokio::spawn(server.client.get(server.url("/single")).send())).collect();
+    // The three, and the scrape that asks.
+    until("three in flight", async || server.metrics().await.contains("scallopd_http_requests_in_flight 4\n")).await;
+
+    let shed = server.get("/quick").await;
+    assert_eq!(shed.status(), 503);
+    assert_eq!(shed.headers()["retry-after"], "1");
+    assert_eq!(shed.headers()["content-type"], "application/problem+json");
+    assert_eq!(problem_of(&shed.text().await.unwrap())["type"], "overloaded");
+    for probe in ["/livez", "/readyz", "/metrics"] {
+        assert_eq!(server.get(probe).await.status(), 200, "{probe}");
+    }
+    assert!(server.metrics().await.contains("scallopd_http_requests_shed_total{reason=\"in_flight\"} 1\n"));
+
+    release.add_permits(3);
+    for request in held {
+        assert_eq!(request.await.unwrap().unwrap().status(), 200);
+    }
+    assert_eq!(server.get("/quick").await.status(), 200);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn batches_past_their_limit_are_shed_while_single_requests_answer() {
+    let release = Arc::new(Semaphore::new(0));
+    let mut settings = defaults();
+    settings.http.max_heavy = 2;
+    let server = TestServer::start(settings, waiting(&release)).await;
+    let batch = || server.client.post(server.url("/heavy/batch")).body("{}").send();
+    let held: Vec<_> = (0..2).map(|_| tokio::spawn(batch())).collect();
+    until("two at work", async || server.metrics().await.contains("scallopd_http_requests_in_flight 3\n")).await;
+
+    let shed = batch().await.unwrap();
+    assert_eq!(shed.status(), 503);
+    assert_eq!(shed.headers()["retry-after"], "1");
+    assert_eq!(server.get("/quick").await.status(), 200);
+    assert!(server.metrics().await.contains("scallopd_http_requests_shed_total{reason=\"heavy\"} 1\n"));
+
+    release.add_permits(2);
+    for request in held {
+        assert_eq!(request.await.unwrap().unwrap().status(), 200);
+    }
+    assert_eq!(batch().await.unwrap().status(), 200);
+}

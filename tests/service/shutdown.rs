@@ -1,0 +1,78 @@
+//! Stopping in good order.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::Router;
+use axum::routing::get;
+use scallopd::http::operations::Operations;
+use tokio::net::TcpStream;
+use tokio::sync::Semaphore;
+
+use crate::server::{TestServer, defaults, read_all, send, until};
+
+fn waiting(release: &Arc<Semaphore>) -> Router<Operations> {
+    let release = Arc::clone(release);
+    Router::new().route("/wait", get(move || async move { release.acquire().await.map(|_| "done").unwrap() }))
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn requests_in_flight_finish_and_new_connections_are_refused() {
+    let release = Arc::new(Semaphore::new(0));
+    let mut server = TestServer::start(defaults(), waiting(&release)).await;
+    let held: Vec<_> = (0..20).map(|_| tokio::spawn(server.client.get(server.url("/wait")).send())).collect();
+    until("all in flight", async || server.metrics().await.contains("scallopd_http_requests_in_flight 21\n")).await;
+    server.stop();
+    let address = server.address;
+    until("new connections refused", async || TcpStream::connect(address).await.is_err()).await;
+    release.add_permits(20);
+    for request in held {
+        assert_eq!(request.await.unwrap().unwrap().text().await.unwrap(), "done");
+    }
+    server.stopped().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_draining_server_says_that_it_is_not_ready_and_ends_connections_politely() {
+    let server = TestServer::start(defaults(), Router::new()).await;
+    assert_eq!(server.get("/readyz").await.status(), 200);
+    server.operations.readiness.drain();
+    let answer = server.get("/readyz").await;
+    assert_eq!(answer.status(), 503);
+    assert_eq!(answer.headers()["connection"], "close");
+    assert_eq!(server.get("/livez").await.status(), 200);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_a_client_sent_right_before_the_stop_is_answered() {
+    let mut server = TestServer::start(defaults(), Router::new()).await;
+    let mut streams = Vec::new();
+    for _ in 0..50 {
+        let mut stream = server.connect().await;
+        send(&mut stream, "GET /livez HTTP/1.1\r\nhost: test\r\n\r\n").await;
+        streams.push(stream);
+    }
+    server.stop();
+    for stream in &mut streams {
+        let answer = read_all(stream).await;
+        assert!(answer.starts_with("HTTP/1.1 200"), "{answer:?}");
+    }
+    server.stopped().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_grace_bounds_the_wait() {
+    let never = Arc::new(Semaphore::new(0));
+    let mut settings = defaults();
+    settings.server.shutdown_grace = Duration::from_secs(1);
+    let mut server = TestServer::start(settings, waiting(&never)).await;
+    let held = tokio::spawn(server.client.get(server.url("/wait")).send());
+    until("in flight", async || server.metrics().await.contains("scallopd_http_requests_in_flight 2\n")).await;
+    let began = Instant::now();
+    server.stop();
+    server.stopped().await;
+    assert!(began.elapsed() >= Duration::from_secs(1));
+    // The client's own patience is 30 s.
+    assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
+    held.abort();
+}
