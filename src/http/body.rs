@@ -4,7 +4,9 @@ use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object, Place};
 use axum::body::Bytes;
 use axum::extract::{FromRequest, Request};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
 use serde_json::value::RawValue;
 
 /// A body that says it is JSON, not yet read. The framework's own extractor answers plain text and stops at the first fault.
@@ -24,22 +26,62 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
         }
         match Bytes::from_request(request, state).await {
             Ok(bytes) => Ok(Self(bytes)),
-            Err(rejection) if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE => Err(Problem::of_status(StatusCode::PAYLOAD_TOO_LARGE)),
-            Err(rejection) => Err(Problem::new(StatusCode::BAD_REQUEST, "unreadable-body", "The body could not be read", rejection.body_text())),
+            // A body over its limit, too slow or damaged has its answer from the layers around; this one is for what they do not know.
+            Err(rejection) => {
+                Err(Problem::new(StatusCode::BAD_REQUEST, "unreadable-body", "The body could not be read", rejection.body_text()))
+            }
         }
     }
 }
 
+/// An answer that was written where it was computed, off the async threads.
+pub(crate) struct WrittenJson(Vec<u8>);
+
+impl WrittenJson {
+    pub(crate) fn of(answer: &impl Serialize) -> Result<Self, Problem> {
+        serde_json::to_vec(answer).map(Self).map_err(|error| {
+            tracing::error!(%error, "an answer could not be written");
+            Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
+        })
+    }
+}
+
+impl IntoResponse for WrittenJson {
+    fn into_response(self) -> Response {
+        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], self.0).into_response()
+    }
+}
+
+/// Whether the media type is `application/json` or ends in `+json`, whatever its parameters.
+fn is_json(headers: &HeaderMap) -> bool {
+    let Some(media_type) = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()) else {
+        return false;
+    };
+    let essence = media_type.split(';').next().unwrap_or_default().trim().to_ascii_lowercase();
+    essence == "application/json" || (essence.starts_with("application/") && essence.ends_with("+json"))
+}
+
 impl JsonBody {
-    /// Reads the body, an object, with `read`, which records the faults that it finds and gives the result if there is one.
-    ///
-    /// `read` can give a result and record faults; then the faults prevail.
-    pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Problem>) -> Result<T, Problem> {
-        let raw: &RawValue = serde_json::from_slice(&self.0).map_err(|error| {
-            Problem::new(StatusCode::BAD_REQUEST, "malformed-json", "The body is not JSON", format!("the body is not JSON: {error}"))
-        })?;
-        let mut faults = Faults::default();
-        let mut object = Object::open(raw, Place::Root, &mut faults);
-        todo_read(read)
+    /// Reads the body, an object, with `read`, which records the faults that it finds. It may find a result and faults; then the
+    /// faults prevail. What it leaves of the object is unknown, which is a fault, too.
+    pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
+        read_text(&self.0, read)
+    }
+}
+
+/// [`JsonBody::read`] for JSON that came another way.
+pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
+    let raw: &RawValue = serde_json::from_slice(json).map_err(|error| {
+        Problem::new(StatusCode::BAD_REQUEST, "malformed-json", "The body is not JSON", format!("the JSON cannot be read: {error}"))
+    })?;
+    let mut faults = Faults::default();
+    let result = Object::open(raw, Place::Root, &mut faults).and_then(|mut object| {
+        let result = read(&mut object, &mut faults);
+        object.close(&mut faults)?;
+        result
+    });
+    match result {
+        Ok(result) if faults.is_empty() => Ok(result),
+        _ => Err(Problem::faulty_request(faults)),
     }
 }

@@ -159,7 +159,13 @@ pub(crate) fn method_label(method: &Method) -> &'static str {
     }
 }
 
-/// `GET /metrics`.
+/// The metrics
+///
+/// What the server has counted, as text for Prometheus.
+#[utoipa::path(
+    get, path = "/metrics", tag = "service", operation_id = "metrics",
+    responses((status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text")),
+)]
 pub async fn show(State(metrics): State<Metrics>) -> Response {
     match metrics.text() {
         Ok(page) => ([(header::CONTENT_TYPE, "application/openmetrics-text; version=1.0.0; charset=utf-8")], page).into_response(),

@@ -1,25 +1,49 @@
-//! The service over HTTP.
+//! The service over HTTP: a file or folder for each endpoint, and around them what they share. Nothing in it computes: requests are
+//! read into checked values, handed to the mathematics, and the results written.
 
+mod body;
+mod calculation;
+mod document;
 pub mod heavy;
 pub mod layers;
 pub mod metrics;
 pub mod operations;
+mod pages;
+mod problem;
 mod process;
 pub mod readiness;
+mod reading;
 
+use axum::Router;
+use axum::http::StatusCode;
+use calculation::{max_feed, scallop_height, step_over};
 use operations::Operations;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
 
-/// The OpenAPI document.
+/// All routes with their documentation.
+fn routes() -> OpenApiRouter<Operations> {
+    OpenApiRouter::with_openapi(document::outline())
+        .routes(routes!(scallop_height::answer))
+        .routes(routes!(scallop_height::answer_batch))
+        .routes(routes!(max_feed::answer))
+        .routes(routes!(max_feed::answer_batch))
+        .routes(routes!(step_over::answer))
+        .routes(routes!(step_over::answer_batch))
+        .routes(routes!(readiness::livez))
+        .routes(routes!(readiness::readyz))
+        .routes(routes!(metrics::show))
+        .routes(routes!(pages::openapi))
+}
+
+/// The OpenAPI document, as `openapi/openapi.json` holds it.
 #[must_use]
 pub fn openapi_json() -> String {
-    "{}\n".to_owned()
+    format!("{:#}\n", document::with_examples(&routes().into_openapi()))
 }
 
 /// The routes, before the layers around them.
-pub fn router(operations: &Operations) -> axum::Router {
-    axum::Router::new()
-        .route("/livez", axum::routing::get(readiness::livez))
-        .route("/readyz", axum::routing::get(readiness::readyz))
-        .route("/metrics", axum::routing::get(metrics::show))
-        .with_state(operations.clone())
+pub fn router(operations: &Operations) -> Router {
+    let (router, _) = routes().split_for_parts();
+    router.merge(pages::routes()).fallback(async || StatusCode::NOT_FOUND).with_state(operations.clone())
 }

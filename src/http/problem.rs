@@ -3,9 +3,10 @@
 //! A handler or layer that fails returns a [`Problem`], or any response with an error status and no body that matters;
 //! [`describe_errors`] turns both into `application/problem+json` on the way out, where path and request id are known.
 
+use super::layers::RequestId;
 use super::reading::{Fault, Faults};
 use axum::extract::Request;
-use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -14,6 +15,9 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use utoipa::openapi::{Content, Ref, RefOr, ResponseBuilder};
 use utoipa::{IntoResponses, ToSchema};
+
+const INVALID: &str = "invalid-request";
+const INVALID_TITLE: &str = "The request cannot be answered";
 
 /// A request that failed, before it is written.
 #[derive(Debug, Clone)]
@@ -32,38 +36,45 @@ impl Problem {
         Self { status, kind, title, detail: detail.into(), errors: Vec::new(), members: Map::new(), retry_after_s: None }
     }
 
-    /// The request is well-formed and cannot be answered, for all the reasons in `faults`.
+    /// The request is well-formed and cannot be answered, for all the reasons in `faults`. A single reason that has a title of its own
+    /// gives the problem its name.
     pub(crate) fn faulty_request(faults: Faults) -> Self {
         let errors = faults.into_listed();
-        let detail = match errors.as_slice() {
-            [only] => only.detail.clone(),
-            several => format!("{} faults, listed in errors", several.len()),
+        let (kind, title, detail) = match errors.as_slice() {
+            [only] => (only.title.map_or(INVALID, |_| only.code), only.title.unwrap_or(INVALID_TITLE), only.detail.clone()),
+            several => (INVALID, INVALID_TITLE, format!("{} faults, listed in errors", several.len())),
         };
-        Self { errors, ..Self::new(StatusCode::UNPROCESSABLE_ENTITY, "invalid-request", "The request cannot be answered", detail) }
+        let members =
+            errors.iter().flat_map(|fault| fault.figures.iter().map(|(name, value)| ((*name).to_owned(), (*value).into()))).collect();
+        Self { errors, members, ..Self::new(StatusCode::UNPROCESSABLE_ENTITY, kind, title, detail) }
     }
 
-    /// The same problem under a name and title of its own.
-    pub(crate) fn named(self, kind: &'static str, title: &'static str) -> Self {
-        Self { kind, title, ..self }
-    }
-
-    /// With a further member that a program can use.
-    pub(crate) fn with(mut self, member: &str, value: impl Into<Value>) -> Self {
-        self.members.insert(member.to_owned(), value.into());
-        self
+    /// The same, for the client to try again after `seconds`.
+    pub(crate) fn retry_after(self, seconds: u32) -> Self {
+        Self { retry_after_s: Some(seconds), ..self }
     }
 
     /// The problem that a bare status stands for.
-    fn of_status(status: StatusCode) -> Self {
+    pub(crate) fn of_status(status: StatusCode) -> Self {
         let (kind, title, detail) = match status {
             StatusCode::BAD_REQUEST => ("malformed-request", "The request is malformed", "the request could not be read"),
             StatusCode::NOT_FOUND => ("not-found", "There is nothing here", "no such path; /docs lists what there is"),
-            StatusCode::METHOD_NOT_ALLOWED => ("method-not-allowed", "The method is not allowed here", "the header Allow lists the methods of this path"),
+            StatusCode::METHOD_NOT_ALLOWED => {
+                ("method-not-allowed", "The method is not allowed here", "the header Allow lists the methods of this path")
+            }
             StatusCode::REQUEST_TIMEOUT => ("timeout", "The request took too long", "the request was not complete in time"),
-            StatusCode::PAYLOAD_TOO_LARGE => ("too-large", "The body is too large", "the body, counted decompressed, exceeds the limit of this server"),
-            StatusCode::UNSUPPORTED_MEDIA_TYPE => ("unsupported-media-type", "The media type is not supported", "send application/json, plain or with content-encoding gzip"),
-            StatusCode::SERVICE_UNAVAILABLE => ("overloaded", "The server is busy", "the server is at its limit; try again after the seconds in Retry-After"),
-            StatusCode::INTERNAL_SERVER_ERROR => ("internal", "The server failed", "the fault is the server's; its log holds the cause under the request id"),
+            StatusCode::PAYLOAD_TOO_LARGE => {
+                ("too-large", "The body is too large", "the body, counted decompressed, exceeds the limit of this server")
+            }
+            StatusCode::UNSUPPORTED_MEDIA_TYPE => {
+                ("unsupported-media-type", "The media type is not supported", "send application/json, plain or with content-encoding gzip")
+            }
+            StatusCode::SERVICE_UNAVAILABLE => {
+                ("overloaded", "The server is busy", "the server is at its limit; try again after the seconds in Retry-After")
+            }
+            StatusCode::INTERNAL_SERVER_ERROR => {
+                ("internal", "The server failed", "the fault is the server's; its log holds the cause under the request id")
+            }
             _ => ("failed", status.canonical_reason().unwrap_or("The request failed"), "the request failed"),
         };
         Self::new(status, kind, title, detail)
@@ -81,16 +92,13 @@ impl IntoResponse for Problem {
     }
 }
 
-/// The request id's header.
-pub(crate) const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
-
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
 /// Layer: writes every error response as a problem. Client errors keep what the framework said in its body only as a status, because
 /// its texts are not this API's; server errors tell nothing but the request id.
 pub(crate) async fn describe_errors(request: Request, next: Next) -> Response {
     let instance = request.uri().path().to_owned();
-    let request_id = request.headers().get(REQUEST_ID).and_then(|id| id.to_str().ok()).map(str::to_owned);
+    let request_id = request.extensions().get::<RequestId>().map(|id| id.as_str().to_owned());
     let mut response = next.run(request).await;
     let status = response.status();
     if !status.is_client_error() && !status.is_server_error() {
@@ -109,6 +117,7 @@ pub(crate) async fn describe_errors(request: Request, next: Next) -> Response {
     };
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
+    parts.headers.remove(header::CONTENT_ENCODING);
     parts.headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);
     match serde_json::to_vec(&body) {
         Ok(json) => Response::from_parts(parts, json.into()),
@@ -125,7 +134,7 @@ pub(crate) async fn describe_errors(request: Request, next: Next) -> Response {
 pub(crate) struct ProblemBody {
     /// Which problem: a stable name to decide by.
     #[serde(rename = "type")]
-    #[schema(format = UriReference, example = "invalid-request")]
+    #[schema(example = "invalid-request")]
     kind: Cow<'static, str>,
     /// The problem in a few words, the same for every occurrence.
     title: Cow<'static, str>,
@@ -135,7 +144,6 @@ pub(crate) struct ProblemBody {
     /// What went wrong here and what would be right, for a person.
     detail: String,
     /// The path of the request.
-    #[schema(format = UriReference)]
     instance: String,
     /// The request's id, which the server's log lines carry.
     #[serde(skip_serializing_if = "Option::is_none")]

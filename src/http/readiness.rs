@@ -7,6 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use axum::extract::State;
 use axum::http::StatusCode;
 
+use super::problem::ProblemBody;
+
 /// Whether requests are still wanted. Clones share it.
 #[derive(Debug, Clone, Default)]
 pub struct Readiness {
@@ -26,12 +28,21 @@ impl Readiness {
     }
 }
 
-/// `GET /livez`: 200 as long as the process answers at all.
+/// Whether the server lives
+///
+/// 200 as long as the process answers at all.
+#[utoipa::path(get, path = "/livez", tag = "service", operation_id = "livez", responses((status = 200, description = "Alive", body = String, content_type = "text/plain")))]
 pub async fn livez() -> &'static str {
     "alive\n"
 }
 
-/// `GET /readyz`: 200, or 503 once the server is about to stop.
-pub async fn readyz(State(readiness): State<Readiness>) -> (StatusCode, &'static str) {
-    if readiness.is_draining() { (StatusCode::SERVICE_UNAVAILABLE, "draining\n") } else { (StatusCode::OK, "ready\n") }
+/// Whether the server wants requests
+///
+/// 503 once it is about to stop.
+#[utoipa::path(
+    get, path = "/readyz", tag = "service", operation_id = "readyz",
+    responses((status = 200, description = "Ready", body = String, content_type = "text/plain"), (status = 503, description = "About to stop", body = ProblemBody, content_type = "application/problem+json")),
+)]
+pub async fn readyz(State(readiness): State<Readiness>) -> Result<&'static str, StatusCode> {
+    if readiness.is_draining() { Err(StatusCode::SERVICE_UNAVAILABLE) } else { Ok("ready\n") }
 }

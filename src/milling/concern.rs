@@ -38,7 +38,11 @@ impl fmt::Display for Concern {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::RunoutNotSmall { ratio } => {
-                write!(f, "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the feed's share is then no bound", ratio * 100.0)
+                write!(
+                    f,
+                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the feed's share is then no bound",
+                    ratio * 100.0
+                )
             }
             Self::StepOverWide { ratio } => write!(
                 f,
@@ -57,7 +61,9 @@ impl fmt::Display for Concern {
                 diameter.mm()
             ),
             Self::RadiusBeyondCutter { effective_radius: None, .. } => f.write_str("the effective radius is infinite"),
-            Self::SharpMarks => f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer"),
+            Self::SharpMarks => {
+                f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
+            }
         }
     }
 }
@@ -81,9 +87,11 @@ pub fn circle_concerns(pass: &Pass, step_over: Length, feed_per_tooth: Option<Le
     let across = EffectiveRadius::across_feed(pass.cutter, pass.contact).finite();
     let along = EffectiveRadius::along_feed(pass.cutter, pass.contact).finite();
     let diameter = pass.cutter.outer_radius() + pass.cutter.outer_radius();
-    let share = |chord: Length, radius: Option<Length>| radius.map(|radius| chord.mm() / (2.0 * radius.mm())).filter(|ratio| *ratio > A_FIFTH);
+    let share =
+        |chord: Length, radius: Option<Length>| radius.map(|radius| chord.mm() / (2.0 * radius.mm())).filter(|ratio| *ratio > A_FIFTH);
     let wide = share(step_over, across).map(|ratio| Concern::StepOverWide { ratio });
     let long = feed_per_tooth.and_then(|feed| share(feed, along)).map(|ratio| Concern::FeedLong { ratio });
-    let beyond = across.is_none_or(|radius| radius > diameter).then_some(Concern::RadiusBeyondCutter { effective_radius: across, diameter });
+    let beyond =
+        across.is_none_or(|radius| radius > diameter).then_some(Concern::RadiusBeyondCutter { effective_radius: across, diameter });
     [wide, long, beyond].into_iter().flatten()
 }

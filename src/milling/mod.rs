@@ -12,6 +12,7 @@ mod concern;
 mod contact;
 mod cutter;
 mod envelope;
+mod model;
 mod no_answer;
 mod pass;
 
@@ -20,5 +21,6 @@ pub use concern::{Concern, circle_concerns, concerns};
 pub use contact::{Contact, ContactError};
 pub use cutter::{CornerTooLarge, Cutter, CutterKind};
 pub use envelope::Envelope;
+pub use model::{JudgedPass, Model};
 pub use no_answer::NoAnswer;
 pub use pass::{Pass, Runout, ScallopHeight, StepOver, SurfaceCurvature};

@@ -18,7 +18,8 @@ pub use principal_axes::PrincipalAxes;
 pub use sampled::{Basis, Facing, SampledSurface, Unit};
 pub use shape::{Shape, ShapeError};
 
-/// The largest magnitude of a coordinate, in the unit in which it is given: none of the sums over a surface can overflow.
+/// The largest magnitude of a coordinate, in the unit in which it is given: the fourth powers that moments need stay below 1e50, so that no
+/// sum over a surface can overflow.
 pub const LARGEST_COORDINATE: f64 = 1e12;
 
 /// Takes the pieces of which a surface is made, one after the other, and keeps of them what it needs. Readers are written against

@@ -110,7 +110,9 @@ fn the_height_is_never_exceeded_and_is_reached() {
     }
     reached.sort_by(f64::total_cmp);
     let (least, median, most) = (reached[0], reached[wanted / 2], reached[wanted - 1]);
-    println!("{wanted} configurations: simulated height {least:.4} to {most:.8} of the model's, median {median:.4}; {without_answer} without answer");
+    println!(
+        "{wanted} configurations: simulated height {least:.4} to {most:.8} of the model's, median {median:.4}; {without_answer} without answer"
+    );
     assert!(median >= 0.98, "the model's height is not reached: median {median}");
     assert!(10 * without_answer <= wanted, "{without_answer} configurations have no answer");
 }

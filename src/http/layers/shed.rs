@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use axum::extract::{Request, State};
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::http::StatusCode;
 use axum::middleware::Next;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use tokio::sync::Semaphore;
 
-use super::problem::problem;
 use super::weight::Weight;
 use crate::http::metrics::{Metrics, ShedReason};
+use crate::http::problem::Problem;
 
 /// How many requests may be in flight.
 #[derive(Clone)]
@@ -39,7 +39,5 @@ pub(super) async fn shed(State(in_flight): State<InFlight>, request: Request, ne
 
 /// 503 with `Retry-After`: a second, since places come free within milliseconds unless the load lasts.
 pub(crate) fn overloaded(detail: String) -> Response {
-    let mut response = problem(StatusCode::SERVICE_UNAVAILABLE, "overloaded", "The server is busy", detail);
-    response.headers_mut().insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
-    response
+    Problem::new(StatusCode::SERVICE_UNAVAILABLE, "overloaded", "The server is busy", detail).retry_after(1).into_response()
 }

@@ -35,7 +35,7 @@ impl fmt::Display for Place<'_> {
 }
 
 /// One fault of a request.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fault {
     /// Where: a JSON pointer into the request.
     pub(crate) pointer: String,
@@ -43,6 +43,16 @@ pub(crate) struct Fault {
     pub(crate) code: &'static str,
     /// What is wrong and what would be right, for a person.
     pub(crate) detail: String,
+    /// The title of a problem of its own, for a request that is read and has no answer.
+    pub(crate) title: Option<&'static str>,
+    /// Figures that a program can use to find the way out, with their wire names.
+    pub(crate) figures: Vec<(&'static str, f64)>,
+}
+
+impl Fault {
+    pub(crate) fn new(place: &Place<'_>, code: &'static str, detail: impl fmt::Display) -> Self {
+        Self { pointer: place.to_string(), code, detail: detail.to_string(), title: None, figures: Vec::new() }
+    }
 }
 
 /// Proof that a fault was recorded, in place of the value that could not be had.
@@ -62,8 +72,13 @@ impl Faults {
 
     /// Records a fault and returns the proof.
     pub(crate) fn add(&mut self, place: &Place<'_>, code: &'static str, detail: impl fmt::Display) -> Faulted {
+        self.push(Fault::new(place, code, detail))
+    }
+
+    /// Records a fault that is put together already.
+    pub(crate) fn push(&mut self, fault: Fault) -> Faulted {
         if self.listed.len() < Self::MOST_LISTED {
-            self.listed.push(Fault { pointer: place.to_string(), code, detail: detail.to_string() });
+            self.listed.push(fault);
         } else {
             self.unlisted += 1;
         }
@@ -74,7 +89,7 @@ impl Faults {
     pub(crate) fn into_listed(mut self) -> Vec<Fault> {
         if self.unlisted > 0 {
             let detail = format!("{} further faults are not listed", self.unlisted);
-            self.listed.push(Fault { pointer: String::new(), code: "further-faults", detail });
+            self.listed.push(Fault::new(&Place::Root, "further-faults", detail));
         }
         self.listed
     }

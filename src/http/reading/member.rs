@@ -44,8 +44,10 @@ impl Kind for Number {
     }
 
     fn schema(&self, about: &str) -> RefOr<Schema> {
+        // The bounds of double precision itself go without saying.
+        let bound = |bound: f64| (bound.abs() < f64::MAX).then_some(bound);
         let schema = ObjectBuilder::new().schema_type(Type::Number).description(Some(about)).examples([self.example]);
-        schema.minimum(Some(self.minimum)).maximum(Some(self.maximum)).into()
+        schema.minimum(bound(self.minimum)).maximum(bound(self.maximum)).into()
     }
 }
 
@@ -176,12 +178,14 @@ pub(crate) fn number(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> R
 
 /// The text that `raw` is.
 pub(crate) fn text(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<String, Faulted> {
-    serde_json::from_str(raw.get()).map_err(|_| faults.add(&place, "wrong-type", format_args!("expected a string, found {}", describe(raw))))
+    serde_json::from_str(raw.get())
+        .map_err(|_| faults.add(&place, "wrong-type", format_args!("expected a string, found {}", describe(raw))))
 }
 
 /// The items of the array that `raw` is, unread.
 pub(crate) fn items<'a>(raw: &'a RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
-    serde_json::from_str(raw.get()).map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))
+    serde_json::from_str(raw.get())
+        .map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))
 }
 
 /// The checked value, or the fault with the bounds that it broke.

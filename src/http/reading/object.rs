@@ -51,7 +51,9 @@ impl<'a, 'p> Object<'a, 'p> {
     pub(crate) fn required<K: Kind>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<K::Value, Faulted> {
         match self.optional(member, faults)? {
             Some(value) => Ok(value),
-            None => Err(faults.add(&self.place.member(member.name), "missing-field", format_args!("the field is missing: {}", member.about))),
+            None => {
+                Err(faults.add(&self.place.member(member.name), "missing-field", format_args!("the field is missing: {}", member.about)))
+            }
         }
     }
 

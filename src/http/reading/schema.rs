@@ -9,7 +9,12 @@ pub(crate) struct ObjectSchema(ObjectBuilder);
 
 impl ObjectSchema {
     pub(crate) fn new(about: &str) -> Self {
-        Self(ObjectBuilder::new().schema_type(Type::Object).description(Some(about)).additional_properties(Some(AdditionalProperties::FreeForm(false))))
+        Self(
+            ObjectBuilder::new()
+                .schema_type(Type::Object)
+                .description(Some(about))
+                .additional_properties(Some(AdditionalProperties::FreeForm(false))),
+        )
     }
 
     /// With a member that must be there.

@@ -84,7 +84,8 @@ impl Body {
         let (feed_d, feed_level, feed_z) = (self.along_steepest * cos, self.along_level, -self.along_steepest * sin);
         let along_meridian = down * (radial_d * feed_d + radial_level * feed_level) + out * feed_z;
         let around = radial_d * feed_level - radial_level * feed_d;
-        let bend = meridian * along_meridian * along_meridian + if out > 0.0 && radius > 0.0 { out / radius * around * around } else { 0.0 };
+        let bend =
+            meridian * along_meridian * along_meridian + if out > 0.0 && radius > 0.0 { out / radius * around * around } else { 0.0 };
         Distance {
             value,
             by_feed: by_steep * self.along_steepest + by_level * self.along_level,

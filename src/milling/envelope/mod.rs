@@ -95,7 +95,8 @@ impl Envelope {
         let room = tolerance.mm() - step_over_height.mm();
         let largest_spacing = self.largest_mark_spacing(step_over.mm());
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt();
-        let spacing = largest_within(on_plane + room, guess, 0.0, largest_spacing, |spacing| self.height_on_plane(step_over.mm(), spacing))?;
+        let spacing =
+            largest_within(on_plane + room, guess, 0.0, largest_spacing, |spacing| self.height_on_plane(step_over.mm(), spacing))?;
         let (runout, climb) = (self.pass.runout, self.climb);
         match spacing {
             Some(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
@@ -261,7 +262,11 @@ fn largest_within(
     let (mut low, mut high) = (None, None);
     // From the guess outwards by factors of 2, at most from 1e-6 to 1e6 mm or down to no length at all.
     loop {
-        if value < 0.0 { low = Some((at, value)) } else { high = Some((at, value)) }
+        if value < 0.0 {
+            low = Some((at, value))
+        } else {
+            high = Some((at, value))
+        }
         if low.is_some() && high.is_some() {
             break;
         }

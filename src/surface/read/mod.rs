@@ -23,12 +23,8 @@ mod text;
 pub use fault::{Fault, FaultKind, Place};
 pub use format::{Format, Hint};
 
-use super::Sink;
+use super::{LARGEST_COORDINATE, Sink};
 use format::{Found, HEAD};
-
-/// The largest magnitude of a coordinate: the fourth powers that moments of surfaces need stay below 1e50, so that neither they
-/// nor sums of them over any file can overflow, and a billion kilometres in micrometres still fit.
-pub const LARGEST_COORDINATE: f64 = 1e12;
 
 /// The vertices that an OBJ or PLY file may have unless [`Reader::with_vertex_limit`] says otherwise: 480 MB of coordinates.
 pub const DEFAULT_VERTEX_LIMIT: usize = 20_000_000;

@@ -4,9 +4,9 @@ use std::fmt;
 use std::time::Duration;
 
 use axum::http::StatusCode;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 
-use crate::http::layers::problem::problem;
+use crate::http::problem::Problem;
 
 /// The rule that a body broke.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,6 +51,6 @@ impl BodyFault {
             Self::Stalled { .. } | Self::TooSlow { .. } => (StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long"),
             Self::Unreadable(_) => (StatusCode::BAD_REQUEST, "unreadable-body", "The body could not be read"),
         };
-        problem(status, slug, title, self.to_string())
+        Problem::new(status, slug, title, self.to_string()).into_response()
     }
 }

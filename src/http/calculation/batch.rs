@@ -1,0 +1,209 @@
+//! Many contacts, a column for each figure. Items are read and worked out on all cores; one that has no answer fails alone.
+
+use super::contact::{self, StatedContact};
+use super::figures::{Columns, Extreme, Failure, Figures, Summary};
+use super::terms::{Setup, Stated, Terms};
+use super::warning::{Strain, Warning};
+use super::{Calculation, cutter, refusal, single};
+use crate::http::body::{JsonBody, WrittenJson};
+use crate::http::problem::Problem;
+use crate::http::reading::member::items;
+use crate::http::reading::{Fault, Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
+use crate::milling::{JudgedPass, Pass};
+use rayon::prelude::*;
+use serde_json::value::RawValue;
+use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
+use utoipa::openapi::{Ref, RefOr, Schema};
+
+/// Contacts worked out in one go by one thread: some tenths of a millisecond, long against the cost of sharing out.
+const CHUNK: usize = 1024;
+
+const CONTACTS: &str = "contacts";
+
+/// Answers a request with many contacts.
+pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Problem> {
+    let columns = body.read(|object, faults| {
+        let setup = Setup::read(object, faults);
+        let defaults = Terms::read(object, C::STATES, faults);
+        let calculation = C::read(object, setup.as_ref().map_err(|faulted| *faulted), faults);
+        let place = object.place();
+        let place = place.member(CONTACTS);
+        let contacts = match object.take(CONTACTS, faults) {
+            Some(raw) => items(raw, place, faults),
+            None => Err(faults.add(&place, "missing-field", "the field is missing: the contacts to work out")),
+        };
+        if !faults.is_empty() {
+            return Err(Faulted);
+        }
+        let batch = Batch { setup: setup?, defaults, calculation: calculation? };
+        Ok(batch.work_out(&contacts?, &place))
+    })?;
+    WrittenJson::of(&columns)
+}
+
+struct Batch<C> {
+    setup: Setup,
+    defaults: Terms,
+    calculation: C,
+}
+
+/// What a run of contacts yields.
+struct Part<F: Figures> {
+    columns: F::Columns,
+    failures: Vec<Failure>,
+    minimum: Option<Extreme>,
+    maximum: Option<Extreme>,
+    warnings: Vec<Warning>,
+}
+
+impl<C: Calculation> Batch<C> {
+    fn work_out(&self, contacts: &[&RawValue], place: &Place<'_>) -> <C::Figures as Figures>::Columns {
+        let parts: Vec<_> =
+            contacts.par_chunks(CHUNK).enumerate().map(|(chunk, contacts)| self.work_out_chunk(chunk * CHUNK, contacts, place)).collect();
+        let mut whole = Part::<C::Figures>::empty(&self.setup, contacts.len());
+        for part in parts {
+            whole.append(part);
+        }
+        whole.finish(contacts.len())
+    }
+
+    fn work_out_chunk(&self, first: usize, contacts: &[&RawValue], place: &Place<'_>) -> Part<C::Figures> {
+        let mut part = Part::empty(&self.setup, contacts.len());
+        for (index, raw) in (first..).zip(contacts) {
+            let mut faults = Faults::default();
+            match self.work_out_contact(raw, place.item(index), &mut faults) {
+                Ok((figures, pass)) if faults.is_empty() => part.add(index, &figures, &pass),
+                _ => part.fail(index, &faults.into_listed()),
+            }
+        }
+        part
+    }
+
+    fn work_out_contact(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<(C::Figures, JudgedPass), Faulted> {
+        let mut object = Object::open(raw, place, faults)?;
+        let contact = contact::read(&mut object, faults);
+        let terms = Terms::read(&mut object, C::STATES, faults).or(self.defaults);
+        object.close(faults)?;
+        let step_over = terms.step_over(C::STATES, &place, faults);
+        let (contact, step_over) = (contact?, step_over?);
+        let pass = self.judge(contact, &terms, &place, faults)?;
+        let figures = single::work_out(&self.calculation, &self.setup, &pass, step_over, &terms)?;
+        let figures = figures.map_err(|cause| faults.push(at(&place, refusal::fault(cause, &place, contact, step_over))))?;
+        Ok((figures, pass))
+    }
+
+    fn judge(&self, contact: StatedContact, terms: &Terms, place: &Place<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
+        let pass = Pass { cutter: self.setup.tool.cutter, contact: contact.contact, surface: terms.surface()?, runout: self.setup.runout };
+        JudgedPass::new(self.setup.model, pass).map_err(|cause| faults.push(at(place, refusal::fault(cause, place, contact, None))))
+    }
+}
+
+/// A contact without an answer is to blame as a whole: which of its terms come from the defaults is not told apart.
+fn at(place: &Place<'_>, fault: Fault) -> Fault {
+    Fault { pointer: place.to_string(), ..fault }
+}
+
+impl<F: Figures> Part<F> {
+    fn empty(setup: &Setup, contacts: usize) -> Self {
+        Self {
+            columns: F::Columns::with_capacity(setup.model, contacts),
+            failures: Vec::new(),
+            minimum: None,
+            maximum: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, index: usize, figures: &F, pass: &JudgedPass) {
+        self.columns.push(Some(figures));
+        let common = figures.common();
+        for strain in Strain::of(pass, common.step_over, common.feed_per_tooth) {
+            match self.warnings.iter_mut().find(|warning| warning.code == strain.code()) {
+                Some(warning) => warning.contacts = warning.contacts.map(|contacts| contacts + 1),
+                None => self.warnings.push(Warning { contacts: Some(1), first_index: Some(index), ..Warning::from(strain) }),
+            }
+        }
+        let found = Some(Extreme { index, value_mm: figures.found_mm() });
+        self.minimum = lower(self.minimum, found);
+        self.maximum = higher(self.maximum, found);
+    }
+
+    fn fail(&mut self, index: usize, faults: &[Fault]) {
+        self.columns.push(None);
+        self.failures.extend(Failure::new(index, faults));
+    }
+
+    fn append(&mut self, mut next: Self) {
+        self.columns.append(next.columns);
+        self.failures.append(&mut next.failures);
+        self.minimum = lower(self.minimum, next.minimum);
+        self.maximum = higher(self.maximum, next.maximum);
+        for warning in next.warnings {
+            match self.warnings.iter_mut().find(|known| known.code == warning.code) {
+                Some(known) => known.contacts = known.contacts.zip(warning.contacts).map(|(a, b)| a + b),
+                None => self.warnings.push(warning),
+            }
+        }
+    }
+
+    fn finish(mut self, count: usize) -> F::Columns {
+        let summary = Summary { count, failures: self.failures.len(), minimum: self.minimum, maximum: self.maximum };
+        self.columns.finish(self.failures, summary, self.warnings);
+        self.columns
+    }
+}
+
+/// The extreme with the smaller value, the first of equals.
+fn lower(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
+    match (first, second) {
+        (Some(a), Some(b)) => Some(if b.value_mm < a.value_mm { b } else { a }),
+        (one, other) => one.or(other),
+    }
+}
+
+/// The extreme with the larger value, the first of equals.
+fn higher(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
+    match (first, second) {
+        (Some(a), Some(b)) => Some(if b.value_mm > a.value_mm { b } else { a }),
+        (one, other) => one.or(other),
+    }
+}
+
+/// The schemas of a request with many contacts, by name.
+pub(super) fn schemas<C: Calculation>() -> Vec<(String, RefOr<Schema>)> {
+    let schema =
+        Setup::describe(ObjectSchema::new("a calculation at many contacts: the terms hold for every contact that does not state its own"));
+    let contacts = Member { name: CONTACTS, about: "the contacts of the tool path, in their order", kind: ContactsKind(C::STATES) };
+    let schema = C::describe(Terms::describe(schema, C::STATES)).required(&contacts);
+    let mut schemas = vec![(C::SCHEMAS[1].to_owned(), schema.build())];
+    let names = item_names(C::STATES);
+    schemas.extend(contact::forms(names, "a contact with terms of its own", |schema| Terms::describe(schema, C::STATES)));
+    schemas.extend(cutter::schemas());
+    schemas
+}
+
+/// The schemas of a batch's items depend on which terms they may state.
+fn item_names(stated: Stated) -> [&'static str; 2] {
+    match (stated.step_over, stated.feed_per_tooth) {
+        (true, true) => ["AngleContactWithTerms", "VectorContactWithTerms"],
+        (true, false) => ["AngleContactWithStepOver", "VectorContactWithStepOver"],
+        _ => ["AngleContactWithFeed", "VectorContactWithFeed"],
+    }
+}
+
+/// Only described: the items are read one by one, so that one that is faulty fails alone.
+struct ContactsKind(Stated);
+
+impl Kind for ContactsKind {
+    type Value = ();
+
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<(), Faulted> {
+        items(raw, place, faults).map(|_| ())
+    }
+
+    fn schema(&self, about: &str) -> RefOr<Schema> {
+        let [angles, vectors] = item_names(self.0);
+        let item = OneOfBuilder::new().item(Ref::from_schema_name(angles)).item(Ref::from_schema_name(vectors));
+        ArrayBuilder::new().items(item).description(Some(about)).into()
+    }
+}

@@ -1,0 +1,317 @@
+//! The figures of the answers: for one contact an object of numbers, for many a column each.
+
+use super::warning::Warning;
+use crate::http::reading::Fault;
+use crate::milling::{JudgedPass, Model, NoAnswer, ScallopHeight};
+use crate::quantity::Length;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// What every calculation tells of a contact, in mm.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Common {
+    pub(crate) height: ScallopHeight,
+    pub(crate) step_over: Length,
+    pub(crate) feed_per_tooth: Option<Length>,
+    effective_radius: Option<Length>,
+    transverse_effective_radius: Option<Length>,
+    spacing_ratio: f64,
+}
+
+impl Common {
+    /// At a step-over and a feed per tooth that are given or found.
+    pub(crate) fn at(pass: &JudgedPass, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Self, NoAnswer> {
+        Ok(Self {
+            height: pass.scallop_height(step_over, feed_per_tooth)?,
+            step_over,
+            feed_per_tooth,
+            effective_radius: pass.effective_radius(),
+            transverse_effective_radius: pass.transverse_effective_radius(),
+            spacing_ratio: pass.pass().contact.spacing_ratio(),
+        })
+    }
+
+    pub(crate) fn step_over_xy_mm(&self) -> f64 {
+        self.step_over.mm() * self.spacing_ratio
+    }
+
+    pub(crate) fn effective_radius_mm(&self) -> Option<f64> {
+        self.effective_radius.map(Length::mm)
+    }
+
+    pub(crate) fn transverse_effective_radius_mm(&self) -> Option<f64> {
+        self.transverse_effective_radius.map(Length::mm)
+    }
+}
+
+/// The analytic height beside the envelope's.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub(crate) struct Check {
+    /// The height by the cutter's exact shape, model `envelope`.
+    #[schema(minimum = 0)]
+    pub(crate) envelope_scallop_height_mm: f64,
+    /// (height - envelope) / envelope: negative where the model promises less than the cutter leaves. Absent where the envelope's height is 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = -1)]
+    pub(crate) deviation: Option<f64>,
+}
+
+/// A contact of a batch that has no answer.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub(crate) struct Failure {
+    /// Which contact, counted from 0.
+    pub(crate) index: usize,
+    /// Where: a JSON pointer (RFC 6901) into the request.
+    #[schema(example = "/contacts/17/slope_deg")]
+    pub(crate) pointer: String,
+    /// Which fault: a stable name to decide by.
+    #[schema(example = "flat-floor")]
+    pub(crate) code: String,
+    /// What is wrong and what would be right, for a person; further faults of the contact follow the first.
+    pub(crate) detail: String,
+}
+
+impl Failure {
+    /// Of the contact's faults, of which there is at least one.
+    pub(crate) fn new(index: usize, faults: &[Fault]) -> Option<Self> {
+        let first = faults.first()?;
+        let detail = faults.iter().map(|fault| fault.detail.as_str()).collect::<Vec<_>>().join("; ");
+        Some(Self { index, pointer: first.pointer.clone(), code: first.code.to_owned(), detail })
+    }
+}
+
+/// A contact with an extreme figure.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+pub(crate) struct Extreme {
+    /// Which contact, counted from 0.
+    pub(crate) index: usize,
+    /// Its figure, in mm: of the scallop height, the feed per tooth or the step-over, whichever the calculation finds.
+    pub(crate) value_mm: f64,
+}
+
+/// A batch in short.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub(crate) struct Summary {
+    /// How many contacts were sent.
+    pub(crate) count: usize,
+    /// How many have no answer.
+    pub(crate) failures: usize,
+    /// The contact with the smallest figure that the calculation finds; absent where none has an answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub(crate) minimum: Option<Extreme>,
+    /// The contact with the largest one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub(crate) maximum: Option<Extreme>,
+}
+
+/// The figures that one contact's calculation yields, and the forms in which they are answered.
+pub(crate) trait Figures: Send + Sized {
+    /// The answer for one contact.
+    type Answer: Serialize + ToSchema;
+    /// The answer for many.
+    type Columns: Columns<Self>;
+
+    fn common(&self) -> &Common;
+
+    /// The figure that the calculation finds, in mm.
+    fn found_mm(&self) -> f64;
+
+    fn into_answer(self, model: Model, check: Option<Check>, warnings: Vec<Warning>) -> Self::Answer;
+}
+
+/// The answer for many contacts: a column a figure.
+pub(crate) trait Columns<F>: Send + Serialize + ToSchema {
+    /// Columns without a row, with room for some.
+    fn with_capacity(model: Model, contacts: usize) -> Self;
+    /// A row; `None` for a contact without an answer.
+    fn push(&mut self, figures: Option<&F>);
+    /// The rows of `others` below these.
+    fn append(&mut self, others: Self);
+    /// With what goes beside the columns.
+    fn finish(&mut self, failures: Vec<Failure>, summary: Summary, warnings: Vec<Warning>);
+}
+
+/// The wire name of a model.
+pub(crate) fn model_name(model: Model) -> &'static str {
+    match model {
+        Model::Analytic => "analytic",
+        Model::Envelope => "envelope",
+    }
+}
+
+/// Declares the answers of a calculation: its own figures, and after them those that all have. `optional` ones are absent from a
+/// single answer, and null in a column, where there is nothing to say; their column is absent where it has nothing at all.
+macro_rules! answers {
+    (
+        $figures:ident => $answer:ident, $columns:ident;
+        $( required { $( $(#[$doc:meta])* $name:ident : $type:ty = $get:expr, )* } )?
+        $( optional { $( $(#[$odoc:meta])* $oname:ident : $otype:ty = $oget:expr, )* } )?
+    ) => {
+        /// The answer for one contact.
+        #[derive(Debug, Serialize, ToSchema)]
+        pub(crate) struct $answer {
+            /// The model that answered: `analytic` or `envelope`.
+            #[schema(example = "analytic")]
+            model: &'static str,
+            $( $( $(#[$doc])* $name: $type, )* )?
+            $( $( $(#[$odoc])* #[serde(skip_serializing_if = "Option::is_none")] #[schema(nullable = false)] $oname: Option<$otype>, )* )?
+            /// h, the whole scallop height.
+            #[schema(minimum = 0)]
+            scallop_height_mm: f64,
+            /// h1, what the step-over alone leaves.
+            #[schema(minimum = 0)]
+            step_over_height_mm: f64,
+            /// What the tooth marks along the feed add.
+            #[schema(minimum = 0)]
+            feed_height_mm: f64,
+            /// The feed's share in the whole height; absent where there is no height.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            #[schema(nullable = false, minimum = 0, maximum = 1)]
+            feed_share: Option<f64>,
+            /// R_eff, the groove's radius of curvature across the feed, radial runout included; null where infinite.
+            #[schema(required, minimum = 0)]
+            effective_radius_mm: Option<f64>,
+            /// TR_eff, the mark's radius of curvature along the feed; null where infinite.
+            #[schema(required, minimum = 0)]
+            transverse_effective_radius_mm: Option<f64>,
+            /// s, the step-over along the surface.
+            #[schema(minimum = 0)]
+            step_over_mm: f64,
+            /// d, the step-over seen from above.
+            #[schema(minimum = 0)]
+            step_over_xy_mm: f64,
+            /// The height by the cutter's exact shape; only of model `analytic`, and where the envelope has an answer.
+            #[serde(skip_serializing_if = "Option::is_none")]
+            #[schema(nullable = false)]
+            check: Option<Check>,
+            /// What must be looked at.
+            warnings: Vec<Warning>,
+        }
+
+        /// The answer for many contacts: an array a figure, in the order sent; null where a contact has no answer.
+        #[derive(Debug, Serialize, ToSchema)]
+        pub(crate) struct $columns {
+            /// The model that answered: `analytic` or `envelope`.
+            #[schema(example = "analytic")]
+            model: &'static str,
+            /// The batch in short.
+            summary: Summary,
+            $( $( $(#[$doc])* $name: Vec<Option<$type>>, )* )?
+            $( $( $(#[$odoc])* #[serde(skip_serializing_if = "says_nothing")] #[schema(required = false)] $oname: Vec<Option<$otype>>, )* )?
+            /// h, the whole scallop height of each contact.
+            scallop_height_mm: Vec<Option<f64>>,
+            /// h1, what the step-over alone leaves.
+            step_over_height_mm: Vec<Option<f64>>,
+            /// What the tooth marks along the feed add.
+            feed_height_mm: Vec<Option<f64>>,
+            /// The feed's share in the whole height; null also where there is no height.
+            feed_share: Vec<Option<f64>>,
+            /// R_eff, the groove's radius of curvature across the feed, radial runout included; null also where infinite.
+            effective_radius_mm: Vec<Option<f64>>,
+            /// TR_eff, the mark's radius of curvature along the feed; null also where infinite.
+            transverse_effective_radius_mm: Vec<Option<f64>>,
+            /// s, the step-over along the surface.
+            step_over_mm: Vec<Option<f64>>,
+            /// d, the step-over seen from above.
+            step_over_xy_mm: Vec<Option<f64>>,
+            /// The contacts that have no answer.
+            failures: Vec<Failure>,
+            /// What must be looked at, a line for each kind of warning.
+            warnings: Vec<Warning>,
+        }
+
+        impl Figures for $figures {
+            type Answer = $answer;
+            type Columns = $columns;
+
+            fn common(&self) -> &Common {
+                &self.common
+            }
+
+            fn found_mm(&self) -> f64 {
+                self.found_mm()
+            }
+
+            fn into_answer(self, model: Model, check: Option<Check>, warnings: Vec<Warning>) -> $answer {
+                let common = &self.common;
+                $answer {
+                    model: model_name(model),
+                    $( $( $name: $get(&self), )* )?
+                    $( $( $oname: $oget(&self), )* )?
+                    scallop_height_mm: common.height.total().mm(),
+                    step_over_height_mm: common.height.step_over.mm(),
+                    feed_height_mm: common.height.feed.mm(),
+                    feed_share: common.height.feed_share(),
+                    effective_radius_mm: common.effective_radius_mm(),
+                    transverse_effective_radius_mm: common.transverse_effective_radius_mm(),
+                    step_over_mm: common.step_over.mm(),
+                    step_over_xy_mm: common.step_over_xy_mm(),
+                    check,
+                    warnings,
+                }
+            }
+        }
+
+        impl Columns<$figures> for $columns {
+            fn with_capacity(model: Model, contacts: usize) -> Self {
+                Self {
+                    model: model_name(model),
+                    summary: Summary { count: 0, failures: 0, minimum: None, maximum: None },
+                    $( $( $name: Vec::with_capacity(contacts), )* )?
+                    $( $( $oname: Vec::with_capacity(contacts), )* )?
+                    scallop_height_mm: Vec::with_capacity(contacts),
+                    step_over_height_mm: Vec::with_capacity(contacts),
+                    feed_height_mm: Vec::with_capacity(contacts),
+                    feed_share: Vec::with_capacity(contacts),
+                    effective_radius_mm: Vec::with_capacity(contacts),
+                    transverse_effective_radius_mm: Vec::with_capacity(contacts),
+                    step_over_mm: Vec::with_capacity(contacts),
+                    step_over_xy_mm: Vec::with_capacity(contacts),
+                    failures: Vec::new(),
+                    warnings: Vec::new(),
+                }
+            }
+
+            fn push(&mut self, figures: Option<&$figures>) {
+                let common = figures.map(|figures| &figures.common);
+                $( $( self.$name.push(figures.map($get)); )* )?
+                $( $( self.$oname.push(figures.and_then($oget)); )* )?
+                self.scallop_height_mm.push(common.map(|common| common.height.total().mm()));
+                self.step_over_height_mm.push(common.map(|common| common.height.step_over.mm()));
+                self.feed_height_mm.push(common.map(|common| common.height.feed.mm()));
+                self.feed_share.push(common.and_then(|common| common.height.feed_share()));
+                self.effective_radius_mm.push(common.and_then(Common::effective_radius_mm));
+                self.transverse_effective_radius_mm.push(common.and_then(Common::transverse_effective_radius_mm));
+                self.step_over_mm.push(common.map(|common| common.step_over.mm()));
+                self.step_over_xy_mm.push(common.map(Common::step_over_xy_mm));
+            }
+
+            fn append(&mut self, mut others: Self) {
+                $( $( self.$name.append(&mut others.$name); )* )?
+                $( $( self.$oname.append(&mut others.$oname); )* )?
+                self.scallop_height_mm.append(&mut others.scallop_height_mm);
+                self.step_over_height_mm.append(&mut others.step_over_height_mm);
+                self.feed_height_mm.append(&mut others.feed_height_mm);
+                self.feed_share.append(&mut others.feed_share);
+                self.effective_radius_mm.append(&mut others.effective_radius_mm);
+                self.transverse_effective_radius_mm.append(&mut others.transverse_effective_radius_mm);
+                self.step_over_mm.append(&mut others.step_over_mm);
+                self.step_over_xy_mm.append(&mut others.step_over_xy_mm);
+            }
+
+            fn finish(&mut self, failures: Vec<Failure>, summary: Summary, warnings: Vec<Warning>) {
+                self.failures = failures;
+                self.summary = summary;
+                self.warnings = warnings;
+            }
+        }
+    };
+}
+pub(crate) use answers;
+
+/// Whether a column of an optional figure has none.
+pub(crate) fn says_nothing<T>(column: &[Option<T>]) -> bool {
+    column.iter().all(Option::is_none)
+}

@@ -1,0 +1,30 @@
+//! What people and tools look at: the front page, the interactive documentation and the OpenAPI document.
+
+use super::openapi_json;
+use super::operations::Operations;
+use axum::Router;
+use axum::http::header;
+use axum::response::{Html, IntoResponse};
+use axum::routing::get;
+use std::sync::LazyLock;
+use utoipa_swagger_ui::{Config, SwaggerUi};
+
+/// The pages. They are left out of the OpenAPI document: no program calls them.
+pub(super) fn routes() -> Router<Operations> {
+    let documentation = SwaggerUi::new("/docs").config(Config::from("/openapi.json").try_it_out_enabled(true));
+    Router::new().route("/", get(async || Html(FRONT))).merge(documentation)
+}
+
+const FRONT: &str = include_str!("front.html");
+
+/// The OpenAPI document
+///
+/// This description of the service, OpenAPI 3.1.
+#[utoipa::path(
+    get, path = "/openapi.json", tag = "service", operation_id = "openapi",
+    responses((status = 200, description = "The document", body = serde_json::Value, content_type = "application/json")),
+)]
+pub(super) async fn openapi() -> impl IntoResponse {
+    static DOCUMENT: LazyLock<String> = LazyLock::new(openapi_json);
+    ([(header::CONTENT_TYPE, "application/json")], DOCUMENT.as_str())
+}

@@ -1,0 +1,101 @@
+//! The choice between the models, behind one set of questions.
+
+use super::{Analytic, EffectiveRadius, Envelope, NoAnswer, Pass, ScallopHeight};
+use crate::quantity::Length;
+
+/// Which model judges a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Model {
+    /// The published closed formulas: a circle of the effective radius in place of the cutter.
+    #[default]
+    Analytic,
+    /// The cutter's whole lower body: a bound that holds.
+    Envelope,
+}
+
+/// A pass under the model that judges it.
+#[derive(Debug, Clone, Copy)]
+pub struct JudgedPass {
+    pass: Pass,
+    judge: Judge,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Judge {
+    Analytic(Analytic),
+    Envelope(Envelope),
+}
+
+impl JudgedPass {
+    /// Puts `pass` under `model`.
+    ///
+    /// # Errors
+    /// Those of [`Analytic::new`] and [`Envelope::new`].
+    pub fn new(model: Model, pass: Pass) -> Result<Self, NoAnswer> {
+        let judge = match model {
+            Model::Analytic => Judge::Analytic(Analytic::new(pass)?),
+            Model::Envelope => Judge::Envelope(Envelope::new(pass)?),
+        };
+        Ok(Self { pass, judge })
+    }
+
+    /// The pass itself.
+    #[must_use]
+    pub fn pass(&self) -> &Pass {
+        &self.pass
+    }
+
+    /// Which model judges.
+    #[must_use]
+    pub fn model(&self) -> Model {
+        match self.judge {
+            Judge::Analytic(_) => Model::Analytic,
+            Judge::Envelope(_) => Model::Envelope,
+        }
+    }
+
+    /// The effective radius across the feed, radial runout included; `None` where it is infinite.
+    #[must_use]
+    pub fn effective_radius(&self) -> Option<Length> {
+        EffectiveRadius::across_feed(self.pass.cutter.widened(self.pass.runout.radial()), self.pass.contact).finite()
+    }
+
+    /// The effective radius along the feed; `None` where it is infinite.
+    #[must_use]
+    pub fn transverse_effective_radius(&self) -> Option<Length> {
+        EffectiveRadius::along_feed(self.pass.cutter, self.pass.contact).finite()
+    }
+
+    /// The height that a step-over along the surface and a feed per tooth leave; `None` leaves no marks.
+    ///
+    /// # Errors
+    /// Those of [`Analytic::scallop_height`] and [`Envelope::scallop_height`].
+    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
+        match &self.judge {
+            Judge::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
+            Judge::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
+        }
+    }
+
+    /// The largest feed per tooth that keeps a tolerance on the height.
+    ///
+    /// # Errors
+    /// Those of [`Analytic::max_feed_per_tooth`] and [`Envelope::max_feed_per_tooth`].
+    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        match &self.judge {
+            Judge::Analytic(model) => model.max_feed_per_tooth(tolerance, step_over),
+            Judge::Envelope(model) => model.max_feed_per_tooth(tolerance, step_over),
+        }
+    }
+
+    /// The largest step-over along the surface that keeps a tolerance on the height.
+    ///
+    /// # Errors
+    /// Those of [`Analytic::max_step_over`] and [`Envelope::max_step_over`].
+    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        match &self.judge {
+            Judge::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
+            Judge::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
+        }
+    }
+}
