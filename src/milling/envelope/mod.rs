@@ -165,7 +165,7 @@ impl Envelope {
     /// d/s, how near the passes come seen from above: cos(S) / cos(climb), by which a square with a side along the feed shrinks, less its shrinking along
     /// the feed. On a wall 1 for the vertical feed and 0 for any other, whatever alpha, which only theta tells apart there.
     fn spacing_ratio(&self) -> f64 {
-        if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos() / self.climb.cos() }
+        if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
     }
 
     /// Whether a ball-end cutter touches the ridge with its ball and not with its side.

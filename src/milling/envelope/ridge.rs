@@ -106,6 +106,12 @@ impl<'a> Ridge<'a> {
         p
     }
 
+    /// h by the nested searches alone, to hold Newton's outcome against.
+    #[cfg(test)]
+    pub(super) fn level_by_nested_searches(&self, guess: f64, highest: f64) -> f64 {
+        self.nested(guess.min(highest), highest, &mut Place::start(self))
+    }
+
     /// The chords of a pass and its neighbour at the height p.
     fn chords(&self, p: f64, place: &mut Place) -> (Chord, Chord) {
         let t = place.t;
