@@ -23,14 +23,16 @@ const ALPHAS: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 const INTRODUCTION: &str = "\
 # Where the analytic model falls short
 
-The analytic model puts circles of the effective radii in place of the cutter. This page holds it against a simulation that knows only the cutter's solid:
-teeth print it on an inclined plane, pass beside pass, with every phase between the teeth of neighbouring passes in steps, and the highest place left is
-measured along the surface's normal. A positive figure is a promise that the cutter breaks: the scallop is that much higher than the model says. A negative
-figure is scallop that the model promises and the cutter does not leave.
+The analytic model puts circles of the effective radii in place of the cutter. This page holds it against a simulation that knows
+only the cutter's solid: teeth print it on an inclined plane, pass beside pass, with every phase between the teeth of neighbouring
+passes in steps, and the highest place left is measured along the surface's normal. A positive figure is a promise that the cutter
+breaks: the scallop is that much higher than the model says. A negative figure is scallop that the model promises and the cutter
+does not leave.
 
-Toroidal cutter, R = 5 mm, r = 2 mm. Each step-over is the one for which the analytic model says h1 = 10 um. Alpha is the feed's angle to the steepest slope, seen
-from above. On the grid of 96 x 320 places the simulation finds a little less than the worst case, so the figures are lower bounds of the shortfall.
-A dash: passes that far apart do not overlap, and the step-over that the model allows leaves uncut material.
+Toroidal cutter, R = 5 mm, r = 2 mm. Each step-over is the one for which the analytic model says h1 = 10 um. Alpha is the feed's
+angle to the steepest slope, seen from above. On the grid of 96 x 320 places the simulation finds a little less than the worst
+case, so the figures are lower bounds of the shortfall. A dash: passes that far apart do not overlap, and the step-over that the
+model allows leaves uncut material.
 
 The page is written by `cargo run --release --example analytic_shortfall > docs/analytic-shortfall.md`.
 ";
@@ -83,7 +85,8 @@ fn table(feed: f64) -> String {
         for alpha in ALPHAS {
             match compare(slope, alpha, feed) {
                 Ok(Comparison { analytic, envelope, simulated }) => {
-                    let shortfall = 100.0 * (simulated / analytic - 1.0);
+                    // Rounded as it is printed, and 0 without a sign of its own.
+                    let shortfall = (1000.0 * (simulated / analytic - 1.0)).round() / 10.0 + 0.0;
                     largest = largest.max(shortfall);
                     least_share = least_share.min(simulated / envelope);
                     assert!(simulated <= envelope * (1.0 + 1e-6), "the envelope is exceeded at {slope} deg, alpha {alpha} deg");

@@ -24,7 +24,11 @@ pub(super) fn rising_root(start: f64, mut reach: f64, resolution: f64, mut funct
         if value == 0.0 {
             return at;
         }
-        if value < 0.0 { low = at } else { high = at }
+        if value < 0.0 {
+            low = at;
+        } else {
+            high = at;
+        }
         let resolution = resolution.max(2.0 * f64::EPSILON * at.abs());
         if high - low <= resolution {
             return at;

@@ -9,9 +9,9 @@ fn mm(value: f64) -> Length {
 }
 
 fn cutter(outer_radius: f64, ratio: f64) -> Cutter {
-    if ratio == 0.0 {
+    if ratio <= 0.0 {
         Cutter::flat_end(mm(2.0 * outer_radius))
-    } else if ratio == 1.0 {
+    } else if ratio >= 1.0 {
         Cutter::ball_end(mm(2.0 * outer_radius))
     } else {
         Cutter::toroidal(mm(2.0 * outer_radius), mm(ratio * outer_radius)).unwrap()
@@ -75,8 +75,8 @@ fn the_check_values_come_out_to_their_printed_digits() {
     }
 }
 
-/// h1 by another route: the body's outline seen along the feed, an ellipse offset by r, from its support function r + a sqrt(m_x^2 + m_y^2), as a curve over the
-/// angle of its normal. Both flanks are followed by halving to the level at which they are s apart.
+/// h1 by another route: the body's outline seen along the feed, an ellipse offset by r, from its support function r + a sqrt(m_x^2 +
+/// m_y^2), as a curve over the angle of its normal. Both flanks are followed by halving to the level at which they are s apart.
 fn step_over_height_of_outline(cutter: Cutter, contact: Contact, s: f64) -> f64 {
     let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
     let (axis_up, axis_aside) = (contact.slope().cos(), contact.slope().sin() * contact.theta().sin().abs());
@@ -176,7 +176,7 @@ proptest! {
             // Along the wall the cutter's side takes off what passes leave; beside it the rest is the side's rise over s.
             let wall = by_theta(cutter, 90.0, theta).height_on_plane(s, f);
             if let (Ok(wall), Ok(beside)) = (wall, by_theta(cutter, 90.0 - 1e-7, theta).height_on_plane(s, f))
-                && (theta == 0.0 || theta > 1.0)
+                && (theta <= 0.0 || theta > 1.0)
             {
                 // A feed 1 deg beside the vertical makes the side reach s / tan(1 deg) = 57 s up, and rise as much more.
                 approx::assert_abs_diff_eq!(beside, wall, epsilon = 60.0 * moved);
@@ -192,8 +192,8 @@ proptest! {
         let step = mm(shrink * ratio * outer);
         let analytic = Analytic::new(pass).unwrap().scallop_height(step, Some(step)).unwrap();
         let envelope = Envelope::new(pass).unwrap().scallop_height(step, Some(step)).unwrap();
-        // Curvature radii change over the distance s by a part of the order s/r; what is odd in s cancels between the two flanks, and (s/r)^2 stays, magnified by
-        // at most 1/sin^2(10 deg) = 33 and, along the slope, by tan^2 of the side's angle, as much again.
+        // Curvature radii change over the distance s by a part of the order s/r; what is odd in s cancels between the two flanks, and
+        // (s/r)^2 stays, magnified by at most 1/sin^2(10 deg) = 33 and, along the slope, by tan^2 of the side's angle, as much again.
         let part = 70.0 * shrink * shrink;
         approx::assert_relative_eq!(envelope.step_over.mm(), analytic.step_over.mm(), max_relative = part + 1e-9);
         approx::assert_relative_eq!(envelope.feed.mm(), analytic.feed.mm(), max_relative = part + 1e-9);
@@ -201,7 +201,8 @@ proptest! {
 
     #[test]
     fn the_height_grows_with_step_over_and_feed(
-        cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.01..0.4_f64, more in 1.001..1.2_f64,
+        cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.01..0.4_f64,
+        more in 1.001..1.2_f64,
     ) {
         let envelope = by_theta(cutter, slope, theta);
         let s = share * 2.0 * cutter.outer_radius().mm();
@@ -239,14 +240,16 @@ proptest! {
 
     #[test]
     fn a_ball_end_cutter_on_a_curved_surface_leaves_what_the_analytic_model_says(
-        radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, theta in quarter_turn(), share in 0.01..0.3_f64, hollow in prop::bool::ANY, roundness in 1.5..50.0_f64,
+        radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, theta in quarter_turn(), share in 0.01..0.3_f64,
+        hollow in prop::bool::ANY, roundness in 1.5..50.0_f64,
     ) {
         let rho = if hollow { -roundness * radius } else { roundness * radius };
         let pass = curved(by_theta(cutter(radius, 1.0), slope, theta).pass, rho);
         let s = mm(share * radius);
         let analytic = Analytic::new(pass).unwrap().scallop_height(s, None).unwrap();
         let envelope = Envelope::new(pass).unwrap().scallop_height(s, None).unwrap();
-        // For a ball both plane heights are the same number, so that only their difference's rounding is left: of h1 on the plane, at most 3 times h1 in the hollow.
+        // For a ball both plane heights are the same number, so that only their difference's rounding is left: of h1 on the plane, at
+        // most 3 times h1 in the hollow.
         approx::assert_relative_eq!(envelope.step_over.mm(), analytic.step_over.mm(), max_relative = 1e-13);
     }
 }
@@ -280,7 +283,9 @@ fn passes_and_marks_that_do_not_overlap_seen_from_above_are_errors_with_the_way_
     approx::assert_relative_eq!(largest_step_over.mm(), 20.0, max_relative = 1e-14);
     assert!(envelope.scallop_height(largest_step_over, None).unwrap().total().mm().is_finite());
     // Marks 8 mm apart leave 6 mm for the passes, 12 mm along the slope, and the other way round.
-    let Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing }) = envelope.scallop_height(mm(12.0), Some(mm(8.01))) else { panic!("an answer") };
+    let Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing }) = envelope.scallop_height(mm(12.0), Some(mm(8.01))) else {
+        panic!("an answer")
+    };
     approx::assert_relative_eq!(largest_mark_spacing.mm(), 8.0, max_relative = 1e-14);
     assert!(envelope.scallop_height(mm(12.0), Some(largest_mark_spacing)).unwrap().total().mm().is_finite());
 }
@@ -307,7 +312,8 @@ fn a_hollow_that_the_cutter_gouges_is_an_error() {
     assert!(matches!(gouges(-6.6), Err(NoAnswer::Gouges { .. })));
     assert_eq!(gouges(-6.7), Ok(()));
     assert_eq!(Envelope::new(curved(pass(cutter(5.0, 0.4), 0.0, 0.0), -1e6)).map(|_| ()), Err(NoAnswer::FlatGouges));
-    // At 89 deg along the wall the side lies nearly in the surface: 4.4 um over 0.4 mm, a circle of 4.6 mm, while the corner's radius is 2 mm.
+    // At 89 deg along the wall the side lies nearly in the surface: 4.4 um over 0.4 mm, a circle of 4.6 mm, while the corner's radius
+    // is 2 mm.
     let steep = Envelope::new(curved(pass(cutter(5.0, 0.4), 89.0, 90.0), -3.0)).unwrap();
     assert!(matches!(steep.scallop_height(mm(0.4), None), Err(NoAnswer::Gouges { effective_radius }) if effective_radius.mm() > 3.0));
 }
