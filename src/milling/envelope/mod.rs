@@ -88,19 +88,25 @@ impl Envelope {
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
         let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
-        if step_over_height >= tolerance {
+        let used_up = || {
             let max_step_over = self.max_step_over(tolerance, None)?;
-            return Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over });
+            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
+        };
+        if step_over_height >= tolerance {
+            return used_up();
         }
         let room = tolerance.mm() - step_over_height.mm();
         let largest_spacing = self.largest_mark_spacing(step_over.mm());
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt();
-        let spacing =
-            largest_within(on_plane + room, guess, 0.0, largest_spacing, |spacing| self.height_on_plane(step_over.mm(), spacing))?;
+        let spacing = largest_within(on_plane + room, guess, Length::SMALLEST, largest_spacing, |spacing| {
+            self.height_on_plane(step_over.mm(), spacing)
+        })?;
         let (runout, climb) = (self.pass.runout, self.climb);
         match spacing {
-            Some(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
-            None => match runout.feed_per_tooth(Length::computed(largest_spacing), climb) {
+            // Room for less than any feed that can be stated.
+            Reached::BeforeSmallest { .. } => used_up(),
+            Reached::At(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
+            Reached::Nowhere => match runout.feed_per_tooth(Length::computed(largest_spacing), climb) {
                 Some(largest_feed_per_tooth) => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }),
                 None => Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_spacing) }),
             },
@@ -120,17 +126,14 @@ impl Envelope {
             let on_plane = self.height_on_plane(step_over, spacing)?;
             self.with_curvature(on_plane, step_over).map(Length::mm)
         };
-        let feed_height = self.height_on_plane(Length::SMALLEST, spacing)?;
-        if feed_height >= tolerance.mm() {
-            return Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
-        }
         let largest_step_over = self.largest_step_over(spacing);
         let radius = self.groove_curvature.recip().min(self.cutter.outer_radius().mm());
-        let guess = (8.0 * (tolerance.mm() - feed_height) * radius).sqrt();
-        let step_over = largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)?;
-        step_over
-            .map(Length::computed)
-            .ok_or(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest_step_over) })
+        let guess = (8.0 * tolerance.mm() * radius).sqrt();
+        match largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)? {
+            Reached::At(step_over) => Ok(Length::computed(step_over)),
+            Reached::Nowhere => Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest_step_over) }),
+            Reached::BeforeSmallest { height } => Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(height) }),
+        }
     }
 
     /// h on a plane, for passes s apart whose tooth marks lie f apart, both in the tangent plane.
@@ -247,8 +250,18 @@ fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
     (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)
 }
 
-/// Where in `[smallest, largest]` a height that grows from under `target` reaches it; `None` if it stays under it. The search starts
-/// at `guess`.
+/// Where a height that grows reaches a target.
+enum Reached {
+    At(f64),
+    /// It stays under the target.
+    Nowhere,
+    /// It is not under the target even at the smallest place, but `height`.
+    BeforeSmallest {
+        height: f64,
+    },
+}
+
+/// Where in `[smallest, largest]` a height that grows reaches `target`. The search starts at `guess`.
 ///
 /// The root is sought over the logarithm, in (h - target) / (h + target), where a power law is nearly a straight line.
 fn largest_within(
@@ -257,34 +270,30 @@ fn largest_within(
     smallest: f64,
     largest: f64,
     height: impl Fn(f64) -> Result<f64, NoAnswer>,
-) -> Result<Option<f64>, NoAnswer> {
+) -> Result<Reached, NoAnswer> {
     let excess = |height: f64| (height - target) / (height + target);
     let mut at = guess.max(smallest).min(largest);
-    let mut value = excess(height(at)?);
-    let (mut low, mut high) = (None, None);
-    // From the guess outwards by factors of 2, at most from 1e-6 to 1e6 mm or down to no length at all.
-    loop {
-        if value < 0.0 {
-            low = Some((at, value));
-        } else {
-            high = Some((at, value));
+    let (mut low, mut high) = (None::<(f64, f64)>, None::<(f64, f64)>);
+    // From the guess outwards by factors of 2, at most from 1e-6 to 1e6 mm.
+    let (low, high) = loop {
+        match height(at) {
+            Ok(height) if height < target => low = Some((at, excess(height))),
+            Ok(height) if at <= smallest => return Ok(Reached::BeforeSmallest { height }),
+            Ok(height) => high = Some((at, excess(height))),
+            // Nothing to be had so far out; coming back here from below, nothing was reached before.
+            Err(no_answer) if low.is_some() || at <= smallest => return Err(no_answer),
+            Err(_) => {}
         }
-        if low.is_some() && high.is_some() {
-            break;
+        match (low, high) {
+            (Some(low), Some(high)) => break (low, high),
+            (Some(_), None) if at >= largest => return Ok(Reached::Nowhere),
+            (Some(_), None) => at = (2.0 * at).min(largest),
+            (None, _) => at = (at / 2.0).max(smallest),
         }
-        let next = if value < 0.0 { (2.0 * at).min(largest) } else { (at / 2.0).max(smallest) };
-        if (next - at).abs() <= 0.0 {
-            break;
-        }
-        at = next;
-        value = excess(height(at)?);
-    }
-    let (Some(low), Some(high)) = (low, high) else {
-        return Ok(if low.is_some() { None } else { Some(at) });
     };
     // Between two places with a height, a place without one is in a hollow that the cutter gouges: it has no height left.
     let over_logarithm = |u: f64| height(u.exp()).map_or(-1.0, excess);
-    Ok(Some(bracketed_root((low.0.ln(), low.1), (high.0.ln(), high.1), over_logarithm).exp()))
+    Ok(Reached::At(bracketed_root((low.0.ln(), low.1), (high.0.ln(), high.1), over_logarithm).exp()))
 }
 
 #[cfg(test)]

@@ -316,4 +316,6 @@ fn a_hollow_that_the_cutter_gouges_is_an_error() {
     // is 2 mm.
     let steep = Envelope::new(curved(pass(cutter(5.0, 0.4), 89.0, 90.0), -3.0)).unwrap();
     assert!(matches!(steep.scallop_height(mm(0.4), None), Err(NoAnswer::Gouges { effective_radius }) if effective_radius.mm() > 3.0));
+    // Smaller steps leave under 10 um and wider ones gouge, so that no step-over leaves 10 um.
+    assert!(matches!(steep.max_step_over(mm(0.01), None), Err(NoAnswer::Gouges { .. })));
 }
