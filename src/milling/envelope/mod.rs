@@ -274,7 +274,8 @@ fn largest_within(
     let excess = |height: f64| (height - target) / (height + target);
     let mut at = guess.max(smallest).min(largest);
     let (mut low, mut high) = (None::<(f64, f64)>, None::<(f64, f64)>);
-    // From the guess outwards by factors of 2, at most from 1e-6 to 1e6 mm.
+    // From the guess up by factors of 2, down by factors that square, so that a target out of reach is known after a few steps.
+    let mut shrink = 2.0;
     let (low, high) = loop {
         match height(at) {
             Ok(height) if height < target => low = Some((at, excess(height))),
@@ -288,7 +289,10 @@ fn largest_within(
             (Some(low), Some(high)) => break (low, high),
             (Some(_), None) if at >= largest => return Ok(Reached::Nowhere),
             (Some(_), None) => at = (2.0 * at).min(largest),
-            (None, _) => at = (at / 2.0).max(smallest),
+            (None, _) => {
+                at = (at / shrink).max(smallest);
+                shrink *= shrink;
+            }
         }
     };
     // Between two places with a height, a place without one is in a hollow that the cutter gouges: it has no height left.
