@@ -14,7 +14,7 @@ fn pass(corner: f64, slope: f64, alpha: f64) -> Pass {
     let cutter = match corner {
         0.0 => Cutter::flat_end(mm(10.0)),
         5.0 => Cutter::ball_end(mm(10.0)),
-        r => Cutter::toroidal(mm(10.0), mm(r)).expect("a corner that fits"),
+        r => Cutter::toroidal(mm(10.0), mm(r)).expect("a corner under 5 mm"),
     };
     let contact = Contact::from_degrees(slope, alpha).expect("a contact");
     Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE }

@@ -48,7 +48,6 @@ fn mm(value: f64) -> Length {
 #[derive(Debug)]
 struct Case {
     setup: Setup,
-    alpha_deg: f64,
     height: f64,
 }
 
@@ -57,9 +56,9 @@ impl Case {
     fn draw(random: &mut Random) -> Result<Self, NoAnswer> {
         let outer_radius = random.within(1.0, 10.0);
         let ratio = random.with_ends(0.0, 1.0);
-        let (cutter, corner_radius) = if ratio == 0.0 {
+        let (cutter, corner_radius) = if ratio <= 0.0 {
             (Cutter::flat_end(mm(2.0 * outer_radius)), 0.0)
-        } else if ratio == 1.0 {
+        } else if ratio >= 1.0 {
             (Cutter::ball_end(mm(2.0 * outer_radius)), outer_radius)
         } else {
             (Cutter::toroidal(mm(2.0 * outer_radius), mm(ratio * outer_radius)).unwrap(), ratio * outer_radius)
@@ -77,7 +76,7 @@ impl Case {
         let height = envelope.scallop_height(step_over, Some(mm(mark_spacing)))?.total().mm();
         let solid = Solid { outer_radius, corner_radius };
         let theta_deg = contact.theta().radians().to_degrees();
-        Ok(Self { setup: Setup { solid, slope_deg, theta_deg, step_over: step_over.mm(), mark_spacing }, alpha_deg, height })
+        Ok(Self { setup: Setup { solid, slope_deg, theta_deg, step_over: step_over.mm(), mark_spacing }, height })
     }
 
     /// The simulated height as a share of the model's; where the model says that nothing is left, 1 if the simulation agrees to 1e-11 mm.

@@ -1,13 +1,13 @@
-//! A brute-force simulation of finish milling on an inclined plane, written from the cutter's solid alone: which points the body covers, and
-//! nothing else. It knows neither radii of curvature nor profiles nor how marks meet.
+//! A brute-force simulation of finish milling on an inclined plane, written from the cutter's solid alone: which points the body
+//! covers, and nothing else. It knows neither radii of curvature nor profiles nor how marks meet.
 
 /// A turning cutter, its axis the Z axis and its corner's centre at z = 0: a cylinder of radius R with the edge at its bottom rounded by r.
 #[derive(Debug, Clone, Copy)]
-pub struct Solid {
+pub(crate) struct Solid {
     /// R in mm.
-    pub outer_radius: f64,
+    pub(crate) outer_radius: f64,
     /// r in mm, 0 for a sharp edge, R for a ball.
-    pub corner_radius: f64,
+    pub(crate) corner_radius: f64,
 }
 
 impl Solid {
@@ -22,8 +22,8 @@ impl Solid {
         rho <= self.outer_radius && z >= self.floor(rho)
     }
 
-    /// The distance rho at which a plane of the slope `slope` (rad) touches the body from below, and that plane's height over the axis' origin
-    /// along its normal: the least of -rho sin + floor(rho) cos, found by halving in thirds.
+    /// The distance rho at which a plane of the slope `slope` (rad) touches the body from below, and that plane's height over the
+    /// axis' origin along its normal: the least of -rho sin + floor(rho) cos, found by halving in thirds.
     fn touch(self, slope: f64) -> (f64, f64) {
         let height = |rho: f64| self.floor(rho) * slope.cos() - rho * slope.sin();
         let (mut low, mut high) = (0.0, self.outer_radius);
@@ -37,26 +37,26 @@ impl Solid {
 
 /// A plane to be milled and the feed on it.
 #[derive(Debug, Clone, Copy)]
-pub struct Setup {
+pub(crate) struct Setup {
     /// The cutter.
     pub solid: Solid,
     /// The slope in degrees.
-    pub slope_deg: f64,
+    pub(crate) slope_deg: f64,
     /// The feed's angle to the steepest descent in the tangent plane, in degrees.
-    pub theta_deg: f64,
+    pub(crate) theta_deg: f64,
     /// The distance of the passes along the surface, in mm.
-    pub step_over: f64,
+    pub(crate) step_over: f64,
     /// The distance of the tooth marks along the feed, in mm.
-    pub mark_spacing: f64,
+    pub(crate) mark_spacing: f64,
 }
 
 /// How fine the simulation looks.
 #[derive(Debug, Clone, Copy)]
-pub struct Grid {
+pub(crate) struct Grid {
     /// Places, and phases between neighbouring passes, in one distance of marks.
-    pub along: usize,
+    pub(crate) along: usize,
     /// Places in one step-over.
-    pub across: usize,
+    pub(crate) across: usize,
 }
 
 /// Passes that can reach a place beside the one under it: two on either side.
@@ -91,7 +91,8 @@ impl Columns {
         self.solid.contains(std::array::from_fn(|i| self.feed[i] * x + self.side[i] * y + self.normal[i] * p))
     }
 
-    /// How high the material stands under the body at (x, y), infinite where the body is not met up to `ceiling`. The search starts from `hint`.
+    /// How high the material stands under the body at (x, y), infinite where the body is not met up to `ceiling`. The search starts
+    /// from `hint`.
     fn uncut(&self, x: f64, y: f64, hint: f64, ceiling: f64, resolution: f64) -> f64 {
         let mut inside = hint.min(ceiling);
         let mut step = resolution * 16.0;
@@ -175,7 +176,7 @@ impl Groove {
 }
 
 /// The highest place that passes side by side leave, over every phase of the grid between the teeth of one pass and the next.
-pub fn highest_uncut(setup: Setup, grid: Grid, ceiling: f64, resolution: f64) -> f64 {
+pub(crate) fn highest_uncut(setup: Setup, grid: Grid, ceiling: f64, resolution: f64) -> f64 {
     let groove = Groove::mill(setup, grid, ceiling, resolution);
     let per_pass = i32::try_from(grid.across).expect("a grid's size");
     let mut highest = 0.0_f64;

@@ -4,8 +4,8 @@ use crate::milling::{Contact, Cutter};
 use crate::quantity::Angle;
 
 /// The solid that a turning cutter fills, with its side continued upwards: a horizontal disc of radius a = R - r, with everything
-/// above it (the core), and whatever is nearer to that than r. It is a Minkowski sum of convex sets, so it is convex, and so is the distance
-/// to its core.
+/// above it (the core), and whatever is nearer to that than r. It is a Minkowski sum of convex sets, so it is convex, and so is the
+/// distance to its core.
 ///
 /// Places are given from the contact: x along the feed, y to its side in the tangent plane, p along the surface's normal n. With
 /// u the steepest descent and v = Z x D the level line, the feed is u cos(theta) + v sin(theta) and the side -u sin(theta) + v cos(theta).
@@ -50,9 +50,9 @@ impl Body {
 
     /// The signed distance to the body at (x, y, p).
     ///
-    /// From the axis the place has the radius rho = sqrt(b^2 + nu^2), where b = a + r sin(S) - d, and d, nu, e are its offsets from the contact
-    /// along D, v and Z. The distance to the core is sqrt(g^2 + l^2) with g = rho - a outside and l = r cos(S) - e below it. With
-    /// D' = rho - b = nu^2/(rho + b) the distance to the body is
+    /// From the axis the place has the radius rho = sqrt(b^2 + nu^2), where b = a + r sin(S) - d, and d, nu, e are its offsets from
+    /// the contact along D, v and Z. The distance to the core is sqrt(g^2 + l^2) with g = rho - a outside and l = r cos(S) - e below
+    /// it. With D' = rho - b = nu^2/(rho + b) the distance to the body is
     ///
     /// sqrt(g^2 + l^2) - r = (2 r (sin(S) D' - p) + (D' - d)^2 + e^2) / (sqrt(g^2 + l^2) + r),
     ///

@@ -27,12 +27,12 @@ use root::bracketed_root;
 /// as the tooth marks are apart and lying the step-over s apart. h1 is the same with chords of no length, and the feed's share is
 /// h - h1. Both grow with s and with the feed.
 ///
-/// **Where passes overlap.** Seen from above a pass clears a strip 2R wide, and the teeth print circles of radius R. With d the passes' distance
-/// and f the marks' distance seen from above, something stays uncut from top to bottom unless d^2 + f^2 <= 4 R^2; that is an
-/// error. On a wall along which the feed runs d is 0 whatever s.
+/// **Where passes overlap.** Seen from above a pass clears a strip 2R wide, and the teeth print circles of radius R. With d the
+/// passes' distance and f the marks' distance seen from above, something stays uncut from top to bottom unless d^2 + f^2 <= 4 R^2;
+/// that is an error. On a wall along which the feed runs d is 0 whatever s.
 ///
-/// **Curved surfaces.** What the analytic model says that the curvature changes, h1 on the curved surface less h1 on the plane, is added to both
-/// heights. This part is not exact.
+/// **Curved surfaces.** What the analytic model says that the curvature changes, h1 on the curved surface less h1 on the plane, is
+/// added to both heights. This part is not exact.
 ///
 /// **Runout.** The outer radius is R + rr, and the tooth marks are as far apart as [`super::Runout::mark_spacing`] says, with the exact
 /// climb of the feed.
@@ -50,8 +50,8 @@ impl Envelope {
     /// Places the cutter on the surface.
     ///
     /// # Errors
-    /// On a concave surface whose radius does not exceed the effective radius [`NoAnswer::Gouges`], or [`NoAnswer::FlatGouges`] where that radius is
-    /// infinite.
+    /// On a concave surface whose radius does not exceed the effective radius [`NoAnswer::Gouges`], or [`NoAnswer::FlatGouges`] where
+    /// that radius is infinite.
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
         let cutter = pass.cutter.widened(pass.runout.radial());
         let effective_radius = EffectiveRadius::across_feed(cutter, pass.contact).finite();
@@ -88,19 +88,25 @@ impl Envelope {
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
         let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
-        if step_over_height >= tolerance {
+        let used_up = || {
             let max_step_over = self.max_step_over(tolerance, None)?;
-            return Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over });
+            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
+        };
+        if step_over_height >= tolerance {
+            return used_up();
         }
         let room = tolerance.mm() - step_over_height.mm();
         let largest_spacing = self.largest_mark_spacing(step_over.mm());
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt();
-        let spacing =
-            largest_within(on_plane + room, guess, 0.0, largest_spacing, |spacing| self.height_on_plane(step_over.mm(), spacing))?;
+        let spacing = largest_within(on_plane + room, guess, Length::SMALLEST, largest_spacing, |spacing| {
+            self.height_on_plane(step_over.mm(), spacing)
+        })?;
         let (runout, climb) = (self.pass.runout, self.climb);
         match spacing {
-            Some(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
-            None => match runout.feed_per_tooth(Length::computed(largest_spacing), climb) {
+            // Room for less than any feed that can be stated.
+            Reached::BeforeSmallest { .. } => used_up(),
+            Reached::At(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
+            Reached::Nowhere => match runout.feed_per_tooth(Length::computed(largest_spacing), climb) {
                 Some(largest_feed_per_tooth) => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }),
                 None => Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_spacing) }),
             },
@@ -120,17 +126,14 @@ impl Envelope {
             let on_plane = self.height_on_plane(step_over, spacing)?;
             self.with_curvature(on_plane, step_over).map(Length::mm)
         };
-        let feed_height = self.height_on_plane(Length::SMALLEST, spacing)?;
-        if feed_height >= tolerance.mm() {
-            return Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
-        }
         let largest_step_over = self.largest_step_over(spacing);
         let radius = self.groove_curvature.recip().min(self.cutter.outer_radius().mm());
-        let guess = (8.0 * (tolerance.mm() - feed_height) * radius).sqrt();
-        let step_over = largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)?;
-        step_over
-            .map(Length::computed)
-            .ok_or(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest_step_over) })
+        let guess = (8.0 * tolerance.mm() * radius).sqrt();
+        match largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)? {
+            Reached::At(step_over) => Ok(Length::computed(step_over)),
+            Reached::Nowhere => Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest_step_over) }),
+            Reached::BeforeSmallest { height } => Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(height) }),
+        }
     }
 
     /// h on a plane, for passes s apart whose tooth marks lie f apart, both in the tangent plane.
@@ -163,10 +166,11 @@ impl Envelope {
         self.pass.contact
     }
 
-    /// d/s, how near the passes come seen from above: cos(S) / cos(climb), by which a square with a side along the feed shrinks, less its shrinking along
-    /// the feed. On a wall 1 for the vertical feed and 0 for any other, whatever alpha, which only theta tells apart there.
+    /// d/s, how near the passes come seen from above: cos(S) / cos(climb), by which a square with a side along the feed shrinks, less
+    /// its shrinking along the feed. On a wall 1 for the vertical feed and 0 for any other, whatever alpha, which only theta tells
+    /// apart there.
     fn spacing_ratio(&self) -> f64 {
-        if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos() / self.climb.cos() }
+        if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
     }
 
     /// Whether a ball-end cutter touches the ridge with its ball and not with its side.
@@ -176,7 +180,7 @@ impl Envelope {
     fn ball_alone(&self, s: f64, f: f64) -> bool {
         let (slope, theta, radius) = (self.contact().slope(), self.contact().theta(), self.cutter.outer_radius().mm());
         let half_diagonal = s.hypot(f) / 2.0;
-        let up = (s * theta.sin().abs() + f * theta.cos().abs()) / 2.0;
+        let up = f64::midpoint(s * theta.sin().abs(), f * theta.cos().abs());
         half_diagonal <= radius && ((radius - half_diagonal) * (radius + half_diagonal)).sqrt() * slope.cos() >= up * slope.sin()
     }
 
@@ -186,21 +190,21 @@ impl Envelope {
         s * s / 8.0 * self.groove_curvature.max(outer.recip()).min(2.0 / s) + f * f / (8.0 * outer)
     }
 
-    /// A height that h cannot exceed on slopes under 90 deg: that of a rectangle between the teeth, seen from above and centred on the axis, which
-    /// is as high as it must be to lie in the cylinder above the corner.
+    /// A height that h cannot exceed on slopes under 90 deg: that of a rectangle between the teeth, seen from above and centred on the
+    /// axis, which is as high as it must be to lie in the cylinder above the corner.
     ///
-    /// Its corners have the radius sqrt(d^2 + f^2)/2 <= R seen from above. The centre of the disc in which the cylinder begins lies a sin(S) + r cos^2(S) +
-    /// r sin^2(S) over the surface. With gamma the climb, one side of the rectangle rises by f sin(gamma) and the other, whose length d = s cos(S) / cos(gamma)
-    /// runs at sin(theta) / cos(gamma) to the steepest line seen from above, by d tan(S) sin(theta) / cos(gamma). The centre must be half of both
-    /// above the disc, of which the part cos(S) counts.
+    /// Its corners have the radius sqrt(d^2 + f^2)/2 <= R seen from above. The centre of the disc in which the cylinder begins lies a
+    /// sin(S) + r cos^2(S) + r sin^2(S) over the surface. With gamma the climb, one side of the rectangle rises by f sin(gamma) and
+    /// the other, whose length d = s cos(S) / cos(gamma) runs at sin(theta) / cos(gamma) to the steepest line seen from above, by d
+    /// tan(S) sin(theta) / cos(gamma). The centre must be half of both above the disc, of which the part cos(S) counts.
     fn highest(&self, s: f64, f: f64) -> f64 {
         let (slope, theta, climb) = (self.contact().slope(), self.contact().theta(), self.climb);
-        let rise = (f * climb.sin() + s * slope.sin() * theta.sin().abs() / (climb.cos() * climb.cos())) / 2.0;
+        let rise = f64::midpoint(f * climb.sin(), s * slope.sin() * theta.sin().abs() / (climb.cos() * climb.cos()));
         self.cutter.core_radius().mm() * slope.sin() + self.cutter.corner_radius().mm() + rise * slope.cos()
     }
 
-    /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding less, so
-    /// that it is in the domain itself; never more than can be stated.
+    /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding
+    /// less, so that it is in the domain itself; never more than can be stated.
     fn largest_step_over(&self, f: f64) -> f64 {
         let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
         let curvature = self.pass.surface.per_mm();
@@ -226,7 +230,7 @@ impl Envelope {
             Ok(Length::computed(height))
         } else if on_plane > 0.0 {
             // The circle through the contact and the two ridges beside it is as hollow as the cutter is there.
-            Err(NoAnswer::Gouges { effective_radius: Length::computed((s * s / on_plane / 4.0 + on_plane) / 2.0) })
+            Err(NoAnswer::Gouges { effective_radius: Length::computed(f64::midpoint(s * s / on_plane / 4.0, on_plane)) })
         } else {
             Err(NoAnswer::FlatGouges)
         }
@@ -246,7 +250,18 @@ fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
     (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)
 }
 
-/// Where in `[smallest, largest]` a height that grows from under `target` reaches it; `None` if it stays under it. The search starts at `guess`.
+/// Where a height that grows reaches a target.
+enum Reached {
+    At(f64),
+    /// It stays under the target.
+    Nowhere,
+    /// It is not under the target even at the smallest place, but `height`.
+    BeforeSmallest {
+        height: f64,
+    },
+}
+
+/// Where in `[smallest, largest]` a height that grows reaches `target`. The search starts at `guess`.
 ///
 /// The root is sought over the logarithm, in (h - target) / (h + target), where a power law is nearly a straight line.
 fn largest_within(
@@ -255,34 +270,34 @@ fn largest_within(
     smallest: f64,
     largest: f64,
     height: impl Fn(f64) -> Result<f64, NoAnswer>,
-) -> Result<Option<f64>, NoAnswer> {
+) -> Result<Reached, NoAnswer> {
     let excess = |height: f64| (height - target) / (height + target);
     let mut at = guess.max(smallest).min(largest);
-    let mut value = excess(height(at)?);
-    let (mut low, mut high) = (None, None);
-    // From the guess outwards by factors of 2, at most from 1e-6 to 1e6 mm or down to no length at all.
-    loop {
-        if value < 0.0 {
-            low = Some((at, value))
-        } else {
-            high = Some((at, value))
+    let (mut low, mut high) = (None::<(f64, f64)>, None::<(f64, f64)>);
+    // From the guess up by factors of 2, down by factors that square, so that a target out of reach is known after a few steps.
+    let mut shrink = 2.0;
+    let (low, high) = loop {
+        match height(at) {
+            Ok(height) if height < target => low = Some((at, excess(height))),
+            Ok(height) if at <= smallest => return Ok(Reached::BeforeSmallest { height }),
+            Ok(height) => high = Some((at, excess(height))),
+            // Nothing to be had so far out; coming back here from below, nothing was reached before.
+            Err(no_answer) if low.is_some() || at <= smallest => return Err(no_answer),
+            Err(_) => {}
         }
-        if low.is_some() && high.is_some() {
-            break;
+        match (low, high) {
+            (Some(low), Some(high)) => break (low, high),
+            (Some(_), None) if at >= largest => return Ok(Reached::Nowhere),
+            (Some(_), None) => at = (2.0 * at).min(largest),
+            (None, _) => {
+                at = (at / shrink).max(smallest);
+                shrink *= shrink;
+            }
         }
-        let next = if value < 0.0 { (2.0 * at).min(largest) } else { (at / 2.0).max(smallest) };
-        if next == at {
-            break;
-        }
-        at = next;
-        value = excess(height(at)?);
-    }
-    let (Some(low), Some(high)) = (low, high) else {
-        return Ok(if low.is_some() { None } else { Some(at) });
     };
     // Between two places with a height, a place without one is in a hollow that the cutter gouges: it has no height left.
     let over_logarithm = |u: f64| height(u.exp()).map_or(-1.0, excess);
-    Ok(Some(bracketed_root((low.0.ln(), low.1), (high.0.ln(), high.1), over_logarithm).exp()))
+    Ok(Reached::At(bracketed_root((low.0.ln(), low.1), (high.0.ln(), high.1), over_logarithm).exp()))
 }
 
 #[cfg(test)]

@@ -3,13 +3,13 @@
 //! A place at the height p over the surface stays uncut if no tooth's body covers it. The cutter's section K(p) at that height is
 //! convex; let its chord along the feed have the length l(t) at the lateral offset t. One pass, its teeth f apart, leaves the
 //! places at t uncut for some phase exactly when l(t) < f. So something is left at the height p, for some phase of each pass,
-//! exactly when the interval {t: l(t) >= f} is shorter than the step-over s. Raising p moves the section along the cutter's side and never shortens
-//! the interval, so the height h that is left in the worst case is the smallest p at which it is s long:
+//! exactly when the interval {t: l(t) >= f} is shorter than the step-over s. Raising p moves the section along the cutter's side and
+//! never shortens the interval, so the height h that is left in the worst case is the smallest p at which it is s long:
 //!
 //! h = min p such that (x, t, p), (x - f, t, p), (x', t - s, p) and (x' - f, t - s, p) all lie in the body.
 //!
-//! That is a convex problem in x, x', t and p. Nothing is assumed on where the lowest place is or on symmetry. A feed f = 0 leaves two points
-//! and gives h1.
+//! That is a convex problem in x, x', t and p. Nothing is assumed on where the lowest place is or on symmetry. A feed f = 0 leaves two
+//! points and gives h1.
 //!
 //! In terms of the signed distance to the body, which is convex: c(t, p) = min over x of max(distance(x, t, p), distance(x - f, t, p))
 //! and V(p) = min over t of max(c(t, p), c(t - s, p)) are convex as well, V falls with p, and V(h) = 0.
@@ -30,8 +30,8 @@ pub(super) struct Ridge<'a> {
     body: &'a Body,
     step_over: f64,
     mark_spacing: f64,
-    /// Places are found to this length. It moves h by about its product with the flank's slope, and slopes are about h over the lengths in play:
-    /// a few roundings of h.
+    /// Places are found to this length. It moves h by about its product with the flank's slope, and slopes are about h over the
+    /// lengths in play: a few roundings of h.
     resolution: f64,
 }
 
@@ -55,8 +55,8 @@ impl<'a> Ridge<'a> {
 
     /// h by Newton's steps in t and p at once: quick, and `None` unless the outcome is proved.
     ///
-    /// Where c rises at t and falls at t - s, the root in p of the two tangents' balanced mean is a lower bound of h, since c is convex. So a p that such a
-    /// step yields is h, if neither c is over 0 there by more than rounding.
+    /// Where c rises at t and falls at t - s, the root in p of the two tangents' balanced mean is a lower bound of h, since c is
+    /// convex. So a p that such a step yields is h, if neither c is over 0 there by more than rounding.
     fn newton(&self, guess: f64, highest: f64, place: &mut Place) -> Option<f64> {
         let mut p = guess;
         for _ in 0..MOST_NEWTON_STEPS {
@@ -104,6 +104,12 @@ impl<'a> Ridge<'a> {
             }
         }
         p
+    }
+
+    /// h by the nested searches alone, to hold Newton's outcome against.
+    #[cfg(test)]
+    pub(super) fn level_by_nested_searches(&self, guess: f64, highest: f64) -> f64 {
+        self.nested(guess.min(highest), highest, &mut Place::start(self))
     }
 
     /// The chords of a pass and its neighbour at the height p.
@@ -156,8 +162,9 @@ impl Chord {
         Self { value: place.value, by_side: place.by_side, by_height: place.by_height }
     }
 
-    /// c from the tangents at two ends, one where the distance rises along the feed and one where it falls. Balanced, they do not depend on x: a lower
-    /// bound of c, and c itself where the ends are the chord's. The corner of a sharp edge keeps two tangents at one place.
+    /// c from the tangents at two ends, one where the distance rises along the feed and one where it falls. Balanced, they do not
+    /// depend on x: a lower bound of c, and c itself where the ends are the chord's. The corner of a sharp edge keeps two tangents at
+    /// one place.
     fn between((rising_x, rising): (f64, Distance), (falling_x, falling): (f64, Distance)) -> Self {
         let share = balance(rising.by_feed, falling.by_feed);
         let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
@@ -168,8 +175,8 @@ impl Chord {
         }
     }
 
-    /// The mean of a chord that rises to the side and one that falls, with the weights that make their slopes cancel: where the greater of two convex
-    /// functions is least, this is it and its derivative along the normal.
+    /// The mean of a chord that rises to the side and one that falls, with the weights that make their slopes cancel: where the
+    /// greater of two convex functions is least, this is it and its derivative along the normal.
     fn balanced(&self, falling: &Self) -> Self {
         let share = balance(self.by_side, falling.by_side);
         let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;

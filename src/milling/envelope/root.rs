@@ -16,34 +16,33 @@ const MOST_STEPS: usize = 1100;
 /// Newton's step is taken where it stays inside the bracket and the value falls to less than half from step to step; otherwise the
 /// bracket is halved. While one side of the bracket is still open the step towards it doubles each time, so the bracket closes as
 /// soon as the function changes sign, and halving then ends the search.
-pub(super) fn rising_root(start: f64, first_step: f64, resolution: f64, mut function: impl FnMut(f64) -> Slope) -> f64 {
+pub(super) fn rising_root(start: f64, mut reach: f64, resolution: f64, mut function: impl FnMut(f64) -> Slope) -> f64 {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-    let (mut at, mut reach, mut previous) = (start, first_step, f64::INFINITY);
+    let (mut at, mut previous) = (start, f64::INFINITY);
     for _ in 0..MOST_STEPS {
         let Slope { value, derivative } = function(at);
         if value == 0.0 {
             return at;
         }
         if value < 0.0 {
-            low = at
+            low = at;
         } else {
-            high = at
+            high = at;
         }
         let resolution = resolution.max(2.0 * f64::EPSILON * at.abs());
         if high - low <= resolution {
             return at;
         }
         let newton = at - value / derivative;
-        let fast = value.abs() < previous / 2.0 && newton > low && newton < high;
+        let open = low == f64::NEG_INFINITY || high == f64::INFINITY;
+        let fast = value.abs() < previous / 2.0 && newton > low && newton < high && !(open && (newton - at).abs() > reach);
         previous = value.abs();
         let next = if fast {
             newton
-        } else if low == f64::NEG_INFINITY {
+        } else if open {
+            let next = at - reach.copysign(value);
             reach *= 2.0;
-            high - reach
-        } else if high == f64::INFINITY {
-            reach *= 2.0;
-            low + reach
+            next
         } else {
             f64::midpoint(low, high)
         };

@@ -2,24 +2,57 @@
 
 use super::*;
 use crate::milling::{Analytic, Runout, SurfaceCurvature};
+use proptest::prelude::*;
 
 fn mm(value: f64) -> Length {
     Length::from_mm(value).unwrap()
 }
 
-fn cutter(outer_radius: f64, corner_radius: f64) -> Cutter {
-    if corner_radius == 0.0 {
+fn cutter(outer_radius: f64, ratio: f64) -> Cutter {
+    if ratio <= 0.0 {
         Cutter::flat_end(mm(2.0 * outer_radius))
-    } else if corner_radius == outer_radius {
+    } else if ratio >= 1.0 {
         Cutter::ball_end(mm(2.0 * outer_radius))
     } else {
-        Cutter::toroidal(mm(2.0 * outer_radius), mm(corner_radius)).unwrap()
+        Cutter::toroidal(mm(2.0 * outer_radius), mm(ratio * outer_radius)).unwrap()
     }
 }
 
-fn on_plane(cutter: Cutter, slope: f64, alpha: f64) -> Envelope {
+fn pass(cutter: Cutter, slope: f64, alpha: f64) -> Pass {
     let contact = Contact::from_degrees(slope, alpha).unwrap();
+    Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE }
+}
+
+fn on_plane(cutter: Cutter, slope: f64, alpha: f64) -> Envelope {
+    Envelope::new(pass(cutter, slope, alpha)).unwrap()
+}
+
+fn curved(pass: Pass, radius: f64) -> Pass {
+    Pass { surface: SurfaceCurvature::from_radius_mm(radius).unwrap(), ..pass }
+}
+
+/// A pass by vectors, which tell all feeds on a wall apart: slope and theta in degrees.
+fn by_theta(cutter: Cutter, slope: f64, theta: f64) -> Envelope {
+    let (slope, theta) = (Angle::from_degrees(slope).unwrap(), Angle::from_degrees(theta).unwrap());
+    let feed = [slope.cos() * theta.cos(), theta.sin(), -slope.sin() * theta.cos()];
+    let contact = Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed).unwrap();
     Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE }).unwrap()
+}
+
+/// Any cutter: flat-end, toroidal, ball-end.
+fn cutters() -> impl Strategy<Value = Cutter> {
+    let ratio = prop_oneof![1 => Just(0.0), 6 => 0.01..0.99_f64, 1 => Just(1.0)];
+    (0.5..10.0_f64, ratio).prop_map(|(outer_radius, ratio)| cutter(outer_radius, ratio))
+}
+
+/// An angle from 0 to 90 deg, its ends among them.
+fn quarter_turn() -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 8 => 0.0..90.0_f64, 1 => Just(90.0)]
+}
+
+/// The general search, also where the model has a closed form.
+fn searched(envelope: &Envelope, s: f64, f: f64) -> f64 {
+    Ridge::new(&envelope.body, s, f).level(envelope.guess(s, f), envelope.highest(s, f))
 }
 
 #[test]
@@ -36,8 +69,253 @@ fn the_check_values_come_out_to_their_printed_digits() {
         (85.0, 90.0, 0.4, 9.936),
         (89.0, 90.0, 0.4, 4.371),
     ] {
-        let height = on_plane(cutter(5.0, 2.0), slope, alpha).scallop_height(mm(step_over), None).unwrap();
+        let height = on_plane(cutter(5.0, 0.4), slope, alpha).scallop_height(mm(step_over), None).unwrap();
         // Half of the last digit printed.
         approx::assert_abs_diff_eq!(height.step_over.mm() * 1e3, micrometres, epsilon = 5e-4);
     }
+}
+
+/// h1 by another route: the body's outline seen along the feed, an ellipse offset by r, from its support function r + a sqrt(m_x^2 +
+/// m_y^2), as a curve over the angle of its normal. Both flanks are followed by halving to the level at which they are s apart.
+fn step_over_height_of_outline(cutter: Cutter, contact: Contact, s: f64) -> f64 {
+    let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+    let (axis_up, axis_aside) = (contact.slope().cos(), contact.slope().sin() * contact.theta().sin().abs());
+    let axis_along = contact.slope().sin() * contact.theta().cos();
+    // The point of the outline with the normal (sin(phi), -cos(phi)) in (aside, up), relative to the disc's centre.
+    let point = |phi: f64| {
+        let (m, tangent) = ((phi.sin(), -phi.cos()), (phi.cos(), phi.sin()));
+        let (m_z, turn) = (m.0 * axis_aside + m.1 * axis_up, tangent.0 * axis_aside + tangent.1 * axis_up);
+        // The axis has the length 1, so that m_x^2 + m_y^2 = 1 - m_z^2 is what its two other parts are.
+        let level = turn.hypot(axis_along);
+        let (support, derivative) = (corner + core * level, -core * m_z * turn / level);
+        (support * m.0 + derivative * tangent.0, support * m.1 + derivative * tangent.1)
+    };
+    let bottom = point(0.0).1;
+    let flank = axis_up.atan2(axis_aside);
+    let aside_at = |level: f64, furthest: f64| {
+        let (mut near, mut far) = (0.0, furthest);
+        for _ in 0..100 {
+            let middle = f64::midpoint(near, far);
+            if point(middle).1 - bottom < level { near = middle } else { far = middle }
+        }
+        let (aside, up) = point(near);
+        // Where the level is above the round, the flank goes on along the axis.
+        aside + (level - (up - bottom)).max(0.0) * axis_aside / axis_up
+    };
+    let (mut low, mut high) = (0.0, 10.0 * s);
+    for _ in 0..100 {
+        let level = f64::midpoint(low, high);
+        if aside_at(level, flank) - aside_at(level, flank - std::f64::consts::PI) < s { low = level } else { high = level }
+    }
+    low
+}
+
+proptest! {
+    #[test]
+    fn the_step_over_height_agrees_with_the_outline_seen_along_the_feed(
+        outer in 1.0..10.0_f64, ratio in 0.05..0.95_f64, slope in 0.1..89.0_f64, theta in 0.1..89.0_f64, share in 0.001..0.5_f64,
+    ) {
+        let envelope = by_theta(cutter(outer, ratio), slope, theta);
+        let s = share * outer;
+        let other = step_over_height_of_outline(envelope.cutter, envelope.contact(), s);
+        // The outline's coordinates are of the size of R, 10 mm, so that its levels carry a few roundings of 10 mm: 1e-14 mm.
+        approx::assert_abs_diff_eq!(envelope.height_on_plane(s, 0.0).unwrap(), other, epsilon = 2e-14 + 1e-12 * other);
+    }
+
+    #[test]
+    fn newton_and_the_nested_searches_agree(
+        cutter in cutters(), slope in 0.01..89.99_f64, theta in quarter_turn(), share in 0.001..0.9_f64, marks in 0.0..0.4_f64,
+    ) {
+        let envelope = by_theta(cutter, slope, theta);
+        let s = share * cutter.outer_radius().mm();
+        let (ridge, guess, highest) = (Ridge::new(&envelope.body, s, marks), envelope.guess(s, marks), envelope.highest(s, marks));
+        let level = ridge.level(guess, highest);
+        let nested = ridge.level_by_nested_searches(guess, highest);
+        // Both end within some ten roundings of h.
+        approx::assert_relative_eq!(level, nested, max_relative = 1e-13);
+        prop_assert!(level < highest, "{level} reached the bound {highest}");
+    }
+
+    #[test]
+    fn the_distance_to_the_body_is_convex(
+        cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(),
+        (x, y, p) in (-20.0..20.0_f64, -20.0..20.0_f64, -20.0..20.0_f64), (u, v, q) in (-20.0..20.0_f64, -20.0..20.0_f64, -20.0..20.0_f64),
+    ) {
+        let body = by_theta(cutter, slope, theta).body;
+        let ends = f64::midpoint(body.distance(x, y, p).value, body.distance(u, v, q).value);
+        let middle = body.distance(f64::midpoint(x, u), f64::midpoint(y, v), f64::midpoint(p, q)).value;
+        // Distances are up to some 60 mm, whose rounding is 1e-14 mm; a few of them add up, magnified by at most 60 mm / r' where the
+        // sum of distance and corner radius is small, which a random place is not.
+        prop_assert!(middle <= ends + 1e-12, "{middle} over {ends}");
+    }
+
+    #[test]
+    fn a_ball_end_cutter_leaves_its_closed_form(
+        radius in 0.5..10.0_f64, slope in 0.01..80.0_f64, theta in quarter_turn(), share in 1e-4..0.15_f64, marks in 1e-4..0.15_f64,
+    ) {
+        let envelope = by_theta(cutter(radius, 1.0), slope, theta);
+        let (s, f) = (share * radius, marks * radius);
+        prop_assume!(envelope.ball_alone(s, f));
+        let closed = circle_height(radius, s.hypot(f));
+        approx::assert_relative_eq!(searched(&envelope, s, f), closed, max_relative = 1e-13);
+        approx::assert_relative_eq!(searched(&envelope, s, 0.0), circle_height(radius, s), max_relative = 1e-13);
+    }
+
+    #[test]
+    fn floor_and_wall_are_the_limits_of_slopes_beside_them(
+        cutter in cutters(), theta in quarter_turn(), share in 0.01..0.9_f64, marks in 0.01..0.4_f64,
+    ) {
+        let s = share * 2.0 * cutter.outer_radius().mm();
+        // Within 1e-7 deg = 1.7e-9 rad of floor or wall every place of the body moves by less than 2e-9 * 30 mm along the normal.
+        let moved = 6e-8;
+        for f in [0.0, marks] {
+            let floor = by_theta(cutter, 0.0, theta).height_on_plane(s, f);
+            if let (Ok(floor), Ok(beside)) = (floor, by_theta(cutter, 1e-7, theta).height_on_plane(s, f)) {
+                approx::assert_abs_diff_eq!(beside, floor, epsilon = moved);
+            }
+            // Along the wall the cutter's side takes off what passes leave; beside it the rest is the side's rise over s.
+            let wall = by_theta(cutter, 90.0, theta).height_on_plane(s, f);
+            if let (Ok(wall), Ok(beside)) = (wall, by_theta(cutter, 90.0 - 1e-7, theta).height_on_plane(s, f))
+                && (theta <= 0.0 || theta > 1.0)
+            {
+                // A feed 1 deg beside the vertical makes the side reach s / tan(1 deg) = 57 s up, and rise as much more.
+                approx::assert_abs_diff_eq!(beside, wall, epsilon = 60.0 * moved);
+            }
+        }
+    }
+
+    #[test]
+    fn small_steps_along_or_across_the_slope_leave_what_the_analytic_model_says(
+        outer in 1.0..10.0_f64, ratio in 0.1..1.0_f64, slope in 10.0..80.0_f64, across in prop::bool::ANY, shrink in 1e-4..1e-2_f64,
+    ) {
+        let pass = pass(cutter(outer, ratio), slope, if across { 90.0 } else { 0.0 });
+        let step = mm(shrink * ratio * outer);
+        let analytic = Analytic::new(pass).unwrap().scallop_height(step, Some(step)).unwrap();
+        let envelope = Envelope::new(pass).unwrap().scallop_height(step, Some(step)).unwrap();
+        // Curvature radii change over the distance s by a part of the order s/r; what is odd in s cancels between the two flanks, and
+        // (s/r)^2 stays, magnified by at most 1/sin^2(10 deg) = 33 and, along the slope, by tan^2 of the side's angle, as much again.
+        let part = 70.0 * shrink * shrink;
+        approx::assert_relative_eq!(envelope.step_over.mm(), analytic.step_over.mm(), max_relative = part + 1e-9);
+        approx::assert_relative_eq!(envelope.feed.mm(), analytic.feed.mm(), max_relative = part + 1e-9);
+    }
+
+    #[test]
+    fn the_height_grows_with_step_over_and_feed(
+        cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.01..0.4_f64,
+        more in 1.001..1.2_f64,
+    ) {
+        let envelope = by_theta(cutter, slope, theta);
+        let s = share * 2.0 * cutter.outer_radius().mm();
+        if let (Ok(height), Ok(wider), Ok(faster)) =
+            (envelope.height_on_plane(s, marks), envelope.height_on_plane(more * s, marks), envelope.height_on_plane(s, more * marks))
+        {
+            // Equal on a flat and along a wall; elsewhere 0.1 % more is far above the rounding of 1e-13.
+            prop_assert!(wider >= height * (1.0 - 1e-13) && faster >= height * (1.0 - 1e-13), "{height} {wider} {faster}");
+            prop_assert!(height >= envelope.height_on_plane(s, 0.0).unwrap() * (1.0 - 1e-13));
+        }
+    }
+
+    #[test]
+    fn the_inverses_give_back_step_over_and_feed(
+        cutter in cutters(), slope in 0.1..89.0_f64, theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.05..0.4_f64,
+        radius in prop_oneof![Just(None), (30.0..1e4_f64).prop_map(Some)], radial in 0.0..0.005_f64, axial in -0.005..0.005_f64,
+    ) {
+        let mut pass = by_theta(cutter, slope, theta).pass;
+        pass.runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
+        if let Some(radius) = radius {
+            pass = curved(pass, radius);
+        }
+        let envelope = Envelope::new(pass).unwrap();
+        let (s, f) = (mm(share * cutter.outer_radius().mm()), mm(marks));
+        let Ok(height) = envelope.scallop_height(s, Some(f)) else { return Ok(()) };
+        // A height to 1e-13 gives a step-over or feed to 1e-13 h / (its part of h). Below 1e-3 of h that part is not asked for 1e-9.
+        prop_assume!(height.feed.mm() > 1e-3 * height.total().mm() && height.step_over.mm() > 1e-3 * height.total().mm());
+        let back = envelope.max_step_over(height.total(), Some(f)).unwrap();
+        approx::assert_relative_eq!(back.mm(), s.mm(), max_relative = 1e-9);
+        let back = envelope.max_feed_per_tooth(height.total(), s).unwrap();
+        approx::assert_relative_eq!(back.mm(), f.mm(), max_relative = 1e-9);
+        let back = envelope.max_step_over(height.step_over, None).unwrap();
+        approx::assert_relative_eq!(back.mm(), s.mm(), max_relative = 1e-9);
+    }
+
+    #[test]
+    fn a_ball_end_cutter_on_a_curved_surface_leaves_what_the_analytic_model_says(
+        radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, theta in quarter_turn(), share in 0.01..0.3_f64,
+        hollow in prop::bool::ANY, roundness in 1.5..50.0_f64,
+    ) {
+        let rho = if hollow { -roundness * radius } else { roundness * radius };
+        let pass = curved(by_theta(cutter(radius, 1.0), slope, theta).pass, rho);
+        let s = mm(share * radius);
+        let analytic = Analytic::new(pass).unwrap().scallop_height(s, None).unwrap();
+        let envelope = Envelope::new(pass).unwrap().scallop_height(s, None).unwrap();
+        // For a ball both plane heights are the same number, so that only their difference's rounding is left: of h1 on the plane, at
+        // most 3 times h1 in the hollow.
+        approx::assert_relative_eq!(envelope.step_over.mm(), analytic.step_over.mm(), max_relative = 1e-13);
+    }
+}
+
+#[test]
+fn runout_widens_the_cutter_and_moves_the_marks() {
+    let runout = Runout::NONE.with_radial_mm(0.01).unwrap().with_axial_mm(0.004).unwrap();
+    let plain = pass(cutter(5.0, 0.4), 40.0, 30.0);
+    let wide = Pass { cutter: plain.cutter.widened(mm(0.01)), ..plain };
+    let height = Envelope::new(Pass { runout, ..plain }).unwrap().scallop_height(mm(0.5), Some(mm(0.2))).unwrap();
+    let spacing = runout.mark_spacing(mm(0.2), plain.contact.climb());
+    assert_eq!(Ok(height), Envelope::new(wide).unwrap().scallop_height(mm(0.5), Some(spacing)));
+}
+
+#[test]
+fn on_a_floor_the_flat_leaves_nothing_and_the_corner_its_round() {
+    let envelope = on_plane(cutter(5.0, 0.4), 0.0, 0.0);
+    assert_eq!(envelope.scallop_height(mm(6.0), None), Ok(ScallopHeight { step_over: Length::ZERO, feed: Length::ZERO }));
+    // 8 mm are 6 mm of flat and 2 mm between corners of 2 mm: 2 - sqrt(4 - 1).
+    let height = envelope.scallop_height(mm(8.0), None).unwrap();
+    approx::assert_relative_eq!(height.step_over.mm(), 2.0 - 3.0_f64.sqrt(), max_relative = 1e-15);
+    let step_over = envelope.max_step_over(height.step_over, None).unwrap();
+    approx::assert_relative_eq!(step_over.mm(), 8.0, max_relative = 1e-14);
+}
+
+#[test]
+fn passes_and_marks_that_do_not_overlap_seen_from_above_are_errors_with_the_way_out() {
+    let envelope = on_plane(cutter(5.0, 0.4), 60.0, 90.0);
+    // Seen from above s = 20 mm is 10 mm = 2R at 60 deg.
+    let Err(NoAnswer::PassesDoNotOverlap { largest_step_over }) = envelope.scallop_height(mm(20.01), None) else { panic!("an answer") };
+    approx::assert_relative_eq!(largest_step_over.mm(), 20.0, max_relative = 1e-14);
+    assert!(envelope.scallop_height(largest_step_over, None).unwrap().total().mm().is_finite());
+    // Marks 8 mm apart leave 6 mm for the passes, 12 mm along the slope, and the other way round.
+    let Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing }) = envelope.scallop_height(mm(12.0), Some(mm(8.01))) else {
+        panic!("an answer")
+    };
+    approx::assert_relative_eq!(largest_mark_spacing.mm(), 8.0, max_relative = 1e-14);
+    assert!(envelope.scallop_height(mm(12.0), Some(largest_mark_spacing)).unwrap().total().mm().is_finite());
+}
+
+#[test]
+fn a_tolerance_that_is_used_up_or_limits_nothing_is_an_error_with_the_way_out() {
+    let envelope = on_plane(cutter(5.0, 0.4), 40.0, 30.0);
+    let Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over }) = envelope.max_feed_per_tooth(mm(0.01), mm(0.9)) else {
+        panic!("an answer")
+    };
+    assert_eq!(Ok(step_over_height), envelope.scallop_height(mm(0.9), None).map(|height| height.step_over));
+    approx::assert_relative_eq!(envelope.scallop_height(max_step_over, None).unwrap().step_over.mm(), 0.01, max_relative = 1e-12);
+    assert!(matches!(envelope.max_step_over(mm(0.001), Some(mm(0.4))), Err(NoAnswer::FeedUsesUpTolerance { .. })));
+    assert!(matches!(envelope.max_step_over(mm(100.0), None), Err(NoAnswer::ToleranceLimitsNoStepOver { .. })));
+    assert!(matches!(envelope.max_feed_per_tooth(mm(100.0), mm(0.5)), Err(NoAnswer::ToleranceLimitsNoFeed { .. })));
+    let wall = on_plane(cutter(5.0, 0.4), 90.0, 90.0);
+    assert_eq!(wall.max_step_over(mm(0.01), None), Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: mm(Length::LARGEST) }));
+}
+
+#[test]
+fn a_hollow_that_the_cutter_gouges_is_an_error() {
+    let gouges = |radius| Envelope::new(curved(pass(cutter(5.0, 0.4), 40.0, 0.0), radius)).map(|_| ());
+    // R_eff = 3/sin(40 deg) + 2 = 6.667.
+    assert!(matches!(gouges(-6.6), Err(NoAnswer::Gouges { .. })));
+    assert_eq!(gouges(-6.7), Ok(()));
+    assert_eq!(Envelope::new(curved(pass(cutter(5.0, 0.4), 0.0, 0.0), -1e6)).map(|_| ()), Err(NoAnswer::FlatGouges));
+    // At 89 deg along the wall the side lies nearly in the surface: 4.4 um over 0.4 mm, a circle of 4.6 mm, while the corner's radius
+    // is 2 mm.
+    let steep = Envelope::new(curved(pass(cutter(5.0, 0.4), 89.0, 90.0), -3.0)).unwrap();
+    assert!(matches!(steep.scallop_height(mm(0.4), None), Err(NoAnswer::Gouges { effective_radius }) if effective_radius.mm() > 3.0));
+    // Smaller steps leave under 10 um and wider ones gouge, so that no step-over leaves 10 um.
+    assert!(matches!(steep.max_step_over(mm(0.01), None), Err(NoAnswer::Gouges { .. })));
 }
