@@ -59,7 +59,7 @@ build inspect --type image "$base" > /dev/null 2>&1 || make_base
 say "image $image"
 revision=$(git -C "$root" rev-parse --short HEAD 2> /dev/null || echo unknown)
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' "$root/Cargo.toml" | head -n 1)
-build bud --isolation chroot --pull-never --format docker --tag "$image" \
+build bud --isolation chroot --layers --pull-never --format docker --tag "$image" \
     --build-arg "BUILD_IMAGE=$base" --build-arg "VERSION=$version" --build-arg "REVISION=$revision" \
     --build-arg "CREATED=$(date -u +%Y-%m-%dT%H:%M:%SZ)" "$root"
 
