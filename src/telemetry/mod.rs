@@ -1,9 +1,11 @@
 //! Log lines and traces: where they go and in which form. What is told is said where it happens.
 
+mod lines;
 #[cfg(feature = "otlp")]
 mod otlp;
 
-use std::io;
+use std::io::{self, IsTerminal};
+use std::thread::JoinHandle;
 
 use axum::http::HeaderMap;
 use tracing::Span;
@@ -18,6 +20,8 @@ use crate::settings::{LogFormat, TelemetrySettings};
 #[must_use = "dropped, it would export nothing"]
 #[derive(Debug)]
 pub struct Telemetry {
+    lines: lines::Lines,
+    writer: JoinHandle<()>,
     #[cfg(feature = "otlp")]
     traces: Option<otlp::Traces>,
 }
@@ -29,9 +33,12 @@ impl Telemetry {
     /// Where the process has telemetry already, or the collector's address cannot be used.
     pub fn start(settings: &TelemetrySettings) -> io::Result<Self> {
         let filter = || wanted(settings.log_level);
+        let lines = lines::Lines::default();
+        let writer = lines.write_to(io::stdout())?;
+        let form = || fmt::layer().with_writer(lines.clone());
         let log = match settings.log_format {
-            LogFormat::Pretty => fmt::layer().with_target(false).with_filter(filter()).boxed(),
-            LogFormat::Json => fmt::layer().json().flatten_event(true).with_span_list(false).with_filter(filter()).boxed(),
+            LogFormat::Pretty => form().with_target(false).with_ansi(io::stdout().is_terminal()).with_filter(filter()).boxed(),
+            LogFormat::Json => form().json().flatten_event(true).with_span_list(false).with_filter(filter()).boxed(),
         };
         let subscriber = Registry::default().with(log);
         #[cfg(feature = "otlp")]
@@ -39,23 +46,24 @@ impl Telemetry {
             let traces = settings.otlp_endpoint.as_ref().map(otlp::Traces::start).transpose()?;
             let layer = traces.as_ref().map(|traces| traces.layer().with_filter(wanted(LevelFilter::INFO)));
             tracing::subscriber::set_global_default(subscriber.with(layer)).map_err(io::Error::other)?;
-            Self { traces }
+            Self { lines, writer, traces }
         };
         #[cfg(not(feature = "otlp"))]
         let telemetry = {
             tracing::subscriber::set_global_default(subscriber).map_err(io::Error::other)?;
-            Self {}
+            Self { lines, writer }
         };
         log_panics();
         Ok(telemetry)
     }
 
-    /// Sends the traces that are still here.
+    /// Sends the traces and writes the lines that are still here.
     pub fn stop(self) {
         #[cfg(feature = "otlp")]
         if let Some(traces) = self.traces {
             traces.stop();
         }
+        self.lines.stop(&self.writer);
     }
 }
 

@@ -26,7 +26,12 @@ pub(crate) struct Program {
 
 impl Program {
     pub(crate) fn start(arguments: &[&str]) -> Self {
-        let mut child = scallopd().args(["--listen", "127.0.0.1:0"]).args(arguments).stdout(Stdio::piped()).spawn().unwrap();
+        Self::run(scallopd().args(arguments))
+    }
+
+    /// `command` must end in the program.
+    pub(crate) fn run(command: &mut Command) -> Self {
+        let mut child = command.env("SCALLOPD_LISTEN", "127.0.0.1:0").stdout(Stdio::piped()).spawn().unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap());
         let first: serde_json::Value = lines.next().expect("a line that says where it listens");
         let address = first["address"].as_str().expect("an address").parse().unwrap();

@@ -121,3 +121,14 @@ async fn a_body_that_is_not_what_its_encoding_says_is_malformed_and_an_unknown_e
     assert_eq!(unknown.status(), 415);
     assert_eq!(unknown.headers()["accept-encoding"], "gzip");
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_client_is_told_when_its_unread_body_ends_the_connection() {
+    let (server, _) = start().await;
+    let unread = server.client.post(server.url("/nothing")).body("x".repeat(10)).send().await.unwrap();
+    assert_eq!(unread.status(), 404);
+    assert_eq!(unread.headers()["connection"], "close");
+    let read = server.client.post(server.url("/read")).body("x".repeat(10)).send().await.unwrap();
+    assert!(!read.headers().contains_key("connection"));
+    assert!(!server.get("/nothing").await.headers().contains_key("connection"));
+}

@@ -3,6 +3,7 @@
 
 mod launch;
 mod limits;
+mod monitoring;
 mod observability;
 mod panics;
 mod program;

@@ -2,6 +2,7 @@
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
+use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -127,4 +128,19 @@ fn a_request_is_one_line_with_its_id_route_status_duration_and_bytes() {
     assert_eq!((line["route"].as_str(), line["method"].as_str(), line["status"].as_u64()), (Some("/livez"), Some("GET"), Some(200)));
     assert_eq!((line["request_bytes"].as_u64(), line["response_bytes"].as_u64()), (Some(0), Some(6)));
     assert!(line["duration_ms"].as_f64().unwrap() >= 0.0);
+}
+
+#[test]
+fn a_program_without_files_left_goes_on_when_connections_end() {
+    // What the program opens by itself is about ten files.
+    let program = Program::run(Command::new("sh").args(["-c", "ulimit -n 40 && exec \"$0\"", env!("CARGO_BIN_EXE_scallopd")]));
+    let idle: Vec<_> = (0..60).map(|_| TcpStream::connect(program.address).unwrap()).collect();
+    // More than the pause after a failure to accept.
+    std::thread::sleep(Duration::from_millis(500));
+    drop(idle);
+    assert!(ask(program.address).expect("an answer").starts_with("HTTP/1.1 200"));
+    program.signal("TERM");
+    let (code, log) = program.wait();
+    assert_eq!(code, Some(0));
+    assert!(log.iter().any(|line| line["message"] == "no connection can be accepted"), "the files were enough: the test tests nothing");
 }

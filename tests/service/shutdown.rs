@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use axum::Router;
 use axum::routing::get;
 use scallopd::http::operations::Operations;
+use tokio::io::AsyncReadExt;
 use tokio::net::TcpStream;
 use tokio::sync::Semaphore;
 
@@ -75,4 +76,30 @@ async fn the_grace_bounds_the_wait() {
     // The client's own patience is 30 s.
     assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
     held.abort();
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_request_whose_body_is_still_coming_is_finished() {
+    let length = axum::routing::post(|body: axum::body::Bytes| async move { body.len().to_string() });
+    let mut server = TestServer::start(defaults(), Router::new().route("/length", length)).await;
+    let mut streams = Vec::new();
+    for _ in 0..20 {
+        let mut stream = server.connect().await;
+        send(&mut stream, "POST /length HTTP/1.1\r\nhost: test\r\ncontent-length: 8\r\nexpect: 100-continue\r\n\r\n").await;
+        // The server asks for the body: the request is accepted.
+        let mut go_on = [0; 25];
+        stream.read_exact(&mut go_on).await.unwrap();
+        assert_eq!(&go_on, b"HTTP/1.1 100 Continue\r\n\r\n");
+        send(&mut stream, "0123").await;
+        streams.push(stream);
+    }
+    server.stop();
+    let address = server.address;
+    until("new connections refused", async || TcpStream::connect(address).await.is_err()).await;
+    for stream in &mut streams {
+        send(stream, "4567").await;
+        let answer = read_all(stream).await;
+        assert!(answer.starts_with("HTTP/1.1 200") && answer.ends_with("\r\n\r\n8"), "{answer:?}");
+    }
+    server.stopped().await;
 }

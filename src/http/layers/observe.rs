@@ -1,7 +1,7 @@
 //! One log line, one span and one count for each request, when its answer has been sent or given up.
 
 use std::pin::Pin;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::task::{Context, Poll};
 use std::time::Instant;
@@ -28,13 +28,15 @@ pub(super) async fn observe(State(operations): State<Operations>, mut request: R
     let mut record = Record::begin(&request, &id, operations.metrics.clone());
     let span = record.span.clone();
     crate::telemetry::continue_trace(&span, request.headers());
-    let request_bytes = Arc::clone(&record.request_bytes);
-    let request = request.map(|body| if body.is_end_stream() { body } else { Body::new(Counted { body, bytes: request_bytes }) });
+    let sent = Arc::clone(&record.sent);
+    let request = request.map(|body| if body.is_end_stream() { body } else { Body::new(Counted::new(body, sent)) });
+    let sent = Arc::clone(&record.sent);
     let mut response = next.run(request).instrument(span).await;
     record.status = response.status().as_u16();
     id.mark(&mut response);
-    if operations.readiness.is_draining() {
-        // A client that is told moves to another server; one that is cut off loses the request that it may just be sending.
+    // hyper closes a connection with an unread body on it. A client that is told opens another; one that is not, and one that is
+    // cut off by a server that stops, loses the request that it may just be sending.
+    if sent.is_left_unread() || operations.readiness.is_draining() {
         response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
     }
     response.map(|body| Body::new(Answer { body, record }))
@@ -48,7 +50,7 @@ struct Record {
     probe: bool,
     began: Instant,
     status: u16,
-    request_bytes: Arc<AtomicU64>,
+    sent: Arc<Sent>,
     response_bytes: u64,
     span: Span,
     metrics: Metrics,
@@ -70,19 +72,8 @@ impl Record {
         );
         metrics.began();
         let probe = Weight::of(request.uri().path()) == Weight::Probe;
-        let request_bytes = Arc::default();
-        Self {
-            id: id.clone(),
-            method,
-            route,
-            probe,
-            began: Instant::now(),
-            status: CLIENT_LEFT,
-            request_bytes,
-            response_bytes: 0,
-            span,
-            metrics,
-        }
+        let sent = Arc::default();
+        Self { id: id.clone(), method, route, probe, began: Instant::now(), status: CLIENT_LEFT, sent, response_bytes: 0, span, metrics }
     }
 }
 
@@ -103,7 +94,7 @@ impl Drop for Record {
                     status = self.status,
                     // Microseconds are enough for a person and half the digits.
                     duration_ms = (duration.as_secs_f64() * 1e6).round() / 1e3,
-                    request_bytes = self.request_bytes.load(Ordering::Relaxed),
+                    request_bytes = self.sent.bytes.load(Ordering::Relaxed),
                     response_bytes = self.response_bytes,
                     "request"
                 )
@@ -121,7 +112,28 @@ impl Drop for Record {
 /// A request's body, counted as it comes over the wire.
 struct Counted {
     body: Body,
-    bytes: Arc<AtomicU64>,
+    sent: Arc<Sent>,
+}
+
+/// What is known of a request's body.
+#[derive(Debug, Default)]
+struct Sent {
+    bytes: AtomicU64,
+    unread: AtomicBool,
+}
+
+impl Sent {
+    fn is_left_unread(&self) -> bool {
+        self.unread.load(Ordering::Relaxed)
+    }
+}
+
+impl Counted {
+    /// A body that has not ended yet.
+    fn new(body: Body, sent: Arc<Sent>) -> Self {
+        sent.unread.store(true, Ordering::Relaxed);
+        Self { body, sent }
+    }
 }
 
 impl HttpBody for Counted {
@@ -130,7 +142,10 @@ impl HttpBody for Counted {
 
     fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
         let polled = Pin::new(&mut self.body).poll_frame(context);
-        self.bytes.fetch_add(length(&polled), Ordering::Relaxed);
+        self.sent.bytes.fetch_add(length(&polled), Ordering::Relaxed);
+        if matches!(polled, Poll::Ready(None)) || self.body.is_end_stream() {
+            self.sent.unread.store(false, Ordering::Relaxed);
+        }
         polled
     }
 

@@ -1,0 +1,184 @@
+//! Log lines on their way to standard output: gathered by the threads that serve, written by one of its own. A reader of the log
+//! that is slow, or stuck, costs lines, not answers; and one write takes the lines of many requests.
+
+use std::io::{self, Write};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use tracing_subscriber::fmt::MakeWriter;
+
+/// How long lines are gathered before they are written.
+const GATHERING: Duration = Duration::from_millis(10);
+
+/// How long the end of the program waits for a reader of the log.
+const LAST_WRITE: Duration = Duration::from_secs(2);
+
+/// How many bytes may wait; some thousand lines. Further lines are lost, and their number is told when writing goes on.
+const MOST_WAITING: usize = 1 << 20;
+
+/// Where threads put their lines. Clones share it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Lines {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    waiting: Mutex<Waiting>,
+    news: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Waiting {
+    bytes: Vec<u8>,
+    lost: usize,
+    over: bool,
+}
+
+impl Lines {
+    /// Writes to `output`, until [`stop`](Self::stop) and then what is left.
+    ///
+    /// # Errors
+    /// Where the system gives no thread.
+    pub(super) fn write_to(&self, mut output: impl Write + Send + 'static) -> io::Result<JoinHandle<()>> {
+        let lines = self.clone();
+        std::thread::Builder::new().name("log".to_owned()).spawn(move || while lines.write_some(&mut output) {})
+    }
+
+    /// No more lines come.
+    fn finish(&self) {
+        self.waiting().over = true;
+        self.shared.news.notify_one();
+    }
+
+    /// Waits until `writer` has written all lines, or does not get on with it.
+    pub(super) fn stop(&self, writer: &JoinHandle<()>) {
+        self.finish();
+        let deadline = Instant::now() + LAST_WRITE;
+        while !writer.is_finished() && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Writes what comes until the next writing; false when all is written. Output that cannot be written is lost: there is nowhere
+    /// to tell.
+    fn write_some(&self, output: &mut impl Write) -> bool {
+        let idle = |waiting: &mut Waiting| waiting.bytes.is_empty() && waiting.lost == 0 && !waiting.over;
+        let waiting = self.shared.news.wait_while(self.waiting(), idle).unwrap_or_else(PoisonError::into_inner);
+        let over = waiting.over;
+        drop(waiting);
+        if !over {
+            std::thread::sleep(GATHERING);
+        }
+        let mut waiting = self.waiting();
+        let bytes = std::mem::take(&mut waiting.bytes);
+        let lost = std::mem::take(&mut waiting.lost);
+        drop(waiting);
+        let _ = output.write_all(&bytes).and_then(|()| output.flush());
+        if lost > 0 {
+            tracing::warn!(lines = lost, "log lines were lost: their reader is too slow");
+        }
+        !(over && bytes.is_empty() && lost == 0)
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Waiting> {
+        self.shared.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A line comes in one piece.
+impl Write for Lines {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        let mut waiting = self.waiting();
+        if waiting.bytes.len() + line.len() > MOST_WAITING {
+            waiting.lost += 1;
+            return Ok(line.len());
+        }
+        let first = waiting.bytes.is_empty();
+        waiting.bytes.extend_from_slice(line);
+        drop(waiting);
+        if first {
+            self.shared.news.notify_one();
+        }
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl MakeWriter<'_> for Lines {
+    type Writer = Self;
+
+    fn make_writer(&self) -> Self {
+        self.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use super::*;
+
+    /// Hands over what is written, and waits each time as long as the test holds it up.
+    struct Slow {
+        written: mpsc::Sender<Vec<u8>>,
+        go_on: mpsc::Receiver<()>,
+    }
+
+    impl Write for Slow {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.written.send(bytes.to_vec()).unwrap();
+            // An error is the sender's end: nothing holds it up any more.
+            let _ = self.go_on.recv();
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn numbered(count: usize) -> Vec<u8> {
+        (0..count).flat_map(|number| format!("line {number}\n").into_bytes()).collect()
+    }
+
+    #[test]
+    fn all_lines_are_written_in_order_before_the_end() {
+        let (written, come) = mpsc::channel();
+        let (release, go_on) = mpsc::channel::<()>();
+        let mut lines = Lines::default();
+        let thread = lines.write_to(Slow { written, go_on }).unwrap();
+        for number in 0..1000 {
+            writeln!(lines, "line {number}").unwrap();
+        }
+        lines.finish();
+        drop(release);
+        thread.join().unwrap();
+        assert_eq!(come.into_iter().flatten().collect::<Vec<_>>(), numbered(1000));
+    }
+
+    #[test]
+    fn a_stuck_reader_blocks_nobody_and_costs_whole_lines() {
+        let (written, come) = mpsc::channel();
+        let (release, go_on) = mpsc::channel::<()>();
+        let mut lines = Lines::default();
+        let thread = lines.write_to(Slow { written, go_on }).unwrap();
+        lines.write_all(b"first\n").unwrap();
+        assert_eq!(come.recv().unwrap(), b"first\n");
+        let line = [b'x'; 1000];
+        for _ in 0..2 * MOST_WAITING / line.len() {
+            lines.write_all(&line).unwrap();
+        }
+        assert_eq!(lines.waiting().lost, 2 * MOST_WAITING / line.len() - MOST_WAITING / line.len());
+        let began = Instant::now();
+        lines.stop(&thread);
+        assert!(began.elapsed() >= LAST_WRITE && !thread.is_finished());
+        drop(release);
+        thread.join().unwrap();
+        assert_eq!(come.into_iter().map(|bytes| bytes.len()).sum::<usize>(), MOST_WAITING / line.len() * line.len());
+    }
+}

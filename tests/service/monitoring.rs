@@ -1,0 +1,33 @@
+//! Alert rules and the dashboard ask for metrics that the server has.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use axum::Router;
+use scallopd::http::metrics::ShedReason;
+
+use crate::server::{TestServer, defaults};
+
+/// The metrics of this server that a text names.
+fn named(text: &str) -> BTreeSet<&str> {
+    text.split(|character: char| !character.is_ascii_alphanumeric() && character != '_')
+        .filter(|word| word.starts_with("process_") || (word.starts_with("scallopd_") && word.len() > "scallopd_".len()))
+        .collect()
+}
+
+#[tokio::test]
+async fn rules_and_dashboard_name_metrics_that_there_are() {
+    let server = TestServer::start(defaults(), Router::new()).await;
+    server.operations.metrics.upload_facets("stl", 2);
+    server.operations.metrics.shed(ShedReason::Heavy);
+    assert_eq!(server.get("/livez").await.status(), 200);
+    let page = server.metrics().await;
+    let there = named(&page);
+    for file in ["deploy/prometheus/alerts.yaml", "deploy/grafana/dashboards/scallopd.json"] {
+        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
+        let asked = named(&text);
+        assert!(asked.len() >= 4, "{file} asks for nothing: {asked:?}");
+        let missing: Vec<_> = asked.difference(&there).collect();
+        assert!(missing.is_empty(), "{file} asks for {missing:?}");
+    }
+}
