@@ -110,16 +110,10 @@ impl Body {
         if corners {
             while left > 0 {
                 let start = self.input.offset;
-                // As many items at once as have arrived whole, if any have.
-                let whole = usize::try_from(left).unwrap_or(usize::MAX).min(chunk.len() / item.size());
-                let count = if self.input.is_empty() { whole.max(1) } else { 1 };
-                let Some(bytes) = self.input.take(chunk, count * item.size()) else { break };
-                for (index, bytes) in bytes.chunks_exact(item.size()).enumerate() {
-                    let number = integer(item, self.format, bytes);
-                    let refused = |flaw: Flaw| flaw.at_byte(start + (index * item.size()) as u64);
-                    surface.corner(u64::try_from(number).ok(), &|| number.to_string()).map_err(refused)?;
-                }
-                left -= count as u64;
+                let Some(bytes) = self.input.take(chunk, item.size()) else { break };
+                let number = integer(item, self.format, bytes);
+                surface.corner(u64::try_from(number).ok(), &|| number.to_string()).map_err(|flaw| flaw.at_byte(start))?;
+                left -= 1;
             }
         } else {
             left -= self.input.skip(chunk, left);
@@ -160,11 +154,6 @@ struct Input {
 }
 
 impl Input {
-    /// Whether the next piece has not begun.
-    fn is_empty(&self) -> bool {
-        self.used || self.begun.is_empty()
-    }
-
     /// The next `size` bytes, once they have arrived.
     #[inline]
     fn take<'a, 'b: 'a>(&'a mut self, chunk: &mut &'b [u8], size: usize) -> Option<&'a [u8]> {
