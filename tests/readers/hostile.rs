@@ -61,7 +61,7 @@ fn a_list_of_four_billion_numbers_is_passed_over_as_far_as_it_goes() {
     let head = "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty list uint double w\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
     let file = [head.as_bytes(), &[0xff; 4], &[0; 5000]].concat();
     let sentence =
-        format!("byte {}: expected 1 rows of the element vertex, as the header says, found the end of the file after 0", file.len());
+        format!("byte {}: expected 1 rows of the element \"vertex\", as the header says, found the end of the file after 0", file.len());
     assert_eq!(refusal(file), sentence);
 }
 

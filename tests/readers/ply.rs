@@ -193,8 +193,8 @@ fn headers_that_describe_no_surface_are_refused() {
 #[test]
 fn rows_that_are_wrong_are_refused_with_their_line() {
     for (wrong, right, sentence) in [
-        ("1 1 0.75", "1 1", "line 13: expected as many numbers as a row of the element vertex has, found the end of the line"),
-        ("1 1 0.75", "1 1 0.75 1", "line 13: expected the end of a row of the element vertex, found \"1\""),
+        ("1 1 0.75", "1 1", "line 13: expected as many numbers as a row of the element \"vertex\" has, found the end of the line"),
+        ("1 1 0.75", "1 1 0.75 1", "line 13: expected the end of a row of the element \"vertex\", found \"1\""),
         ("1 1 0.75", "1 1 inf", "line 13: expected a finite coordinate of at most 1e12 in magnitude, found \"inf\""),
         ("1 1 0.75", "1 1 ?", "line 13: expected a number, found \"?\""),
         ("3 0 1 2\n4", "3 0 1 4\n4", "line 15: expected the number of one of 4 vertices, from 0, found \"4\""),
@@ -205,9 +205,9 @@ fn rows_that_are_wrong_are_refused_with_their_line() {
         (
             "3 0 1 2\n4",
             "4000000000 0 1 2\n4",
-            "line 15: expected as many numbers as a row of the element face has, found the end of the line",
+            "line 15: expected as many numbers as a row of the element \"face\" has, found the end of the line",
         ),
-        ("4 0 1 2 3\n", "", "line 16: expected 2 rows of the element face, as the header says, found the end of the file after 1"),
+        ("4 0 1 2 3\n", "", "line 16: expected 2 rows of the element \"face\", as the header says, found the end of the file after 1"),
     ] {
         assert!(ASCII.contains(wrong));
         assert_eq!(refusal(ASCII.replacen(wrong, right, 1)), sentence, "{right}");

@@ -17,6 +17,7 @@ pub(super) struct Header {
 #[derive(Debug)]
 pub(super) struct Element {
     pub(super) kind: Kind,
+    /// In quotation marks, fit to be shown.
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
@@ -215,7 +216,7 @@ impl HeaderLines {
         }
         let count = words.next().unwrap_or_default();
         let count = integer(count).ok_or_else(|| Flaw::malformed("a count of at most 18 digits", count))?;
-        self.elements.push(Element { kind, name: String::from_utf8_lossy(name).chars().take(40).collect(), count, properties: Vec::new() });
+        self.elements.push(Element { kind, name: quoted(name), count, properties: Vec::new() });
         Ok(())
     }
 
