@@ -273,7 +273,8 @@ impl Angle {
             2.0 => (-sin, -cos),
             _ => (-cos, sin),
         };
-        Ok(Self { radians: in_turn.to_radians(), sin, cos })
+        // Adding 0 takes the sign off a zero, which a division would turn into an infinity of that sign.
+        Ok(Self { radians: in_turn.to_radians(), sin: sin + 0.0, cos: cos + 0.0 })
     }
 
     /// The angle of the vector (x, y) from the X axis; `None` for the null vector.
