@@ -77,6 +77,7 @@ impl Analytic {
     ///
     /// # Errors
     /// - [`NoAnswer::FlatFloor`] at slope 0, unless the cutter is a ball-end;
+    /// - [`NoAnswer::SharpEdge`] where the effective radius is 0: a flat-end cutter fed along the level line;
     /// - [`NoAnswer::Gouges`] on a concave surface whose radius does not exceed the effective radius.
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
         let across = EffectiveRadius::across_feed(pass.cutter.widened(pass.runout.radial()), pass.contact);
@@ -84,6 +85,9 @@ impl Analytic {
         let (Some(effective_radius), Some(_)) = (across.finite(), along.finite()) else {
             return Err(NoAnswer::FlatFloor);
         };
+        if across.0 == 0.0 {
+            return Err(NoAnswer::SharpEdge);
+        }
         if across.0.recip() + pass.surface.per_mm() <= 0.0 {
             return Err(NoAnswer::Gouges { effective_radius });
         }
@@ -108,7 +112,7 @@ impl Analytic {
     /// h1 and h2 [Segonds 2017, eq. 12-14 and 18] for a step-over along the surface and a feed per tooth; `None` leaves no marks.
     ///
     /// # Errors
-    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
+    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`]; [`NoAnswer::SharpEdge`] for the marks of a flat-end cutter fed down the slope.
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
         Ok(ScallopHeight { step_over: self.step_over_height(step_over)?, feed: self.feed_height(feed_per_tooth)? })
     }
@@ -124,6 +128,9 @@ impl Analytic {
             // The height at this step-over reaches the tolerance, so the step-over that leaves just the tolerance exists.
             let max_step_over = self.step_over_of(tolerance)?;
             return Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over });
+        }
+        if self.along.0 == 0.0 {
+            return Err(NoAnswer::SharpEdge);
         }
         let (runout, climb) = (self.pass.runout, self.climb);
         match self.along.chord(tolerance.mm() - step_over_height.mm()) {
@@ -176,6 +183,9 @@ impl Analytic {
         let Some(feed_per_tooth) = feed_per_tooth else {
             return Ok(Length::ZERO);
         };
+        if self.along.0 == 0.0 {
+            return Err(NoAnswer::SharpEdge);
+        }
         let spacing = self.pass.runout.mark_spacing(feed_per_tooth, self.climb);
         let height = self.along.height(spacing.mm());
         height.map(Length::computed).ok_or(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(2.0 * self.along.0) })
@@ -205,4 +215,30 @@ pub(super) fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
 /// width 2 |rho|. A rounding less, so that it lies in the domain of [`groove_height`].
 pub(super) fn largest_groove_distance(k: f64, c: f64) -> Length {
     Length::computed((2.0 / (k + c)).min(2.0 / c.abs()) * (1.0 - 2.0 * f64::EPSILON))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::{Runout, SurfaceCurvature};
+
+    #[test]
+    fn a_sharp_edge_has_no_circle_on_any_surface() {
+        let length = |mm: f64| Length::from_mm(mm).unwrap();
+        for surface in
+            [SurfaceCurvature::PLANE, SurfaceCurvature::from_radius_mm(120.0).unwrap(), SurfaceCurvature::from_radius_mm(-120.0).unwrap()]
+        {
+            let pass = |alpha| Pass {
+                cutter: Cutter::flat_end(length(6.0)),
+                contact: Contact::from_degrees(45.0, alpha).unwrap(),
+                surface,
+                runout: Runout::NONE,
+            };
+            assert_eq!(Analytic::new(pass(90.0)).err(), Some(NoAnswer::SharpEdge));
+            let down_hill = Analytic::new(pass(0.0)).unwrap();
+            assert_eq!(down_hill.scallop_height(length(0.3), Some(length(0.1))), Err(NoAnswer::SharpEdge));
+            assert_eq!(down_hill.max_feed_per_tooth(length(0.01), length(0.3)), Err(NoAnswer::SharpEdge));
+            assert!(down_hill.scallop_height(length(0.3), None).is_ok());
+        }
+    }
 }

@@ -26,6 +26,8 @@ pub enum NoAnswer {
     },
     /// The surface is hollow where the cutter is flat or its side straight: it cuts in whatever the hollow's radius.
     FlatGouges,
+    /// A flat-end cutter's edge runs along the cut: its circle has no radius, which the analytic model needs.
+    SharpEdge,
     /// The passes lie above each other when seen from above.
     PassesCoincideFromAbove,
     /// The step-over alone leaves as much as the tolerance allows, so that no feed is possible.
@@ -75,6 +77,9 @@ impl fmt::Display for NoAnswer {
             ),
             Self::FlatGouges => f.write_str(
                 "the cutter's flat bottom or straight side lies across the hollow and gouges it whatever its radius; take a ball-end cutter or another feed direction",
+            ),
+            Self::SharpEdge => f.write_str(
+                "in this feed direction a flat-end cutter's sharp edge makes the cut, and the analytic model has no circle to put in its place; model \"envelope\" has an answer",
             ),
             Self::PassesCoincideFromAbove => {
                 f.write_str("the feed runs along a vertical wall, where passes lie above each other and cannot be spaced by vertical planes; give the step-over along the surface")
