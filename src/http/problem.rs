@@ -13,15 +13,18 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use utoipa::openapi::{Content, Ref, RefOr, ResponseBuilder};
+use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder};
 use utoipa::{IntoResponses, ToSchema};
 
 const INVALID: &str = "invalid-request";
 const INVALID_TITLE: &str = "The request cannot be answered";
 
-/// A request that failed, before it is written.
+/// A request that failed, before it is written. Boxed, because results carry it that nearly always succeed.
 #[derive(Debug, Clone)]
-pub(crate) struct Problem {
+pub(crate) struct Problem(Box<Content>);
+
+#[derive(Debug, Clone)]
+struct Content {
     status: StatusCode,
     kind: &'static str,
     title: &'static str,
@@ -33,7 +36,7 @@ pub(crate) struct Problem {
 
 impl Problem {
     pub(crate) fn new(status: StatusCode, kind: &'static str, title: &'static str, detail: impl Into<Cow<'static, str>>) -> Self {
-        Self { status, kind, title, detail: detail.into(), errors: Vec::new(), members: Map::new(), retry_after_s: None }
+        Self(Box::new(Content { status, kind, title, detail: detail.into(), errors: Vec::new(), members: Map::new(), retry_after_s: None }))
     }
 
     /// The request is well-formed and cannot be answered, for all the reasons in `faults`. A single reason that has a title of its own
@@ -46,12 +49,15 @@ impl Problem {
         };
         let members =
             errors.iter().flat_map(|fault| fault.figures.iter().map(|(name, value)| ((*name).to_owned(), (*value).into()))).collect();
-        Self { errors, members, ..Self::new(StatusCode::UNPROCESSABLE_ENTITY, kind, title, detail) }
+        let mut problem = Self::new(StatusCode::UNPROCESSABLE_ENTITY, kind, title, detail);
+        (problem.0.errors, problem.0.members) = (errors, members);
+        problem
     }
 
     /// The same, for the client to try again after `seconds`.
-    pub(crate) fn retry_after(self, seconds: u32) -> Self {
-        Self { retry_after_s: Some(seconds), ..self }
+    pub(crate) fn retry_after(mut self, seconds: u32) -> Self {
+        self.0.retry_after_s = Some(seconds);
+        self
     }
 
     /// The problem that a bare status stands for.
@@ -83,8 +89,8 @@ impl Problem {
 
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let mut response = self.status.into_response();
-        if let Some(seconds) = self.retry_after_s {
+        let mut response = self.0.status.into_response();
+        if let Some(seconds) = self.0.retry_after_s {
             response.headers_mut().insert(header::RETRY_AFTER, seconds.into());
         }
         response.extensions_mut().insert(self);
@@ -104,7 +110,7 @@ pub(crate) async fn describe_errors(request: Request, next: Next) -> Response {
     if !status.is_client_error() && !status.is_server_error() {
         return response;
     }
-    let problem = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
+    let Problem(problem) = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
     let body = ProblemBody {
         kind: problem.kind.into(),
         title: problem.title.into(),
@@ -200,6 +206,6 @@ impl IntoResponses for Problems {
 }
 
 fn problem_response(description: &str) -> RefOr<utoipa::openapi::Response> {
-    let content = Content::new(Some(RefOr::Ref(Ref::from_schema_name("Problem"))));
+    let content = openapi::Content::new(Some(RefOr::Ref(Ref::from_schema_name("Problem"))));
     ResponseBuilder::new().description(description).content("application/problem+json", content).build().into()
 }

@@ -39,6 +39,9 @@ pub async fn livez() -> &'static str {
 /// Whether the server wants requests
 ///
 /// 503 once it is about to stop.
+///
+/// # Errors
+/// The status 503.
 #[utoipa::path(
     get, path = "/readyz", tag = "service", operation_id = "readyz",
     responses((status = 200, description = "Ready", body = String, content_type = "text/plain"), (status = 503, description = "About to stop", body = ProblemBody, content_type = "application/problem+json")),

@@ -127,20 +127,20 @@ fn toroidal(object: &mut Object<'_, '_>, diameter: Result<Length, Faulted>, faul
 
 /// The schemas of the cutters, by name.
 pub(super) fn schemas() -> Vec<(String, RefOr<Schema>)> {
-    const WORDS: [(&str, &str, &[(&str, Type)]); 3] = [
-        (
-            "ToroidalCutter",
-            "toroidal (bull-nose, torus-end) cutter: 0 < r < R",
-            &[("toroidal", Type::Toroidal), ("bull_nose", Type::Toroidal)],
-        ),
-        ("BallEndCutter", "ball-end (ball-nose) cutter: r = R", &[("ball_end", Type::BallEnd)]),
-        ("FlatEndCutter", "flat-end cutter: r = 0", &[("flat_end", Type::FlatEnd)]),
+    const TORUS: Choice<Type> = Choice { words: &[("toroidal", Type::Toroidal), ("bull_nose", Type::Toroidal)] };
+    const BALL: Choice<Type> = Choice { words: &[("ball_end", Type::BallEnd)] };
+    const FLAT: Choice<Type> = Choice { words: &[("flat_end", Type::FlatEnd)] };
+    let kinds = [
+        ("ToroidalCutter", "toroidal (bull-nose, torus-end) cutter: 0 < r < R", TORUS),
+        ("BallEndCutter", "ball-end (ball-nose) cutter: r = R", BALL),
+        ("FlatEndCutter", "flat-end cutter: r = 0", FLAT),
     ];
     let mut any = OneOfBuilder::new().description(Some("a cutter, one of three kinds told apart by type"));
     let mut discriminator = Vec::new();
     let mut schemas = Vec::new();
-    for (name, about, words) in WORDS {
-        let kind = Member { name: TYPE.name, about: TYPE.about, kind: Choice { words } };
+    for (name, about, choice) in kinds {
+        let words = choice.words;
+        let kind = Member { name: TYPE.name, about: TYPE.about, kind: choice };
         let schema = ObjectSchema::new(about).required(&kind).required(&DIAMETER);
         let schema = if name == "ToroidalCutter" { schema.required(&CORNER_RADIUS) } else { schema };
         schemas.push((name.to_owned(), schema.optional(&TEETH).build()));

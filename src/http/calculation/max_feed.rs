@@ -35,8 +35,8 @@ const MAX_FEED_RATE: Member<Number> = Member {
 pub(crate) struct MaxFeed {
     tolerance: Length,
     spindle_speed_rpm: Option<f64>,
-    max_feed_per_tooth: Option<Length>,
-    max_feed_rate_mm_min: Option<f64>,
+    per_tooth_limit: Option<Length>,
+    rate_limit_mm_min: Option<f64>,
 }
 
 /// What keeps the feed from being larger.
@@ -86,9 +86,9 @@ impl Calculation for MaxFeed {
     fn read(object: &mut Object<'_, '_>, setup: Result<&Setup, Faulted>, faults: &mut Faults) -> Result<Self, Faulted> {
         let tolerance = object.required(&TOLERANCE, faults);
         let spindle_speed = object.optional(&SPINDLE_SPEED, faults);
-        let max_feed_per_tooth = object.optional(&MAX_FEED_PER_TOOTH, faults);
-        let max_feed_rate = object.optional(&MAX_FEED_RATE, faults);
-        if let (Ok(Some(_)), Ok(speed), Ok(setup)) = (max_feed_rate, spindle_speed, setup) {
+        let per_tooth_limit = object.optional(&MAX_FEED_PER_TOOTH, faults);
+        let rate_limit = object.optional(&MAX_FEED_RATE, faults);
+        if let (Ok(Some(_)), Ok(speed), Ok(setup)) = (rate_limit, spindle_speed, setup) {
             let place = object.place();
             if speed.is_none() {
                 faults.add(
@@ -109,8 +109,8 @@ impl Calculation for MaxFeed {
         Ok(Self {
             tolerance: tolerance?,
             spindle_speed_rpm: spindle_speed?,
-            max_feed_per_tooth: max_feed_per_tooth?,
-            max_feed_rate_mm_min: max_feed_rate?,
+            per_tooth_limit: per_tooth_limit?,
+            rate_limit_mm_min: rate_limit?,
         })
     }
 
@@ -122,8 +122,8 @@ impl Calculation for MaxFeed {
         let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
         // A feed rate is f_z z n, so z n is a feed rate for each mm of feed per tooth.
         let teeth_per_min = setup.tool.teeth.zip(self.spindle_speed_rpm).map(|(teeth, speed)| f64::from(teeth) * speed);
-        let by_machine = self.max_feed_rate_mm_min.zip(teeth_per_min).map(|(rate, teeth_per_min)| Length::computed(rate / teeth_per_min));
-        let stated = [(self.max_feed_per_tooth, LimitedBy::MaxFeedPerTooth), (by_machine, LimitedBy::MaxFeedRate)];
+        let by_machine = self.rate_limit_mm_min.zip(teeth_per_min).map(|(rate, teeth_per_min)| Length::computed(rate / teeth_per_min));
+        let stated = [(self.per_tooth_limit, LimitedBy::MaxFeedPerTooth), (by_machine, LimitedBy::MaxFeedRate)];
         let stated = stated.into_iter().filter_map(|(limit, by)| Some((limit?, by))).reduce(|a, b| if b.0 < a.0 { b } else { a });
         let (feed_per_tooth, limited_by) = match (pass.max_feed_per_tooth(self.tolerance, step_over), stated) {
             (Ok(by_tolerance), Some(stated)) if stated.0 < by_tolerance => stated,

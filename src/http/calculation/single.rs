@@ -91,7 +91,7 @@ fn check(pass: &JudgedPass, common: &Common, warnings: &mut Vec<Warning>) -> Opt
     let envelope = match envelope {
         Ok(height) => height.total().mm(),
         Err(cause) => {
-            warnings.push(Warning::new(CODE, format_args!("the cutter's exact shape leaves no scallop to compare with: {cause}")));
+            warnings.push(Warning::new(CODE, format!("the cutter's exact shape leaves no scallop to compare with: {cause}")));
             return None;
         }
     };

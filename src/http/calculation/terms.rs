@@ -2,7 +2,7 @@
 //! contact to contact.
 
 use super::cutter::{CUTTER, StatedCutter};
-use crate::http::reading::member::{Choice, Kind, LengthOrNone, Number, StatedLength, in_range, number};
+use crate::http::reading::member::{Choice, Kind, Number, StatedLength, in_range, number};
 use crate::http::reading::{Faulted, Faults, Member, Object, ObjectSchema, Place};
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
@@ -40,8 +40,8 @@ const STEP_OVER_XY: Member<StatedLength> = Member {
     about: "step-over d between parallel vertical planes, seen from above; or give step_over_mm",
     kind: StatedLength { example: 0.65 },
 };
-const FEED_PER_TOOTH: Member<LengthOrNone> =
-    Member { name: "feed_per_tooth_mm", about: "feed per tooth f_z; 0 or absent = no feed marks", kind: LengthOrNone { example: 0.3 } };
+const FEED_PER_TOOTH: Member<FeedKind> =
+    Member { name: "feed_per_tooth_mm", about: "feed per tooth f_z, at least 1e-6; 0 or absent = no feed marks", kind: FeedKind };
 const SURFACE_RADIUS: Member<SurfaceRadius> = Member {
     name: "surface_radius_mm",
     about: "the surface's radius of curvature across the feed: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude",
@@ -66,6 +66,31 @@ impl Kind for RunoutKind {
 
     fn schema(&self, about: &str) -> RefOr<Schema> {
         ObjectSchema::new(about).optional(&RADIAL).optional(&AXIAL).build()
+    }
+}
+
+/// A stated feed per tooth, which may be 0 and then stands for no marks, also where a default says otherwise.
+#[derive(Debug, Clone, Copy)]
+enum Feed {
+    NoMarks,
+    PerTooth(Length),
+}
+
+struct FeedKind;
+
+impl Kind for FeedKind {
+    type Value = Feed;
+
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Feed, Faulted> {
+        let value = number(raw, place, faults)?;
+        if value == 0.0 {
+            return Ok(Feed::NoMarks);
+        }
+        in_range(Length::from_mm(value), raw, place, faults).map(Feed::PerTooth)
+    }
+
+    fn schema(&self, about: &str) -> RefOr<Schema> {
+        Number { minimum: 0.0, maximum: Length::LARGEST, example: 0.3 }.schema(about)
     }
 }
 
@@ -123,8 +148,7 @@ pub(crate) struct Stated {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Terms {
     pub(super) step_over: Result<Option<StepOver>, Faulted>,
-    /// `Some(None)` is a stated 0.
-    feed_per_tooth: Result<Option<Option<Length>>, Faulted>,
+    feed_per_tooth: Result<Option<Feed>, Faulted>,
     surface: Result<Option<SurfaceCurvature>, Faulted>,
 }
 
@@ -158,7 +182,10 @@ impl Terms {
     }
 
     pub(super) fn feed_per_tooth(&self) -> Result<Option<Length>, Faulted> {
-        self.feed_per_tooth.map(Option::flatten)
+        self.feed_per_tooth.map(|feed| match feed {
+            Some(Feed::PerTooth(length)) => Some(length),
+            Some(Feed::NoMarks) | None => None,
+        })
     }
 
     pub(super) fn surface(&self) -> Result<SurfaceCurvature, Faulted> {

@@ -25,8 +25,8 @@ pub(crate) struct Warning {
 }
 
 impl Warning {
-    pub(crate) fn new(code: &'static str, detail: impl ToString) -> Self {
-        Self { code: code.into(), detail: detail.to_string(), contacts: None, first_index: None }
+    pub(crate) fn new(code: &'static str, detail: String) -> Self {
+        Self { code: code.into(), detail, contacts: None, first_index: None }
     }
 }
 
@@ -74,6 +74,6 @@ impl std::fmt::Display for Strain {
 
 impl From<Strain> for Warning {
     fn from(strain: Strain) -> Self {
-        Self::new(strain.code(), strain)
+        Self::new(strain.code(), strain.to_string())
     }
 }

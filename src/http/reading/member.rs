@@ -68,27 +68,6 @@ impl Kind for StatedLength {
     }
 }
 
-/// A length that may be 0, which stands for none.
-pub(crate) struct LengthOrNone {
-    pub(crate) example: f64,
-}
-
-impl Kind for LengthOrNone {
-    type Value = Option<Length>;
-
-    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Option<Length>, Faulted> {
-        let value = number(raw, place, faults)?;
-        if value == 0.0 {
-            return Ok(None);
-        }
-        in_range(Length::from_mm(value), raw, place, faults).map(Some)
-    }
-
-    fn schema(&self, about: &str) -> RefOr<Schema> {
-        Number { minimum: 0.0, maximum: Length::LARGEST, example: self.example }.schema(about)
-    }
-}
-
 /// A whole number within bounds.
 pub(crate) struct Whole {
     pub(crate) minimum: u32,
@@ -149,13 +128,11 @@ impl<T: Copy> Kind for Choice<T> {
 
     fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<T, Faulted> {
         let word = text(raw, place, faults)?;
-        match self.words.iter().find(|(known, _)| *known == word) {
-            Some((_, value)) => Ok(*value),
-            None => {
-                let known: Vec<_> = self.words.iter().map(|(known, _)| *known).collect();
-                Err(faults.add(&place, "unknown-value", format_args!("expected one of {}, found {}", known.join(", "), describe(raw))))
-            }
-        }
+        let known = self.words.iter().find(|(known, _)| *known == word);
+        known.map(|(_, value)| *value).ok_or_else(|| {
+            let known: Vec<_> = self.words.iter().map(|(known, _)| *known).collect();
+            faults.add(&place, "unknown-value", format_args!("expected one of {}, found {}", known.join(", "), describe(raw)))
+        })
     }
 
     fn schema(&self, about: &str) -> RefOr<Schema> {

@@ -334,12 +334,16 @@ mod tests {
 
     #[test]
     fn corners_are_limited() {
-        let circle = |count: u32| (0..count).map(move |step| (f64::from(step) / f64::from(count) * 6.28).sin_cos()).map(|(v, u)| [u, v]);
+        let circle = |count: u32| {
+            (0..count).map(move |step| (f64::from(step) / f64::from(count) * std::f64::consts::TAU).sin_cos()).map(|(v, u)| [u, v])
+        };
         let mut hollow: Vec<[f64; 2]> = circle(512).collect();
         must_be_exact(&hollow);
         hollow.insert(1, [0.0, 0.0]);
         let mut polygon = Polygon::default();
-        hollow.iter().for_each(|[u, v]| polygon.add([*u, *v, 0.0]).unwrap());
+        for [u, v] in &hollow {
+            polygon.add([*u, *v, 0.0]).unwrap();
+        }
         assert_eq!(polygon.cut(|_| ()).unwrap_err().kind(), FaultKind::TooLarge);
         assert!((hollow.len()..MOST_CORNERS).all(|_| polygon.add([0.0; 3]).is_ok()));
         assert_eq!(polygon.add([0.0; 3]).unwrap_err().kind(), FaultKind::TooLarge);
