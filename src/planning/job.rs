@@ -55,13 +55,7 @@ impl Job {
     ///
     /// # Errors
     /// [`JobError`]
-    pub fn new(
-        toroidal: Cutter,
-        ball_end: Cutter,
-        scallop_height: Length,
-        machine: MachineLimits,
-        model: Model,
-    ) -> Result<Self, JobError> {
+    pub fn new(toroidal: Cutter, ball_end: Cutter, scallop_height: Length, machine: MachineLimits, model: Model) -> Result<Self, JobError> {
         if toroidal.kind() != CutterKind::Toroidal {
             return Err(JobError::NotToroidal);
         }
