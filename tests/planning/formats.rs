@@ -82,12 +82,11 @@ fn ply(encoding: &str, nodes: &[[f32; 3]], triangles: &[[usize; 3]]) -> Vec<u8> 
     }
     for triangle in triangles {
         let index = |node: &usize| i32::try_from(*node).unwrap();
-        match encoding {
-            "ascii" => file.extend(format!("3 {}\n", words(triangle, " ")).bytes()),
-            _ => {
-                file.push(3);
-                file.extend(triangle.iter().map(index).flat_map(|node| if is_big { node.to_be_bytes() } else { node.to_le_bytes() }));
-            }
+        if encoding == "ascii" {
+            file.extend(format!("3 {}\n", words(triangle, " ")).bytes());
+        } else {
+            file.push(3);
+            file.extend(triangle.iter().map(index).flat_map(|node| if is_big { node.to_be_bytes() } else { node.to_le_bytes() }));
         }
     }
     file
@@ -253,7 +252,7 @@ async fn facing_chooses_the_side_and_says_so() {
 async fn what_is_left_out_is_counted_in_a_warning() {
     let app = TestApp::start().await;
     let (nodes, triangles) = (nodes(), triangles());
-    let further = lines(",").lines().map(|line| format!("{line},7\n")).collect::<String>();
+    let further = lines(",").replace('\n', ",7\n");
     assert_eq!(warnings(&app.upload(further, &job()).await.ok()), ["further-columns"]);
     let trailing = [binary_stl("", &nodes, &triangles), b"and more".to_vec()].concat();
     let answer = app.upload(trailing, &job()).await.ok();

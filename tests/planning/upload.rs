@@ -44,7 +44,8 @@ async fn a_file_is_answered_as_its_points_in_json() {
 async fn compressed_forms_are_unfolded_and_counted() {
     let app = TestApp::start().await;
     // Many times what is handed to the reader in one go.
-    let points: String = (0..300_000).map(|index| format!("{},{},{}\n", index % 601, index / 601, 0.25 * f64::from(index / 601))).collect();
+    let line = |index: i32| format!("{},{},{}\n", index % 601, index / 601, 0.25 * f64::from(index / 601));
+    let points = (0..300_000).map(line).collect::<Vec<_>>().concat();
     let body = written(&[("surface", points.as_bytes()), ("parameters", job().to_string().as_bytes())]);
     let plain = app.upload_raw(body.clone(), false).await.ok();
     let compressed = app.upload_raw(gzip(&body), true).await.ok();
@@ -103,7 +104,7 @@ async fn forms_that_are_none_are_refused() {
         let expected = if body == b"--edge--" { 422 } else { 400 };
         assert_eq!(answer.status, expected, "{}", answer.body);
     }
-    let endless_head = [&b"--edge\r\nX: "[..], &[b'x'; 100_000]].concat();
+    let endless_head = [&b"--edge\r\nX: "[..], &vec![b'x'; 100_000]].concat();
     assert_eq!(app.upload_raw(endless_head, false).await.status, 400);
     assert_eq!(app.upload_raw(b"no gzip".to_vec(), true).await.status, 400);
 }
