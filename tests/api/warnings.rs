@@ -37,7 +37,7 @@ async fn runout_over_a_fifth_of_the_feed_per_tooth_is_warned_of() {
     let app = TestApp::start().await;
     for model in ["analytic", "envelope"] {
         let body = with(ordinary(), "/model", model);
-        // 5-12-13: 0.013 + 0.015625 i ... the magnitude of (0.012, 0.016) is 0.02, a fifth of 0.1.
+        // The magnitude of (0.012, 0.016) is 0.02, a fifth of 0.1.
         for (radial, axial, expected) in [(0.012, 0.0159, false), (0.012, 0.0161, true), (0.0, -0.021, true)] {
             let body = with(body.clone(), "/runout", json!({"radial_mm": radial, "axial_mm": axial}));
             assert_eq!(warned(&app, &body).await.contains(&"runout-not-small".to_owned()), expected, "{body}");
@@ -111,8 +111,9 @@ async fn the_envelopes_correction_for_curvature_is_said_to_be_not_exact() {
 async fn a_batch_tells_each_warning_once_with_its_count() {
     let app = TestApp::start().await;
     let body = with(batch_of(ordinary()), "/cutter", json!({"type": "flat_end", "diameter_mm": 10}));
-    let wide = json!({"slope_deg": 60, "feed_angle_deg": 0, "step_over_mm": 4});
-    let contacts = json!([angles(60.0, 0.0), wide, angles(0.0, 0.0), wide]);
+    // A fifth of 2 R_eff = 10.66 mm is 2.13 mm.
+    let wide = json!({"slope_deg": 60, "feed_angle_deg": 30, "step_over_mm": 4});
+    let contacts = json!([angles(60.0, 30.0), wide, angles(0.0, 30.0), wide]);
     let answer = app.answer("/v1/scallop-height/batch", &with(body, "/contacts", contacts)).await;
     let counted: Vec<_> = answer["warnings"]
         .as_array()
