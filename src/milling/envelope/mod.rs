@@ -208,7 +208,15 @@ impl Envelope {
     fn largest_step_over(&self, f: f64) -> f64 {
         let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
         let curvature = self.pass.surface.per_mm();
-        if curvature == 0.0 { on_plane } else { on_plane.min(largest_groove_distance(self.groove_curvature, curvature).mm()) }
+        let grooves_meet = |curvature| largest_groove_distance(self.groove_curvature, curvature).mm();
+        if curvature == 0.0 {
+            on_plane
+        } else if curvature < 0.0 {
+            // In a hollow grooves meet further apart than on a plane, but the correction needs the plane's height, too.
+            on_plane.min(grooves_meet(curvature)).min(grooves_meet(0.0))
+        } else {
+            on_plane.min(grooves_meet(curvature))
+        }
     }
 
     /// The distance of marks up to which they overlap, seen from above, in passes s apart.
