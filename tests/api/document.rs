@@ -111,7 +111,8 @@ async fn examples_answers_and_problems_are_as_the_schemas_say() {
 /// Requests of all shapes that are answered.
 fn answered(path: &str) -> Vec<Value> {
     let vectors = json!({"normal": [-0.64, 0, 0.77], "feed": [1, 0, 0.84]});
-    let mut bodies = vec![shortest(path), longest(path), with(longest(path), "/model", "envelope"), with(shortest(path), "/contact", vectors)];
+    let mut bodies =
+        vec![shortest(path), longest(path), with(longest(path), "/model", "envelope"), with(shortest(path), "/contact", vectors)];
     for cutter in [json!({"type": "ball_end", "diameter_mm": 6}), json!({"type": "flat_end", "diameter_mm": 6, "teeth": 2})] {
         bodies.push(with(shortest(path), "/cutter", cutter));
     }

@@ -68,11 +68,7 @@ async fn a_ball_end_leaves_its_published_heights() {
     // Published to six decimals.
     const HALF_A_DIGIT: f64 = 5e-7;
     let floor = json!({"cutter": ball_end(6.0), "contact": angles(0.0, 0.0), "step_over_mm": 0.5});
-    assert_abs_diff_eq!(
-        figure(&app.answer(SCALLOP_HEIGHT, &floor).await, "scallop_height_mm"),
-        0.010_435,
-        epsilon = HALF_A_DIGIT
-    );
+    assert_abs_diff_eq!(figure(&app.answer(SCALLOP_HEIGHT, &floor).await, "scallop_height_mm"), 0.010_435, epsilon = HALF_A_DIGIT);
     for (slope, height) in [(0.0, 0.020_000), (15.0, 0.021_468), (30.0, 0.026_854), (45.0, 0.040_870), (60.0, 0.085_754)] {
         let body = json!({"cutter": ball_end(1.0), "contact": angles(slope, 90.0), "step_over_xy_mm": 0.28});
         let answer = app.answer(SCALLOP_HEIGHT, &body).await;

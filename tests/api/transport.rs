@@ -18,7 +18,8 @@ fn every_post() -> impl Iterator<Item = (String, Value)> {
 async fn text_that_is_not_json_is_malformed() {
     let app = TestApp::start().await;
     for (path, _) in every_post() {
-        for text in ["", " ", "{", "{\"cutter\":}", "{\"step_over_mm\": NaN}", "{\"step_over_mm\": 01}", "{} {}", "{'a': 1}", "\u{feff}{}"] {
+        for text in ["", " ", "{", "{\"cutter\":}", "{\"step_over_mm\": NaN}", "{\"step_over_mm\": 01}", "{} {}", "{'a': 1}", "\u{feff}{}"]
+        {
             let (status, problem) = app.post_text(&path, text).await;
             assert_eq!((status, problem["type"].as_str()), (400, Some("malformed-json")), "{text:?}");
             assert_eq!(problem.get("errors"), None);
