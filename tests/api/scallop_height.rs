@@ -1,9 +1,13 @@
 //! `POST /v1/scallop-height`: published heights, and those of the envelope beside them.
+#![allow(clippy::float_cmp)] // exact where compared for equality: nothing, or the same computation twice
 
 use crate::app::{TestApp, faults, figure, warnings};
 use crate::requests::{SCALLOP_HEIGHT, angles, ball_end, shortest, toroidal, with};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use serde_json::{Value, json};
+
+/// Half of the last digit of heights printed to a nanometre, in mm.
+const HALF_A_NM: f64 = 5e-7;
 
 pub(crate) fn published() -> Value {
     serde_json::from_str(include_str!("../data/segonds_2017.json")).unwrap()
@@ -65,14 +69,12 @@ async fn with_the_feeds_share_theory_is_within_6_percent_of_the_measurement_and_
 #[tokio::test]
 async fn a_ball_end_leaves_its_published_heights() {
     let app = TestApp::start().await;
-    // Published to six decimals.
-    const HALF_A_DIGIT: f64 = 5e-7;
     let floor = json!({"cutter": ball_end(6.0), "contact": angles(0.0, 0.0), "step_over_mm": 0.5});
-    assert_abs_diff_eq!(figure(&app.answer(SCALLOP_HEIGHT, &floor).await, "scallop_height_mm"), 0.010_435, epsilon = HALF_A_DIGIT);
+    assert_abs_diff_eq!(figure(&app.answer(SCALLOP_HEIGHT, &floor).await, "scallop_height_mm"), 0.010_435, epsilon = HALF_A_NM);
     for (slope, height) in [(0.0, 0.020_000), (15.0, 0.021_468), (30.0, 0.026_854), (45.0, 0.040_870), (60.0, 0.085_754)] {
         let body = json!({"cutter": ball_end(1.0), "contact": angles(slope, 90.0), "step_over_xy_mm": 0.28});
         let answer = app.answer(SCALLOP_HEIGHT, &body).await;
-        assert_abs_diff_eq!(figure(&answer, "scallop_height_mm"), height, epsilon = HALF_A_DIGIT);
+        assert_abs_diff_eq!(figure(&answer, "scallop_height_mm"), height, epsilon = HALF_A_NM);
         assert_relative_eq!(figure(&answer, "step_over_xy_mm"), 0.28, max_relative = 1e-15);
         assert_relative_eq!(figure(&answer, "step_over_mm"), 0.28 / slope.to_radians().cos(), max_relative = 1e-14);
     }
@@ -95,13 +97,11 @@ const BOTH_MODELS: [(f64, f64, f64, f64, f64); 9] = [
 #[tokio::test]
 async fn both_models_give_the_tabled_heights_and_the_analytic_answer_holds_the_envelopes_beside_its_own() {
     let app = TestApp::start().await;
-    // Tabled to 0.001 um.
-    const HALF_A_DIGIT: f64 = 5.1e-4;
     for (slope, alpha, step_over, analytic, envelope) in BOTH_MODELS {
         let body = json!({"cutter": toroidal(), "contact": angles(slope, alpha), "step_over_mm": step_over});
         let answer = app.answer(SCALLOP_HEIGHT, &body).await;
         assert_eq!(answer["model"], "analytic");
-        assert_abs_diff_eq!(figure(&answer, "scallop_height_mm") * 1e3, analytic, epsilon = HALF_A_DIGIT);
+        assert_abs_diff_eq!(figure(&answer, "scallop_height_mm"), analytic * 1e-3, epsilon = HALF_A_NM);
         let beside = figure(&answer["check"], "envelope_scallop_height_mm");
         let deviation = (figure(&answer, "scallop_height_mm") - beside) / beside;
         assert_abs_diff_eq!(figure(&answer["check"], "deviation"), deviation, epsilon = 1e-14);
@@ -109,7 +109,7 @@ async fn both_models_give_the_tabled_heights_and_the_analytic_answer_holds_the_e
 
         let exact = app.answer(SCALLOP_HEIGHT, &with(body, "/model", "envelope")).await;
         assert_eq!(exact["model"], "envelope");
-        assert_abs_diff_eq!(figure(&exact, "scallop_height_mm") * 1e3, envelope, epsilon = HALF_A_DIGIT);
+        assert_abs_diff_eq!(figure(&exact, "scallop_height_mm"), envelope * 1e-3, epsilon = HALF_A_NM);
         assert_eq!(figure(&exact, "scallop_height_mm"), beside);
         assert_eq!(exact.get("check"), None);
         assert!(!warnings(&exact).contains(&"outside-analytic-range"));
