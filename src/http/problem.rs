@@ -55,8 +55,9 @@ impl Problem {
     }
 
     /// The same under another status.
-    pub(crate) fn with_status(self, status: StatusCode) -> Self {
-        Self { status, ..self }
+    pub(crate) fn with_status(mut self, status: StatusCode) -> Self {
+        self.0.status = status;
+        self
     }
 
     /// The same, for the client to try again after `seconds`.

@@ -104,7 +104,7 @@ fn wide_step_over(plan: &Plan, job: &Job) -> Option<Warning> {
     (step_over > diameter).then(|| {
         Warning::new(
             "step-over-exceeds-cutter",
-            format_args!(
+            format!(
                 "the toroidal cutter's step-over, {step_over:.3} mm, exceeds its diameter, {diameter} mm: the model's circle is wider than the cutter; model \"envelope\" knows its width"
             ),
         )

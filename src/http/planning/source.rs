@@ -69,7 +69,7 @@ impl Sourced {
 
     fn degenerate_facets(&self) -> Option<Warning> {
         let count = self.surface.degenerate_facets();
-        (count > 0).then(|| Warning::new("degenerate-facets", format_args!("{count} facets have no area and were left out")))
+        (count > 0).then(|| Warning::new("degenerate-facets", format!("{count} facets have no area and were left out")))
     }
 
     fn left_out_facets(&self, shape: &Shape) -> Option<Warning> {
@@ -77,7 +77,7 @@ impl Sourced {
         let left_out = if shape.basis == Basis::Points { 0 } else { all.saturating_sub(shape.elements) };
         (left_out > 0).then(|| {
             let detail =
-                format_args!("{left_out} of {all} facets face another way than the surface and were left out; facing \"any\" takes all");
+                format!("{left_out} of {all} facets face another way than the surface and were left out; facing \"any\" takes all");
             Warning::new("facets-left-out", detail)
         })
     }
@@ -103,5 +103,5 @@ fn of_notes(notes: Notes) -> impl Iterator<Item = Warning> {
     let counted = counted.into_iter().filter(|(count, ..)| *count > 0);
     let missing_end = "the file ends inside a solid, after a whole facet; it may have been cut off";
     let missing_end = notes.missing_end.then(|| Warning::new("missing-end", missing_end));
-    counted.map(|(count, code, what)| Warning::new(code, format_args!("{count} {what}"))).chain(missing_end)
+    counted.map(|(count, code, what)| Warning::new(code, format!("{count} {what}"))).chain(missing_end)
 }
