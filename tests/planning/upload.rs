@@ -168,7 +168,8 @@ async fn a_gzip_bomb_ends_at_the_limit() {
     // 64 MiB of one line, in 64 kB.
     let bomb = gzip(&written(&[("surface", &vec![b'1'; 64 << 20])]));
     let answer = app.upload_raw(bomb, true).await;
-    assert!(answer.status == 413 || answer.status == 400, "{}", answer.body);
+    // The line is too long for the reader, too; what is wrong with the body itself comes first.
+    assert_eq!((answer.status, &answer.body["type"]), (413, &json!("too-large")));
     let blank = gzip(&written(&[("surface", &vec![b'\n'; 64 << 20])]));
     assert_eq!(app.upload_raw(blank, true).await.status, 413);
 }
