@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 const ROWS: usize = 13;
 const COLUMNS: usize = 17;
 
-/// A patch of degree 3 x 2 whose points are all in single precision, as nodes of a grid: what a patch gives between its samples'
-/// centres, a grid gives between its nodes.
+/// A wavy slope as nodes in rows, in single precision, which all formats can hold.
 fn nodes() -> Vec<[f32; 3]> {
     let at = |row: u8, column: u8| {
         let (x, y) = (f32::from(column) * 3.0, f32::from(row) * 2.5);

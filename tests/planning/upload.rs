@@ -122,8 +122,8 @@ async fn faulty_parameters_are_refused_as_in_json() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn hostile_files_are_refused_with_their_line_or_byte() {
     let app = TestApp::start().await;
-    let mut promising = [b' '; 84].to_vec();
-    promising[80..].copy_from_slice(&u32::MAX.to_le_bytes());
+    let mut promising = vec![0; 84 + 50];
+    promising[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
     let promising_ply = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
     for (file, status, code, place) in [
         (Vec::new(), 422, "empty-file", ""),
@@ -168,7 +168,8 @@ async fn a_gzip_bomb_ends_at_the_limit() {
     // 64 MiB of one line, in 64 kB.
     let bomb = gzip(&written(&[("surface", &vec![b'1'; 64 << 20])]));
     let answer = app.upload_raw(bomb, true).await;
-    assert!(answer.status == 413 || answer.status == 400, "{}", answer.body);
+    // The line is too long for the reader, too; what is wrong with the body itself comes first.
+    assert_eq!((answer.status, &answer.body["type"]), (413, &json!("too-large")));
     let blank = gzip(&written(&[("surface", &vec![b'\n'; 64 << 20])]));
     assert_eq!(app.upload_raw(blank, true).await.status, 413);
 }

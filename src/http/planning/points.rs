@@ -19,7 +19,7 @@ pub(super) fn each_point(raw: &RawValue, place: Place<'_>, faults: &mut Faults, 
     if read.is_ok() && in_bounds {
         return Ok(());
     }
-    // The fast way stops at the first fault and does not know its place. This one is three times slower and finds them all.
+    // The fast way stops at the first fault and does not know its place. This one looks at each item twice and finds them all.
     let mut result = Ok(());
     let mut index = 0;
     each_raw(raw, place, faults, |item, faults| {
