@@ -18,6 +18,10 @@ use utoipa::openapi::{Ref, RefOr, Schema};
 /// Contacts worked out in one go by one thread: some tenths of a millisecond, long against the cost of sharing out.
 const CHUNK: usize = 1024;
 
+/// Contacts in one request. A body of the largest size could name some ten million faulty ones, and the answer names each; with this
+/// many an answer stays under some 100 MB.
+const MOST_CONTACTS: usize = 250_000;
+
 const CONTACTS: &str = "contacts";
 
 /// Answers a request with many contacts.
@@ -29,7 +33,7 @@ pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Pro
         let place = object.place();
         let place = place.member(CONTACTS);
         let contacts = match object.take(CONTACTS, faults) {
-            Some(raw) => items(raw, place, faults),
+            Some(raw) => items(raw, MOST_CONTACTS, place, faults),
             None => Err(faults.add(&place, "missing-field", "the field is missing: the contacts to work out")),
         };
         if !faults.is_empty() {
@@ -198,12 +202,12 @@ impl Kind for ContactsKind {
     type Value = ();
 
     fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<(), Faulted> {
-        items(raw, place, faults).map(|_| ())
+        items(raw, MOST_CONTACTS, place, faults).map(|_| ())
     }
 
     fn schema(&self, about: &str) -> RefOr<Schema> {
         let [angles, vectors] = item_names(self.0);
         let item = OneOfBuilder::new().item(Ref::from_schema_name(angles)).item(Ref::from_schema_name(vectors));
-        ArrayBuilder::new().items(item).description(Some(about)).into()
+        ArrayBuilder::new().items(item).max_items(Some(MOST_CONTACTS)).description(Some(about)).into()
     }
 }

@@ -317,7 +317,7 @@ mod tests {
 
     #[test]
     fn data_longer_than_a_chunk_come_whole() {
-        let long: Vec<u8> = (0..3 * CHUNK + 17).map(|index| (index % 251) as u8).collect();
+        let long: Vec<u8> = (0..=250).cycle().take(3 * CHUNK + 17).collect();
         let parts = [part("surface", &long), part("parameters", b"{}")];
         assert_eq!(read(&written(&parts), 70_000), Ok(parts.to_vec()));
     }

@@ -129,7 +129,7 @@ mod tests {
         assert_eq!((points, faults.len()), (vec![[1.0, 2.5, -300.0], [0.1, 1e12, -0.0]], 0));
         assert_eq!(read("[]").0.len(), 0);
         // Coordinates far from the origin keep every bit: text of 17 digits names one double only.
-        let far = [5_000_000_123.456_789_f64, 5_000_000_060.300_000_2, -5_000_000_000.100_000_4];
+        let far = [5_000_000_123.456_789_f64, 5_000_000_060.3, -5_000_000_000.1];
         assert_eq!(read(&format!("[[{}, {}, {}]]", far[0], far[1], far[2])).0, [far]);
     }
 

@@ -4,7 +4,10 @@
 use super::object::describe;
 use super::{Faulted, Faults, Place};
 use crate::quantity::{Length, OutOfRange};
+use serde::Deserializer;
+use serde::de::{DeserializeSeed, IgnoredAny, SeqAccess, Visitor};
 use serde_json::value::RawValue;
+use std::fmt;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -103,7 +106,7 @@ impl Kind for Vector {
     type Value = [f64; 3];
 
     fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
-        let items = items(raw, place, faults)?;
+        let items = items(raw, 3, place, faults)?;
         let [x, y, z] = items.as_slice() else {
             return Err(faults.add(&place, "wrong-type", format_args!("expected three numbers, found {} items", items.len())));
         };
@@ -159,10 +162,51 @@ pub(crate) fn text(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Res
         .map_err(|_| faults.add(&place, "wrong-type", format_args!("expected a string, found {}", describe(raw))))
 }
 
-/// The items of the array that `raw` is, unread.
-pub(crate) fn items<'a>(raw: &'a RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
-    serde_json::from_str(raw.get())
-        .map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))
+/// The items of the array that `raw` is, unread. More than `most` are a fault and are counted, not kept.
+pub(crate) fn items<'a>(raw: &'a RawValue, most: usize, place: Place<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
+    let items = Items { most }.deserialize(&mut serde_json::Deserializer::from_str(raw.get()));
+    let (items, count) = items.map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))?;
+    if count > most {
+        return Err(faults.add(&place, "too-many-items", format_args!("must have at most {most} items, found {count}")));
+    }
+    Ok(items)
+}
+
+/// Collects the first items of an array and counts all.
+struct Items {
+    most: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for Items {
+    type Value = (Vec<&'de RawValue>, usize);
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Items {
+    type Value = (Vec<&'de RawValue>, usize);
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an array")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
+        let mut items = Vec::new();
+        while items.len() < self.most {
+            let Some(item) = sequence.next_element()? else {
+                let count = items.len();
+                return Ok((items, count));
+            };
+            items.push(item);
+        }
+        let mut count = items.len();
+        while sequence.next_element::<IgnoredAny>()?.is_some() {
+            count += 1;
+        }
+        Ok((items, count))
+    }
 }
 
 /// The checked value, or the fault with the bounds that it broke.

@@ -2,7 +2,7 @@
 
 use super::member::{Kind, Member};
 use super::{Faulted, Faults, Place};
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde_json::value::RawValue;
 use std::borrow::Cow;
 use std::fmt;
@@ -11,6 +11,7 @@ use std::fmt;
 pub(crate) struct Object<'a, 'p> {
     place: Place<'p>,
     members: Vec<(Cow<'a, str>, &'a RawValue)>,
+    unkept: usize,
     known: Vec<&'static str>,
 }
 
@@ -21,7 +22,7 @@ impl<'a, 'p> Object<'a, 'p> {
             return Err(faults.add(&place, "wrong-type", format_args!("expected an object, found {}", describe(raw))));
         }
         match serde_json::from_str::<Members<'a>>(raw.get()) {
-            Ok(Members(members)) => Ok(Self { place, members, known: Vec::with_capacity(12) }),
+            Ok(Members { kept, unkept }) => Ok(Self { place, members: kept, unkept, known: Vec::with_capacity(12) }),
             Err(error) => Err(faults.add(&place, "unreadable", error)),
         }
     }
@@ -68,6 +69,10 @@ impl<'a, 'p> Object<'a, 'p> {
     /// Ends the reading: what was not taken is unknown.
     pub(crate) fn close(self, faults: &mut Faults) -> Result<(), Faulted> {
         let mut result = Ok(());
+        if self.unkept > 0 {
+            let detail = format!("the object has {} fields more than the {} that are looked at", self.unkept, Members::MOST);
+            result = Err(faults.add(&self.place, "too-many-fields", detail));
+        }
         for (name, _) in &self.members {
             let detail = format_args!("unknown field; known here: {}", self.known.join(", ")).to_string();
             result = Err(faults.add(&self.place.member(name), "unknown-field", detail));
@@ -95,7 +100,15 @@ pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
 }
 
 /// The members of an object in the order sent, their values unread.
-struct Members<'a>(Vec<(Cow<'a, str>, &'a RawValue)>);
+struct Members<'a> {
+    kept: Vec<(Cow<'a, str>, &'a RawValue)>,
+    unkept: usize,
+}
+
+impl Members<'_> {
+    /// No object has a tenth of this many known members; beyond it they are counted, so that a hostile body takes no more memory than it is long.
+    const MOST: usize = 256;
+}
 
 impl<'de> Deserialize<'de> for Members<'de> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -106,11 +119,16 @@ impl<'de> Deserialize<'de> for Members<'de> {
                 f.write_str("an object")
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut members = Vec::with_capacity(8);
-                while let Some((Name(name), value)) = map.next_entry()? {
-                    members.push((name, value));
+                let mut kept = Vec::with_capacity(8);
+                while kept.len() < Members::MOST {
+                    let Some((Name(name), value)) = map.next_entry()? else { return Ok(Members { kept, unkept: 0 }) };
+                    kept.push((name, value));
                 }
-                Ok(Members(members))
+                let mut unkept = 0;
+                while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {
+                    unkept += 1;
+                }
+                Ok(Members { kept, unkept })
             }
         }
         deserializer.deserialize_map(Collect)
@@ -136,5 +154,23 @@ impl<'de> Deserialize<'de> for Name<'de> {
             }
         }
         deserializer.deserialize_str(Borrow)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flood_of_members_is_counted_not_kept() {
+        let body = format!("{{{}}}", (0..1000).map(|index| format!("\"m{index}\":{index}")).collect::<Vec<_>>().join(","));
+        let raw: &RawValue = serde_json::from_str(&body).unwrap();
+        let mut faults = Faults::default();
+        let object = Object::open(raw, Place::Root, &mut faults).unwrap();
+        assert_eq!(object.members.len(), Members::MOST);
+        assert_eq!(object.close(&mut faults), Err(Faulted));
+        let listed = faults.into_listed();
+        assert_eq!(listed.len(), 1 + Members::MOST);
+        assert!(listed[0].detail.contains("744 fields more"), "{}", listed[0].detail);
     }
 }
