@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 
 from scallopd_client import Client
-from scallopd_client.types import File
 
 
 def alike(expected, found, place=""):
@@ -34,26 +33,24 @@ def body_class(module):
     return module.sync_detailed.__annotations__["body"]
 
 
-def body_of(operation, module, examples):
+def body_of(operation, module):
     """The example request as the generated client takes it."""
     content = operation["requestBody"]["content"]
     models = importlib.import_module("scallopd_client.models")
     model = getattr(models, str(body_class(module)).split(".")[-1].strip("'>"))
     if "multipart/form-data" in content:
-        example = content["multipart/form-data"]["example"]
-        surface = File(payload=(examples / "surface_2.csv").open("rb"), file_name="surface_2.csv", mime_type="text/csv")
-        return model(surface=surface, parameters=model.from_dict({**example, "surface": surface}).parameters)
+        form = content["multipart/form-data"]["example"]
+        return model.from_dict({**form, "surface": form["surface"].encode()})
     return model.from_dict(content["application/json"]["example"])
 
 
 def main(document, base_url):
-    root = Path(document).resolve().parent.parent
     client = Client(base_url=base_url)
     called = 0
     for path, methods in json.loads(Path(document).read_text())["paths"].items():
         for operation in methods.values():
             module = importlib.import_module(f"scallopd_client.api.{operation['tags'][0]}.{operation['operationId']}")
-            arguments = {"body": body_of(operation, module, root / "examples")} if "requestBody" in operation else {}
+            arguments = {"body": body_of(operation, module)} if "requestBody" in operation else {}
             response = module.sync_detailed(client=client, **arguments)
             assert response.status_code == 200, f"{path}: {response.status_code} {response.content!r}"
             expected = operation["responses"]["200"]["content"].get("application/json", {}).get("example")

@@ -106,7 +106,7 @@ impl Kind for Vector {
     type Value = [f64; 3];
 
     fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
-        let items = items(raw, 3, place, faults)?;
+        let items = items(raw, 16, place, faults)?;
         let [x, y, z] = items.as_slice() else {
             return Err(faults.add(&place, "wrong-type", format_args!("expected three numbers, found {} items", items.len())));
         };
