@@ -96,7 +96,7 @@ def mixture():
         (2, "recommendation", 200, post("/v1/cutter-recommendation", {**SHAPES, "surface": surface})),
         (1, "upload, STL", 200, upload(binary_stl(100), "dome.stl")),
         (1, "upload, CSV", 200, upload(csv(100), "dome.csv")),
-        (1, "upload, not a surface", 422, upload(b"this is no surface\n" * 100, "poem.txt")),
+        (1, "upload, not a surface", 400, upload(b"this is no surface\n" * 100, "poem.txt")),
         (3, "out of range", 422, post("/v1/scallop-height", {**height, "contact": {"slope_deg": 140, "feed_angle_deg": 0}})),
         (3, "tolerance exceeded", 422, post("/v1/max-feed", {**feed, "step_over_mm": 3, "scallop_tolerance_mm": 0.001})),
         (3, "not JSON", 400, request("POST", "/v1/max-feed", b"{\"cutter\": ")),
