@@ -2,9 +2,9 @@
 #![allow(clippy::float_cmp)] // exact by construction where compared for equality
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use scallopd::milling::Cutter;
+use scallopd::milling::{Cutter, Model};
 use scallopd::motion::Preset;
-use scallopd::planning::{CutterChoice, InclinedRectangle, Job, Level, StepOverModel, Weakness, critical_slope, plan, recommend};
+use scallopd::planning::{CutterChoice, InclinedRectangle, Job, Level, Weakness, critical_slope, plan, recommend};
 use scallopd::quantity::{Acceleration, Angle, Area, FormFactor, Jerk, Length, Speed};
 use scallopd::surface::{Bezier, Facing, Shape, Unit};
 use serde_json::Value;
@@ -79,7 +79,7 @@ fn job() -> Job {
     let toroidal = Cutter::toroidal(mm(2.0 * radius("outer_radius_mm")), mm(radius("corner_radius_mm"))).unwrap();
     let ball_end = Cutter::ball_end(mm(2.0 * radius("outer_radius_mm")));
     let machine = Preset::named("five_axis_vmc").unwrap().limits;
-    Job::new(toroidal, ball_end, mm(figure(&published, "scallop_height_mm")), machine, StepOverModel::Analytic).unwrap()
+    Job::new(toroidal, ball_end, mm(figure(&published, "scallop_height_mm")), machine, Model::Analytic).unwrap()
 }
 
 #[test]

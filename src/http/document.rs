@@ -43,46 +43,51 @@ pub(super) fn outline() -> OpenApi {
         .build()
 }
 
-/// The example of each operation: its id, request and answer.
-const EXAMPLES: [(&str, &str, &str); 6] = [
-    (
-        "scallop_height",
-        include_str!("../../openapi/examples/scallop_height.request.json"),
-        include_str!("../../openapi/examples/scallop_height.answer.json"),
-    ),
-    (
-        "scallop_height_batch",
-        include_str!("../../openapi/examples/scallop_height_batch.request.json"),
-        include_str!("../../openapi/examples/scallop_height_batch.answer.json"),
-    ),
-    ("max_feed", include_str!("../../openapi/examples/max_feed.request.json"), include_str!("../../openapi/examples/max_feed.answer.json")),
-    (
-        "max_feed_batch",
-        include_str!("../../openapi/examples/max_feed_batch.request.json"),
-        include_str!("../../openapi/examples/max_feed_batch.answer.json"),
-    ),
-    (
-        "step_over",
-        include_str!("../../openapi/examples/step_over.request.json"),
-        include_str!("../../openapi/examples/step_over.answer.json"),
-    ),
-    (
-        "step_over_batch",
-        include_str!("../../openapi/examples/step_over_batch.request.json"),
-        include_str!("../../openapi/examples/step_over_batch.answer.json"),
-    ),
+/// The example of an operation.
+struct Example {
+    operation: &'static str,
+    /// The body to send; none for an operation that takes none.
+    request: Option<&'static str>,
+    answer: &'static str,
+}
+
+/// The example of an operation that takes a body, by the operation's id.
+macro_rules! example {
+    ($operation:literal) => {
+        Example {
+            operation: $operation,
+            request: Some(include_str!(concat!("../../openapi/examples/", $operation, ".request.json"))),
+            answer: include_str!(concat!("../../openapi/examples/", $operation, ".answer.json")),
+        }
+    };
+}
+
+const EXAMPLES: [Example; 10] = [
+    example!("scallop_height"),
+    example!("scallop_height_batch"),
+    example!("max_feed"),
+    example!("max_feed_batch"),
+    example!("step_over"),
+    example!("step_over_batch"),
+    example!("critical_slope"),
+    example!("cutter_recommendation"),
+    example!("cutter_recommendation_upload"),
+    Example { operation: "machines", request: None, answer: include_str!("../../openapi/examples/machines.answer.json") },
 ];
 
 /// The document as JSON, with the examples of its operations.
 pub(super) fn with_examples(document: &OpenApi) -> Value {
     let mut document = serde_json::to_value(document).unwrap_or_else(|error| unreachable!("the document can be written: {error}"));
     let operations = document["paths"].as_object_mut().into_iter().flat_map(|paths| paths.values_mut());
-    for operation in operations.filter_map(|path| path.get_mut("post")) {
+    for operation in operations.filter_map(Value::as_object_mut).flat_map(|path| path.values_mut()) {
         let id = operation["operationId"].as_str();
-        if let Some((_, request, answer)) = EXAMPLES.iter().find(|(example, ..)| Some(*example) == id) {
-            operation["requestBody"]["content"]["application/json"]["example"] = parse(request);
-            operation["responses"]["200"]["content"]["application/json"]["example"] = parse(answer);
+        let Some(example) = EXAMPLES.iter().find(|example| Some(example.operation) == id) else { continue };
+        if let Some(request) = example.request {
+            // JSON or a form: an operation takes one of them.
+            let contents = operation["requestBody"]["content"].as_object_mut().into_iter().flat_map(|contents| contents.values_mut());
+            contents.for_each(|content| content["example"] = parse(request));
         }
+        operation["responses"]["200"]["content"]["application/json"]["example"] = parse(example.answer);
     }
     document
 }

@@ -9,6 +9,7 @@ pub mod layers;
 pub mod metrics;
 pub mod operations;
 mod pages;
+mod planning;
 mod problem;
 mod process;
 pub mod readiness;
@@ -18,6 +19,7 @@ use axum::Router;
 use axum::http::StatusCode;
 use calculation::{max_feed, scallop_height, step_over};
 use operations::Operations;
+use planning::{critical_slope, machines, recommendation, upload};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -30,6 +32,10 @@ fn routes() -> OpenApiRouter<Operations> {
         .routes(routes!(max_feed::answer_batch))
         .routes(routes!(step_over::answer))
         .routes(routes!(step_over::answer_batch))
+        .routes(routes!(critical_slope::answer))
+        .routes(routes!(machines::list))
+        .routes(routes!(recommendation::answer))
+        .routes(routes!(upload::answer))
         .routes(routes!(readiness::livez))
         .routes(routes!(readiness::readyz))
         .routes(routes!(metrics::show))

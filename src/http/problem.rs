@@ -54,6 +54,12 @@ impl Problem {
         problem
     }
 
+    /// The same under another status.
+    pub(crate) fn with_status(mut self, status: StatusCode) -> Self {
+        self.0.status = status;
+        self
+    }
+
     /// The same, for the client to try again after `seconds`.
     pub(crate) fn retry_after(mut self, seconds: u32) -> Self {
         self.0.retry_after_s = Some(seconds);
@@ -190,19 +196,35 @@ pub(crate) struct Problems;
 
 impl IntoResponses for Problems {
     fn responses() -> BTreeMap<String, RefOr<utoipa::openapi::Response>> {
-        [
-            ("400", "The body is not JSON"),
-            ("408", "The request was not complete in time"),
-            ("413", "The body, counted decompressed, exceeds the server's limit"),
-            ("415", "The body's media type or encoding is not supported"),
-            ("422", "The request is well-formed and cannot be answered; `errors` lists every fault with its place"),
-            ("500", "The server failed; its log holds the cause under the request id"),
-            ("503", "The server is busy; try again after the seconds in Retry-After"),
-        ]
-        .into_iter()
-        .map(|(status, description)| (status.to_owned(), problem_response(description)))
-        .collect()
+        responses("The body is not JSON", "The body's media type or encoding is not supported")
     }
+}
+
+/// The problems that an operation with an uploaded file can answer with, for the API document.
+pub(crate) struct UploadProblems;
+
+impl IntoResponses for UploadProblems {
+    fn responses() -> BTreeMap<String, RefOr<utoipa::openapi::Response>> {
+        responses(
+            "The form, its parameters or the file is malformed; of the file, `errors` names the line or byte",
+            "The body is no form, or the file is in no format that is read",
+        )
+    }
+}
+
+fn responses(malformed: &str, unsupported: &str) -> BTreeMap<String, RefOr<utoipa::openapi::Response>> {
+    [
+        ("400", malformed),
+        ("408", "The request was not complete in time"),
+        ("413", "The body, counted decompressed, exceeds the server's limit"),
+        ("415", unsupported),
+        ("422", "The request is well-formed and cannot be answered; `errors` lists every fault with its place"),
+        ("500", "The server failed; its log holds the cause under the request id"),
+        ("503", "The server is busy; try again after the seconds in Retry-After"),
+    ]
+    .into_iter()
+    .map(|(status, description)| (status.to_owned(), problem_response(description)))
+    .collect()
 }
 
 fn problem_response(description: &str) -> RefOr<utoipa::openapi::Response> {

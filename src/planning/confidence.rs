@@ -279,9 +279,9 @@ fn of_assumptions(plan: &Plan, job: &Job, rectangle: InclinedRectangle) -> Vec<R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::milling::{Cutter, NoAnswer};
+    use crate::milling::{Cutter, Model, NoAnswer};
     use crate::motion::Preset;
-    use crate::planning::{PlanError, StepOverModel, recommend};
+    use crate::planning::{PlanError, recommend};
     use crate::quantity::Length;
     use crate::surface::{Facing, Grid, Unit};
 
@@ -293,7 +293,7 @@ mod tests {
     fn job(scallop_height: f64, machine: &str) -> Job {
         let toroidal = Cutter::toroidal(mm(10.0), mm(2.0)).unwrap();
         let machine = Preset::named(machine).unwrap().limits;
-        Job::new(toroidal, Cutter::ball_end(mm(10.0)), mm(scallop_height), machine, StepOverModel::Analytic).unwrap()
+        Job::new(toroidal, Cutter::ball_end(mm(10.0)), mm(scallop_height), machine, Model::Analytic).unwrap()
     }
 
     /// A surface of 41 x 41 points over parameters from -1/2 to 1/2.

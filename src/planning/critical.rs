@@ -1,8 +1,8 @@
 //! The slope, and the form factor, at which both cutters take the same time.
 
 use super::root::root;
-use super::{InclinedRectangle, Job, StepOverModel};
-use crate::milling::NoAnswer;
+use super::{InclinedRectangle, Job};
+use crate::milling::{Model, NoAnswer};
 use crate::motion::{TravelCase, travel_time};
 use crate::quantity::{Angle, Area, FormFactor, Length};
 use std::convert::Infallible;
@@ -117,7 +117,7 @@ fn ball_end_time(job: &Job, rectangle: InclinedRectangle) -> f64 {
 /// the analytic model, a pass that reaches the feed rate, a step that the jerk alone limits, and a single real root.
 fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Option<Angle> {
     let machine = job.machine();
-    if job.model() != StepOverModel::Analytic || !TravelCase::of(rectangle.height(), machine).reaches_feed_rate() {
+    if job.model() != Model::Analytic || !TravelCase::of(rectangle.height(), machine).reaches_feed_rate() {
         return None;
     }
     let width_by_time = rectangle.width().mm() / ball_end_time(job, rectangle);
@@ -221,7 +221,7 @@ mod tests {
             jerk: Jerk::from_m_s3(j).unwrap(),
         };
         let toroidal = Cutter::toroidal(mm(diameter), mm(corner)).unwrap();
-        Job::new(toroidal, Cutter::ball_end(mm(ball)), mm(scallop), machine, StepOverModel::Analytic).unwrap()
+        Job::new(toroidal, Cutter::ball_end(mm(ball)), mm(scallop), machine, Model::Analytic).unwrap()
     }
 
     /// The paper's cutters and machine.
@@ -301,7 +301,7 @@ mod tests {
             let limits = Preset::named(machine).unwrap().limits;
             let toroidal = Cutter::toroidal(mm(diameter), mm(ratio * diameter / 2.0)).unwrap();
             let scallop = mm(scallop.min(ratio * diameter / 4.0));
-            Job::new(toroidal, Cutter::ball_end(mm(diameter * ball)), scallop, limits, StepOverModel::Analytic).unwrap()
+            Job::new(toroidal, Cutter::ball_end(mm(diameter * ball)), scallop, limits, Model::Analytic).unwrap()
         })
     }
 

@@ -1,27 +1,9 @@
 //! What is given whatever the surface: two cutters to choose from, the scallop they may leave, and the machine.
 
-use crate::milling::{Analytic, Contact, Cutter, CutterKind, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::milling::{Contact, Cutter, CutterKind, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::motion::MachineLimits;
 use crate::quantity::{Angle, Length};
 use std::fmt;
-
-/// The model that says which step-over leaves the scallop height.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum StepOverModel {
-    /// The effective radius in place of the cutter; no answer on a floor. The published method, and its closed forms, use it.
-    #[default]
-    Analytic,
-}
-
-impl StepOverModel {
-    /// The largest step-over of a pass along the steepest slope of a plane.
-    fn step_over(self, cutter: Cutter, slope: Angle, scallop_height: Length) -> Result<Length, NoAnswer> {
-        let pass = Pass { cutter, contact: Contact::up_the_slope(slope), surface: SurfaceCurvature::PLANE, runout: Runout::NONE };
-        match self {
-            Self::Analytic => Analytic::new(pass)?.max_step_over(scallop_height, None),
-        }
-    }
-}
 
 /// A finishing job: a toroidal and a ball-end cutter, the scallop height sh that they may leave, and the machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +12,7 @@ pub struct Job {
     ball_end: Cutter,
     scallop_height: Length,
     machine: MachineLimits,
-    model: StepOverModel,
+    model: Model,
     ball_end_step_over: Length,
 }
 
@@ -73,13 +55,7 @@ impl Job {
     ///
     /// # Errors
     /// [`JobError`]
-    pub fn new(
-        toroidal: Cutter,
-        ball_end: Cutter,
-        scallop_height: Length,
-        machine: MachineLimits,
-        model: StepOverModel,
-    ) -> Result<Self, JobError> {
+    pub fn new(toroidal: Cutter, ball_end: Cutter, scallop_height: Length, machine: MachineLimits, model: Model) -> Result<Self, JobError> {
         if toroidal.kind() != CutterKind::Toroidal {
             return Err(JobError::NotToroidal);
         }
@@ -91,8 +67,8 @@ impl Job {
         if scallop_height > largest {
             return Err(JobError::ScallopTooHigh { largest });
         }
-        // A ball leaves the same on every slope, so its step-over is known once and for all.
-        let ball_end_step_over = StepOverModel::Analytic.step_over(ball_end, Angle::ZERO, scallop_height).map_err(JobError::BallEnd)?;
+        // A ball leaves the same on every slope, and in both models, so its step-over is known once and for all.
+        let ball_end_step_over = step_over(Model::Analytic, ball_end, Angle::ZERO, scallop_height).map_err(JobError::BallEnd)?;
         Ok(Self { toroidal, ball_end, scallop_height, machine, model, ball_end_step_over })
     }
 
@@ -102,7 +78,7 @@ impl Job {
     /// # Errors
     /// [`NoAnswer::FlatFloor`] in the analytic model on a floor, or another case in which the model has no step-over.
     pub fn toroidal_step_over(&self, slope: Angle) -> Result<Length, NoAnswer> {
-        self.model.step_over(self.toroidal, slope, self.scallop_height)
+        step_over(self.model, self.toroidal, slope, self.scallop_height)
     }
 
     /// sod2, the step-over of the ball-end cutter on any slope and in any direction: chord(R, sh).
@@ -135,11 +111,17 @@ impl Job {
         self.machine
     }
 
-    /// The model of the step-over.
+    /// The model that says which step-over leaves the scallop height; the published method, and its closed forms, use the analytic one.
     #[must_use]
-    pub fn model(&self) -> StepOverModel {
+    pub fn model(&self) -> Model {
         self.model
     }
+}
+
+/// The largest step-over of a pass along the steepest slope of a plane.
+fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length) -> Result<Length, NoAnswer> {
+    let pass = Pass { cutter, contact: Contact::up_the_slope(slope), surface: SurfaceCurvature::PLANE, runout: Runout::NONE };
+    JudgedPass::new(model, pass)?.max_step_over(scallop_height, None)
 }
 
 #[cfg(test)]
@@ -152,7 +134,7 @@ mod tests {
     }
 
     fn job(toroidal: Cutter, ball_end: Cutter, scallop_height: f64) -> Result<Job, JobError> {
-        Job::new(toroidal, ball_end, mm(scallop_height), PRESETS[0].limits, StepOverModel::Analytic)
+        Job::new(toroidal, ball_end, mm(scallop_height), PRESETS[0].limits, Model::Analytic)
     }
 
     #[test]
@@ -180,5 +162,20 @@ mod tests {
         // R_eff = 3/sin(30 deg) + 2 = 8
         approx::assert_relative_eq!(job.toroidal_step_over(slope).unwrap().mm(), chord(8.0), max_relative = 1e-14);
         assert_eq!(job.toroidal_step_over(Angle::ZERO), Err(NoAnswer::FlatFloor));
+    }
+
+    #[test]
+    fn the_envelope_has_a_step_over_on_a_floor_and_the_circles_on_a_slope() {
+        let (toroidal, ball) = (Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Cutter::ball_end(mm(10.0)));
+        let of = |model| Job::new(toroidal, ball, mm(0.01), PRESETS[0].limits, model).unwrap();
+        let (circle, envelope) = (of(Model::Analytic), of(Model::Envelope));
+        assert_eq!(circle.ball_end_step_over(), envelope.ball_end_step_over());
+        // On a floor the corners leave it: 2 (R - r) of flat, and the chord of r, 2 sqrt(2 * 2 * 0.01 - 0.01^2).
+        let on_floor = envelope.toroidal_step_over(Angle::ZERO).unwrap().mm();
+        approx::assert_relative_eq!(on_floor, 6.0 + 2.0 * (0.04_f64 - 0.0001).sqrt(), max_relative = 1e-9);
+        // At 40 deg and a step of 0.73 mm the heights are 9.999 and 10.006 um: h grows with s^2, so s differs by half of 7e-4.
+        let slope = Angle::from_degrees(40.0).unwrap();
+        let (one, other) = (circle.toroidal_step_over(slope).unwrap().mm(), envelope.toroidal_step_over(slope).unwrap().mm());
+        assert!(other < one && other > one * (1.0 - 5e-4), "{one} {other}");
     }
 }

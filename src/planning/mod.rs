@@ -16,6 +16,6 @@ mod root;
 
 pub use confidence::{Confidence, Level, Reason, Weakness};
 pub use critical::{CriticalFormFactor, CriticalSlope, critical_form_factor, critical_slope};
-pub use job::{Job, JobError, StepOverModel};
+pub use job::{Job, JobError};
 pub use recommendation::{Candidate, CutterChoice, Plan, PlanError, Recommendation, plan, recommend};
 pub use rectangle::{HeightExceedsWidth, InclinedRectangle, Zigzag};

@@ -121,9 +121,8 @@ pub fn recommend(job: &Job, shape: &Shape) -> Result<Recommendation, PlanError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::milling::Cutter;
+    use crate::milling::{Cutter, Model};
     use crate::motion::MachineLimits;
-    use crate::planning::StepOverModel;
     use crate::quantity::{Acceleration, Area, FormFactor, Jerk, Length, Speed};
     use proptest::prelude::*;
 
@@ -159,9 +158,10 @@ mod tests {
             mu in decades(1.0, FormFactor::LARGEST),
             chi in decades(Area::SMALLEST, Area::LARGEST),
             slope in prop_oneof![0.0..=90.0_f64, decades(1e-300, 90.0)],
+            model in prop_oneof![3 => Just(Model::Analytic), 1 => Just(Model::Envelope)],
         ) {
             let Ok(toroidal) = Cutter::toroidal(diameter, corner) else { return Err(TestCaseError::reject("corner")) };
-            let job = Job::new(toroidal, Cutter::ball_end(ball), scallop, machine, StepOverModel::Analytic);
+            let job = Job::new(toroidal, Cutter::ball_end(ball), scallop, machine, model);
             let Ok(job) = job else { return Err(TestCaseError::reject("scallop")) };
             let rectangle = InclinedRectangle::from_form(FormFactor::new(mu).unwrap(), Area::from_mm2(chi).unwrap());
             let Ok(rectangle) = rectangle else { return Err(TestCaseError::reject("sides")) };

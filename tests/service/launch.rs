@@ -43,6 +43,14 @@ impl Program {
         assert!(killed.success());
     }
 
+    /// The most memory that the program has held so far, in kB.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn peak_memory_kb(&self) -> u64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("a peak");
+        line.trim().trim_end_matches(" kB").parse().unwrap()
+    }
+
     /// The exit code and the log.
     pub(crate) fn wait(mut self) -> (Option<i32>, Vec<serde_json::Value>) {
         let code = self.child.wait().unwrap().code();

@@ -3,6 +3,8 @@
 
 mod launch;
 mod limits;
+#[cfg(target_os = "linux")]
+mod memory;
 mod monitoring;
 mod observability;
 mod panics;

@@ -59,8 +59,13 @@ pub(crate) struct Grid {
     pub(crate) across: usize,
 }
 
-/// Passes that can reach a place beside the one under it: two on either side.
-const PASSES: i32 = 2;
+/// Passes on either side that can reach a place. A sharp edge at an oblique feed cuts deepest beside its contact, by less than the
+/// marks are apart; passes further off than that and two more leave nothing lower than those between.
+fn passes(setup: Setup) -> i32 {
+    #[expect(clippy::cast_possible_truncation, reason = "marks and step-overs are of one order")]
+    let reach = (setup.mark_spacing / setup.step_over).ceil() as i32;
+    reach + 2
+}
 
 /// Columns along the normal through places of the tangent plane.
 struct Columns {
@@ -120,7 +125,7 @@ impl Columns {
     }
 }
 
-/// What one pass leaves at the grid's places, over a mark's length and `2 PASSES` step-overs.
+/// What one pass leaves at the grid's places, over a mark's length and as many step-overs to either side as it can reach.
 struct Groove {
     along: usize,
     first_row: i32,
@@ -131,7 +136,7 @@ impl Groove {
     fn mill(setup: Setup, grid: Grid, ceiling: f64, resolution: f64) -> Self {
         let columns = Columns::new(setup);
         let per_pass = i32::try_from(grid.across).expect("a grid's size");
-        let (first, last) = (-PASSES * per_pass, PASSES * per_pass);
+        let (first, last) = (-passes(setup) * per_pass, passes(setup) * per_pass);
         let mut rows = vec![Vec::new(); usize::try_from(last - first).expect("rows")];
         // Outwards from the contact, so that each row starts with the tooth that cut deepest in the row before it.
         let mut sweep = |order: &mut dyn Iterator<Item = i32>| {
@@ -181,12 +186,12 @@ pub(crate) fn highest_uncut(setup: Setup, grid: Grid, ceiling: f64, resolution: 
     let per_pass = i32::try_from(grid.across).expect("a grid's size");
     let mut highest = 0.0_f64;
     for row in 0..per_pass {
-        // The passes whose contact lies one step-over behind, under, one and two ahead of the row's.
-        let passes = [1, 0, -1, -2].map(|ahead| groove.row(row + ahead * per_pass));
+        // The passes in whose groove the row lies, from the furthest behind to the furthest ahead.
+        let passes: Vec<&[f64]> = (-passes(setup)..passes(setup)).map(|ahead| groove.row(row + ahead * per_pass)).collect();
         for phase in 0..groove.along {
             for cell in 0..groove.along {
-                let at = |pass: usize| passes[pass][(cell + pass * phase) % groove.along];
-                highest = highest.max(at(0).min(at(1)).min(at(2)).min(at(3)));
+                let left = passes.iter().enumerate().map(|(pass, row)| row[(cell + pass * phase) % groove.along]);
+                highest = highest.max(left.fold(f64::INFINITY, f64::min));
             }
         }
     }

@@ -67,15 +67,16 @@ pub(crate) struct Failure {
     /// Which fault: a stable name to decide by.
     #[schema(example = "flat-floor")]
     pub(crate) code: String,
-    /// What is wrong and what would be right, for a person; further faults of the contact follow the first.
+    /// What is wrong and what would be right, for a person; further faults of the contact follow the first, each after its pointer.
     pub(crate) detail: String,
 }
 
 impl Failure {
     /// Of the contact's faults, of which there is at least one.
     pub(crate) fn new(index: usize, faults: &[Fault]) -> Option<Self> {
-        let first = faults.first()?;
-        let detail = faults.iter().map(|fault| fault.detail.as_str()).collect::<Vec<_>>().join("; ");
+        let (first, further) = faults.split_first()?;
+        let further = further.iter().map(|fault| format!("; {}: {}", fault.pointer, fault.detail));
+        let detail = std::iter::once(first.detail.clone()).chain(further).collect();
         Some(Self { index, pointer: first.pointer.clone(), code: first.code.to_owned(), detail })
     }
 }

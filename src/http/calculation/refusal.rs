@@ -35,7 +35,7 @@ pub(super) fn fault(cause: NoAnswer, place: &Place<'_>, contact: StatedContact, 
 }
 
 /// The stable name and the title of a cause.
-pub(super) fn name(cause: NoAnswer) -> (&'static str, &'static str) {
+pub(crate) fn name(cause: NoAnswer) -> (&'static str, &'static str) {
     match cause {
         NoAnswer::FlatFloor => ("flat-floor", "The analytic model has no answer on a floor"),
         NoAnswer::PassesDoNotOverlap { .. } => ("passes-do-not-overlap", "The passes do not overlap"),

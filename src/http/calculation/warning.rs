@@ -25,8 +25,8 @@ pub(crate) struct Warning {
 }
 
 impl Warning {
-    pub(crate) fn new(code: &'static str, detail: String) -> Self {
-        Self { code: code.into(), detail, contacts: None, first_index: None }
+    pub(crate) fn new(code: &'static str, detail: impl Into<String>) -> Self {
+        Self { code: code.into(), detail: detail.into(), contacts: None, first_index: None }
     }
 }
 

@@ -8,5 +8,5 @@ mod schema;
 
 pub(crate) use fault::{Fault, Faulted, Faults, Place};
 pub(crate) use member::{Kind, Member};
-pub(crate) use object::Object;
+pub(crate) use object::{Object, describe};
 pub(crate) use schema::ObjectSchema;

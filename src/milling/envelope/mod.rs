@@ -88,12 +88,13 @@ impl Envelope {
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
         let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
-        let used_up = || {
-            let max_step_over = self.max_step_over(tolerance, None)?;
+        let used_up = |within: f64| {
+            let max_step_over = self.max_step_over_within(tolerance, 0.0, within)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
         };
         if step_over_height >= tolerance {
-            return used_up();
+            // Not beyond the step-over itself: in a hollow the height can fall again under the tolerance there.
+            return used_up(step_over.mm());
         }
         let room = tolerance.mm() - step_over_height.mm();
         let largest_spacing = self.largest_mark_spacing(step_over.mm());
@@ -104,7 +105,7 @@ impl Envelope {
         let (runout, climb) = (self.pass.runout, self.climb);
         match spacing {
             // Room for less than any feed that can be stated.
-            Reached::BeforeSmallest { .. } => used_up(),
+            Reached::BeforeSmallest { .. } => used_up(self.largest_step_over(0.0)),
             Reached::At(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
             Reached::Nowhere => match runout.feed_per_tooth(Length::computed(largest_spacing), climb) {
                 Some(largest_feed_per_tooth) => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }),
@@ -122,11 +123,15 @@ impl Envelope {
     /// - [`NoAnswer::Gouges`] or [`NoAnswer::FlatGouges`] where the cutter cuts into a hollow before the step-over leaves the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let spacing = feed_per_tooth.map_or(0.0, |feed| self.pass.runout.mark_spacing(feed, self.climb).mm());
+        self.max_step_over_within(tolerance, spacing, self.largest_step_over(spacing))
+    }
+
+    /// The same for marks `spacing` apart, among the step-overs up to `largest_step_over`.
+    fn max_step_over_within(&self, tolerance: Length, spacing: f64, largest_step_over: f64) -> Result<Length, NoAnswer> {
         let height = |step_over: f64| {
             let on_plane = self.height_on_plane(step_over, spacing)?;
             self.with_curvature(on_plane, step_over).map(Length::mm)
         };
-        let largest_step_over = self.largest_step_over(spacing);
         let radius = self.groove_curvature.recip().min(self.cutter.outer_radius().mm());
         let guess = (8.0 * tolerance.mm() * radius).sqrt();
         match largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)? {
@@ -208,7 +213,15 @@ impl Envelope {
     fn largest_step_over(&self, f: f64) -> f64 {
         let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
         let curvature = self.pass.surface.per_mm();
-        if curvature == 0.0 { on_plane } else { on_plane.min(largest_groove_distance(self.groove_curvature, curvature).mm()) }
+        let grooves_meet = |curvature| largest_groove_distance(self.groove_curvature, curvature).mm();
+        if curvature == 0.0 {
+            on_plane
+        } else if curvature < 0.0 {
+            // In a hollow grooves meet further apart than on a plane, but the correction needs the plane's height, too.
+            on_plane.min(grooves_meet(curvature)).min(grooves_meet(0.0))
+        } else {
+            on_plane.min(grooves_meet(curvature))
+        }
     }
 
     /// The distance of marks up to which they overlap, seen from above, in passes s apart.

@@ -1,0 +1,107 @@
+//! The answers' two ways to finish a surface, and the critical figures between them.
+
+use crate::planning::{Candidate, CriticalSlope, CutterChoice, Plan};
+use crate::quantity::Angle;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// One of the two cutters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ComparedCutter {
+    /// The toroidal cutter, up and down the slope.
+    Toroidal,
+    /// The ball-end cutter, along the long side.
+    BallEnd,
+}
+
+impl From<CutterChoice> for ComparedCutter {
+    fn from(choice: CutterChoice) -> Self {
+        match choice {
+            CutterChoice::Toroidal => Self::Toroidal,
+            CutterChoice::BallEnd => Self::BallEnd,
+        }
+    }
+}
+
+/// The cutter to take, and how.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub(super) struct Recommended {
+    /// The cutter.
+    cutter: ComparedCutter,
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the toroidal cutter, the
+    /// principal direction for the ball-end cutter. Absent where the surface has no such direction, or its place in XY is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180, example = 0.0)]
+    direction_deg: Option<f64>,
+    /// The distance of the passes along the surface.
+    #[schema(minimum = 0)]
+    step_over_mm: f64,
+    /// The time of the zigzag, stops at all corners included.
+    #[schema(minimum = 0)]
+    machining_time_s: f64,
+}
+
+/// One way to finish the surface.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub(super) struct CandidateAnswer {
+    /// The cutter.
+    cutter: ComparedCutter,
+    /// The line of the passes seen from above, as in `recommended`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180, example = 90.0)]
+    direction_deg: Option<f64>,
+    /// The distance of the passes along the surface.
+    #[schema(minimum = 0)]
+    step_over_mm: f64,
+    /// How many passes: the side across them over the step-over, the model's quotient, not rounded.
+    #[schema(minimum = 0)]
+    passes: f64,
+    /// The length of all passes and the steps between them.
+    #[schema(minimum = 0)]
+    path_length_mm: f64,
+    /// The time of the zigzag, stops at all corners included.
+    #[schema(minimum = 0)]
+    machining_time_s: f64,
+}
+
+impl From<&Candidate> for Recommended {
+    fn from(candidate: &Candidate) -> Self {
+        let CandidateAnswer { cutter, direction_deg, step_over_mm, machining_time_s, .. } = candidate.into();
+        Self { cutter, direction_deg, step_over_mm, machining_time_s }
+    }
+}
+
+impl From<&Candidate> for CandidateAnswer {
+    fn from(candidate: &Candidate) -> Self {
+        let zigzag = candidate.zigzag;
+        Self {
+            cutter: candidate.cutter.into(),
+            direction_deg: candidate.direction.map(line_degrees),
+            step_over_mm: zigzag.step_over.mm(),
+            passes: zigzag.passes,
+            path_length_mm: zigzag.path_length.mm(),
+            machining_time_s: zigzag.time.seconds(),
+        }
+    }
+}
+
+/// The direction of a line in degrees, in [0, 180). A line a rounding short of pi is 180 in degrees, which is 0.
+pub(super) fn line_degrees(line: Angle) -> f64 {
+    let degrees = line.degrees();
+    if degrees < 180.0 { degrees } else { 0.0 }
+}
+
+/// Both candidates, the toroidal cutter first.
+pub(super) fn candidates(plan: &Plan) -> Vec<CandidateAnswer> {
+    vec![(&plan.toroidal).into(), (&plan.ball_end).into()]
+}
+
+/// The cutter that is faster on every slope, where there is no critical one.
+pub(super) fn always_faster(critical: CriticalSlope) -> Option<ComparedCutter> {
+    match critical {
+        CriticalSlope::At(_) => None,
+        CriticalSlope::ToroidalAlways => Some(ComparedCutter::Toroidal),
+        CriticalSlope::BallEndAlways => Some(ComparedCutter::BallEnd),
+    }
+}

@@ -1,0 +1,80 @@
+//! `GET /v1/machines`: the machines that can be named instead of stating their limits.
+
+use crate::http::problem::ProblemBody;
+use crate::motion::{PRESETS, Preset};
+use axum::Json;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// All presets.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Machines)]
+pub(crate) struct MachinesAnswer {
+    /// The machines, from the slowest drives to the fastest.
+    machines: Vec<MachineAnswer>,
+}
+
+/// A machine by its name.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = MachinePreset)]
+struct MachineAnswer {
+    /// The name for `machine.preset`; stable.
+    #[schema(example = "five_axis_vmc")]
+    name: &'static str,
+    /// Which machines it stands for.
+    description: &'static str,
+    /// V, the feed rate of finishing, in mm/min.
+    #[schema(exclusive_minimum = 0, example = 5000.0)]
+    feed_rate_mm_min: f64,
+    /// A, the largest acceleration along the path, in m/s^2.
+    #[schema(exclusive_minimum = 0, example = 6.0)]
+    acceleration_m_s2: f64,
+    /// J, the largest jerk along the path, in m/s^3.
+    #[schema(exclusive_minimum = 0, example = 40.0)]
+    jerk_m_s3: f64,
+    /// The publication that states the values, or "typical" where they are the usual order of magnitude of the class.
+    source: &'static str,
+}
+
+impl From<&Preset> for MachineAnswer {
+    fn from(preset: &Preset) -> Self {
+        let limits = preset.limits;
+        Self {
+            name: preset.name,
+            description: preset.description,
+            feed_rate_mm_min: limits.feed_rate.mm_s() * 60.0,
+            acceleration_m_s2: limits.acceleration.mm_s2() / 1e3,
+            jerk_m_s3: limits.jerk.mm_s3() / 1e3,
+            source: preset.source,
+        }
+    }
+}
+
+/// The machine presets
+///
+/// Machines to name in `machine.preset` where one's own limits are not at hand, each with its limits and where they come from.
+#[utoipa::path(
+    get, path = "/v1/machines", tag = "planning", operation_id = "machines",
+    responses(
+        (status = 200, description = "The presets", body = MachinesAnswer),
+        (status = 503, description = "The server is busy; try again after the seconds in Retry-After", body = ProblemBody, content_type = "application/problem+json"),
+    ),
+)]
+pub(crate) async fn list() -> Json<MachinesAnswer> {
+    Json(MachinesAnswer { machines: PRESETS.iter().map(MachineAnswer::from).collect() })
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // the conversion back to the stated unit is exact for these values
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_shown_in_the_units_in_which_they_are_stated() {
+        let shown: Vec<_> = PRESETS.iter().map(MachineAnswer::from).collect();
+        let five_axis = shown.iter().find(|machine| machine.name == "five_axis_vmc").unwrap();
+        assert_eq!((five_axis.feed_rate_mm_min, five_axis.acceleration_m_s2, five_axis.jerk_m_s3), (5000.0, 6.0, 40.0));
+        let hobby = shown.iter().find(|machine| machine.name == "hobby_router").unwrap();
+        assert_eq!((hobby.feed_rate_mm_min, hobby.acceleration_m_s2, hobby.jerk_m_s3), (2500.0, 0.4, 8.0));
+    }
+}

@@ -1,0 +1,361 @@
+//! Forms of several parts (`multipart/form-data`, RFC 7578), read as they arrive. The framework's reader takes in whatever is ready, so
+//! that a compressed body unfolds whole into memory, and bounds neither a part's head nor what stands before the first part. This
+//! one holds a chunk and no more.
+
+use crate::http::problem::Problem;
+use axum::body::{Body, Bytes};
+use axum::extract::{FromRequest, Request};
+use axum::http::{HeaderMap, StatusCode, header};
+use http_body_util::BodyExt;
+use memchr::memmem::{self, Finder};
+
+/// A part's data are handed on in pieces of about this size: large against the cost of changing threads, small against memory.
+const CHUNK: usize = 1 << 20;
+
+/// The longest head of a part; those of browsers and libraries have some hundred bytes.
+const LONGEST_HEAD: usize = 1 << 14;
+
+/// The longest boundary [RFC 2046, section 5.1.1].
+const LONGEST_BOUNDARY: usize = 70;
+
+/// A form, part after part.
+pub(crate) struct Form {
+    body: Body,
+    /// CRLF, two hyphens and the boundary.
+    delimiter: Finder<'static>,
+    held: Vec<u8>,
+    /// How much of `held` is done with.
+    start: usize,
+    /// How far `held` was searched in vain for a delimiter.
+    searched: usize,
+    within: Within,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Within {
+    /// A part's data, or what stands before the first part.
+    Data,
+    /// A delimiter was passed.
+    Delimiter,
+    /// The last delimiter was passed.
+    Epilogue,
+}
+
+/// What a part says of itself.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Head {
+    pub(super) name: Option<String>,
+    pub(super) file_name: Option<String>,
+    pub(super) media_type: Option<String>,
+}
+
+impl<S: Send + Sync> FromRequest<S> for Form {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
+        let boundary = boundary(request.headers())?;
+        Ok(Self::new(request.into_body(), &boundary))
+    }
+}
+
+impl Form {
+    fn new(body: Body, boundary: &str) -> Self {
+        let delimiter = Finder::new(&format!("\r\n--{boundary}")).into_owned();
+        // The first delimiter begins the body, without a line's end before it.
+        Self { body, delimiter, held: b"\r\n".to_vec(), start: 0, searched: 0, within: Within::Data }
+    }
+
+    /// The next part, after what is left of the one before.
+    pub(super) async fn next(&mut self) -> Result<Option<Head>, Problem> {
+        while self.chunk().await?.is_some() {}
+        if self.within == Within::Epilogue {
+            return Ok(None);
+        }
+        while self.rest().len() < 2 {
+            self.more().await?;
+        }
+        if self.rest().starts_with(b"--") {
+            self.within = Within::Epilogue;
+            self.drain().await?;
+            return Ok(None);
+        }
+        let head = self.head().await?;
+        (self.within, self.searched) = (Within::Data, self.start);
+        Ok(Some(head))
+    }
+
+    /// More of the current part's data; `None` once there are no more.
+    pub(super) async fn chunk(&mut self) -> Result<Option<Vec<u8>>, Problem> {
+        if self.within != Within::Data {
+            return Ok(None);
+        }
+        let length = self.delimiter.needle().len();
+        loop {
+            if let Some(found) = self.delimiter.find(&self.held[self.searched..]) {
+                let end = self.searched + found;
+                let data = self.held[self.start..end].to_vec();
+                (self.start, self.within) = (end + length, Within::Delimiter);
+                return Ok(Some(data));
+            }
+            // A delimiter may have begun in the last bytes.
+            self.searched = self.searched.max((self.held.len() + 1).saturating_sub(length)).max(self.start);
+            if self.searched - self.start >= CHUNK {
+                let data = self.held[self.start..self.searched].to_vec();
+                self.start = self.searched;
+                return Ok(Some(data));
+            }
+            self.more().await?;
+        }
+    }
+
+    /// The head of a part, from the delimiter to the empty line.
+    async fn head(&mut self) -> Result<Head, Problem> {
+        loop {
+            let searched = &self.rest()[..self.rest().len().min(LONGEST_HEAD)];
+            if let Some(end) = memmem::find(searched, b"\r\n\r\n") {
+                let head = read_head(&searched[..end])?;
+                self.start += end + 4;
+                return Ok(head);
+            }
+            if searched.len() == LONGEST_HEAD {
+                return Err(malformed(format!("the head of a part is longer than {LONGEST_HEAD} bytes")));
+            }
+            self.more().await?;
+        }
+    }
+
+    fn rest(&self) -> &[u8] {
+        &self.held[self.start..]
+    }
+
+    /// Takes in what the body has next; its end comes too early here.
+    async fn more(&mut self) -> Result<(), Problem> {
+        self.held.drain(..self.start);
+        self.searched = self.searched.saturating_sub(self.start);
+        self.start = 0;
+        match self.data().await? {
+            Some(data) => self.held.extend_from_slice(&data),
+            None => return Err(malformed("the form ends before its last boundary".to_owned())),
+        }
+        Ok(())
+    }
+
+    /// Reads what follows the last delimiter, which is no part of the form, so that the connection can be used again.
+    async fn drain(&mut self) -> Result<(), Problem> {
+        while self.data().await?.is_some() {}
+        Ok(())
+    }
+
+    async fn data(&mut self) -> Result<Option<Bytes>, Problem> {
+        loop {
+            match self.body.frame().await {
+                None => return Ok(None),
+                Some(Ok(frame)) => {
+                    if let Ok(data) = frame.into_data() {
+                        return Ok(Some(data));
+                    }
+                }
+                // A body over its limit, too slow or damaged has its answer from the layers around; this one is for what they do not know.
+                Some(Err(error)) => {
+                    let (status, detail) = (StatusCode::BAD_REQUEST, error.to_string());
+                    return Err(Problem::new(status, "unreadable-body", "The body could not be read", detail));
+                }
+            }
+        }
+    }
+}
+
+/// The lines of a head, the first of them the end of the delimiter's line.
+fn read_head(lines: &[u8]) -> Result<Head, Problem> {
+    let lines = std::str::from_utf8(lines).map_err(|_| malformed("the head of a part is not UTF-8".to_owned()))?;
+    let mut lines = lines.split("\r\n");
+    if !lines.next().unwrap_or_default().trim_matches([' ', '\t']).is_empty() {
+        return Err(malformed("a boundary is followed by neither a line's end nor two hyphens".to_owned()));
+    }
+    let mut head = Head::default();
+    for line in lines {
+        let Some((name, value)) = line.split_once(':') else {
+            return Err(malformed("a line in the head of a part has no colon".to_owned()));
+        };
+        match name.trim().to_ascii_lowercase().as_str() {
+            "content-disposition" => {
+                head.name = parameter(value, "name");
+                head.file_name = parameter(value, "filename");
+            }
+            "content-type" => head.media_type = Some(value.trim().to_owned()),
+            _ => {}
+        }
+    }
+    Ok(head)
+}
+
+/// The parameter `name` of a header's value: `...; name=token` or `...; name="quoted"`, where a backslash makes the next character plain.
+fn parameter(value: &str, name: &str) -> Option<String> {
+    let (_, mut rest) = value.split_once(';')?;
+    loop {
+        let (key, after) = rest.split_once('=')?;
+        let key = key.trim_matches([' ', '\t', ';']);
+        let (value, after) = parameter_value(after);
+        if key.eq_ignore_ascii_case(name) {
+            return Some(value);
+        }
+        rest = after;
+    }
+}
+
+/// A parameter's value, and what follows it.
+fn parameter_value(text: &str) -> (String, &str) {
+    let Some(quoted) = text.trim_start().strip_prefix('"') else {
+        let (token, rest) = text.split_once(';').unwrap_or((text, ""));
+        return (token.trim().to_owned(), rest);
+    };
+    let (mut value, mut is_plain) = (String::new(), false);
+    for (index, character) in quoted.char_indices() {
+        match character {
+            '\\' if !is_plain => is_plain = true,
+            '"' if !is_plain => return (value, &quoted[index + 1..]),
+            _ => {
+                value.push(character);
+                is_plain = false;
+            }
+        }
+    }
+    (value, "")
+}
+
+fn boundary(headers: &HeaderMap) -> Result<String, Problem> {
+    let media_type = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let essence = media_type.split(';').next().unwrap_or_default().trim();
+    if !essence.eq_ignore_ascii_case("multipart/form-data") {
+        return Err(Problem::new(
+            StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            "unsupported-media-type",
+            "The media type is not supported",
+            "send a form with the header content-type: multipart/form-data; boundary=...",
+        ));
+    }
+    let boundary = parameter(media_type, "boundary").filter(|boundary| (1..=LONGEST_BOUNDARY).contains(&boundary.len()));
+    boundary.ok_or_else(|| malformed(format!("the header content-type must name a boundary of 1 to {LONGEST_BOUNDARY} characters")))
+}
+
+fn malformed(detail: String) -> Problem {
+    Problem::new(StatusCode::BAD_REQUEST, "malformed-form", "The form is malformed", detail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    type Part = (Head, Vec<u8>);
+
+    /// All parts of a body that comes in pieces of `size` bytes.
+    fn read(body: &[u8], size: usize) -> Result<Vec<Part>, String> {
+        let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+        let (mut sender, channel) = http_body_util::channel::Channel::<Bytes>::new(1);
+        let pieces: Vec<Bytes> = body.chunks(size).map(Bytes::copy_from_slice).collect();
+        runtime.block_on(async {
+            let sending = async {
+                for piece in pieces {
+                    if sender.send_data(piece).await.is_err() {
+                        return;
+                    }
+                }
+                drop(sender);
+            };
+            let reading = async {
+                let mut form = Form::new(Body::new(channel), "edge");
+                let mut parts = Vec::new();
+                while let Some(head) = form.next().await.map_err(|problem| format!("{problem:?}"))? {
+                    let mut data = Vec::new();
+                    while let Some(chunk) = form.chunk().await.map_err(|problem| format!("{problem:?}"))? {
+                        data.extend(chunk);
+                    }
+                    parts.push((head, data));
+                }
+                drop(form);
+                Ok(parts)
+            };
+            tokio::join!(sending, reading).1
+        })
+    }
+
+    fn part(name: &str, data: &[u8]) -> Part {
+        (Head { name: Some(name.to_owned()), ..Head::default() }, data.to_vec())
+    }
+
+    fn written(parts: &[Part]) -> Vec<u8> {
+        let mut body = Vec::new();
+        for (head, data) in parts {
+            body.extend(format!("--edge\r\nContent-Disposition: form-data; name=\"{}\"\r\n\r\n", head.name.as_deref().unwrap()).bytes());
+            body.extend(data.iter().chain(b"\r\n"));
+        }
+        body.extend(b"--edge--\r\n");
+        body
+    }
+
+    proptest! {
+        #[test]
+        fn parts_come_back_wherever_the_body_is_cut(
+            data in proptest::collection::vec(proptest::collection::vec(prop_oneof![Just(b"\r\n--edg".to_vec()), Just(b"\r".to_vec()), Just(b"--".to_vec()), any::<[u8; 3]>().prop_map(Vec::from)], 0..20), 0..4),
+            size in 1_usize..50,
+        ) {
+            let parts: Vec<Part> = data.iter().map(|pieces| part("surface", &pieces.concat())).collect();
+            prop_assume!(parts.iter().all(|(_, data)| memmem::find(data, b"\r\n--edge").is_none()));
+            prop_assert_eq!(read(&written(&parts), size), Ok(parts));
+        }
+
+        #[test]
+        fn a_form_cut_off_is_refused(length in 0_usize..120) {
+            let whole = written(&[part("surface", b"1,2,3"), part("parameters", b"{}")]);
+            // Without the hyphens that end it and the end of the line, 4 bytes.
+            let end = whole.len() - 4;
+            let result = read(&whole[..length.min(end)], 7);
+            prop_assert!(result.is_err(), "{:?}", result);
+        }
+    }
+
+    #[test]
+    fn data_longer_than_a_chunk_come_whole() {
+        let long: Vec<u8> = (0..3 * CHUNK + 17).map(|index| (index % 251) as u8).collect();
+        let parts = [part("surface", &long), part("parameters", b"{}")];
+        assert_eq!(read(&written(&parts), 70_000), Ok(parts.to_vec()));
+    }
+
+    #[test]
+    fn what_stands_before_and_after_the_parts_does_not_count() {
+        let body = b"preamble\r\n--edge \t\r\nX-Other: 1\r\ncontent-type: model/stl\r\ncontent-disposition:form-data; filename=\"a;\\\"b.stl\"; name=surface\r\n\r\n\r\n--edge\r\n\r\nno head\r\n--edge--epilogue\r\n--edge";
+        let named = Head { name: Some("surface".into()), file_name: Some("a;\"b.stl".into()), media_type: Some("model/stl".into()) };
+        assert_eq!(read(body, 9), Ok(vec![(named, Vec::new()), (Head::default(), b"no head".to_vec())]));
+    }
+
+    #[test]
+    fn forms_that_are_none_are_refused() {
+        for body in [
+            &b""[..],
+            b"x",
+            b"--edge",
+            b"--edgeX\r\n\r\n\r\n--edge--",
+            b"--edge\r\nno colon\r\n\r\n\r\n--edge--",
+            b"--edge\r\n\xff: 1\r\n\r\n\r\n--edge--",
+        ] {
+            assert!(read(body, 5).is_err(), "{}", String::from_utf8_lossy(body));
+        }
+        let endless_head = [&b"--edge\r\nX: "[..], &vec![b'x'; 2 * LONGEST_HEAD]].concat();
+        assert!(read(&endless_head, 100).unwrap_err().contains("longer than"));
+    }
+
+    #[test]
+    fn boundaries_come_with_and_without_quotation_marks() {
+        let of = |value: &'static str| {
+            let headers = [(header::CONTENT_TYPE, value.parse().unwrap())].into_iter().collect();
+            boundary(&headers).map_err(|problem| axum::response::IntoResponse::into_response(problem).status())
+        };
+        assert_eq!(of("multipart/form-data; boundary=edge"), Ok("edge".into()));
+        assert_eq!(of("Multipart/Form-Data; charset=utf-8; BOUNDARY=\"e; dge\""), Ok("e; dge".into()));
+        assert_eq!(of("multipart/form-data"), Err(StatusCode::BAD_REQUEST));
+        assert_eq!(of("multipart/form-data; boundary="), Err(StatusCode::BAD_REQUEST));
+        assert_eq!(of("multipart/mixed; boundary=edge"), Err(StatusCode::UNSUPPORTED_MEDIA_TYPE));
+        assert_eq!(of("application/json"), Err(StatusCode::UNSUPPORTED_MEDIA_TYPE));
+    }
+}

@@ -1,0 +1,191 @@
+//! `POST /v1/cutter-recommendation/upload`: the surface as a file, the parameters beside it in a part of their own. The file passes
+//! through its reader as it arrives and is never held.
+
+use super::answer::RecommendationAnswer;
+use super::multipart::{Form, Head};
+use super::recommendation::Parameters;
+use super::source::Sourced;
+use super::stated_surface::SURFACE;
+use crate::http::body::{WrittenJson, read_text};
+use crate::http::document::described;
+use crate::http::heavy::Place as HeavyPlace;
+use crate::http::metrics::Metrics;
+use crate::http::problem::{Problem, UploadProblems};
+use crate::http::reading::{Fault, Faulted, Faults, ObjectSchema, Place};
+use crate::surface::SampledSurface;
+use crate::surface::read::{self, FaultKind, Format, Hint, Reader};
+use axum::extract::State;
+use axum::http::StatusCode;
+use utoipa::openapi::schema::{AdditionalProperties, KnownFormat, ObjectBuilder, SchemaFormat, Type};
+use utoipa::openapi::{Ref, RefOr, Schema};
+
+const PARAMETERS: &str = "parameters";
+
+/// Parameters are some hundred bytes; a part of this size holds something else.
+const LARGEST_PARAMETERS: usize = 1 << 16;
+
+described!(UploadRequest, schemas());
+
+fn schemas() -> Vec<(String, RefOr<Schema>)> {
+    let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
+        "the file: points in text (CSV, TSV, XYZ), STL, OBJ or PLY. Its content shows the format; the part's type and file name help where it does not",
+    ));
+    let form = ObjectBuilder::new()
+        .schema_type(Type::Object)
+        .description(Some("a surface file and the parameters, in either order"))
+        .property(SURFACE.name, file)
+        .required(SURFACE.name)
+        .property(PARAMETERS, Ref::from_schema_name("RecommendationParameters"))
+        .required(PARAMETERS)
+        .additional_properties(Some(AdditionalProperties::FreeForm(false)));
+    let parameters = Parameters::describe(ObjectSchema::new("two cutters to compare on a surface, and the machine")).build();
+    vec![("UploadRequest".to_owned(), Schema::Object(form.build()).into()), ("RecommendationParameters".to_owned(), parameters)]
+}
+
+/// The cutter for a surface in a file
+///
+/// The same as `/v1/cutter-recommendation`, for a file with points (CSV, TSV, XYZ) or facets (STL, OBJ, PLY).
+#[utoipa::path(
+    post, path = "/v1/cutter-recommendation/upload", tag = "planning", operation_id = "cutter_recommendation_upload",
+    request_body(content = UploadRequest, content_type = "multipart/form-data", encoding(("parameters" = (content_type = "application/json")))),
+    responses((status = 200, description = "The recommendation, with both candidates", body = RecommendationAnswer), UploadProblems),
+)]
+pub(crate) async fn answer(place: HeavyPlace, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
+    let received = Received::read(&mut form, &place, &metrics).await?;
+    place.run(move || received.answer()).await
+}
+
+/// What arrived.
+#[derive(Debug, Default)]
+struct Received {
+    parameters: Option<Vec<u8>>,
+    surface: Option<Result<Sourced, read::Fault>>,
+    /// Of the form itself.
+    faults: Vec<Fault>,
+}
+
+impl Received {
+    /// Takes in the whole form, so that the faults of all parts can be told together.
+    async fn read(form: &mut Form, place: &HeavyPlace, metrics: &Metrics) -> Result<Self, Problem> {
+        let mut received = Self::default();
+        while let Some(head) = form.next().await? {
+            match head.name.as_deref() {
+                Some(name) if name == SURFACE.name && received.surface.is_none() => {
+                    received.surface = Some(read_file(form, &head, place, metrics).await?);
+                }
+                Some(PARAMETERS) if received.parameters.is_none() => received.parameters = Some(read_parameters(form).await?),
+                name => received.refuse_part(name),
+            }
+        }
+        Ok(received)
+    }
+
+    fn refuse_part(&mut self, name: Option<&str>) {
+        let root = Place::Root;
+        let fault = match name {
+            Some(name) if name == SURFACE.name || name == PARAMETERS => {
+                Fault::new(&root.member(name), "repeated-field", "the part is given more than once")
+            }
+            Some(name) => Fault::new(&root.member(name), "unknown-field", "unknown part; known here: surface, parameters"),
+            None => Fault::new(&root, "unknown-field", "a part has no name; known here: surface, parameters"),
+        };
+        self.faults.push(fault);
+    }
+
+    fn answer(self) -> Result<WrittenJson, Problem> {
+        let mut status = StatusCode::UNPROCESSABLE_ENTITY;
+        let Some(parameters) = &self.parameters else {
+            let mut faults = Faults::default();
+            let _ = self.surface(&mut faults, &mut status);
+            faults.add(&Place::Root.member(PARAMETERS), "missing-field", "the part is missing: the job and the machine, as JSON");
+            return Err(Problem::faulty_request(faults).with_status(status));
+        };
+        let answer = read_text(parameters, |object, faults| {
+            let parameters = Parameters::read(object, faults);
+            let surface = self.surface(faults, &mut status);
+            parameters?.answer(surface?, &Place::Root.member(SURFACE.name), faults)
+        });
+        let is_faulty_file = status != StatusCode::UNPROCESSABLE_ENTITY;
+        WrittenJson::of(&answer.map_err(|problem| if is_faulty_file { problem.with_status(status) } else { problem })?)
+    }
+
+    /// The surface, with the faults of the form and the file recorded.
+    fn surface(&self, faults: &mut Faults, status: &mut StatusCode) -> Result<&Sourced, Faulted> {
+        for fault in &self.faults {
+            faults.push(fault.clone());
+        }
+        match &self.surface {
+            Some(Ok(surface)) => Ok(surface),
+            Some(Err(fault)) => {
+                let (file_status, fault) = file_fault(fault);
+                *status = file_status;
+                Err(faults.push(fault))
+            }
+            None => Err(faults.add(&Place::Root.member(SURFACE.name), "missing-field", "the part is missing: the file with the surface")),
+        }
+    }
+}
+
+/// A file's fault as a fault of the request, and the status for it.
+fn file_fault(fault: &read::Fault) -> (StatusCode, Fault) {
+    let (status, code, title) = match fault.kind() {
+        FaultKind::UnknownFormat => (StatusCode::UNSUPPORTED_MEDIA_TYPE, "unknown-format", "The file's format is not supported"),
+        FaultKind::Malformed => (StatusCode::BAD_REQUEST, "malformed-file", "The file is malformed"),
+        FaultKind::Truncated => (StatusCode::BAD_REQUEST, "truncated-file", "The file is cut off"),
+        FaultKind::TooLarge => (StatusCode::PAYLOAD_TOO_LARGE, "file-too-large", "The file exceeds a limit of its reader"),
+        FaultKind::OutOfRange => (StatusCode::UNPROCESSABLE_ENTITY, "out-of-range", "A number in the file is out of range"),
+        FaultKind::Empty => (StatusCode::UNPROCESSABLE_ENTITY, "empty-file", "The file has no surface"),
+    };
+    (status, Fault { title: Some(title), ..Fault::new(&Place::Root.member(SURFACE.name), code, fault) })
+}
+
+/// Reads a part that is a surface file; the outer error is the form's, the inner one the file's.
+async fn read_file(form: &mut Form, head: &Head, place: &HeavyPlace, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
+    let mut reader = Reader::new(Hint::new(head.media_type.as_deref(), head.file_name.as_deref()));
+    let mut surface = SampledSurface::new();
+    while let Some(chunk) = form.chunk().await? {
+        metrics.upload_bytes(chunk.len() as u64);
+        let pushed;
+        (reader, surface, pushed) = place
+            .run(move || {
+                let pushed = reader.push(&chunk, &mut surface);
+                (reader, surface, pushed)
+            })
+            .await;
+        if let Err(fault) = pushed {
+            return Ok(Err(fault));
+        }
+    }
+    let (surface, finished) = place
+        .run(move || {
+            let finished = reader.finish(&mut surface);
+            (surface, finished)
+        })
+        .await;
+    Ok(finished.map(|summary| {
+        metrics.upload_facets(format_label(summary.format), if summary.facets > 0 { summary.facets } else { summary.points });
+        Sourced { surface, source: summary.format.into(), notes: summary.notes }
+    }))
+}
+
+/// The label of a format in the metrics.
+fn format_label(format: Format) -> &'static str {
+    match format {
+        Format::Text => "text",
+        Format::StlAscii | Format::StlBinary => "stl",
+        Format::Obj => "obj",
+        Format::PlyAscii | Format::PlyLittleEndian | Format::PlyBigEndian => "ply",
+    }
+}
+
+async fn read_parameters(form: &mut Form) -> Result<Vec<u8>, Problem> {
+    let mut parameters = Vec::new();
+    while let Some(chunk) = form.chunk().await? {
+        parameters.extend(chunk);
+        if parameters.len() > LARGEST_PARAMETERS {
+            let detail = format!("the part parameters is larger than {LARGEST_PARAMETERS} bytes");
+            return Err(Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail));
+        }
+    }
+    Ok(parameters)
+}

@@ -1,0 +1,243 @@
+//! The OpenAPI document against the service that it describes: committed as generated, its examples true, its schemas those of what is
+//! sent and answered, its members those that the service knows.
+
+use std::collections::BTreeSet;
+
+use crate::app::{TestApp, faults};
+use crate::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
+use jsonschema::Validator;
+use scallopd::http::openapi_json;
+use serde_json::{Value, json};
+
+const SINGLES: [&str; 3] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER];
+
+fn document() -> Value {
+    serde_json::from_str(&openapi_json()).unwrap()
+}
+
+/// A validator of `schema`, which refers to the document's components.
+fn validator(document: &Value, schema: &Value) -> Validator {
+    let mut schema = schema.clone();
+    schema["components"] = document["components"].clone();
+    jsonschema::draft202012::new(&schema).unwrap()
+}
+
+fn assert_valid(validator: &Validator, instance: &Value) {
+    let errors: Vec<_> = validator.iter_errors(instance).map(|error| format!("{}: {error}", error.instance_path())).collect();
+    assert!(errors.is_empty(), "{errors:#?} in {instance}");
+}
+
+/// The operations that take a body, with their paths.
+fn operations(document: &Value) -> impl Iterator<Item = (&str, &Value)> {
+    document["paths"].as_object().unwrap().iter().filter_map(|(path, item)| Some((path.as_str(), item.get("post")?)))
+}
+
+fn request_of(operation: &Value) -> &Value {
+    &operation["requestBody"]["content"]["application/json"]
+}
+
+fn answer_of(operation: &Value) -> &Value {
+    &operation["responses"]["200"]["content"]["application/json"]
+}
+
+fn problem_of<'a>(operation: &'a Value, status: &str) -> &'a Value {
+    &operation["responses"][status]["content"]["application/problem+json"]["schema"]
+}
+
+/// `found` is `expected`, its numbers to 1e-12 of themselves: twenty functions of the system's mathematical library may each differ by some
+/// roundings of 1e-16, and a deviation of a tenth makes ten times that of it.
+fn assert_same(found: &Value, expected: &Value, place: &str) {
+    match (found, expected) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
+            assert!((a - b).abs() <= 1e-12 * b.abs(), "{place}: {a} is not {b}");
+        }
+        (Value::Array(a), Value::Array(b)) => {
+            assert_eq!(a.len(), b.len(), "{place}");
+            for (index, (a, b)) in a.iter().zip(b).enumerate() {
+                assert_same(a, b, &format!("{place}/{index}"));
+            }
+        }
+        (Value::Object(a), Value::Object(b)) => {
+            assert_eq!(a.keys().collect::<BTreeSet<_>>(), b.keys().collect::<BTreeSet<_>>(), "{place}");
+            for (name, a) in a {
+                assert_same(a, &b[name], &format!("{place}/{name}"));
+            }
+        }
+        _ => assert_eq!(found, expected, "{place}"),
+    }
+}
+
+#[test]
+fn the_committed_document_is_the_generated_one() {
+    let committed = include_str!("../../openapi/openapi.json");
+    assert!(committed == openapi_json(), "openapi/openapi.json is stale: cargo run -- openapi > openapi/openapi.json");
+}
+
+#[tokio::test]
+async fn the_server_serves_the_same_document() {
+    let answer = TestApp::start().await.get("/openapi.json").await;
+    assert_eq!(answer.headers()["content-type"], "application/json");
+    assert_eq!(answer.text().await.unwrap(), openapi_json());
+}
+
+#[tokio::test]
+async fn every_example_request_sent_as_it_stands_gives_its_example_answer() {
+    let (app, document) = (TestApp::start().await, document());
+    assert!(operations(&document).count() >= 6);
+    for (path, operation) in operations(&document) {
+        let (request, expected) = (&request_of(operation)["example"], &answer_of(operation)["example"]);
+        assert!(request.is_object() && expected.is_object(), "{path} has no example");
+        assert_same(&app.answer(path, request).await, expected, path);
+    }
+}
+
+#[tokio::test]
+async fn examples_answers_and_problems_are_as_the_schemas_say() {
+    let (app, document) = (TestApp::start().await, document());
+    for (path, operation) in operations(&document) {
+        let (request, answer) = (request_of(operation), answer_of(operation));
+        let (requests, answers) = (validator(&document, &request["schema"]), validator(&document, &answer["schema"]));
+        assert_valid(&requests, &request["example"]);
+        assert_valid(&answers, &answer["example"]);
+        assert_valid(&answers, &app.answer(path, &request["example"]).await);
+        let (status, problem) = app.post(path, &json!({})).await;
+        assert_valid(&validator(&document, problem_of(operation, &status.to_string())), &problem);
+        let (status, problem) = app.post_text(path, "{").await;
+        assert_valid(&validator(&document, problem_of(operation, &status.to_string())), &problem);
+    }
+}
+
+/// Requests of all shapes that are answered.
+fn answered(path: &str) -> Vec<Value> {
+    let vectors = json!({"normal": [-0.64, 0, 0.77], "feed": [1, 0, 0.84]});
+    let mut bodies =
+        vec![shortest(path), longest(path), with(longest(path), "/model", "envelope"), with(shortest(path), "/contact", vectors)];
+    for cutter in [json!({"type": "ball_end", "diameter_mm": 6}), json!({"type": "flat_end", "diameter_mm": 6, "teeth": 2})] {
+        bodies.push(with(shortest(path), "/cutter", cutter));
+    }
+    bodies.push(with(shortest(path), "/cutter/type", "bull_nose"));
+    if path == SCALLOP_HEIGHT {
+        let floor = with(with(shortest(path), "/contact/slope_deg", 0), "/model", "envelope");
+        bodies.push(floor);
+        bodies.push(with(without(shortest(path), "/step_over_mm"), "/step_over_xy_mm", 0.5));
+    }
+    // The flat end's sharp marks need more room than the others'.
+    bodies.into_iter().map(|body| if path == SCALLOP_HEIGHT { body } else { with(body, "/scallop_tolerance_mm", 0.04) }).collect()
+}
+
+#[tokio::test]
+async fn requests_of_all_shapes_and_their_answers_are_as_the_schemas_say() {
+    let (app, document) = (TestApp::start().await, document());
+    for single in SINGLES {
+        for (path, batch) in [(single.to_owned(), false), (format!("{single}/batch"), true)] {
+            let operation = &document["paths"][&path]["post"];
+            let requests = validator(&document, &request_of(operation)["schema"]);
+            let answers = validator(&document, &answer_of(operation)["schema"]);
+            for body in answered(single) {
+                let body = if batch { batch_of(body) } else { body };
+                assert_valid(&requests, &body);
+                assert_valid(&answers, &app.answer(&path, &body).await);
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn what_the_schemas_refuse_the_service_refuses() {
+    let (app, document) = (TestApp::start().await, document());
+    for single in SINGLES {
+        let schema = validator(&document, &request_of(&document["paths"][single]["post"])["schema"]);
+        let problems = validator(&document, problem_of(&document["paths"][single]["post"], "422"));
+        let body = longest(single);
+        for wrong in [
+            with(body.clone(), "/note", "x"),
+            with(body.clone(), "/cutter/note", "x"),
+            with(body.clone(), "/cutter/teeth", 0),
+            with(body.clone(), "/cutter/type", "drill"),
+            with(body.clone(), "/cutter/type", "ball_end"),
+            with(body.clone(), "/contact/slope_deg", 91),
+            with(body.clone(), "/contact/feed", json!([1, 0, 0])),
+            with(body.clone(), "/contact", json!({"normal": [0, 0, 1], "feed": [1, 0]})),
+            with(body.clone(), "/runout/radial_mm", -1),
+            with(body.clone(), "/model", "exact"),
+            without(body.clone(), "/cutter"),
+        ] {
+            assert!(!schema.is_valid(&wrong), "{wrong}");
+            assert_valid(&problems, &app.refusal(single, &wrong).await);
+        }
+    }
+}
+
+/// The names that the service says it knows at the place of an unknown member `unknown`.
+fn known(detail: &str) -> BTreeSet<String> {
+    let (_, names) = detail.split_once("known here: ").unwrap_or_else(|| panic!("no names in {detail:?}"));
+    names.split(", ").map(str::to_owned).collect()
+}
+
+/// The names that a schema of the document has.
+fn properties(schema: &Value) -> BTreeSet<String> {
+    schema["properties"].as_object().unwrap().keys().cloned().collect()
+}
+
+fn schema<'a>(document: &'a Value, operation: &'a Value) -> &'a Value {
+    component(document, &request_of(operation)["schema"])
+}
+
+/// The component that a reference names.
+fn component<'a>(document: &'a Value, reference: &Value) -> &'a Value {
+    let pointer = reference["$ref"].as_str().unwrap().strip_prefix('#').unwrap();
+    document.pointer(pointer).unwrap()
+}
+
+#[tokio::test]
+async fn the_members_of_each_schema_are_those_that_the_service_knows() {
+    let (app, document) = (TestApp::start().await, document());
+    let knows = async |path: &str, body: Value, place: &str| {
+        let problem = app.refusal(path, &with(body, &format!("{place}/zz"), 1)).await;
+        assert_eq!(faults(&problem), [(format!("{place}/zz").as_str(), "unknown-field")]);
+        known(problem["errors"][0]["detail"].as_str().unwrap())
+    };
+    for single in SINGLES {
+        let top = schema(&document, &document["paths"][single]["post"]);
+        assert_eq!(knows(single, longest(single), "").await, properties(top), "{single}");
+        assert_eq!(knows(single, longest(single), "/runout").await, properties(&top["properties"]["runout"]), "{single}");
+        let vectors = with(shortest(single), "/contact", json!({"normal": [0, 0.5, 1], "feed": [1, 0, 0]}));
+        let components = &document["components"]["schemas"];
+        assert_eq!(knows(single, shortest(single), "/contact").await, properties(&components["AngleContact"]));
+        assert_eq!(knows(single, vectors, "/contact").await, properties(&components["VectorContact"]));
+        for (name, cutter) in [
+            ("ToroidalCutter", json!({"type": "toroidal", "diameter_mm": 6, "corner_radius_mm": 1})),
+            ("BallEndCutter", json!({"type": "ball_end", "diameter_mm": 6})),
+            ("FlatEndCutter", json!({"type": "flat_end", "diameter_mm": 6})),
+        ] {
+            assert_eq!(knows(single, with(shortest(single), "/cutter", cutter), "/cutter").await, properties(&components[name]));
+        }
+
+        let path = format!("{single}/batch");
+        let top = schema(&document, &document["paths"][&path]["post"]);
+        assert_eq!(knows(&path, batch_of(longest(single)), "").await, properties(top), "{path}");
+        let contacts = json!([{"slope_deg": 40, "feed_angle_deg": 30, "zz": 1}, {"normal": [0, 0.5, 1], "feed": [1, 0, 0], "zz": 1}]);
+        let answer = app.answer(&path, &with(batch_of(shortest(single)), "/contacts", contacts)).await;
+        for (index, item) in top["properties"]["contacts"]["items"]["oneOf"].as_array().unwrap().iter().enumerate() {
+            let detail = answer["failures"][index]["detail"].as_str().unwrap();
+            assert_eq!(known(detail), properties(component(&document, item)), "{path} {index}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn the_members_that_each_schema_requires_are_those_that_the_service_misses() {
+    let (app, document) = (TestApp::start().await, document());
+    for (path, operation) in operations(&document) {
+        let required = schema(&document, operation)["required"].as_array().unwrap().iter();
+        let required: BTreeSet<_> = required.map(|name| format!("/{}", name.as_str().unwrap())).collect();
+        let problem = app.refusal(path, &json!({})).await;
+        assert!(faults(&problem).iter().all(|(_, code)| *code == "missing-field"), "{problem}");
+        let mut missed: BTreeSet<_> = faults(&problem).into_iter().map(|(pointer, _)| pointer.to_owned()).collect();
+        // One of two members has to be there, which `required` cannot say.
+        let either = missed.remove("/step_over_mm");
+        assert_eq!(either, path == SCALLOP_HEIGHT || path == MAX_FEED, "{path}");
+        assert_eq!(missed, required, "{path}");
+    }
+}

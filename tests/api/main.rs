@@ -1,0 +1,14 @@
+//! The HTTP contract, as a client meets it: the whole service in-process on a free port, asked with a client of its own.
+
+mod app;
+mod batch;
+mod document;
+mod faults;
+mod max_feed;
+mod readme;
+mod requests;
+mod scallop_height;
+mod statuses;
+mod step_over;
+mod transport;
+mod warnings;

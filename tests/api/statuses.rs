@@ -1,0 +1,107 @@
+//! Every status that the document says an operation can answer with is obtained from it, and is a problem where it is an error.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use crate::app::{PATIENCE, TestApp};
+use crate::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
+use axum::middleware::from_fn;
+use serde_json::Value;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+
+/// A request whose body does not come.
+async fn half_a_request(app: &TestApp, path: &str) -> TcpStream {
+    let mut stream = TcpStream::connect(app.address).await.unwrap();
+    let head = format!("POST {path} HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\ncontent-length: 1000\r\n\r\n{{");
+    stream.write_all(head.as_bytes()).await.unwrap();
+    stream
+}
+
+/// The status of an operation's answer under the conditions in which it should be `wanted`.
+async fn obtain(wanted: u16, path: &str) -> u16 {
+    let single = path.trim_end_matches("/batch");
+    let body = if single == path { shortest(single) } else { batch_of(shortest(single)) };
+    match wanted {
+        200 => TestApp::start().await.post(path, &body).await.0,
+        400 => TestApp::start().await.post_text(path, "{").await.0,
+        408 => {
+            let app = TestApp::start_with(|settings| settings.http.body_idle_timeout = Duration::from_millis(50), |routes| routes).await;
+            status_of(half_a_request(&app, path).await).await
+        }
+        413 => {
+            let app = TestApp::start_with(|settings| settings.http.max_json_bytes = 64 * 1024, |routes| routes).await;
+            app.post_text(path, format!("{body}{}", " ".repeat(64 * 1024))).await.0
+        }
+        415 => {
+            let app = TestApp::start().await;
+            app.client.post(app.url(path)).body(body.to_string()).send().await.unwrap().status().as_u16()
+        }
+        422 => TestApp::start().await.post_text(path, "{}").await.0,
+        500 => {
+            // No request brings the service to this; a mistake of its own would, so one is made beside the handlers.
+            let failing = from_fn(async |_: axum::extract::Request, _: axum::middleware::Next| -> axum::response::Response {
+                panic!("a mistake, on purpose")
+            });
+            let app = TestApp::start_with(|_| {}, |routes| routes.layer(failing)).await;
+            app.post(path, &body).await.0
+        }
+        503 => {
+            let app = TestApp::start_with(|settings| settings.http.max_in_flight = 1, |routes| routes).await;
+            let _occupies_the_only_place = half_a_request(&app, path).await;
+            let deadline = tokio::time::Instant::now() + PATIENCE;
+            loop {
+                let answer = app.send(path, body.to_string()).await;
+                if answer.status() == 503 {
+                    assert!(answer.headers().contains_key("retry-after"));
+                }
+                // Until the half request has arrived, this one has the place.
+                if answer.status() == 503 || tokio::time::Instant::now() > deadline {
+                    return answer.status().as_u16();
+                }
+            }
+        }
+        other => panic!("nobody knows how to obtain {other} from {path}"),
+    }
+}
+
+async fn status_of(mut stream: TcpStream) -> u16 {
+    let mut head = [0; 12];
+    tokio::time::timeout(PATIENCE, stream.read_exact(&mut head)).await.expect("an answer comes").unwrap();
+    std::str::from_utf8(&head[9..]).unwrap().parse().unwrap()
+}
+
+fn document() -> Value {
+    serde_json::from_str(&scallopd::http::openapi_json()).unwrap()
+}
+
+fn documented(operation: &Value) -> BTreeSet<u16> {
+    operation["responses"].as_object().unwrap().keys().map(|status| status.parse().unwrap()).collect()
+}
+
+#[tokio::test]
+async fn every_documented_status_of_the_calculations_is_obtained() {
+    let document = document();
+    for single in [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER] {
+        for path in [single.to_owned(), format!("{single}/batch")] {
+            let statuses = documented(&document["paths"][&path]["post"]);
+            assert!(statuses.contains(&200) && statuses.contains(&422), "{path}: {statuses:?}");
+            for status in statuses {
+                assert_eq!(obtain(status, &path).await, status, "{path}");
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn every_documented_status_of_the_service_operations_is_obtained() {
+    let (app, document) = (TestApp::start().await, document());
+    let obtained = async |path: &str| app.get(path).await.status().as_u16();
+    for path in ["/livez", "/metrics", "/openapi.json"] {
+        assert_eq!(documented(&document["paths"][path]["get"]), BTreeSet::from([obtained(path).await]), "{path}");
+    }
+    let mut readyz = BTreeSet::from([obtained("/readyz").await]);
+    app.operations.readiness.drain();
+    readyz.insert(obtained("/readyz").await);
+    assert_eq!(documented(&document["paths"]["/readyz"]["get"]), readyz);
+}

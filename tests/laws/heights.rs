@@ -1,0 +1,170 @@
+//! How heights depend on the pass: symmetry, limits, order, and the curved surface's height by another route.
+
+use crate::passes::{BOTH, at, curved, feed_angles, height, judged, mm, passes, plane_passes, slopes};
+use approx::assert_relative_eq;
+use proptest::prelude::*;
+use scallopd::milling::{Contact, Cutter, JudgedPass, Model, Pass, Runout, StepOver, SurfaceCurvature};
+
+/// Normal and feed of a contact in a frame turned about the tool axis, worked out from what the angles mean: the slope tilts the normal
+/// down-hill, and the feed, seen from above at `alpha` from down-hill, follows the surface.
+fn vectors(slope: f64, alpha: f64, turn: f64) -> ([f64; 3], [f64; 3]) {
+    let [s, a, t] = [slope, alpha, turn].map(f64::to_radians);
+    let normal = [s.sin() * t.cos(), s.sin() * t.sin(), s.cos()];
+    let seen_from_above = [(t + a).cos(), (t + a).sin()];
+    let rise = -(normal[0] * seen_from_above[0] + normal[1] * seen_from_above[1]) / normal[2];
+    (normal, [seen_from_above[0], seen_from_above[1], rise])
+}
+
+/// Both heights, where there are any, and within `epsilon` of each other.
+fn assert_same_heights(a: Pass, b: Pass, step_over: f64, feed: f64, epsilon: f64) {
+    for model in BOTH {
+        let find = |pass: Pass| JudgedPass::new(model, pass).and_then(|judged| height(&judged, step_over, feed));
+        match (find(a), find(b)) {
+            (Ok(a), Ok(b)) => assert_relative_eq!(a, b, max_relative = epsilon),
+            (a, b) => assert_eq!(a.is_err(), b.is_err(), "{model:?}"),
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    /// 1e-12: the angles in degrees carry a rounding of 3e-14 deg when 180 is added, and effective radii change by some multiples of
+    /// that, more towards walls, where slopes of 89.9 deg magnify it by a few hundred. Hence slopes of up to 89 deg.
+    #[test]
+    fn the_feeds_sign_and_sense_do_not_matter(pass in passes(), slope in 1.0..89.0_f64, alpha in feed_angles(), step_over in 0.02..0.6_f64, feed in 0.0..0.2_f64) {
+        for same in [alpha + 180.0, alpha - 180.0, -alpha] {
+            assert_same_heights(at(pass, slope, alpha), at(pass, slope, same), step_over, feed.max(1e-3), 1e-12);
+        }
+    }
+
+    /// The feed's rise is a quotient by cos S, so its roundings of 1e-16 grow to 1e-16 / cos^2 S = 3e-13 at 89 deg.
+    #[test]
+    fn angles_and_vectors_agree(pass in passes(), slope in 1.0..89.0_f64, alpha in feed_angles(), turn in 0.0..360.0_f64, step_over in 0.02..0.6_f64, feed in 1e-3..0.2_f64) {
+        let (normal, along) = vectors(slope, alpha, turn);
+        let by_vectors = Contact::from_vectors(normal.map(|c| 3.0 * c), along.map(|c| 0.01 * c)).unwrap();
+        assert_same_heights(at(pass, slope, alpha), Pass { contact: by_vectors, ..pass }, step_over, feed, 1e-10);
+    }
+
+    /// On a wall the feed's slant in the surface is what counts, which only vectors tell.
+    #[test]
+    fn on_walls_vectors_and_the_angles_that_say_something_agree(pass in passes(), turn in 0.0..360.0_f64, step_over in 0.02..0.6_f64, feed in 1e-3..0.2_f64) {
+        let t = turn.to_radians();
+        let normal = [t.cos(), t.sin(), 0.0];
+        for (along, alpha) in [([0.0, 0.0, 1.0], 0.0), ([-t.sin(), t.cos(), 0.0], 90.0)] {
+            let contact = Contact::from_vectors(normal, along).unwrap();
+            assert_same_heights(at(pass, 90.0, alpha), Pass { contact, ..pass }, step_over, feed, 1e-10);
+        }
+    }
+
+    /// The steps are up to a fifth of the diameter each, together 0.283 of it: half of that is seen from the ball's centre under
+    /// asin(0.283) = 16.4 deg, so that up to 70 deg the cutter's side, of which the envelope knows, leaves nothing.
+    #[test]
+    fn a_ball_end_is_indifferent_to_slope_and_direction(diameter in 1.0..20.0_f64, slope in 0.0..70.0_f64, wall in slopes(), alpha in feed_angles(), s in 0.01..0.2_f64, f in 0.01..0.2_f64) {
+        let contact = Contact::from_degrees(0.0, 0.0).unwrap();
+        let floor = Pass { cutter: Cutter::ball_end(mm(diameter)), contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE };
+        let (s, f) = (s * diameter, f * diameter);
+        assert_same_heights(floor, at(floor, slope, alpha), s, f, 1e-12);
+        let analytic = |pass| height(&judged(Model::Analytic, pass), s, f).unwrap();
+        assert_relative_eq!(analytic(floor), analytic(at(floor, wall, alpha)), max_relative = 1e-14);
+    }
+
+    /// To the first order h1 on the curved surface differs from that on the plane by s^2 / (8 rho), so ever less as rho grows. Up to a
+    /// step-over of `R_eff` the exact derivative by 1/rho is at most 0.164 s^2, 1.31 times that.
+    #[test]
+    fn a_curved_surface_tends_to_a_plane_as_its_radius_grows(pass in plane_passes(), share in 0.01..1.0_f64, sign in prop_oneof![Just(1.0), Just(-1.0)]) {
+        let radius = judged(Model::Analytic, pass).effective_radius().unwrap().mm();
+        let s = share * radius.min(pass.cutter.outer_radius().mm());
+        for model in BOTH {
+            let flat = height(&judged(model, pass), s, 0.0).unwrap();
+            for rho in [1e5, 1e7, 1e9] {
+                let bent = JudgedPass::new(model, curved(pass, sign * rho)).and_then(|judged| height(&judged, s, 0.0));
+                match bent {
+                    Ok(bent) => {
+                        // The roundings of the envelope's search come on top.
+                        let most = 1.4 * s * s / (8.0 * rho) + 1e-12 * flat;
+                        prop_assert!((bent - flat).abs() <= most, "{model:?} {rho}: {bent} {flat}");
+                    }
+                    // Where the cutter's side leaves less than the hollow sinks.
+                    Err(_) => prop_assert!(sign < 0.0 && flat <= 1.4 * s * s / (8.0 * rho), "{model:?} {rho}"),
+                }
+            }
+        }
+    }
+
+    /// In hollows the envelope's correction for curvature, which is not exact, may take more than the step-over adds.
+    #[test]
+    fn heights_rise_with_step_over_and_feed(pass in passes(), s in 0.02..1.0_f64, f in 0.01..0.4_f64, more in 1.001..1.5_f64) {
+        for model in BOTH {
+            let Ok(judged) = JudgedPass::new(model, pass) else { continue };
+            let Ok(low) = height(&judged, s, f) else { continue };
+            // On a wall the cylinder leaves nothing along its axis, and towards it ever less, so that there heights need only not fall, but for
+            // the roundings of the search.
+            let near_wall = pass.contact.slope().degrees() > 85.0;
+            let rises = |model, low: f64, high: f64| high > low || (model == Model::Envelope && near_wall && high >= low * (1.0 - 1e-12));
+            let corrected = model == Model::Envelope && pass.surface.per_mm() < 0.0;
+            if !corrected && let Ok(wider) = height(&judged, s * more, f) {
+                prop_assert!(rises(model, low, wider), "{model:?}: step-over {low} {wider}");
+            }
+            // Axial runout can shorten the step between marks where the feed climbs, as long as it exceeds the feed.
+            if pass.runout == Runout::NONE && let Ok(longer) = height(&judged, s, f * more) {
+                prop_assert!(rises(model, low, longer), "{model:?}: feed {low} {longer}");
+            }
+        }
+    }
+
+    /// The height and the chord of a circle, by Pythagoras and not by the formulas' forms.
+    #[test]
+    fn on_a_plane_the_height_is_that_of_circles(pass in plane_passes(), share in 0.01..0.99_f64) {
+        let analytic = judged(Model::Analytic, pass);
+        let radius = analytic.effective_radius().unwrap().mm();
+        let s = 2.0 * radius * share;
+        let h = height(&analytic, s, 0.0).unwrap();
+        // The circle about (0, R) passes through (s/2, h). Each square is rounded to 1e-16 of R^2.
+        prop_assert!(((radius - h).powi(2) + (s / 2.0).powi(2) - radius * radius).abs() <= 1e-14 * radius * radius);
+        prop_assert!(h <= radius);
+        let back = analytic.max_step_over(mm(h), None).unwrap().mm();
+        // h rises with s^2, and near a half circle ever faster, so s is at least as sure as h.
+        assert_relative_eq!(back, s, max_relative = 1e-13);
+    }
+
+    #[test]
+    fn seen_from_above_passes_are_nearer_by_the_slope_of_their_spacing(turn in 0.0..360.0_f64, slope in 1.0..89.0_f64, alpha in feed_angles(), d in 0.01..1.0_f64) {
+        // Step from pass to pass: normal to both the surface's normal and the feed; what of it is seen from above, across the feed seen from above.
+        let (n, f) = vectors(slope, alpha, turn);
+        let step = [n[1] * f[2] - n[2] * f[1], n[2] * f[0] - n[0] * f[2], n[0] * f[1] - n[1] * f[0]];
+        let length = step.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let across = (step[0] * -f[1] + step[1] * f[0]).abs() / f[0].hypot(f[1]);
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        assert_relative_eq!(contact.spacing_ratio(), across / length, max_relative = 1e-12);
+        let s = StepOver::SeenFromAbove(mm(d)).along_surface(contact).unwrap().mm();
+        assert_relative_eq!(s * across / length, d, max_relative = 1e-12);
+    }
+
+    /// Circles of radius `R_eff` that touch the curved surface s apart meet at h1 above it. Here they are placed in the plane and their
+    /// meeting is found by halving the distance from the surface on the line of symmetry, with no law of cosines.
+    #[test]
+    fn on_a_curved_surface_the_height_is_where_two_placed_circles_meet(pass in plane_passes(), rho in prop_oneof![1.0..1e3_f64, -1e3..-1.0_f64], s in 0.05..1.0_f64) {
+        let bent = curved(pass, rho);
+        let Ok(model) = JudgedPass::new(Model::Analytic, bent) else { return Ok(()) };
+        let Ok(found) = height(&model, s, 0.0) else { return Ok(()) };
+        let effective = model.effective_radius().unwrap().mm();
+        // The surface's centre at the origin; the contact at the half angle beta from the line of symmetry, the y axis.
+        let beta = (s / (2.0 * rho.abs())).asin();
+        // Outside the part is away from the centre on a hill and towards it in a hollow: the cutter's centre is rho + R_eff from it.
+        let centre = rho + effective;
+        let (x, y) = (centre * beta.sin(), centre * beta.cos());
+        let inside = |h: f64| x.hypot(y - (rho + h)) <= effective;
+        // At the surface the circle is not reached yet, at its centre's height it is passed, or the circles do not meet.
+        let (mut low, mut high) = (0.0, y - rho);
+        prop_assume!(high > 0.0 && !inside(low) && inside(high));
+        for _ in 0..200 {
+            let middle = f64::midpoint(low, high);
+            if inside(middle) { high = middle } else { low = middle }
+        }
+        // The distance is rounded to 1e-16 of |rho| + R_eff, and grows with h at a rate of at least 0.01 unless the circles meet at a grazing angle.
+        let rate = (y - (rho + found)) / effective;
+        let epsilon = 8.0 * f64::EPSILON * (rho.abs() + effective) / rate.max(0.01);
+        prop_assert!((found - low).abs() <= epsilon, "{found} {low} within {epsilon}");
+    }
+}

@@ -1,0 +1,66 @@
+//! What is found is undone by asking the other way round.
+
+use crate::passes::{BOTH, height, mm, passes};
+use approx::assert_relative_eq;
+use proptest::prelude::*;
+use scallopd::milling::{JudgedPass, NoAnswer, Runout};
+use scallopd::quantity::Angle;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// The height at the largest feed is the tolerance. Refusals are those of a tolerance that leaves no feed or sets no limit, and of
+    /// surfaces that do not take the cutter or the passes.
+    #[test]
+    fn the_largest_feed_leaves_just_the_tolerance(pass in passes(), step_over in 0.02..1.0_f64, tolerance in 0.001..0.05_f64) {
+        for model in BOTH {
+            let Ok(judged) = JudgedPass::new(model, pass) else { continue };
+            match judged.max_feed_per_tooth(mm(tolerance), mm(step_over)) {
+                Ok(feed) => assert_relative_eq!(height(&judged, step_over, feed.mm()).unwrap(), tolerance, max_relative = 1e-9),
+                Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over }) => {
+                    prop_assert!(step_over_height.mm() >= tolerance && max_step_over.mm() <= step_over * (1.0 + 1e-9));
+                    assert_relative_eq!(height(&judged, max_step_over.mm(), 0.0).unwrap(), tolerance, max_relative = 1e-9);
+                }
+                Err(NoAnswer::RunoutUsesUpTolerance) => prop_assert!(pass.runout != Runout::NONE),
+                Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }) => {
+                    let just_under = largest_feed_per_tooth.mm() * (1.0 - 1e-6);
+                    prop_assert!(height(&judged, step_over, just_under).is_ok_and(|height| height <= tolerance));
+                }
+                Err(NoAnswer::PassesDoNotOverlap { largest_step_over }) => prop_assert!(largest_step_over.mm() < step_over),
+                Err(NoAnswer::MarksDoNotOverlap { .. } | NoAnswer::Gouges { .. } | NoAnswer::FlatGouges) => {}
+                Err(other) => prop_assert!(false, "{other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_step_over_leaves_just_the_tolerance(pass in passes(), feed in prop_oneof![1 => Just(0.0), 3 => 0.01..0.4_f64], tolerance in 0.001..0.05_f64) {
+        for model in BOTH {
+            let Ok(judged) = JudgedPass::new(model, pass) else { continue };
+            match judged.max_step_over(mm(tolerance), (feed > 0.0).then(|| mm(feed))) {
+                Ok(step_over) => assert_relative_eq!(height(&judged, step_over.mm(), feed).unwrap(), tolerance, max_relative = 1e-9),
+                Err(NoAnswer::FeedUsesUpTolerance { feed_height }) => prop_assert!(feed_height.mm() >= tolerance),
+                Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => {
+                    let just_under = largest_step_over.mm() * (1.0 - 1e-6);
+                    prop_assert!(height(&judged, just_under, feed).map_or(true, |height| height <= tolerance));
+                }
+                Err(NoAnswer::MarksDoNotOverlap { .. } | NoAnswer::Gouges { .. } | NoAnswer::FlatGouges) => {}
+                Err(other) => prop_assert!(false, "{other:?}"),
+            }
+        }
+    }
+
+    /// The step between marks and the feed per tooth undo each other. The feed is the difference of terms of which the largest is the
+    /// runout, up to ten times the feed: 1e-15 of it is 1e-14 of the feed, and its square root's argument cancels once more.
+    #[test]
+    fn runout_and_its_inverse_undo_each_other(feed in 0.01..1.0_f64, radial in 0.0..0.1_f64, axial in -0.1..0.1_f64, climb in 0.0..90.0_f64) {
+        let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
+        let climb = Angle::from_degrees(climb).unwrap();
+        let spacing = runout.mark_spacing(mm(feed), climb);
+        // Where the feed climbs and the next tooth stands higher, two feeds have the same spacing, and the larger one is found.
+        let least = axial * climb.sin() - radial * climb.cos();
+        if feed > least + 0.001 {
+            assert_relative_eq!(runout.feed_per_tooth(spacing, climb).unwrap().mm(), feed, max_relative = 1e-11);
+        }
+    }
+}

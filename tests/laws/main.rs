@@ -1,0 +1,6 @@
+//! Laws that the mathematics of a pass must obey whatever the figures, over random valid passes; and independent routes to the same numbers.
+
+mod heights;
+mod inverses;
+mod passes;
+mod radii;

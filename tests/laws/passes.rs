@@ -1,0 +1,67 @@
+//! Random passes, and how the laws ask about them.
+
+use proptest::prelude::*;
+use scallopd::milling::{Contact, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use scallopd::quantity::Length;
+
+pub(crate) const BOTH: [Model; 2] = [Model::Analytic, Model::Envelope];
+
+pub(crate) fn mm(value: f64) -> Length {
+    Length::from_mm(value).unwrap()
+}
+
+/// The whole height at a step-over and a feed, in mm; a feed of 0 is none.
+pub(crate) fn height(judged: &JudgedPass, step_over: f64, feed: f64) -> Result<f64, NoAnswer> {
+    judged.scallop_height(mm(step_over), (feed > 0.0).then(|| mm(feed))).map(|height| height.total().mm())
+}
+
+pub(crate) fn judged(model: Model, pass: Pass) -> JudgedPass {
+    JudgedPass::new(model, pass).unwrap()
+}
+
+pub(crate) fn at(pass: Pass, slope: f64, alpha: f64) -> Pass {
+    Pass { contact: Contact::from_degrees(slope, alpha).unwrap(), ..pass }
+}
+
+pub(crate) fn curved(pass: Pass, radius: f64) -> Pass {
+    Pass { surface: SurfaceCurvature::from_radius_mm(radius).unwrap(), ..pass }
+}
+
+pub(crate) fn toroidal(outer_radius: f64, share: f64) -> Cutter {
+    Cutter::toroidal(mm(2.0 * outer_radius), mm(share * outer_radius)).unwrap()
+}
+
+/// Toroidal and ball-end cutters of 1 to 20 mm; the flat-end has marks without curvature, which the analytic model cannot invert everywhere.
+pub(crate) fn cutters() -> impl Strategy<Value = Cutter> {
+    let toroidal = (0.5..10.0_f64, 0.05..0.95_f64).prop_map(|(outer_radius, share)| toroidal(outer_radius, share));
+    prop_oneof![3 => toroidal, 1 => (1.0..20.0_f64).prop_map(|diameter| Cutter::ball_end(mm(diameter)))]
+}
+
+/// Slopes off the floor, walls among them.
+pub(crate) fn slopes() -> impl Strategy<Value = f64> {
+    prop_oneof![9 => 1.0..90.0_f64, 1 => Just(90.0)]
+}
+
+/// Feed directions, the quarter turns among them.
+pub(crate) fn feed_angles() -> impl Strategy<Value = f64> {
+    prop_oneof![8 => -180.0..180.0_f64, 1 => Just(0.0), 1 => Just(90.0)]
+}
+
+/// Passes on a plane with a cutter that runs true.
+pub(crate) fn plane_passes() -> impl Strategy<Value = Pass> {
+    (cutters(), slopes(), feed_angles()).prop_map(|(cutter, slope, alpha)| {
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE }
+    })
+}
+
+/// Passes with or without runout, on planes, hills and hollows.
+pub(crate) fn passes() -> impl Strategy<Value = Pass> {
+    let radius = prop_oneof![1 => Just(None), 1 => (5.0..500.0_f64).prop_map(Some), 1 => (-500.0..-50.0_f64).prop_map(Some)];
+    let runout = prop_oneof![1 => Just((0.0, 0.0)), 1 => (0.0..0.01_f64, -0.01..0.01_f64)];
+    (plane_passes(), radius, runout).prop_map(|(pass, radius, (radial, axial))| {
+        let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
+        let pass = radius.map_or(pass, |radius| curved(pass, radius));
+        Pass { runout, ..pass }
+    })
+}

@@ -1,0 +1,28 @@
+//! Critical slope, machines and cutter recommendation as callers meet them, over HTTP to the whole service.
+
+mod app;
+mod critical_slope;
+mod examples;
+mod faults;
+mod formats;
+mod recommendation;
+mod upload;
+
+use serde_json::{Value, json};
+
+/// The published job: two cutters of 10 mm, 10 um of scallop, the published machine.
+fn job() -> Value {
+    json!({
+        "toroidal": {"diameter_mm": 10, "corner_radius_mm": 2},
+        "ball_end": {"diameter_mm": 10},
+        "scallop_height_mm": 0.01,
+        "machine": {"preset": "five_axis_vmc"},
+    })
+}
+
+/// `base` with further or other members.
+fn with(mut base: Value, members: Value) -> Value {
+    let Value::Object(members) = members else { panic!("members come in an object") };
+    base.as_object_mut().unwrap().extend(members);
+    base
+}
