@@ -29,7 +29,9 @@ fn examples() -> Vec<Example<'static>> {
 /// What follows `flag` in a command: the text in quotation marks, or up to the next blank.
 fn arguments<'a>(command: &'a str, flag: &str) -> Vec<&'a str> {
     let values = command.match_indices(flag).map(|(at, _)| command[at + flag.len()..].trim_start());
-    values.map(|rest| rest.strip_prefix('\'').map_or_else(|| rest.split_whitespace().next(), |rest| rest.split('\'').next()).unwrap()).collect()
+    values
+        .map(|rest| rest.strip_prefix('\'').map_or_else(|| rest.split_whitespace().next(), |rest| rest.split('\'').next()).unwrap())
+        .collect()
 }
 
 fn file(name: &str) -> Vec<u8> {
