@@ -2,7 +2,7 @@
 //! computed: `cargo bench --bench batches [contacts]`. Writes `target/benches/batches.json`.
 //!
 //! The comparison reads the request into numbers with serde's derived code and writes the same columns from numbers, on one core.
-//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence the many repetitions.
+//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions.
 //! The ratios compare processor time, since the service uses all cores and the comparison one.
 
 use axum::Router;
@@ -15,15 +15,16 @@ use scallopd::settings::Command;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use tower::ServiceExt;
 
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const TICKS_A_SECOND: f64 = 100.0;
-const ROUNDS: usize = 5;
-const REPETITIONS: u32 = 6;
+const ROUNDS: usize = 3;
+/// Thirty ticks, so that a tick is 3 %.
+const LEAST_ROUND: Duration = Duration::from_millis(300);
 
 const CALCULATIONS: [(&str, &str); 3] = [
     ("scallop-height", r#""step_over_mm": 0.687, "feed_per_tooth_mm": 0.3"#),
@@ -79,8 +80,11 @@ struct Cost {
 impl Cost {
     fn of(mut run: impl FnMut()) -> Self {
         let (start, cpu) = (Instant::now(), cpu_s());
-        (0..REPETITIONS).for_each(|_| run());
-        let calls = f64::from(REPETITIONS);
+        let mut calls = 0.0;
+        while start.elapsed() < LEAST_ROUND {
+            run();
+            calls += 1.0;
+        }
         Self { wall: start.elapsed().as_secs_f64() / calls, cpu: (cpu_s() - cpu) / calls }
     }
 }
