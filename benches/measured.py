@@ -41,11 +41,6 @@ class Server:
         fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / TICKS_A_SECOND
 
-    def peak_memory_mib(self) -> float:
-        """The largest resident memory since the start or the last `forget_peak`."""
-        status = Path(f"/proc/{self.process.pid}/status").read_text()
-        return int(re.search(r"VmHWM:\s+(\d+)", status).group(1)) / 1024
-
     def post(self, path: str, body: bytes, content_type: str = "application/json") -> bytes:
         request = urllib.request.Request(f"http://{self.address}{path}", body, {"content-type": content_type})
         with urllib.request.urlopen(request, timeout=600) as answer:

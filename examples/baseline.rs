@@ -1,17 +1,15 @@
 //! The least that a JSON service on this framework can do: one route that reads a body and answers a constant. What scallopd's own
-//! layers and calculations cost is measured against it by `benches/requests` and `benches/uploads`.
+//! layers and calculations cost is measured against it by `benches/requests`.
 //!
 //! `baseline LENGTH` listens on a free port of 127.0.0.1, prints its address, and answers every POST of `/` with LENGTH bytes, once the
-//! whole body is in memory, and every POST of `/drain` once the whole body has gone by. It has the program's allocator and runtime, and
-//! the framework's own accept loop: time-outs and the like are part of what is measured.
+//! whole body is in memory. It has the program's allocator and runtime, and the framework's own accept loop: time-outs and the like are
+//! part of what is measured.
 
 use axum::Router;
-use axum::body::{Body, Bytes};
-use axum::extract::DefaultBodyLimit;
+use axum::body::Bytes;
 use axum::http::header;
 use axum::routing::post;
 use axum::serve::ListenerExt;
-use http_body_util::BodyExt;
 use std::io::{Error, Write};
 
 #[global_allocator]
@@ -31,18 +29,10 @@ async fn serve(length: usize) -> std::io::Result<()> {
         std::hint::black_box(body);
         (JSON, answer)
     };
-    let app = Router::new().route("/", post(read)).route("/drain", post(drain)).layer(DefaultBodyLimit::disable());
+    let app = Router::new().route("/", post(read));
     let listener = tokio::net::TcpListener::bind(("127.0.0.1", 0)).await?;
     let address = listener.local_addr()?;
     writeln!(std::io::stdout(), "listening on {address}")?;
     let listener = listener.tap_io(|stream| _ = stream.set_nodelay(true));
     axum::serve(listener, app).await
-}
-
-/// Reads the body piece by piece and keeps none of it.
-async fn drain(mut body: Body) -> Result<&'static str, String> {
-    while let Some(frame) = body.frame().await {
-        std::hint::black_box(frame.map_err(|error| error.to_string())?);
-    }
-    Ok("0")
 }
