@@ -55,10 +55,13 @@ pub enum ShedReason {
     Heavy,
 }
 
-/// The counters. Clones share them.
+/// The counters. Clones share them; a request makes a few, so a clone is one handle.
 #[derive(Debug, Clone)]
-pub struct Metrics {
-    registry: Arc<Registry>,
+pub struct Metrics(Arc<Counters>);
+
+#[derive(Debug)]
+struct Counters {
+    registry: Registry,
     requests: Family<RequestLabels, Counter>,
     durations: Durations,
     in_flight: Gauge,
@@ -89,8 +92,8 @@ impl Metrics {
         let revision = option_env!("SCALLOPD_REVISION").filter(|revision| !revision.is_empty()).unwrap_or("unknown");
         registry.register("scallopd_build", "What is running", Info::new([("version", version), ("revision", revision)]));
         registry.register_collector(Box::new(super::process::Process));
-        Self {
-            registry: Arc::new(registry),
+        Self(Arc::new(Counters {
+            registry,
             requests,
             durations,
             in_flight,
@@ -98,43 +101,43 @@ impl Metrics {
             shed_heavy: shed.get_or_create_owned(&ShedLabels { reason: "heavy" }),
             upload_bytes,
             upload_facets,
-        }
+        }))
     }
 
     /// One more request is in flight.
     pub(crate) fn began(&self) {
-        self.in_flight.inc();
+        self.0.in_flight.inc();
     }
 
     /// A request was answered, or left by its client.
     pub(crate) fn ended(&self, method: &'static str, route: &Arc<str>, status: u16, duration: Duration) {
-        self.in_flight.dec();
-        self.requests.get_or_create(&RequestLabels { method, route: Arc::clone(route), status }).inc();
-        self.durations.get_or_create(&DurationLabels { route: Arc::clone(route), status }).observe(duration.as_secs_f64());
+        self.0.in_flight.dec();
+        self.0.requests.get_or_create(&RequestLabels { method, route: Arc::clone(route), status }).inc();
+        self.0.durations.get_or_create(&DurationLabels { route: Arc::clone(route), status }).observe(duration.as_secs_f64());
     }
 
     /// A request was turned away.
     pub fn shed(&self, reason: ShedReason) {
         match reason {
-            ShedReason::InFlight => self.shed_in_flight.inc(),
-            ShedReason::Heavy => self.shed_heavy.inc(),
+            ShedReason::InFlight => self.0.shed_in_flight.inc(),
+            ShedReason::Heavy => self.0.shed_heavy.inc(),
         };
     }
 
     /// Bytes of an upload arrived, decompressed.
     pub fn upload_bytes(&self, bytes: u64) {
-        self.upload_bytes.inc_by(bytes);
+        self.0.upload_bytes.inc_by(bytes);
     }
 
     /// An upload of this format held so many facets, or points where it has no facets.
     pub fn upload_facets(&self, format: &'static str, facets: u64) {
-        self.upload_facets.get_or_create(&FormatLabels { format }).inc_by(facets);
+        self.0.upload_facets.get_or_create(&FormatLabels { format }).inc_by(facets);
     }
 
     /// The counters as OpenMetrics text.
     fn text(&self) -> Result<String, std::fmt::Error> {
         let mut page = String::new();
-        text::encode(&mut page, &self.registry)?;
+        text::encode(&mut page, &self.0.registry)?;
         Ok(page)
     }
 }

@@ -1,13 +1,11 @@
 //! Answers to requests that fail: problem details (RFC 9457), the same for every route and every layer.
 //!
 //! A handler or layer that fails returns a [`Problem`], or any response with an error status and no body that matters;
-//! [`describe_errors`] turns both into `application/problem+json` on the way out, where path and request id are known.
+//! [`describe_error`] turns both into `application/problem+json` on the way out, where path and request id are known.
 
 use super::layers::RequestId;
 use super::reading::{Fault, Faults};
-use axum::extract::Request;
 use axum::http::{HeaderValue, StatusCode, header};
-use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -106,12 +104,9 @@ impl IntoResponse for Problem {
 
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
-/// Layer: writes every error response as a problem. Client errors keep what the framework said in its body only as a status, because
+/// Writes an error response as a problem; others stay. Client errors keep what the framework said in its body only as a status, because
 /// its texts are not this API's; server errors tell nothing but the request id.
-pub(crate) async fn describe_errors(request: Request, next: Next) -> Response {
-    let instance = request.uri().path().to_owned();
-    let request_id = request.extensions().get::<RequestId>().map(|id| id.as_str().to_owned());
-    let mut response = next.run(request).await;
+pub(crate) fn describe_error(mut response: Response, instance: &str, request_id: &RequestId) -> Response {
     let status = response.status();
     if !status.is_client_error() && !status.is_server_error() {
         return response;
@@ -122,8 +117,8 @@ pub(crate) async fn describe_errors(request: Request, next: Next) -> Response {
         title: problem.title.into(),
         status: status.as_u16(),
         detail: problem.detail.into_owned(),
-        instance,
-        request_id,
+        instance: instance.to_owned(),
+        request_id: Some(request_id.as_str().to_owned()),
         errors: problem.errors.into_iter().map(FaultBody::from).collect(),
         members: problem.members,
     };

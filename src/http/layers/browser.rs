@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use axum::http::{HeaderName, HeaderValue, Method, header};
+use axum::BoxError;
+use axum::body::{Body, Bytes, HttpBody};
+use axum::http::{self, HeaderName, HeaderValue, Method, header};
 use axum::response::Response;
 use tower_http::cors::{AllowOrigin, CorsLayer};
 
@@ -30,7 +32,11 @@ const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
 );
 
 /// Layer: no answer is to be taken for another type than it says; a page that sets no policy of its own gets a strict one.
-pub(super) async fn secure(mut response: Response) -> Response {
+pub(super) fn secure<B>(response: http::Response<B>) -> Response
+where
+    B: HttpBody<Data = Bytes, Error: Into<BoxError>> + Send + 'static,
+{
+    let mut response = response.map(Body::new);
     let page = response.headers().get(header::CONTENT_TYPE).is_some_and(|media_type| media_type.as_bytes().starts_with(b"text/html"));
     let headers = response.headers_mut();
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));

@@ -12,9 +12,9 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::body::Body;
-use axum::extract::DefaultBodyLimit;
+use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::StatusCode;
-use axum::middleware::{from_fn, from_fn_with_state, map_response};
+use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
@@ -27,7 +27,6 @@ pub use request_id::RequestId;
 pub(crate) use shed::overloaded;
 
 use super::operations::Operations;
-use super::problem::describe_errors;
 use crate::settings::HttpSettings;
 
 /// Answers this small fit one packet as they are: compressing them would cost time and save nothing.
@@ -42,25 +41,41 @@ const WORTH_COMPRESSING: u16 = 1024;
 /// 6. shedding, before anything of the body is read;
 /// 7. time-outs and the pace of the body, counted as it arrives;
 /// 8. decompression of the body, and inside it the limit: outside, a small body could unfold without bound.
+///
+/// They are one stack with few boxes in it: each boxed service, as the router makes of a layer and the middleware functions of what
+/// they surround, is copied for every request with all that is inside.
 pub fn apply(router: Router, settings: &HttpSettings, operations: &Operations) -> Router {
     let limits = Arc::new(body::Limits::new(settings));
     let in_flight = shed::InFlight::new(settings.max_in_flight, operations.metrics.clone());
+    let gate = Arc::new(Gate { in_flight, limits: Arc::clone(&limits) });
+    let compression = CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(WORTH_COMPRESSING))));
     // axum's own limit of 2 MB gives way to layer 8.
-    let inner = ServiceBuilder::new()
+    let all = ServiceBuilder::new()
+        .layer(from_fn_with_state(operations.clone(), observe::observe))
+        .option_layer(browser::cors(&settings.cors_origins))
+        .map_response(browser::secure)
+        .layer(compression)
         .layer(CatchPanicLayer::custom(describe_panic))
-        .layer(from_fn_with_state(in_flight, shed::shed))
-        .layer(from_fn_with_state(Arc::clone(&limits), body::receive))
+        .layer(from_fn_with_state(gate, admit))
         .layer(RequestDecompressionLayer::new())
         .layer(MapRequestBodyLayer::new(Body::new))
-        .layer(from_fn_with_state(limits, body::bound))
+        .map_request(move |request| body::bound(&limits, request))
         .layer(DefaultBodyLimit::disable());
-    let compression = CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(WORTH_COMPRESSING))));
-    let router = router.layer(inner).layer(compression).layer(map_response(browser::secure));
-    let router = match browser::cors(&settings.cors_origins) {
-        Some(cors) => router.layer(cors),
-        None => router,
-    };
-    router.layer(from_fn(describe_errors)).layer(from_fn_with_state(operations.clone(), observe::observe))
+    router.layer(all)
+}
+
+/// What a request has to pass.
+struct Gate {
+    in_flight: shed::InFlight,
+    limits: Arc<body::Limits>,
+}
+
+/// Layers 6 and 7.
+async fn admit(State(gate): State<Arc<Gate>>, request: Request, next: Next) -> Response {
+    match gate.in_flight.place_for(&request) {
+        Ok(_place) => body::receive(&gate.limits, request, next).await,
+        Err(shed) => shed,
+    }
 }
 
 /// The hook that the program sets at its start has logged the panic with its place; the client learns nothing of it.

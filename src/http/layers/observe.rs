@@ -18,11 +18,12 @@ use super::request_id::{self, RequestId};
 use super::weight::Weight;
 use crate::http::metrics::{Metrics, UNMATCHED, method_label};
 use crate::http::operations::Operations;
+use crate::http::problem::describe_error;
 
 /// The status under which a request is counted whose client left before the answer: the one that nginx gives it.
 const CLIENT_LEFT: u16 = 499;
 
-/// Layer: identifies the request, and tells and counts it at its end.
+/// Layer: identifies the request, describes its error where it fails, and tells and counts it at its end.
 pub(super) async fn observe(State(operations): State<Operations>, mut request: Request, next: Next) -> Response {
     let id = request_id::take_or_create(&mut request);
     let mut record = Record::begin(&request, &id, operations.metrics.clone());
@@ -31,7 +32,8 @@ pub(super) async fn observe(State(operations): State<Operations>, mut request: R
     let sent = Arc::clone(&record.sent);
     let request = request.map(|body| if body.is_end_stream() { body } else { Body::new(Counted::new(body, sent)) });
     let sent = Arc::clone(&record.sent);
-    let mut response = next.run(request).instrument(span).await;
+    let uri = request.uri().clone();
+    let mut response = async { describe_error(next.run(request).await, uri.path(), &id) }.instrument(span).await;
     record.status = response.status().as_u16();
     id.mark(&mut response);
     // hyper closes a connection with an unread body on it. A client that is told opens another; one that is not, and one that is

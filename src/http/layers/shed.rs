@@ -1,40 +1,39 @@
 //! Requests beyond what is accepted at once are turned away, not queued: a queue would only make everybody late.
 
-use std::sync::Arc;
-
-use axum::extract::{Request, State};
+use axum::extract::Request;
 use axum::http::StatusCode;
-use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
-use tokio::sync::Semaphore;
+use tokio::sync::{Semaphore, SemaphorePermit};
 
 use super::weight::Weight;
 use crate::http::metrics::{Metrics, ShedReason};
 use crate::http::problem::Problem;
 
 /// How many requests may be in flight.
-#[derive(Clone)]
 pub(super) struct InFlight {
-    places: Arc<Semaphore>,
+    places: Semaphore,
     metrics: Metrics,
 }
 
 impl InFlight {
     pub(super) fn new(most: usize, metrics: Metrics) -> Self {
-        Self { places: Arc::new(Semaphore::new(most)), metrics }
+        Self { places: Semaphore::new(most), metrics }
     }
-}
 
-/// Layer: a request in flight holds a place until its answer is ready to be sent; probes need none.
-pub(super) async fn shed(State(in_flight): State<InFlight>, request: Request, next: Next) -> Response {
-    if Weight::of(request.uri().path()) == Weight::Probe {
-        return next.run(request).await;
+    /// The place that a request in flight holds until its answer is ready to be sent; probes need none.
+    ///
+    /// # Errors
+    /// The answer to a request for which there is no place.
+    #[expect(clippy::result_large_err, reason = "it is returned as it is, once")]
+    pub(super) fn place_for(&self, request: &Request) -> Result<Option<SemaphorePermit<'_>>, Response> {
+        if Weight::of(request.uri().path()) == Weight::Probe {
+            return Ok(None);
+        }
+        self.places.try_acquire().map(Some).map_err(|_| {
+            self.metrics.shed(ShedReason::InFlight);
+            overloaded("as many requests as are accepted at once are in flight".to_owned())
+        })
     }
-    let Ok(_place) = in_flight.places.try_acquire() else {
-        in_flight.metrics.shed(ShedReason::InFlight);
-        return overloaded("as many requests as are accepted at once are in flight".to_owned());
-    };
-    next.run(request).await
 }
 
 /// 503 with `Retry-After`: a second, since places come free within milliseconds unless the load lasts.

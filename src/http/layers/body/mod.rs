@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::Body;
-use axum::extract::{Request, State};
+use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -53,8 +53,8 @@ impl Limits {
     }
 }
 
-/// Layer, outside decompression: refuses what the head already rules out, minds the pace, and answers in time.
-pub(super) async fn receive(State(limits): State<Arc<Limits>>, mut request: Request, next: Next) -> Response {
+/// Outside decompression: refuses what the head already rules out, minds the pace, and answers in time.
+pub(super) async fn receive(limits: &Limits, mut request: Request, next: Next) -> Response {
     let largest = limits.largest(request.uri().path());
     match encoding(request.headers()) {
         Encoding::Gzip => {}
@@ -73,12 +73,12 @@ pub(super) async fn receive(State(limits): State<Arc<Limits>>, mut request: Requ
     }
 }
 
-/// Layer, inside decompression: ends the body at its limit.
-pub(super) async fn bound(State(limits): State<Arc<Limits>>, request: Request, next: Next) -> Response {
+/// Inside decompression: ends the body at its limit.
+pub(super) fn bound(limits: &Limits, request: Request) -> Request {
     let largest = limits.largest(request.uri().path());
     let reception = request.extensions().get::<Arc<Reception>>().cloned();
     let Some(reception) = reception else { unreachable!("the layer around this one begins the reception") };
-    next.run(request.map(|body| Body::new(bound::Bound::new(body, largest, reception)))).await
+    request.map(|body| Body::new(bound::Bound::new(body, largest, reception)))
 }
 
 /// What `answer` yields within `longest` of the request's last byte: a long upload over a slow line is not a slow answer.

@@ -1,0 +1,191 @@
+//! Batches of 100 000 contacts through the service's own routes and layers, beside reading and writing the same JSON with nothing
+//! computed: `cargo bench --bench batches [contacts]`. Writes `target/benches/batches.json`.
+//!
+//! The comparison reads the request into numbers with serde's derived code and writes the same columns from numbers, on one core.
+//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions.
+//! The ratios compare processor time, since the service uses all cores and the comparison one.
+
+use axum::Router;
+use axum::body::{Body, Bytes};
+use axum::http::{Request, header};
+use http_body_util::BodyExt;
+use scallopd::http::operations::Operations;
+use scallopd::http::{layers, router};
+use scallopd::settings::Command;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+use tower::ServiceExt;
+
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+const TICKS_A_SECOND: f64 = 100.0;
+const ROUNDS: usize = 3;
+/// Thirty ticks, so that a tick is 3 %.
+const LEAST_ROUND: Duration = Duration::from_millis(300);
+
+const CALCULATIONS: [(&str, &str); 3] = [
+    ("scallop-height", r#""step_over_mm": 0.687, "feed_per_tooth_mm": 0.3"#),
+    ("max-feed", r#""step_over_mm": 0.687, "scallop_tolerance_mm": 0.03"#),
+    ("step-over", r#""scallop_tolerance_mm": 0.03, "feed_per_tooth_mm": 0.15"#),
+];
+
+/// A request as the comparison reads it: the contacts; what is stated once is nothing.
+#[derive(Deserialize)]
+struct Contacts {
+    contacts: Vec<Contact>,
+}
+
+#[derive(Deserialize)]
+struct Contact {
+    slope_deg: f64,
+    feed_angle_deg: f64,
+}
+
+/// An answer's columns, whatever the calculation calls them.
+#[derive(Serialize)]
+struct Columns(std::collections::BTreeMap<String, Vec<Option<f64>>>);
+
+impl Columns {
+    fn of(answer: &[u8]) -> Self {
+        let answer: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(answer).expect("an object");
+        let columns = answer.into_iter().filter(|(name, _)| name != "failures" && name != "warnings");
+        Self(columns.filter_map(|(name, column)| serde_json::from_value(column).ok().map(|column| (name, column))).collect())
+    }
+}
+
+/// Contacts all over slopes and directions, with the digits that a CAM system writes.
+fn request(contacts: u32, terms: &str, model: &str) -> Bytes {
+    let mut json = format!(
+        r#"{{"cutter": {{"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}}, {terms}, "model": "{model}", "contacts": ["#
+    );
+    for index in 0..contacts {
+        let turn = f64::from(index) * 0.618_033_988_749;
+        let (slope, feed) = (5.0 + 80.0 * turn.fract(), 360.0 * (turn * 7.0).fract());
+        let separator = if index == 0 { "" } else { "," };
+        let _ = write!(json, r#"{separator}{{"slope_deg":{slope:.6},"feed_angle_deg":{feed:.6}}}"#);
+    }
+    (json + "]}").into()
+}
+
+/// Wall and processor time of one call, in s.
+#[derive(Clone, Copy)]
+struct Cost {
+    wall: f64,
+    cpu: f64,
+}
+
+impl Cost {
+    fn of(mut run: impl FnMut()) -> Self {
+        let (start, cpu) = (Instant::now(), cpu_s());
+        let mut calls = 0.0;
+        while start.elapsed() < LEAST_ROUND {
+            run();
+            calls += 1.0;
+        }
+        Self { wall: start.elapsed().as_secs_f64() / calls, cpu: (cpu_s() - cpu) / calls }
+    }
+}
+
+/// Processor time of this process so far, in s.
+fn cpu_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux tells processes their times");
+    let after_name = stat.rsplit_once(')').map_or("", |(_, rest)| rest);
+    let ticks: f64 = after_name.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum();
+    ticks / TICKS_A_SECOND
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+struct Bench {
+    runtime: tokio::runtime::Runtime,
+    app: Router,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let Ok(Command::Serve(settings)) = Command::read(["scallopd"]) else { panic!("the defaults serve") };
+        let operations = Operations::start(&settings.http).expect("threads");
+        let app = layers::apply(router(&operations), &settings.http, &operations);
+        Self { runtime: tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime"), app }
+    }
+
+    fn answer(&self, path: &str, body: &Bytes) -> Bytes {
+        let request = Request::post(path).header(header::CONTENT_TYPE, "application/json").body(Body::from(body.clone()));
+        self.runtime.block_on(async {
+            let response = self.app.clone().oneshot(request.expect("a request")).await.expect("an answer");
+            assert!(response.status().is_success(), "{path}: {}", response.status());
+            response.into_body().collect().await.expect("a body").to_bytes()
+        })
+    }
+
+    fn row(&self, contacts: u32, calculation: &str, terms: &str, model: &'static str) -> Row {
+        let body = request(contacts, terms, model);
+        let path = format!("/v1/{calculation}/batch");
+        let answer = self.answer(&path, &body);
+        let columns = Columns::of(&answer);
+        let read_and_write = || {
+            let read: Contacts = serde_json::from_slice(&body).expect("JSON");
+            black_box(read.contacts.iter().map(|contact| contact.slope_deg + contact.feed_angle_deg).sum::<f64>());
+            black_box(serde_json::to_vec(&columns).expect("JSON"));
+        };
+        let rounds: Vec<[Cost; 2]> =
+            (0..ROUNDS).map(|_| [Cost::of(|| drop(black_box(self.answer(&path, &body)))), Cost::of(read_and_write)]).collect();
+        let over_rounds = |figure: fn(&[Cost; 2]) -> f64| median(rounds.iter().map(figure).collect());
+        Row {
+            calculation: calculation.to_owned(),
+            model,
+            request_mb: megabytes(&body),
+            answer_mb: megabytes(&answer),
+            wall_ms: over_rounds(|[ours, _]| ours.wall * 1e3),
+            cpu_ratio: over_rounds(|[ours, json]| ours.cpu / json.cpu),
+            wall_ratio: over_rounds(|[ours, json]| ours.wall / json.wall),
+            us_a_contact_and_core: over_rounds(|[ours, _]| ours.cpu * 1e6) / f64::from(contacts),
+            cores_used: over_rounds(|[ours, _]| ours.cpu / ours.wall),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Row {
+    calculation: String,
+    model: &'static str,
+    request_mb: f64,
+    answer_mb: f64,
+    wall_ms: f64,
+    cpu_ratio: f64,
+    wall_ratio: f64,
+    us_a_contact_and_core: f64,
+    cores_used: f64,
+}
+
+#[expect(clippy::cast_precision_loss, reason = "far below 2^53")]
+fn megabytes(bytes: &Bytes) -> f64 {
+    bytes.len() as f64 / 1e6
+}
+
+fn main() {
+    let contacts = std::env::args().find_map(|argument| argument.parse().ok()).unwrap_or(100_000);
+    let bench = Bench::new();
+    println!("{contacts} contacts; ratios against reading and writing the same JSON");
+    println!("calculation     model     MB in  MB out    ms  cpu ratio  wall ratio  us/contact, core  cores used");
+    let mut rows = Vec::new();
+    for model in ["analytic", "envelope"] {
+        for (calculation, terms) in CALCULATIONS {
+            let row = bench.row(contacts, calculation, terms, model);
+            println!(
+                "{calculation:15} {model:8} {:6.1} {:7.1} {:5.0} {:10.2} {:11.2} {:17.2} {:11.2}",
+                row.request_mb, row.answer_mb, row.wall_ms, row.cpu_ratio, row.wall_ratio, row.us_a_contact_and_core, row.cores_used
+            );
+            rows.push(row);
+        }
+    }
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/benches");
+    std::fs::create_dir_all(folder).expect("a folder");
+    std::fs::write(format!("{folder}/batches.json"), serde_json::to_vec_pretty(&rows).expect("JSON")).expect("a file");
+}

@@ -1,0 +1,105 @@
+"""What the measurements with servers share: builds, servers, their processor time and memory, the machine, tables. Standard library only."""
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "target" / "benches"
+TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
+
+
+def build() -> tuple[Path, Path]:
+    """The release server and the baseline."""
+    subprocess.run(["cargo", "build", "--release", "--bin", "scallopd", "--example", "baseline"], cwd=ROOT, check=True)
+    release = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+    return release / "scallopd", release / "examples" / "baseline"
+
+
+def need(program: str, package: str) -> str:
+    """The path of a program, or the end with the way to get it."""
+    found = shutil.which(program)
+    if found is None:
+        sys.exit(f"{program} is missing: apt-get install {package}")
+    return found
+
+
+class Server:
+    """A server that runs, with what the system knows of its process."""
+
+    def __init__(self, name: str, process: subprocess.Popen, address: str):
+        self.name, self.process, self.address = name, process, address
+
+    def cpu_s(self) -> float:
+        """Processor time used so far, by all its threads."""
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / TICKS_A_SECOND
+
+    def post(self, path: str, body: bytes, content_type: str = "application/json") -> bytes:
+        request = urllib.request.Request(f"http://{self.address}{path}", body, {"content-type": content_type})
+        with urllib.request.urlopen(request, timeout=600) as answer:
+            return answer.read()
+
+
+@contextlib.contextmanager
+def running(name: str, command: list, cores: str | None = None):
+    """Starts a server that says where it listens, bound to `cores` where given, and ends it. Its log goes nowhere, but is written."""
+    pinned = ["taskset", "--cpu-list", cores] if cores else []
+    with subprocess.Popen([*pinned, *map(str, command)], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            line = process.stdout.readline()
+            address = re.search(r"127\.0\.0\.1:\d+", line)
+            if address is None:
+                sys.exit(f"{name} did not start: {line!r}")
+            # A reader that throws away: what a log collector's work costs is not the server's.
+            with subprocess.Popen(["cat"], stdin=process.stdout, stdout=subprocess.DEVNULL) as reader:
+                yield Server(name, process, address.group())
+                process.terminate()
+                process.wait(timeout=60)
+                reader.wait(timeout=10)
+        finally:
+            process.kill()
+
+
+def machine() -> dict:
+    """What the numbers were measured on."""
+    model = re.search(r"model name\s*:\s*(.+)", Path("/proc/cpuinfo").read_text())
+    memory = re.search(r"MemTotal:\s+(\d+)", Path("/proc/meminfo").read_text())
+    revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False)
+    return {
+        "processor": model.group(1) if model else "unknown",
+        "cores": os.cpu_count(),
+        "memory_gib": round(int(memory.group(1)) / 2**20, 1) if memory else None,
+        "kernel": os.uname().release,
+        "revision": revision.stdout.strip(),
+        "load_before": round(os.getloadavg()[0], 2),
+    }
+
+
+def report(name: str, rows: list[dict], **more) -> None:
+    """Prints the rows as a table and writes them, with the machine, as JSON."""
+    if rows:
+        heads = list(rows[0])
+        cells = [heads, *([shown(row.get(head)) for head in heads] for row in rows)]
+        widths = [max(len(line[column]) for line in cells) for column in range(len(heads))]
+        for line in cells:
+            first, *rest = (cell.ljust(width) if column == 0 else cell.rjust(width) for column, (cell, width) in enumerate(zip(line, widths)))
+            print("  ".join([first, *rest]))
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    file = RESULTS / f"{name}.json"
+    file.write_text(json.dumps({"machine": machine(), **more, "rows": rows}, indent=2) + "\n")
+    print(f"written to {file}")
+
+
+def shown(value) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, float):
+        return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+    return str(value)
