@@ -1,7 +1,7 @@
 //! What must hold of every file, read whole or in pieces.
 
-use scallopd::surface::Sink;
-use scallopd::surface::read::{Fault, Hint, LARGEST_COORDINATE, Reader, Summary};
+use scallopd::surface::read::{Fault, Hint, Reader, Summary};
+use scallopd::surface::{LARGEST_COORDINATE, Sink};
 
 /// Counts and mixes what comes, so that two readings can be compared without keeping them.
 #[derive(Default, PartialEq, Debug)]

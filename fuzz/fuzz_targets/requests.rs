@@ -8,7 +8,7 @@ use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::http::{Request, header};
 use scallopd::http::{layers, operations::Operations, router};
-use scallopd::settings::{Command, Settings};
+use scallopd::settings::{Command, HttpSettings};
 use tokio::runtime::Runtime;
 use tower::ServiceExt;
 
@@ -23,16 +23,16 @@ const PATHS: [&str; 8] = [
     "/v1/cutter-recommendation",
 ];
 
-fn settings() -> Settings {
+fn defaults() -> HttpSettings {
     match Command::read(["scallopd"]) {
-        Ok(Command::Serve(settings)) => settings,
+        Ok(Command::Serve(settings)) => settings.http,
         _ => panic!("the defaults cannot be used"),
     }
 }
 
 static SERVICE: LazyLock<(Runtime, Router)> = LazyLock::new(|| {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
-    let settings = settings().http;
+    let settings = defaults();
     let operations = Operations::start(&settings).expect("threads");
     (runtime, layers::apply(router(&operations), &settings, &operations))
 });

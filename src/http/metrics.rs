@@ -167,7 +167,7 @@ pub(crate) fn method_label(method: &Method) -> &'static str {
 /// What the server has counted, as text for Prometheus.
 #[utoipa::path(
     get, path = "/metrics", tag = "service", operation_id = "metrics",
-    responses((status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text")),
+    responses((status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text", example = json!("scallopd_http_requests_in_flight 0\n# EOF\n"))),
 )]
 pub async fn show(State(metrics): State<Metrics>) -> Response {
     match metrics.text() {

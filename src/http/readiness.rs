@@ -31,7 +31,10 @@ impl Readiness {
 /// Whether the server lives
 ///
 /// 200 as long as the process answers at all.
-#[utoipa::path(get, path = "/livez", tag = "service", operation_id = "livez", responses((status = 200, description = "Alive", body = String, content_type = "text/plain")))]
+#[utoipa::path(
+    get, path = "/livez", tag = "service", operation_id = "livez",
+    responses((status = 200, description = "Alive", body = String, content_type = "text/plain", example = json!("alive\n"))),
+)]
 pub async fn livez() -> &'static str {
     "alive\n"
 }
@@ -44,7 +47,10 @@ pub async fn livez() -> &'static str {
 /// The status 503.
 #[utoipa::path(
     get, path = "/readyz", tag = "service", operation_id = "readyz",
-    responses((status = 200, description = "Ready", body = String, content_type = "text/plain"), (status = 503, description = "About to stop", body = ProblemBody, content_type = "application/problem+json")),
+    responses(
+        (status = 200, description = "Ready", body = String, content_type = "text/plain", example = json!("ready\n")),
+        (status = 503, description = "About to stop", body = ProblemBody, content_type = "application/problem+json"),
+    ),
 )]
 pub async fn readyz(State(readiness): State<Readiness>) -> Result<&'static str, StatusCode> {
     if readiness.is_draining() { Err(StatusCode::SERVICE_UNAVAILABLE) } else { Ok("ready\n") }
