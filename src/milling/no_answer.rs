@@ -28,6 +28,8 @@ pub enum NoAnswer {
     FlatGouges,
     /// A flat-end cutter's edge runs along the cut: its circle has no radius, which the analytic model needs.
     SharpEdge,
+    /// The same on a curved surface, where the envelope takes the curvature's share from the analytic model.
+    SharpEdgeOnCurve,
     /// The passes lie above each other when seen from above.
     PassesCoincideFromAbove,
     /// The step-over alone leaves as much as the tolerance allows, so that no feed is possible.
@@ -80,6 +82,9 @@ impl fmt::Display for NoAnswer {
             ),
             Self::SharpEdge => f.write_str(
                 "in this feed direction a flat-end cutter's sharp edge makes the cut, and the analytic model has no circle to put in its place; model \"envelope\" has an answer",
+            ),
+            Self::SharpEdgeOnCurve => f.write_str(
+                "the surface's curvature enters by a correction that needs a circle, and in this feed direction a flat-end cutter's sharp edge has none; take another feed direction, a cutter with a corner radius, or leave the curvature out",
             ),
             Self::PassesCoincideFromAbove => {
                 f.write_str("the feed runs along a vertical wall, where passes lie above each other and cannot be spaced by vertical planes; give the step-over along the surface")

@@ -14,7 +14,7 @@ pub(super) fn fault(cause: NoAnswer, place: &Place<'_>, contact: StatedContact, 
             place.member(step_over_member(step_over))
         }
         NoAnswer::MarksDoNotOverlap { .. } | NoAnswer::FeedUsesUpTolerance { .. } => place.member(names::FEED_PER_TOOTH),
-        NoAnswer::Gouges { .. } | NoAnswer::FlatGouges => place.member(names::SURFACE_RADIUS),
+        NoAnswer::Gouges { .. } | NoAnswer::FlatGouges | NoAnswer::SharpEdgeOnCurve => place.member(names::SURFACE_RADIUS),
         NoAnswer::SharpEdge => place.member("cutter"),
         NoAnswer::RunoutUsesUpTolerance => place.member(names::RUNOUT),
         _ => place.member(names::TOLERANCE),
@@ -41,6 +41,7 @@ pub(crate) fn name(cause: NoAnswer) -> (&'static str, &'static str) {
         NoAnswer::PassesDoNotOverlap { .. } => ("passes-do-not-overlap", "The passes do not overlap"),
         NoAnswer::MarksDoNotOverlap { .. } => ("marks-do-not-overlap", "The tooth marks do not overlap"),
         NoAnswer::Gouges { .. } | NoAnswer::FlatGouges => ("gouging", "The cutter gouges"),
+        NoAnswer::SharpEdgeOnCurve => ("sharp-edge", "The curvature's correction has no answer for a sharp edge"),
         NoAnswer::SharpEdge => ("sharp-edge", "The analytic model has no answer for a sharp edge"),
         NoAnswer::PassesCoincideFromAbove => ("passes-coincide-from-above", "The passes lie above each other"),
         NoAnswer::StepOverUsesUpTolerance { .. } => ("tolerance-exceeded", "The step-over alone uses up the tolerance"),

@@ -52,11 +52,15 @@ impl Envelope {
     /// # Errors
     /// On a concave surface whose radius does not exceed the effective radius [`NoAnswer::Gouges`], or [`NoAnswer::FlatGouges`] where
     /// that radius is infinite.
+    /// [`NoAnswer::SharpEdgeOnCurve`] on a curved surface where it is 0.
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
         let cutter = pass.cutter.widened(pass.runout.radial());
         let effective_radius = EffectiveRadius::across_feed(cutter, pass.contact).finite();
         let groove_curvature = effective_radius.map_or(0.0, |radius| radius.mm().recip());
         let curvature = pass.surface.per_mm();
+        if curvature != 0.0 && groove_curvature.is_infinite() {
+            return Err(NoAnswer::SharpEdgeOnCurve);
+        }
         if curvature < 0.0 && groove_curvature + curvature <= 0.0 {
             return Err(effective_radius.map_or(NoAnswer::FlatGouges, |effective_radius| NoAnswer::Gouges { effective_radius }));
         }

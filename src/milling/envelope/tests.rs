@@ -225,7 +225,8 @@ proptest! {
         if let Some(radius) = radius {
             pass = curved(pass, radius);
         }
-        let envelope = Envelope::new(pass).unwrap();
+        // A sharp edge along the cut has no answer on a curve.
+        let Ok(envelope) = Envelope::new(pass) else { return Ok(()) };
         let (s, f) = (mm(share * cutter.outer_radius().mm()), mm(marks));
         let Ok(height) = envelope.scallop_height(s, Some(f)) else { return Ok(()) };
         // A height to 1e-13 gives a step-over or feed to 1e-13 h / (its part of h). Below 1e-3 of h that part is not asked for 1e-9.
@@ -318,4 +319,13 @@ fn a_hollow_that_the_cutter_gouges_is_an_error() {
     assert!(matches!(steep.scallop_height(mm(0.4), None), Err(NoAnswer::Gouges { effective_radius }) if effective_radius.mm() > 3.0));
     // Smaller steps leave under 10 um and wider ones gouge, so that no step-over leaves 10 um.
     assert!(matches!(steep.max_step_over(mm(0.01), None), Err(NoAnswer::Gouges { .. })));
+}
+
+#[test]
+fn a_sharp_edge_along_the_cut_has_an_answer_on_a_plane_and_an_error_on_a_curve() {
+    let level_feed = pass(cutter(5.0, 0.0), 45.0, 90.0);
+    assert!(Envelope::new(level_feed).unwrap().scallop_height(mm(0.3), Some(mm(0.1))).is_ok());
+    for radius in [120.0, -120.0] {
+        assert_eq!(Envelope::new(curved(level_feed, radius)).err(), Some(NoAnswer::SharpEdgeOnCurve));
+    }
 }
