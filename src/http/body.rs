@@ -1,13 +1,12 @@
 //! The JSON body of a request.
 
 use super::problem::Problem;
-use super::reading::{Faulted, Faults, Object, Place};
+use super::reading::{Faulted, Faults, Object};
 use axum::body::Bytes;
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
-use serde_json::value::RawValue;
 
 /// A body that says it is JSON, not yet read. The framework's own extractor answers plain text and stops at the first fault.
 pub(crate) struct JsonBody(Bytes);
@@ -35,7 +34,7 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
 }
 
 /// An answer that was written where it was computed, off the async threads.
-pub(crate) struct WrittenJson(Vec<u8>);
+pub(crate) struct WrittenJson(pub(crate) Vec<u8>);
 
 impl WrittenJson {
     pub(crate) fn of(answer: &impl Serialize) -> Result<Self, Problem> {
@@ -71,11 +70,11 @@ impl JsonBody {
 
 /// [`JsonBody::read`] for JSON that came another way.
 pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
-    let raw: &RawValue = serde_json::from_slice(json).map_err(|error| {
+    let mut faults = Faults::default();
+    let object = Object::open_body(json, &mut faults).map_err(|error| {
         Problem::new(StatusCode::BAD_REQUEST, "malformed-json", "The body is not JSON", format!("the JSON cannot be read: {error}"))
     })?;
-    let mut faults = Faults::default();
-    let result = Object::open(raw, Place::Root, &mut faults).and_then(|mut object| {
+    let result = object.and_then(|mut object| {
         let result = read(&mut object, &mut faults);
         object.close(&mut faults)?;
         result

@@ -9,7 +9,7 @@ use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
 use crate::http::reading::member::items;
 use crate::http::reading::{Fault, Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
-use crate::milling::{JudgedPass, Pass};
+use crate::milling::{JudgedPass, Model, Pass};
 use rayon::prelude::*;
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
@@ -26,7 +26,7 @@ const CONTACTS: &str = "contacts";
 
 /// Answers a request with many contacts.
 pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Problem> {
-    let columns = body.read(|object, faults| {
+    body.read(|object, faults| {
         let setup = Setup::read(object, faults);
         let defaults = Terms::read(object, C::STATES, faults);
         let calculation = C::read(object, setup.as_ref().map_err(|faulted| *faulted), faults);
@@ -41,8 +41,7 @@ pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Pro
         }
         let batch = Batch { setup: setup?, defaults, calculation: calculation? };
         Ok(batch.work_out(&contacts?, &place))
-    })?;
-    WrittenJson::of(&columns)
+    })
 }
 
 struct Batch<C> {
@@ -61,18 +60,18 @@ struct Part<F: Figures> {
 }
 
 impl<C: Calculation> Batch<C> {
-    fn work_out(&self, contacts: &[&RawValue], place: &Place<'_>) -> <C::Figures as Figures>::Columns {
+    fn work_out(&self, contacts: &[&RawValue], place: &Place<'_>) -> WrittenJson {
         let parts: Vec<_> =
             contacts.par_chunks(CHUNK).enumerate().map(|(chunk, contacts)| self.work_out_chunk(chunk * CHUNK, contacts, place)).collect();
-        let mut whole = Part::<C::Figures>::empty(&self.setup, contacts.len());
+        let mut whole = Part::<C::Figures>::of(Default::default());
         for part in parts {
             whole.append(part);
         }
-        whole.finish(contacts.len())
+        whole.written(self.setup.model, contacts.len())
     }
 
     fn work_out_chunk(&self, first: usize, contacts: &[&RawValue], place: &Place<'_>) -> Part<C::Figures> {
-        let mut part = Part::empty(&self.setup, contacts.len());
+        let mut part = Part::of(Columns::open());
         for (index, raw) in (first..).zip(contacts) {
             let mut faults = Faults::default();
             match self.work_out_contact(raw, place.item(index), &mut faults) {
@@ -108,14 +107,8 @@ fn at(place: &Place<'_>, fault: Fault) -> Fault {
 }
 
 impl<F: Figures> Part<F> {
-    fn empty(setup: &Setup, contacts: usize) -> Self {
-        Self {
-            columns: F::Columns::with_capacity(setup.model, contacts),
-            failures: Vec::new(),
-            minimum: None,
-            maximum: None,
-            warnings: Vec::new(),
-        }
+    fn of(columns: F::Columns) -> Self {
+        Self { columns, failures: Vec::new(), minimum: None, maximum: None, warnings: Vec::new() }
     }
 
     fn add(&mut self, index: usize, figures: &F, pass: &JudgedPass) {
@@ -150,10 +143,9 @@ impl<F: Figures> Part<F> {
         }
     }
 
-    fn finish(mut self, count: usize) -> F::Columns {
+    fn written(self, model: Model, count: usize) -> WrittenJson {
         let summary = Summary { count, failures: self.failures.len(), minimum: self.minimum, maximum: self.maximum };
-        self.columns.finish(self.failures, summary, self.warnings);
-        self.columns
+        self.columns.written(model, summary, self.failures, self.warnings)
     }
 }
 

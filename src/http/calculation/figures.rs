@@ -1,6 +1,7 @@
 //! The figures of the answers: for one contact an object of numbers, for many a column each.
 
 use super::warning::Warning;
+use crate::http::body::WrittenJson;
 use crate::http::reading::Fault;
 use crate::milling::{JudgedPass, Model, NoAnswer, ScallopHeight};
 use crate::quantity::Length;
@@ -91,7 +92,7 @@ pub(crate) struct Extreme {
 }
 
 /// A batch in short.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Default, Serialize, ToSchema)]
 pub(crate) struct Summary {
     /// How many contacts were sent.
     pub(crate) count: usize,
@@ -123,15 +124,15 @@ pub(crate) trait Figures: Send + Sized {
 }
 
 /// The answer for many contacts: a column a figure.
-pub(crate) trait Columns<F>: Send + Serialize + ToSchema {
-    /// Columns without a row, with room for some.
-    fn with_capacity(model: Model, contacts: usize) -> Self;
+pub(crate) trait Columns<F>: Send + Default {
+    /// Columns without a row, to which rows can be added one by one.
+    fn open() -> Self;
     /// A row; `None` for a contact without an answer.
     fn push(&mut self, figures: Option<&F>);
-    /// The rows of `others` below these.
-    fn append(&mut self, others: Self);
-    /// With what goes beside the columns.
-    fn finish(&mut self, failures: Vec<Failure>, summary: Summary, warnings: Vec<Warning>);
+    /// The rows of `next` below these.
+    fn append(&mut self, next: Self);
+    /// The whole answer, with what goes beside the columns.
+    fn written(self, model: Model, summary: Summary, failures: Vec<Failure>, warnings: Vec<Warning>) -> WrittenJson;
 }
 
 /// The wire name of a model.
@@ -192,31 +193,39 @@ macro_rules! answers {
         }
 
         /// The answer for many contacts: an array a figure, in the order sent; null where a contact has no answer.
-        #[derive(Debug, Serialize, ToSchema)]
+        #[derive(Debug, Default, ToSchema)]
         pub(crate) struct $columns {
             /// The model that answered: `analytic` or `envelope`.
             #[schema(example = "analytic")]
             model: &'static str,
             /// The batch in short.
             summary: Summary,
-            $( $( $(#[$doc])* $name: Vec<Option<$type>>, )* )?
-            $( $( $(#[$odoc])* #[serde(skip_serializing_if = "says_nothing")] #[schema(required = false)] $oname: Vec<Option<$otype>>, )* )?
+            $( $( $(#[$doc])* #[schema(value_type = Vec<Option<$type>>)] $name: Column, )* )?
+            $( $( $(#[$odoc])* #[schema(value_type = Vec<Option<$otype>>, required = false)] $oname: Column, )* )?
             /// h, the whole scallop height of each contact.
-            scallop_height_mm: Vec<Option<f64>>,
+            #[schema(value_type = Vec<Option<f64>>)]
+            scallop_height_mm: Column,
             /// h1, what the step-over alone leaves.
-            step_over_height_mm: Vec<Option<f64>>,
+            #[schema(value_type = Vec<Option<f64>>)]
+            step_over_height_mm: Column,
             /// What the tooth marks along the feed add.
-            feed_height_mm: Vec<Option<f64>>,
+            #[schema(value_type = Vec<Option<f64>>)]
+            feed_height_mm: Column,
             /// The feed's share in the whole height; null also where there is no height.
-            feed_share: Vec<Option<f64>>,
+            #[schema(value_type = Vec<Option<f64>>)]
+            feed_share: Column,
             /// R_eff, the groove's radius of curvature across the feed, radial runout included; null also where infinite.
-            effective_radius_mm: Vec<Option<f64>>,
+            #[schema(value_type = Vec<Option<f64>>)]
+            effective_radius_mm: Column,
             /// TR_eff, the mark's radius of curvature along the feed; null also where infinite.
-            transverse_effective_radius_mm: Vec<Option<f64>>,
+            #[schema(value_type = Vec<Option<f64>>)]
+            transverse_effective_radius_mm: Column,
             /// s, the step-over along the surface.
-            step_over_mm: Vec<Option<f64>>,
+            #[schema(value_type = Vec<Option<f64>>)]
+            step_over_mm: Column,
             /// d, the step-over seen from above.
-            step_over_xy_mm: Vec<Option<f64>>,
+            #[schema(value_type = Vec<Option<f64>>)]
+            step_over_xy_mm: Column,
             /// The contacts that have no answer.
             failures: Vec<Failure>,
             /// What must be looked at, a line for each kind of warning.
@@ -256,22 +265,19 @@ macro_rules! answers {
         }
 
         impl Columns<$figures> for $columns {
-            fn with_capacity(model: Model, contacts: usize) -> Self {
+            fn open() -> Self {
                 Self {
-                    model: model_name(model),
-                    summary: Summary { count: 0, failures: 0, minimum: None, maximum: None },
-                    $( $( $name: Vec::with_capacity(contacts), )* )?
-                    $( $( $oname: Vec::with_capacity(contacts), )* )?
-                    scallop_height_mm: Vec::with_capacity(contacts),
-                    step_over_height_mm: Vec::with_capacity(contacts),
-                    feed_height_mm: Vec::with_capacity(contacts),
-                    feed_share: Vec::with_capacity(contacts),
-                    effective_radius_mm: Vec::with_capacity(contacts),
-                    transverse_effective_radius_mm: Vec::with_capacity(contacts),
-                    step_over_mm: Vec::with_capacity(contacts),
-                    step_over_xy_mm: Vec::with_capacity(contacts),
-                    failures: Vec::new(),
-                    warnings: Vec::new(),
+                    $( $( $name: Column::open(), )* )?
+                    $( $( $oname: Column::open(), )* )?
+                    scallop_height_mm: Column::open(),
+                    step_over_height_mm: Column::open(),
+                    feed_height_mm: Column::open(),
+                    feed_share: Column::open(),
+                    effective_radius_mm: Column::open(),
+                    transverse_effective_radius_mm: Column::open(),
+                    step_over_mm: Column::open(),
+                    step_over_xy_mm: Column::open(),
+                    ..Self::default()
                 }
             }
 
@@ -289,30 +295,39 @@ macro_rules! answers {
                 self.step_over_xy_mm.push(common.map(Common::step_over_xy_mm));
             }
 
-            fn append(&mut self, mut others: Self) {
-                $( $( self.$name.append(&mut others.$name); )* )?
-                $( $( self.$oname.append(&mut others.$oname); )* )?
-                self.scallop_height_mm.append(&mut others.scallop_height_mm);
-                self.step_over_height_mm.append(&mut others.step_over_height_mm);
-                self.feed_height_mm.append(&mut others.feed_height_mm);
-                self.feed_share.append(&mut others.feed_share);
-                self.effective_radius_mm.append(&mut others.effective_radius_mm);
-                self.transverse_effective_radius_mm.append(&mut others.transverse_effective_radius_mm);
-                self.step_over_mm.append(&mut others.step_over_mm);
-                self.step_over_xy_mm.append(&mut others.step_over_xy_mm);
+            fn append(&mut self, next: Self) {
+                $( $( self.$name.append(next.$name); )* )?
+                $( $( self.$oname.append(next.$oname); )* )?
+                self.scallop_height_mm.append(next.scallop_height_mm);
+                self.step_over_height_mm.append(next.step_over_height_mm);
+                self.feed_height_mm.append(next.feed_height_mm);
+                self.feed_share.append(next.feed_share);
+                self.effective_radius_mm.append(next.effective_radius_mm);
+                self.transverse_effective_radius_mm.append(next.transverse_effective_radius_mm);
+                self.step_over_mm.append(next.step_over_mm);
+                self.step_over_xy_mm.append(next.step_over_xy_mm);
             }
 
-            fn finish(&mut self, failures: Vec<Failure>, summary: Summary, warnings: Vec<Warning>) {
-                self.failures = failures;
-                self.summary = summary;
-                self.warnings = warnings;
+            fn written(self, model: Model, summary: Summary, failures: Vec<Failure>, warnings: Vec<Warning>) -> WrittenJson {
+                let whole = Self { model: model_name(model), summary, failures, warnings, ..self };
+                let mut table = Table::default();
+                table.value("model", &whole.model);
+                table.value("summary", &whole.summary);
+                $( $( table.column(stringify!($name), &whole.$name); )* )?
+                $( $( table.optional_column(stringify!($oname), &whole.$oname); )* )?
+                table.column("scallop_height_mm", &whole.scallop_height_mm);
+                table.column("step_over_height_mm", &whole.step_over_height_mm);
+                table.column("feed_height_mm", &whole.feed_height_mm);
+                table.column("feed_share", &whole.feed_share);
+                table.column("effective_radius_mm", &whole.effective_radius_mm);
+                table.column("transverse_effective_radius_mm", &whole.transverse_effective_radius_mm);
+                table.column("step_over_mm", &whole.step_over_mm);
+                table.column("step_over_xy_mm", &whole.step_over_xy_mm);
+                table.value("failures", &whole.failures);
+                table.value("warnings", &whole.warnings);
+                table.written()
             }
         }
     };
 }
 pub(crate) use answers;
-
-/// Whether a column of an optional figure has none.
-pub(crate) fn says_nothing<T>(column: &[Option<T>]) -> bool {
-    column.iter().all(Option::is_none)
-}

@@ -1,6 +1,7 @@
 //! `POST /v1/max-feed` and its batch: the largest feed that keeps a tolerance.
 
-use super::figures::{Check, Columns, Common, Failure, Figures, Summary, answers, model_name, says_nothing};
+use super::column::{Column, Table};
+use super::figures::{Check, Columns, Common, Failure, Figures, Summary, answers, model_name};
 use super::terms::{Setup, Stated, TOLERANCE};
 use super::{Calculation, Warning, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};

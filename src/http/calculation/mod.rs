@@ -4,6 +4,7 @@
 //! the figures of the answers, and how a request with one contact and one with many is answered.
 
 mod batch;
+mod column;
 mod contact;
 mod cutter;
 mod figures;

@@ -1,5 +1,6 @@
 //! `POST /v1/scallop-height` and its batch: the height that a step-over and a feed leave.
 
+use super::column::{Column, Table};
 use super::figures::{Check, Columns, Common, Failure, Figures, Summary, answers, model_name};
 use super::terms::{Setup, Stated};
 use super::{Calculation, Warning, batch, single};

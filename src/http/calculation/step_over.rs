@@ -1,5 +1,6 @@
 //! `POST /v1/step-over` and its batch: the largest step-over that keeps a tolerance.
 
+use super::column::{Column, Table};
 use super::figures::{Check, Columns, Common, Failure, Figures, Summary, answers, model_name};
 use super::terms::{Setup, Stated, TOLERANCE};
 use super::{Calculation, Warning, batch, single};

@@ -22,9 +22,22 @@ impl<'a, 'p> Object<'a, 'p> {
             return Err(faults.add(&place, "wrong-type", format_args!("expected an object, found {}", describe(raw))));
         }
         match serde_json::from_str::<Members<'a>>(raw.get()) {
-            Ok(Members { kept, unkept }) => Ok(Self { place, members: kept, unkept, known: Vec::with_capacity(12) }),
+            Ok(members) => Ok(Self::of(members, place)),
             Err(error) => Err(faults.add(&place, "unreadable", error)),
         }
+    }
+
+    /// Opens a whole body as an object; the outer error is that it is not JSON.
+    pub(crate) fn open_body(json: &'a [u8], faults: &mut Faults) -> Result<Result<Self, Faulted>, serde_json::Error> {
+        // To read the members is to check the syntax of the whole; only what cannot be read so is gone through again.
+        match serde_json::from_slice::<Members<'a>>(json) {
+            Ok(members) => Ok(Ok(Self::of(members, Place::Root))),
+            Err(_) => Ok(Self::open(serde_json::from_slice(json)?, Place::Root, faults)),
+        }
+    }
+
+    fn of(members: Members<'a>, place: Place<'p>) -> Self {
+        Self { place, members: members.kept, unkept: members.unkept, known: Vec::with_capacity(12) }
     }
 
     /// Where the object is.
