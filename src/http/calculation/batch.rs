@@ -4,7 +4,7 @@ use super::contact::{self, StatedContact};
 use super::figures::{Columns, Extreme, Failure, Figures, Summary};
 use super::terms::{Setup, Stated, Terms};
 use super::warning::{Strain, Warning};
-use super::{Calculation, cutter, refusal, single};
+use super::{Calculation, cutter, plain, refusal, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
 use crate::http::reading::member::items;
@@ -71,28 +71,46 @@ impl<C: Calculation> Batch<C> {
     }
 
     fn work_out_chunk(&self, first: usize, contacts: &[&RawValue], place: &Place<'_>) -> Part<C::Figures> {
-        let mut part = Part::of(Columns::open());
+        let mut part = Part::of(Columns::open(contacts.len()));
         for (index, raw) in (first..).zip(contacts) {
             let mut faults = Faults::default();
-            match self.work_out_contact(raw, place.item(index), &mut faults) {
-                Ok((figures, pass)) if faults.is_empty() => part.add(index, &figures, &pass),
-                _ => part.fail(index, &faults.into_listed()),
+            let worked_out = self.work_out_contact(index, raw, place.item(index), &mut faults, &mut part);
+            if worked_out.is_err() {
+                part.fail(index, &faults.into_listed());
             }
         }
         part
     }
 
-    fn work_out_contact(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<(C::Figures, JudgedPass), Faulted> {
+    fn work_out_contact(
+        &self,
+        index: usize,
+        raw: &RawValue,
+        place: Place<'_>,
+        faults: &mut Faults,
+        part: &mut Part<C::Figures>,
+    ) -> Result<(), Faulted> {
+        let (contact, terms) = match plain::read(raw, C::STATES) {
+            Some((contact, terms)) => (contact, terms.or(self.defaults)),
+            None => self.read(raw, place, faults)?,
+        };
+        let step_over = terms.step_over(C::STATES, &place, faults)?;
+        let pass = self.judge(contact, &terms, &place, faults)?;
+        let figures = single::work_out(&self.calculation, &self.setup, &pass, step_over, &terms)?;
+        let figures = figures.map_err(|cause| faults.push(at(&place, refusal::fault(cause, &place, contact, step_over))))?;
+        part.add(index, &figures, &pass);
+        Ok(())
+    }
+
+    /// A contact and the terms that hold for it, with all their faults.
+    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<(StatedContact, Terms), Faulted> {
         let mut object = Object::open(raw, place, faults)?;
         let contact = contact::read(&mut object, faults);
         let terms = Terms::read(&mut object, C::STATES, faults).or(self.defaults);
         object.close(faults)?;
-        let step_over = terms.step_over(C::STATES, &place, faults);
-        let (contact, step_over) = (contact?, step_over?);
-        let pass = self.judge(contact, &terms, &place, faults)?;
-        let figures = single::work_out(&self.calculation, &self.setup, &pass, step_over, &terms)?;
-        let figures = figures.map_err(|cause| faults.push(at(&place, refusal::fault(cause, &place, contact, step_over))))?;
-        Ok((figures, pass))
+        terms.step_over(C::STATES, &place, faults)?;
+        // Faulty terms keep that to themselves until they are asked for.
+        if faults.is_empty() { Ok((contact?, terms)) } else { Err(Faulted) }
     }
 
     fn judge(&self, contact: StatedContact, terms: &Terms, place: &Place<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {

@@ -12,9 +12,10 @@ pub(crate) struct Column {
 }
 
 impl Column {
-    /// A column without a row, to which rows can be added one by one.
-    pub(crate) fn open() -> Self {
-        Self { pieces: vec![Vec::new()], says_something: false }
+    /// A column without a row, to which rows can be added one by one, about so many.
+    pub(crate) fn open(rows: usize) -> Self {
+        // 17 digits, a point, a digit before it and a comma.
+        Self { pieces: vec![Vec::with_capacity(20 * rows)], says_something: false }
     }
 
     /// Adds a row to an open column; `None` is null.
@@ -124,7 +125,7 @@ mod tests {
         for cut in 0..=rows.len() {
             let mut whole = Column::default();
             for rows in [&rows[..cut], &rows[cut..]] {
-                let mut part = Column::open();
+                let mut part = Column::open(2);
                 rows.iter().for_each(|row| part.push(*row));
                 whole.append(part);
             }
@@ -137,7 +138,7 @@ mod tests {
 
     #[test]
     fn an_optional_column_that_says_nothing_is_absent() {
-        let (empty, mut silent) = (Column::default(), Column::open());
+        let (empty, mut silent) = (Column::default(), Column::open(1));
         silent.push(None::<f64>);
         let mut table = Table::default();
         table.optional_column("feed_rate_mm_min", &silent);

@@ -40,6 +40,16 @@ pub(super) struct StatedContact {
     pub(super) slope_member: &'static str,
 }
 
+impl StatedContact {
+    pub(super) fn by_angles(contact: Contact) -> Self {
+        Self { contact, slope_member: SLOPE.name }
+    }
+
+    pub(super) fn by_vectors(contact: Contact) -> Self {
+        Self { contact, slope_member: NORMAL.name }
+    }
+}
+
 /// A contact in either form.
 pub(super) struct ContactKind;
 
@@ -66,12 +76,12 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
         (true, false) => {
             let (slope, angle) = (object.required(&SLOPE, faults), object.required(&FEED_ANGLE, faults));
             let contact = Contact::from_degrees(slope?, angle?);
-            contact.map(|contact| StatedContact { contact, slope_member: SLOPE.name }).map_err(|error| fault(object, error, faults))
+            contact.map(StatedContact::by_angles).map_err(|error| fault(object, error, faults))
         }
         (false, true) => {
             let (normal, feed) = (object.required(&NORMAL, faults), object.required(&FEED, faults));
             let contact = Contact::from_vectors(normal?, feed?);
-            contact.map(|contact| StatedContact { contact, slope_member: NORMAL.name }).map_err(|error| fault(object, error, faults))
+            contact.map(StatedContact::by_vectors).map_err(|error| fault(object, error, faults))
         }
         (true, true) => {
             // Both forms are read for the faults in them.

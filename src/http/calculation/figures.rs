@@ -125,8 +125,8 @@ pub(crate) trait Figures: Send + Sized {
 
 /// The answer for many contacts: a column a figure.
 pub(crate) trait Columns<F>: Send + Default {
-    /// Columns without a row, to which rows can be added one by one.
-    fn open() -> Self;
+    /// Columns without a row, to which rows can be added one by one, about so many.
+    fn open(rows: usize) -> Self;
     /// A row; `None` for a contact without an answer.
     fn push(&mut self, figures: Option<&F>);
     /// The rows of `next` below these.
@@ -265,18 +265,18 @@ macro_rules! answers {
         }
 
         impl Columns<$figures> for $columns {
-            fn open() -> Self {
+            fn open(rows: usize) -> Self {
                 Self {
-                    $( $( $name: Column::open(), )* )?
-                    $( $( $oname: Column::open(), )* )?
-                    scallop_height_mm: Column::open(),
-                    step_over_height_mm: Column::open(),
-                    feed_height_mm: Column::open(),
-                    feed_share: Column::open(),
-                    effective_radius_mm: Column::open(),
-                    transverse_effective_radius_mm: Column::open(),
-                    step_over_mm: Column::open(),
-                    step_over_xy_mm: Column::open(),
+                    $( $( $name: Column::open(rows), )* )?
+                    $( $( $oname: Column::open(rows), )* )?
+                    scallop_height_mm: Column::open(rows),
+                    step_over_height_mm: Column::open(rows),
+                    feed_height_mm: Column::open(rows),
+                    feed_share: Column::open(rows),
+                    effective_radius_mm: Column::open(rows),
+                    transverse_effective_radius_mm: Column::open(rows),
+                    step_over_mm: Column::open(rows),
+                    step_over_xy_mm: Column::open(rows),
                     ..Self::default()
                 }
             }

@@ -9,6 +9,7 @@ mod contact;
 mod cutter;
 mod figures;
 pub(crate) mod max_feed;
+mod plain;
 mod refusal;
 pub(crate) mod scallop_height;
 mod single;

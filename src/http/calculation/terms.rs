@@ -5,7 +5,7 @@ use super::cutter::{CUTTER, StatedCutter};
 use crate::http::reading::member::{Choice, Kind, Number, StatedLength, in_range, number};
 use crate::http::reading::{Faulted, Faults, Member, Object, ObjectSchema, Place};
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
-use crate::quantity::Length;
+use crate::quantity::{Length, OutOfRange};
 use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -76,17 +76,19 @@ enum Feed {
     PerTooth(Length),
 }
 
+impl Feed {
+    fn from_mm(feed: f64) -> Result<Self, OutOfRange> {
+        if feed == 0.0 { Ok(Self::NoMarks) } else { Length::from_mm(feed).map(Self::PerTooth) }
+    }
+}
+
 struct FeedKind;
 
 impl Kind for FeedKind {
     type Value = Feed;
 
     fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Feed, Faulted> {
-        let value = number(raw, place, faults)?;
-        if value == 0.0 {
-            return Ok(Feed::NoMarks);
-        }
-        in_range(Length::from_mm(value), raw, place, faults).map(Feed::PerTooth)
+        in_range(Feed::from_mm(number(raw, place, faults)?), raw, place, faults)
     }
 
     fn schema(&self, about: &str) -> RefOr<Schema> {
@@ -158,6 +160,12 @@ impl Terms {
         let step_over = if stated.step_over { read_step_over(object, faults) } else { Ok(None) };
         let feed_per_tooth = if stated.feed_per_tooth { object.optional(&FEED_PER_TOOTH, faults) } else { Ok(None) };
         Self { step_over, feed_per_tooth, surface: object.optional(&SURFACE_RADIUS, faults) }
+    }
+
+    /// Terms of which none is faulty; `None` for a feed out of its range.
+    pub(super) fn plain(step_over: Option<StepOver>, feed_per_tooth_mm: Option<f64>, surface: Option<SurfaceCurvature>) -> Option<Self> {
+        let feed_per_tooth = feed_per_tooth_mm.map(Feed::from_mm).transpose().ok()?;
+        Some(Self { step_over: Ok(step_over), feed_per_tooth: Ok(feed_per_tooth), surface: Ok(surface) })
     }
 
     /// These terms, and `others` where these say nothing.
