@@ -115,19 +115,24 @@ impl Bench {
         Self { runtime: tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime"), app }
     }
 
-    fn answer(&self, path: &str, body: &Bytes) -> Bytes {
+    /// The answer, in the pieces in which it is sent.
+    fn answer(&self, path: &str, body: &Bytes) -> Vec<Bytes> {
         let request = Request::post(path).header(header::CONTENT_TYPE, "application/json").body(Body::from(body.clone()));
         self.runtime.block_on(async {
             let response = self.app.clone().oneshot(request.expect("a request")).await.expect("an answer");
             assert!(response.status().is_success(), "{path}: {}", response.status());
-            response.into_body().collect().await.expect("a body").to_bytes()
+            let (mut body, mut pieces) = (response.into_body(), Vec::new());
+            while let Some(frame) = body.frame().await {
+                pieces.extend(frame.expect("a body").into_data());
+            }
+            pieces
         })
     }
 
     fn row(&self, contacts: u32, calculation: &str, terms: &str, model: &'static str) -> Row {
         let body = request(contacts, terms, model);
         let path = format!("/v1/{calculation}/batch");
-        let answer = self.answer(&path, &body);
+        let answer = Bytes::from(self.answer(&path, &body).concat());
         let columns = Columns::of(&answer);
         let read_and_write = || {
             let read: Contacts = serde_json::from_slice(&body).expect("JSON");

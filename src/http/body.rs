@@ -2,11 +2,16 @@
 
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object};
-use axum::body::Bytes;
+use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use http_body::{Frame, SizeHint};
 use serde::Serialize;
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::pin::Pin;
+use std::task::{Context, Poll};
 
 /// A body that says it is JSON, not yet read. The framework's own extractor answers plain text and stops at the first fault.
 pub(crate) struct JsonBody(Bytes);
@@ -34,20 +39,44 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
 }
 
 /// An answer that was written where it was computed, off the async threads.
-pub(crate) struct WrittenJson(pub(crate) Vec<u8>);
+pub(crate) struct WrittenJson {
+    pieces: VecDeque<Bytes>,
+}
 
 impl WrittenJson {
     pub(crate) fn of(answer: &impl Serialize) -> Result<Self, Problem> {
-        serde_json::to_vec(answer).map(Self).map_err(|error| {
+        serde_json::to_vec(answer).map(|text| Self::in_pieces([text])).map_err(|error| {
             tracing::error!(%error, "an answer could not be written");
             Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
         })
+    }
+
+    /// An answer that is sent as it was written, piece by piece: a large one would double in memory if it were put together.
+    pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
+        Self { pieces: pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect() }
+    }
+}
+
+impl HttpBody for WrittenJson {
+    type Data = Bytes;
+    type Error = Infallible;
+
+    fn poll_frame(mut self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
+        Poll::Ready(self.pieces.pop_front().map(|piece| Ok(Frame::data(piece))))
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        SizeHint::with_exact(self.pieces.iter().map(|piece| piece.len() as u64).sum())
     }
 }
 
 impl IntoResponse for WrittenJson {
     fn into_response(self) -> Response {
-        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], self.0).into_response()
+        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], Body::new(self)).into_response()
     }
 }
 

@@ -7,11 +7,12 @@ use super::warning::{Strain, Warning};
 use super::{Calculation, cutter, plain, refusal, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
-use crate::http::reading::member::items;
+use crate::http::reading::member::{for_runs_of_items, items};
 use crate::http::reading::{Fault, Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
 use crate::milling::{JudgedPass, Model, Pass};
-use rayon::prelude::*;
 use serde_json::value::RawValue;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 use utoipa::openapi::{Ref, RefOr, Schema};
 
@@ -33,14 +34,16 @@ pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Pro
         let place = object.place();
         let place = place.member(CONTACTS);
         let contacts = match object.take(CONTACTS, faults) {
-            Some(raw) => items(raw, MOST_CONTACTS, place, faults),
-            None => Err(faults.add(&place, "missing-field", "the field is missing: the contacts to work out")),
+            Some(contacts) => contacts,
+            None => return Err(faults.add(&place, "missing-field", "the field is missing: the contacts to work out")),
         };
         if !faults.is_empty() {
+            // Nothing is worked out, but what is wrong with the array as a whole is told, too.
+            items(contacts, MOST_CONTACTS, place, faults)?;
             return Err(Faulted);
         }
         let batch = Batch { setup: setup?, defaults, calculation: calculation? };
-        Ok(batch.work_out(&contacts?, &place))
+        batch.work_out(contacts, place, faults)
     })
 }
 
@@ -60,14 +63,23 @@ struct Part<F: Figures> {
 }
 
 impl<C: Calculation> Batch<C> {
-    fn work_out(&self, contacts: &[&RawValue], place: &Place<'_>) -> WrittenJson {
-        let parts: Vec<_> =
-            contacts.par_chunks(CHUNK).enumerate().map(|(chunk, contacts)| self.work_out_chunk(chunk * CHUNK, contacts, place)).collect();
+    /// Contacts are worked out on other cores while this one still tells them apart.
+    fn work_out(&self, contacts: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
+        let parts = Mutex::new(BTreeMap::new());
+        let count = rayon::scope(|scope| {
+            for_runs_of_items(contacts, MOST_CONTACTS, CHUNK, place, faults, |first, contacts| {
+                let parts = &parts;
+                scope.spawn(move |_| {
+                    let part = self.work_out_chunk(first, &contacts, &place);
+                    parts.lock().unwrap_or_else(PoisonError::into_inner).insert(first, part);
+                });
+            })
+        })?;
         let mut whole = Part::<C::Figures>::of(Default::default());
-        for part in parts {
+        for part in parts.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
             whole.append(part);
         }
-        whole.written(self.setup.model, contacts.len())
+        Ok(whole.written(self.setup.model, count))
     }
 
     fn work_out_chunk(&self, first: usize, contacts: &[&RawValue], place: &Place<'_>) -> Part<C::Figures> {

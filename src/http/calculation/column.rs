@@ -4,7 +4,7 @@
 use crate::http::body::WrittenJson;
 use serde::Serialize;
 
-/// A column of figures: the JSON of its rows, in pieces between which a comma is missing.
+/// A column of figures: the JSON of its rows, in pieces that follow each other.
 #[derive(Debug, Default)]
 pub(crate) struct Column {
     pieces: Vec<Vec<u8>>,
@@ -30,81 +30,60 @@ impl Column {
 
     /// Adds the rows of `next` below these.
     pub(crate) fn append(&mut self, next: Self) {
-        self.pieces.extend(next.pieces.into_iter().filter(|rows| !rows.is_empty()));
+        for rows in next.pieces.into_iter().filter(|rows| !rows.is_empty()) {
+            if let Some(above) = self.pieces.last_mut() {
+                above.push(b',');
+            }
+            self.pieces.push(rows);
+        }
         self.says_something |= next.says_something;
     }
 }
 
-/// An object of columns and a few other members.
+/// An object of columns and a few other members, as it is being put together.
 #[derive(Debug, Default)]
-pub(crate) struct Table<'a> {
-    members: Vec<(&'static str, Member<'a>)>,
+pub(crate) struct Table {
+    pieces: Vec<Vec<u8>>,
+    /// What comes after the pieces.
+    text: Vec<u8>,
 }
 
-#[derive(Debug)]
-enum Member<'a> {
-    Column(&'a Column),
-    Value(Vec<u8>),
-}
-
-impl<'a> Table<'a> {
+impl Table {
     /// Adds a member that is no column.
     pub(crate) fn value(&mut self, name: &'static str, value: &impl Serialize) {
-        let mut text = Vec::new();
-        write(&mut text, value);
-        self.members.push((name, Member::Value(text)));
+        self.name(name);
+        write(&mut self.text, value);
     }
 
     /// Adds a column.
-    pub(crate) fn column(&mut self, name: &'static str, column: &'a Column) {
-        self.members.push((name, Member::Column(column)));
+    pub(crate) fn column(&mut self, name: &'static str, column: Column) {
+        self.name(name);
+        self.text.push(b'[');
+        self.pieces.push(std::mem::take(&mut self.text));
+        self.pieces.extend(column.pieces);
+        self.text.push(b']');
     }
 
     /// Adds a column unless no row of it says anything.
-    pub(crate) fn optional_column(&mut self, name: &'static str, column: &'a Column) {
+    pub(crate) fn optional_column(&mut self, name: &'static str, column: Column) {
         if column.says_something {
             self.column(name, column);
         }
     }
 
-    /// The whole as text.
-    pub(crate) fn written(&self) -> WrittenJson {
-        // Four more than a name are "":, and a column's two brackets; a comma goes with each piece.
-        let room = |(name, member): &(&str, Member)| {
-            name.len()
-                + 6
-                + match member {
-                    Member::Column(column) => column.pieces.iter().map(|rows| rows.len() + 1).sum(),
-                    Member::Value(text) => text.len(),
-                }
-        };
-        let mut text = Vec::with_capacity(2 + self.members.iter().map(room).sum::<usize>());
-        text.push(b'{');
-        for (index, (name, member)) in self.members.iter().enumerate() {
-            if index > 0 {
-                text.push(b',');
-            }
-            write(&mut text, name);
-            text.push(b':');
-            match member {
-                Member::Value(value) => text.extend_from_slice(value),
-                Member::Column(column) => write_column(&mut text, column),
-            }
-        }
-        text.push(b'}');
-        WrittenJson(text)
+    /// The whole.
+    pub(crate) fn written(mut self) -> WrittenJson {
+        self.text.push(b'}');
+        self.pieces.push(self.text);
+        WrittenJson::in_pieces(self.pieces)
     }
-}
 
-fn write_column(text: &mut Vec<u8>, column: &Column) {
-    text.push(b'[');
-    for (index, rows) in column.pieces.iter().enumerate() {
-        if index > 0 {
-            text.push(b',');
-        }
-        text.extend_from_slice(rows);
+    fn name(&mut self, name: &'static str) {
+        let first = self.pieces.is_empty() && self.text.is_empty();
+        self.text.push(if first { b'{' } else { b',' });
+        write(&mut self.text, &name);
+        self.text.push(b':');
     }
-    text.push(b']');
 }
 
 fn write(text: &mut Vec<u8>, value: &impl Serialize) {
@@ -114,13 +93,14 @@ fn write(text: &mut Vec<u8>, value: &impl Serialize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use http_body_util::BodyExt;
 
-    fn text(table: &Table<'_>) -> String {
-        String::from_utf8(table.written().0).unwrap()
+    async fn text(table: Table) -> String {
+        String::from_utf8(table.written().collect().await.unwrap().to_bytes().into()).unwrap()
     }
 
-    #[test]
-    fn parts_make_one_array_however_they_are_cut() {
+    #[tokio::test]
+    async fn parts_make_one_array_however_they_are_cut() {
         let rows = [Some(0.5), None, Some(1e-7)];
         for cut in 0..=rows.len() {
             let mut whole = Column::default();
@@ -131,22 +111,24 @@ mod tests {
             }
             let mut table = Table::default();
             table.value("model", &"analytic");
-            table.column("height_mm", &whole);
-            assert_eq!(text(&table), r#"{"model":"analytic","height_mm":[0.5,null,1e-7]}"#, "cut at {cut}");
+            table.column("height_mm", whole);
+            assert_eq!(text(table).await, r#"{"model":"analytic","height_mm":[0.5,null,1e-7]}"#, "cut at {cut}");
         }
     }
 
-    #[test]
-    fn an_optional_column_that_says_nothing_is_absent() {
+    #[tokio::test]
+    async fn an_optional_column_that_says_nothing_is_absent() {
         let (empty, mut silent) = (Column::default(), Column::open(1));
         silent.push(None::<f64>);
         let mut table = Table::default();
-        table.optional_column("feed_rate_mm_min", &silent);
-        table.column("heights", &empty);
-        assert_eq!(text(&table), r#"{"heights":[]}"#);
-        silent.push(Some(2.0));
+        table.optional_column("feed_rate_mm_min", silent);
+        table.column("heights", empty);
+        assert_eq!(text(table).await, r#"{"heights":[]}"#);
+        let mut speaking = Column::open(2);
+        speaking.push(None::<f64>);
+        speaking.push(Some(2.0));
         table = Table::default();
-        table.optional_column("feed_rate_mm_min", &silent);
-        assert_eq!(text(&table), r#"{"feed_rate_mm_min":[null,2.0]}"#);
+        table.optional_column("feed_rate_mm_min", speaking);
+        assert_eq!(text(table).await, r#"{"feed_rate_mm_min":[null,2.0]}"#);
     }
 }

@@ -313,16 +313,16 @@ macro_rules! answers {
                 let mut table = Table::default();
                 table.value("model", &whole.model);
                 table.value("summary", &whole.summary);
-                $( $( table.column(stringify!($name), &whole.$name); )* )?
-                $( $( table.optional_column(stringify!($oname), &whole.$oname); )* )?
-                table.column("scallop_height_mm", &whole.scallop_height_mm);
-                table.column("step_over_height_mm", &whole.step_over_height_mm);
-                table.column("feed_height_mm", &whole.feed_height_mm);
-                table.column("feed_share", &whole.feed_share);
-                table.column("effective_radius_mm", &whole.effective_radius_mm);
-                table.column("transverse_effective_radius_mm", &whole.transverse_effective_radius_mm);
-                table.column("step_over_mm", &whole.step_over_mm);
-                table.column("step_over_xy_mm", &whole.step_over_xy_mm);
+                $( $( table.column(stringify!($name), whole.$name); )* )?
+                $( $( table.optional_column(stringify!($oname), whole.$oname); )* )?
+                table.column("scallop_height_mm", whole.scallop_height_mm);
+                table.column("step_over_height_mm", whole.step_over_height_mm);
+                table.column("feed_height_mm", whole.feed_height_mm);
+                table.column("feed_share", whole.feed_share);
+                table.column("effective_radius_mm", whole.effective_radius_mm);
+                table.column("transverse_effective_radius_mm", whole.transverse_effective_radius_mm);
+                table.column("step_over_mm", whole.step_over_mm);
+                table.column("step_over_xy_mm", whole.step_over_xy_mm);
                 table.value("failures", &whole.failures);
                 table.value("warnings", &whole.warnings);
                 table.written()

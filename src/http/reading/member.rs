@@ -164,48 +164,69 @@ pub(crate) fn text(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Res
 
 /// The items of the array that `raw` is, unread. More than `most` are a fault and are counted, not kept.
 pub(crate) fn items<'a>(raw: &'a RawValue, most: usize, place: Place<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
-    let items = Items { most }.deserialize(&mut serde_json::Deserializer::from_str(raw.get()));
-    let (items, count) = items.map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))?;
+    let mut all = Vec::new();
+    for_runs_of_items(raw, most, most, place, faults, |_, items| all = items)?;
+    Ok(all)
+}
+
+/// Hands out the items of an array as it comes upon them, in runs of `run` with the index of the first, and returns their number. Where
+/// there are more than `most`, or `raw` is no array, that is found after some were handed out.
+pub(crate) fn for_runs_of_items<'a>(
+    raw: &'a RawValue,
+    most: usize,
+    run: usize,
+    place: Place<'_>,
+    faults: &mut Faults,
+    take: impl FnMut(usize, Vec<&'a RawValue>),
+) -> Result<usize, Faulted> {
+    let count = Items { most, run, take }.deserialize(&mut serde_json::Deserializer::from_str(raw.get()));
+    let count = count.map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))?;
     if count > most {
         return Err(faults.add(&place, "too-many-items", format_args!("must have at most {most} items, found {count}")));
     }
-    Ok(items)
+    Ok(count)
 }
 
-/// Collects the first items of an array and counts all.
-struct Items {
+/// Hands out the first items of an array and counts all.
+struct Items<F> {
     most: usize,
+    run: usize,
+    take: F,
 }
 
-impl<'de> DeserializeSeed<'de> for Items {
-    type Value = (Vec<&'de RawValue>, usize);
+impl<'de, F: FnMut(usize, Vec<&'de RawValue>)> DeserializeSeed<'de> for Items<F> {
+    type Value = usize;
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
         deserializer.deserialize_seq(self)
     }
 }
 
-impl<'de> Visitor<'de> for Items {
-    type Value = (Vec<&'de RawValue>, usize);
+impl<'de, F: FnMut(usize, Vec<&'de RawValue>)> Visitor<'de> for Items<F> {
+    type Value = usize;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("an array")
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
-        let mut items = Vec::new();
-        while items.len() < self.most {
-            let Some(item) = sequence.next_element()? else {
-                let count = items.len();
-                return Ok((items, count));
-            };
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut sequence: A) -> Result<usize, A::Error> {
+        let (mut count, mut items) = (0, Vec::new());
+        while count < self.most
+            && let Some(item) = sequence.next_element()?
+        {
             items.push(item);
+            count += 1;
+            if items.len() == self.run {
+                (self.take)(count - items.len(), std::mem::take(&mut items));
+            }
         }
-        let mut count = items.len();
+        if !items.is_empty() {
+            (self.take)(count - items.len(), items);
+        }
         while sequence.next_element::<IgnoredAny>()?.is_some() {
             count += 1;
         }
-        Ok((items, count))
+        Ok(count)
     }
 }
 
