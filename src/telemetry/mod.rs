@@ -1,5 +1,6 @@
 //! Log lines and traces: where they go and in which form. What is told is said where it happens.
 
+mod json;
 mod lines;
 #[cfg(feature = "otlp")]
 mod otlp;
@@ -10,11 +11,7 @@ use std::thread::JoinHandle;
 use axum::http::HeaderMap;
 use tracing::Span;
 use tracing::level_filters::LevelFilter;
-use tracing::span::Record;
-use tracing_subscriber::field::RecordFields;
 use tracing_subscriber::filter::Targets;
-use tracing_subscriber::fmt::FormattedFields;
-use tracing_subscriber::fmt::format::{FormatFields, JsonFields, Writer};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::{Layer, Registry, fmt};
 
@@ -42,9 +39,7 @@ impl Telemetry {
         let form = || fmt::layer().with_writer(lines.clone());
         let log = match settings.log_format {
             LogFormat::Pretty => form().with_target(false).with_ansi(io::stdout().is_terminal()).with_filter(filter()).boxed(),
-            LogFormat::Json => {
-                form().json().flatten_event(true).with_span_list(false).fmt_fields(AtBeginning::default()).with_filter(filter()).boxed()
-            }
+            LogFormat::Json => form().event_format(json::JsonLine).fmt_fields(json::JsonMembers).with_filter(filter()).boxed(),
         };
         let subscriber = Registry::default().with(log);
         #[cfg(feature = "otlp")]
@@ -70,21 +65,6 @@ impl Telemetry {
             traces.stop();
         }
         self.lines.stop(&self.writer);
-    }
-}
-
-/// A span's fields as JSON, as they are when it begins. What is recorded later is for traces: to add it, the text would be read and
-/// written again for every request.
-#[derive(Debug, Default)]
-struct AtBeginning(JsonFields);
-
-impl<'w> FormatFields<'w> for AtBeginning {
-    fn format_fields<R: RecordFields>(&self, writer: Writer<'w>, fields: R) -> std::fmt::Result {
-        self.0.format_fields(writer, fields)
-    }
-
-    fn add_fields(&self, _: &'w mut FormattedFields<Self>, _: &Record<'_>) -> std::fmt::Result {
-        Ok(())
     }
 }
 
