@@ -33,9 +33,8 @@ pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Pro
         let calculation = C::read(object, setup.as_ref().map_err(|faulted| *faulted), faults);
         let place = object.place();
         let place = place.member(CONTACTS);
-        let contacts = match object.take(CONTACTS, faults) {
-            Some(contacts) => contacts,
-            None => return Err(faults.add(&place, "missing-field", "the field is missing: the contacts to work out")),
+        let Some(contacts) = object.take(CONTACTS, faults) else {
+            return Err(faults.add(&place, "missing-field", "the field is missing: the contacts to work out"));
         };
         if !faults.is_empty() {
             // Nothing is worked out, but what is wrong with the array as a whole is told, too.

@@ -19,7 +19,7 @@ impl Column {
     }
 
     /// Adds a row to an open column; `None` is null.
-    pub(crate) fn push(&mut self, figure: Option<impl Serialize>) {
+    pub(crate) fn push(&mut self, figure: Option<impl Serialize + Copy>) {
         let Some(rows) = self.pieces.last_mut() else { unreachable!("an open column has a piece that grows") };
         if !rows.is_empty() {
             rows.push(b',');
@@ -106,7 +106,9 @@ mod tests {
             let mut whole = Column::default();
             for rows in [&rows[..cut], &rows[cut..]] {
                 let mut part = Column::open(2);
-                rows.iter().for_each(|row| part.push(*row));
+                for row in rows {
+                    part.push(*row);
+                }
                 whole.append(part);
             }
             let mut table = Table::default();

@@ -1,6 +1,7 @@
 //! What surrounds every route, whatever it computes: identification, logs and metrics, panics, shedding, time-outs, body limits,
 //! compression, and headers for browsers. Each layer has a file; this one sets their order.
 
+mod around;
 mod body;
 mod browser;
 mod observe;
@@ -12,9 +13,8 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::body::Body;
-use axum::extract::{DefaultBodyLimit, Request, State};
+use axum::extract::{DefaultBodyLimit, Request};
 use axum::http::StatusCode;
-use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
@@ -23,6 +23,7 @@ use tower_http::compression::predicate::{DefaultPredicate, Predicate, SizeAbove}
 use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::map_request_body::MapRequestBodyLayer;
 
+use around::{Around, Surround};
 pub use request_id::RequestId;
 pub(crate) use shed::overloaded;
 
@@ -42,21 +43,21 @@ const WORTH_COMPRESSING: u16 = 1024;
 /// 7. time-outs and the pace of the body, counted as it arrives;
 /// 8. decompression of the body, and inside it the limit: outside, a small body could unfold without bound.
 ///
-/// They are one stack with few boxes in it: each boxed service, as the router makes of a layer and the middleware functions of what
-/// they surround, is copied for every request with all that is inside.
+/// They are one stack without boxes in it: each boxed service, as the router makes of a layer, is copied for every request with all
+/// that is inside.
 pub fn apply(router: Router, settings: &HttpSettings, operations: &Operations) -> Router {
     let limits = Arc::new(body::Limits::new(settings));
     let in_flight = shed::InFlight::new(settings.max_in_flight, operations.metrics.clone());
-    let gate = Arc::new(Gate { in_flight, limits: Arc::clone(&limits) });
+    let admit = Admit { in_flight, limits: Arc::clone(&limits) };
     let compression = CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(WORTH_COMPRESSING))));
     // axum's own limit of 2 MB gives way to layer 8.
     let all = ServiceBuilder::new()
-        .layer(from_fn_with_state(operations.clone(), observe::observe))
+        .layer(Around(observe::Observe(operations.clone())))
         .option_layer(browser::cors(&settings.cors_origins))
         .map_response(browser::secure)
         .layer(compression)
         .layer(CatchPanicLayer::custom(describe_panic))
-        .layer(from_fn_with_state(gate, admit))
+        .layer(Around(admit))
         .layer(RequestDecompressionLayer::new())
         .layer(MapRequestBodyLayer::new(Body::new))
         .map_request(move |request| body::bound(&limits, request))
@@ -64,17 +65,28 @@ pub fn apply(router: Router, settings: &HttpSettings, operations: &Operations) -
     router.layer(all)
 }
 
-/// What a request has to pass.
-struct Gate {
+/// Layers 6 and 7: what a request has to pass.
+#[derive(Clone)]
+struct Admit {
     in_flight: shed::InFlight,
     limits: Arc<body::Limits>,
 }
 
-/// Layers 6 and 7.
-async fn admit(State(gate): State<Arc<Gate>>, request: Request, next: Next) -> Response {
-    match gate.in_flight.place_for(&request) {
-        Ok(_place) => body::receive(&gate.limits, request, next).await,
-        Err(shed) => shed,
+impl Surround for Admit {
+    #[expect(clippy::result_large_err, reason = "it is returned as it is, once")]
+    fn surround<F>(&self, request: Request, inside: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
+    where
+        F: Future<Output = Response> + Send + 'static,
+    {
+        let place = self.in_flight.place_for(&request);
+        let admitted = place.and_then(|place| Ok((place, body::receive(&self.limits, request)?)));
+        let answered = admitted.map(|(place, (request, received))| (place, received.answer(inside(request))));
+        async {
+            match answered {
+                Ok((_place, answer)) => answer.await,
+                Err(refusal) => refusal,
+            }
+        }
     }
 }
 

@@ -7,13 +7,13 @@ use std::task::{Context, Poll};
 use std::time::Instant;
 
 use axum::body::{Body, Bytes, HttpBody};
-use axum::extract::{MatchedPath, Request, State};
+use axum::extract::{MatchedPath, Request};
 use axum::http::{HeaderValue, header};
-use axum::middleware::Next;
 use axum::response::Response;
 use http_body::{Frame, SizeHint};
 use tracing::{Instrument, Level, Span};
 
+use super::around::Surround;
 use super::request_id::{self, RequestId};
 use super::weight::Weight;
 use crate::http::metrics::{Metrics, UNMATCHED, method_label};
@@ -24,24 +24,34 @@ use crate::http::problem::describe_error;
 const CLIENT_LEFT: u16 = 499;
 
 /// Layer: identifies the request, describes its error where it fails, and tells and counts it at its end.
-pub(super) async fn observe(State(operations): State<Operations>, mut request: Request, next: Next) -> Response {
-    let id = request_id::take_or_create(&mut request);
-    let mut record = Record::begin(&request, &id, operations.metrics.clone());
-    let span = record.span.clone();
-    crate::telemetry::continue_trace(&span, request.headers());
-    let sent = Arc::clone(&record.sent);
-    let request = request.map(|body| if body.is_end_stream() { body } else { Body::new(Counted::new(body, sent)) });
-    let sent = Arc::clone(&record.sent);
-    let uri = request.uri().clone();
-    let mut response = async { describe_error(next.run(request).await, uri.path(), &id) }.instrument(span).await;
-    record.status = response.status().as_u16();
-    id.mark(&mut response);
-    // hyper closes a connection with an unread body on it. A client that is told opens another; one that is not, and one that is
-    // cut off by a server that stops, loses the request that it may just be sending.
-    if sent.is_left_unread() || operations.readiness.is_draining() {
-        response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+#[derive(Clone)]
+pub(super) struct Observe(pub(super) Operations);
+
+impl Surround for Observe {
+    fn surround<F>(&self, mut request: Request, inside: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
+    where
+        F: Future<Output = Response> + Send + 'static,
+    {
+        let Operations { metrics, readiness, .. } = self.0.clone();
+        let id = request_id::take_or_create(&mut request);
+        let mut record = Record::begin(&request, &id, metrics);
+        let span = record.span.clone();
+        crate::telemetry::continue_trace(&span, request.headers());
+        let sent = Arc::clone(&record.sent);
+        let uri = request.uri().clone();
+        let answered = span.in_scope(|| inside(request.map(|body| Counted::around(body, sent))));
+        async move {
+            let mut response = async { describe_error(answered.await, uri.path(), &id) }.instrument(span).await;
+            record.status = response.status().as_u16();
+            id.mark(&mut response);
+            // hyper closes a connection with an unread body on it. A client that is told opens another; one that is not, and one that is
+            // cut off by a server that stops, loses the request that it may just be sending.
+            if record.sent.is_left_unread() || readiness.is_draining() {
+                response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+            }
+            response.map(|body| Body::new(Answer { body, record }))
+        }
     }
-    response.map(|body| Body::new(Answer { body, record }))
 }
 
 /// What is known of one request. Dropping it is the request's end.
@@ -131,10 +141,12 @@ impl Sent {
 }
 
 impl Counted {
-    /// A body that has not ended yet.
-    fn new(body: Body, sent: Arc<Sent>) -> Self {
+    fn around(body: Body, sent: Arc<Sent>) -> Body {
+        if body.is_end_stream() {
+            return body;
+        }
         sent.unread.store(true, Ordering::Relaxed);
-        Self { body, sent }
+        Body::new(Self { body, sent })
     }
 }
 

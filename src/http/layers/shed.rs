@@ -3,21 +3,23 @@
 use axum::extract::Request;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use tokio::sync::{Semaphore, SemaphorePermit};
+use std::sync::Arc;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::weight::Weight;
 use crate::http::metrics::{Metrics, ShedReason};
 use crate::http::problem::Problem;
 
-/// How many requests may be in flight.
+/// How many requests may be in flight. Clones share it.
+#[derive(Clone)]
 pub(super) struct InFlight {
-    places: Semaphore,
+    places: Arc<Semaphore>,
     metrics: Metrics,
 }
 
 impl InFlight {
     pub(super) fn new(most: usize, metrics: Metrics) -> Self {
-        Self { places: Semaphore::new(most), metrics }
+        Self { places: Arc::new(Semaphore::new(most)), metrics }
     }
 
     /// The place that a request in flight holds until its answer is ready to be sent; probes need none.
@@ -25,11 +27,11 @@ impl InFlight {
     /// # Errors
     /// The answer to a request for which there is no place.
     #[expect(clippy::result_large_err, reason = "it is returned as it is, once")]
-    pub(super) fn place_for(&self, request: &Request) -> Result<Option<SemaphorePermit<'_>>, Response> {
+    pub(super) fn place_for(&self, request: &Request) -> Result<Option<OwnedSemaphorePermit>, Response> {
         if Weight::of(request.uri().path()) == Weight::Probe {
             return Ok(None);
         }
-        self.places.try_acquire().map(Some).map_err(|_| {
+        Arc::clone(&self.places).try_acquire_owned().map(Some).map_err(|_| {
             self.metrics.shed(ShedReason::InFlight);
             overloaded("as many requests as are accepted at once are in flight".to_owned())
         })

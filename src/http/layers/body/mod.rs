@@ -13,7 +13,6 @@ use std::time::Duration;
 use axum::body::Body;
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
-use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use tokio::time::{Instant, timeout_at};
 
@@ -53,23 +52,40 @@ impl Limits {
     }
 }
 
-/// Outside decompression: refuses what the head already rules out, minds the pace, and answers in time.
-pub(super) async fn receive(limits: &Limits, mut request: Request, next: Next) -> Response {
+/// Outside decompression: refuses what the head already rules out, and minds the pace.
+///
+/// # Errors
+/// The answer to a request whose body is not to be read.
+#[expect(clippy::result_large_err, reason = "it is returned as it is, once")]
+pub(super) fn receive(limits: &Limits, mut request: Request) -> Result<(Request, Received), Response> {
     let largest = limits.largest(request.uri().path());
     match encoding(request.headers()) {
         Encoding::Gzip => {}
         Encoding::Identity if stated_length(request.headers()).is_none_or(|length| length <= largest) => {}
-        Encoding::Identity => return BodyFault::TooLarge { largest }.answer(),
-        Encoding::Other => return unsupported_encoding(),
+        Encoding::Identity => return Err(BodyFault::TooLarge { largest }.answer()),
+        Encoding::Other => return Err(unsupported_encoding()),
     }
     let reception = Arc::new(Reception::begin());
     request.extensions_mut().insert(Arc::clone(&reception));
     let request = request.map(|body| Body::new(pace::Paced::new(body, limits.pace, Arc::clone(&reception))));
-    let answer = answer_within(limits.request_timeout, &reception, next.run(request)).await;
-    match (reception.fault(), answer) {
-        (Some(fault), _) => fault.answer(),
-        (None, Some(response)) => response,
-        (None, None) => took_too_long(limits.request_timeout),
+    Ok((request, Received { reception, request_timeout: limits.request_timeout }))
+}
+
+/// A request whose body comes under these rules.
+pub(super) struct Received {
+    reception: Arc<Reception>,
+    request_timeout: Duration,
+}
+
+impl Received {
+    /// `answer`, if it comes in time and no rule was broken.
+    pub(super) async fn answer(self, answer: impl Future<Output = Response>) -> Response {
+        let answer = answer_within(self.request_timeout, &self.reception, answer).await;
+        match (self.reception.fault(), answer) {
+            (Some(fault), _) => fault.answer(),
+            (None, Some(response)) => response,
+            (None, None) => took_too_long(self.request_timeout),
+        }
     }
 }
 
