@@ -142,8 +142,10 @@ impl Envelope {
             let on_plane = self.height_on_plane(step_over, spacing)?;
             self.with_curvature(on_plane, step_over).map(Length::mm)
         };
-        let radius = self.groove_curvature.recip().min(self.cutter.outer_radius().mm());
-        let guess = (8.0 * tolerance.mm() * radius).sqrt();
+        // From above: the circle of the groove's radius, or near the floor what the cutter's flat and corner leave there.
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let on_floor = 2.0 * (core + (2.0 * corner * tolerance.mm()).sqrt());
+        let guess = (8.0 * tolerance.mm() / self.groove_curvature).sqrt().min(on_floor);
         if self.pass.surface.per_mm() == 0.0 {
             let ridge = Lengths { level: tolerance.mm(), step_over: guess.min(largest_step_over), mark_spacing: spacing };
             if let Some(found) = self.held_by_section(ridge, Sought::StepOver)
