@@ -31,7 +31,7 @@ pub(super) enum Sought {
 }
 
 /// Quadratic convergence takes four to six steps from a guess that is right to a few percent, and some more from elsewhere.
-const MOST_STEPS: usize = 16;
+const MOST_STEPS: usize = 24;
 
 /// The ridge on the body, of whose lengths the sought one is only a guess; `None` unless the outcome is proved.
 pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths) -> Option<Lengths> {
@@ -59,7 +59,7 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths) -> Option
         let rounding = 16.0 * f64::EPSILON * lengths.level * by_height.abs();
         let proved = value.abs() <= rounding && near.furthest.max(far.furthest) <= rounding;
         let change = match sought {
-            Sought::Level => Change { rise: bounded(-value / by_height, lengths.level), ..Change::NONE },
+            Sought::Level => Change { rise: (-value / by_height).max(-0.75 * lengths.level), ..Change::NONE },
             Sought::StepOver => Change { wider: bounded(value / ((1.0 - share) * far.by_side), s), ..Change::NONE },
             Sought::MarkSpacing => {
                 Change { longer: bounded(-value / mix(near.by_spacing, far.by_spacing), lengths.mark_spacing), ..Change::NONE }
@@ -90,7 +90,7 @@ impl Change {
 }
 
 /// A change that leaves a quarter of the length at least and makes it four times as long at most: from far off a tangent may point below 0
-/// or to the horizon.
+/// or to the horizon. The level needs the former only, since no tangent leads above h.
 fn bounded(change: f64, length: f64) -> f64 {
     change.clamp(-0.75 * length, 3.0 * length)
 }
