@@ -41,10 +41,12 @@ fn time_pass(group: &mut BenchmarkGroup<'_, WallTime>, pass: Pass) {
 }
 
 fn contacts(criterion: &mut Criterion) {
+    let hollow = SurfaceCurvature::from_radius_mm(-50.0).expect("a radius");
     for (name, pass) in [
         ("toroidal, oblique", pass(2.0, 40.0, 30.0)),
         ("toroidal, near the floor", pass(2.0, 0.5, 10.0)),
         ("toroidal, near the wall", pass(2.0, 88.0, 80.0)),
+        ("toroidal, oblique in a hollow", Pass { surface: hollow, ..pass(2.0, 40.0, 30.0) }),
         ("flat-end, oblique", pass(0.0, 40.0, 30.0)),
         ("ball-end", pass(5.0, 40.0, 30.0)),
     ] {

@@ -20,7 +20,7 @@ pub(super) struct Body {
 }
 
 /// How far a place is from the body, negative inside, with its derivatives along the feed, to the side and along the normal, and
-/// the second derivative along the feed.
+/// the second derivatives of which one is along the feed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Distance {
     pub(super) value: f64,
@@ -28,6 +28,8 @@ pub(super) struct Distance {
     pub(super) by_side: f64,
     pub(super) by_height: f64,
     pub(super) bend: f64,
+    pub(super) bend_to_side: f64,
+    pub(super) bend_to_height: f64,
 }
 
 impl Body {
@@ -57,6 +59,7 @@ impl Body {
     /// sqrt(g^2 + l^2) - r = (2 r (sin(S) D' - p) + (D' - d)^2 + e^2) / (sqrt(g^2 + l^2) + r),
     ///
     /// where nothing cancels near the contact, because sin(S) d + cos(S) e = p was taken out by hand.
+    #[inline]
     pub(super) fn distance(&self, x: f64, y: f64, p: f64) -> Distance {
         let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
         let steep = x * self.along_steepest - y * self.along_level;
@@ -80,18 +83,24 @@ impl Body {
         let (radial_d, radial_level) = if radius > 0.0 { (-b / radius, level / radius) } else { (-1.0, 0.0) };
         let (by_d, by_level, by_z) = (out * radial_d, out * radial_level, -down);
         let by_steep = by_d * cos - by_z * sin;
-        // The feed's parts along the meridian's tangent (down * radial + out * Z) and around the axis.
-        let (feed_d, feed_level, feed_z) = (self.along_steepest * cos, self.along_level, -self.along_steepest * sin);
-        let along_meridian = down * (radial_d * feed_d + radial_level * feed_level) + out * feed_z;
-        let around = radial_d * feed_level - radial_level * feed_d;
-        let bend =
-            meridian * along_meridian * along_meridian + if out > 0.0 && radius > 0.0 { out / radius * around * around } else { 0.0 };
+        // The distance bends along the meridian's tangent, down * radial + out * Z, and around the axis. Of these the feed has the
+        // parts cos(theta) and sin(theta) times those of the steepest and the level line, the side -sin(theta) and cos(theta) times them.
+        let meridian_steep = down * radial_d * cos - out * sin;
+        let (meridian_level, meridian_height) = (down * radial_level, down * radial_d * sin + out * cos);
+        let (around_steep, around_level, around_height) = (-radial_level * cos, radial_d, -radial_level * sin);
+        let feed = |steep: f64, level: f64| steep * self.along_steepest + level * self.along_level;
+        let side = |steep: f64, level: f64| level * self.along_steepest - steep * self.along_level;
+        let along_meridian = meridian * feed(meridian_steep, meridian_level);
+        let around = if out > 0.0 && radius > 0.0 { out / radius * feed(around_steep, around_level) } else { 0.0 };
+        let bend = |meridian_part: f64, around_part: f64| along_meridian * meridian_part + around * around_part;
         Distance {
             value,
-            by_feed: by_steep * self.along_steepest + by_level * self.along_level,
-            by_side: by_level * self.along_steepest - by_steep * self.along_level,
+            by_feed: feed(by_steep, by_level),
+            by_side: side(by_steep, by_level),
             by_height: by_d * sin + by_z * cos,
-            bend,
+            bend: bend(feed(meridian_steep, meridian_level), feed(around_steep, around_level)),
+            bend_to_side: bend(side(meridian_steep, meridian_level), side(around_steep, around_level)),
+            bend_to_height: bend(meridian_height, around_height),
         }
     }
 }

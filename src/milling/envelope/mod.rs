@@ -7,10 +7,11 @@
 //!
 //! What is assumed: a tooth prints the whole body at its place, that is, the feed per revolution is small against the cutter's
 //! circumference; the cutter's side is as long as the wall that it passes; passes are parallel and the surface is a plane, but for a
-//! correction that is the analytic model's. This file has the model's answers, `ridge` the search for the height on a plane,
-//! `body` the cutter's solid and `root` the searches for roots.
+//! correction that is the analytic model's. This file has the model's answers, `ridge` the search for the height on a plane, `newton` its
+//! quick way, which the inverses take as well, `body` the cutter's solid and `root` the searches for roots.
 
 mod body;
+mod newton;
 mod ridge;
 mod root;
 
@@ -18,6 +19,7 @@ use super::analytic::{groove_height, largest_groove_distance};
 use super::{Contact, Cutter, CutterKind, EffectiveRadius, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::{Angle, Length};
 use body::Body;
+use newton::{Lengths, Sought};
 use ridge::Ridge;
 use root::bracketed_root;
 
@@ -103,9 +105,13 @@ impl Envelope {
         let room = tolerance.mm() - step_over_height.mm();
         let largest_spacing = self.largest_mark_spacing(step_over.mm());
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt();
-        let spacing = largest_within(on_plane + room, guess, Length::SMALLEST, largest_spacing, |spacing| {
-            self.height_on_plane(step_over.mm(), spacing)
-        })?;
+        let ridge = Lengths { level: on_plane + room, step_over: step_over.mm(), mark_spacing: guess.min(largest_spacing) };
+        let spacing = match self.held_by_section(ridge, Sought::MarkSpacing) {
+            Some(found) if (Length::SMALLEST..=largest_spacing).contains(&found.mark_spacing) => Reached::At(found.mark_spacing),
+            _ => largest_within(on_plane + room, guess, Length::SMALLEST, largest_spacing, |spacing| {
+                self.height_on_plane(step_over.mm(), spacing)
+            })?,
+        };
         let (runout, climb) = (self.pass.runout, self.climb);
         match spacing {
             // Room for less than any feed that can be stated.
@@ -136,13 +142,31 @@ impl Envelope {
             let on_plane = self.height_on_plane(step_over, spacing)?;
             self.with_curvature(on_plane, step_over).map(Length::mm)
         };
-        let radius = self.groove_curvature.recip().min(self.cutter.outer_radius().mm());
-        let guess = (8.0 * tolerance.mm() * radius).sqrt();
+        // From above: the circle of the groove's radius, or near the floor what the cutter's flat and corner leave there.
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let on_floor = 2.0 * (core + (2.0 * corner * tolerance.mm()).sqrt());
+        let guess = (8.0 * tolerance.mm() / self.groove_curvature).sqrt().min(on_floor);
+        if self.pass.surface.per_mm() == 0.0 {
+            let ridge = Lengths { level: tolerance.mm(), step_over: guess.min(largest_step_over), mark_spacing: spacing };
+            if let Some(found) = self.held_by_section(ridge, Sought::StepOver)
+                && (Length::SMALLEST..=largest_step_over).contains(&found.step_over)
+            {
+                return Ok(Length::computed(found.step_over));
+            }
+        }
         match largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)? {
             Reached::At(step_over) => Ok(Length::computed(step_over)),
             Reached::Nowhere => Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest_step_over) }),
             Reached::BeforeSmallest { height } => Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(height) }),
         }
+    }
+
+    /// The largest step-over or distance of marks that the cutter's section at a height holds, near the one in `ridge`; `None` where that is
+    /// not certain, and where heights have a closed form, which makes a search over them as quick.
+    fn held_by_section(&self, ridge: Lengths, sought: Sought) -> Option<Lengths> {
+        let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
+        let searched = slope.sin() != 0.0 && slope.cos() != 0.0 && !(sharp && ridge.mark_spacing == 0.0);
+        if searched { newton::solve(&self.body, sought, ridge) } else { None }
     }
 
     /// h on a plane, for passes s apart whose tooth marks lie f apart, both in the tangent plane.
@@ -167,6 +191,9 @@ impl Envelope {
         }
         if self.cutter.kind() == CutterKind::BallEnd && self.ball_alone(s, f) {
             return Ok(circle_height(outer, s.hypot(f)));
+        }
+        if self.cutter.kind() == CutterKind::FlatEnd && f == 0.0 {
+            return Ok(self.edge_height(s));
         }
         Ok(Ridge::new(&self.body, s, f).level(self.guess(s, f), self.highest(s, f)))
     }
@@ -193,10 +220,32 @@ impl Envelope {
         half_diagonal <= radius && ((radius - half_diagonal) * (radius + half_diagonal)).sqrt() * slope.cos() >= up * slope.sin()
     }
 
-    /// About h, for a search to start from: the heights of circles of the analytic radii, R at the most.
+    /// h1 of a flat-end cutter between floor and wall.
+    ///
+    /// The outline seen along the feed is half of the edge's circle, the half within 90 deg of the feed's line seen from above, and the
+    /// side over both its ends. Where the circle is at the angle delta from the contact it is R sin(S) (1 - cos(delta)) high. Ridges
+    /// between two edges are the ends of a chord along the level line, of which the outline shows the part cos(theta):
+    ///
+    /// h1 = R sin(S) (1 - cos(delta)), sin(delta) = s / (2 R cos(theta)), while delta <= 90 deg - alpha, where the side begins.
+    ///
+    /// Ridges between edge and side lie on the circle at s cos(S) / cos(climb) from the side, seen from above: at the angle epsilon from
+    /// where it begins, with R (1 - cos(epsilon)) that distance, and at delta = epsilon - (90 deg - alpha) from the contact.
+    fn edge_height(&self, s: f64) -> f64 {
+        let (outer, sin) = (self.cutter.outer_radius().mm(), self.contact().slope().sin());
+        let (along_steepest, alpha) = (self.contact().theta().cos().abs(), self.contact().alpha());
+        if s <= 2.0 * outer * along_steepest * alpha.cos().abs() {
+            return circle_height(outer * along_steepest, s) * sin / along_steepest;
+        }
+        let epsilon = 2.0 * (s * self.spacing_ratio() / (2.0 * outer)).min(1.0).sqrt().asin();
+        let delta = epsilon - alpha.cos().abs().atan2(alpha.sin().abs());
+        2.0 * outer * sin * (delta / 2.0).sin().powi(2)
+    }
+
+    /// About h, for a search to start from: the heights of circles, of the groove's analytic radius and of R along the feed. For the
+    /// groove that is less than h near the floor, from where Newton's steps rise steadily; from far above they overshoot.
     fn guess(&self, s: f64, f: f64) -> f64 {
         let outer = self.cutter.outer_radius().mm();
-        s * s / 8.0 * self.groove_curvature.max(outer.recip()).min(2.0 / s) + f * f / (8.0 * outer)
+        s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer)
     }
 
     /// A height that h cannot exceed on slopes under 90 deg: that of a rectangle between the teeth, seen from above and centred on the
@@ -288,6 +337,12 @@ fn largest_within(
     largest: f64,
     height: impl Fn(f64) -> Result<f64, NoAnswer>,
 ) -> Result<Reached, NoAnswer> {
+    // That even the smallest place is over the target is the commonest reason for an error, and known at once.
+    if let Ok(height) = height(smallest)
+        && height >= target
+    {
+        return Ok(Reached::BeforeSmallest { height });
+    }
     let excess = |height: f64| (height - target) / (height + target);
     let mut at = guess.max(smallest).min(largest);
     let (mut low, mut high) = (None::<(f64, f64)>, None::<(f64, f64)>);

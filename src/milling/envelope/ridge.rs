@@ -15,6 +15,7 @@
 //! and V(p) = min over t of max(c(t, p), c(t - s, p)) are convex as well, V falls with p, and V(h) = 0.
 
 use super::body::{Body, Distance};
+use super::newton::{self, Lengths, Sought};
 use super::root::{Slope, rising_root};
 
 /// A chord along the feed at its best place: c and its derivatives to the side and along the normal.
@@ -38,9 +39,6 @@ pub(super) struct Ridge<'a> {
 /// Newton on a convex function gains at least a factor 2 a step even at a double root, so that 64 steps are more than a number has digits.
 const MOST_STEPS: usize = 64;
 
-/// Quadratic convergence from a guess that is right to a few percent takes four to six steps.
-const MOST_NEWTON_STEPS: usize = 16;
-
 impl<'a> Ridge<'a> {
     pub(super) fn new(body: &'a Body, step_over: f64, mark_spacing: f64) -> Self {
         Self { body, step_over, mark_spacing, resolution: 2.0 * f64::EPSILON * (step_over + mark_spacing) }
@@ -48,49 +46,26 @@ impl<'a> Ridge<'a> {
 
     /// h, given a first guess of it and a height that it cannot exceed.
     pub(super) fn level(&self, guess: f64, highest: f64) -> f64 {
-        let mut place = Place::start(self);
         let guess = guess.min(highest);
-        self.newton(guess, highest, &mut place).unwrap_or_else(|| self.nested(guess, highest, &mut Place::start(self)))
-    }
-
-    /// h by Newton's steps in t and p at once: quick, and `None` unless the outcome is proved.
-    ///
-    /// Where c rises at t and falls at t - s, the root in p of the two tangents' balanced mean is a lower bound of h, since c is
-    /// convex. So a p that such a step yields is h, if neither c is over 0 there by more than rounding.
-    fn newton(&self, guess: f64, highest: f64, place: &mut Place) -> Option<f64> {
-        let mut p = guess;
-        for _ in 0..MOST_NEWTON_STEPS {
-            let (near, far) = self.chords(p, place);
-            if !(near.by_side > 0.0 && far.by_side < 0.0) {
-                return None;
-            }
-            let mean = near.balanced(&far);
-            if mean.by_height >= 0.0 {
-                return None;
-            }
-            let rise = -mean.value / mean.by_height;
-            place.t -= (near.value + near.by_height * rise) / near.by_side;
-            let next = (p + rise).clamp(0.0, highest);
-            let rounding = 16.0 * f64::EPSILON * p;
-            if rise.abs() <= rounding && near.value.max(far.value) <= rounding * mean.by_height.abs() {
-                return Some(next);
-            }
-            p = next;
+        let lengths = Lengths { level: guess, step_over: self.step_over, mark_spacing: self.mark_spacing };
+        match newton::solve(self.body, Sought::Level, lengths) {
+            Some(found) => found.level.min(highest),
+            None => self.nested(guess, highest),
         }
-        None
     }
 
     /// h by nested searches, each with a bracket: slower, and without conditions.
     ///
     /// Newton from any p gives the root of a tangent to the convex V, which is never above h; from there on it rises to h.
-    fn nested(&self, guess: f64, highest: f64, place: &mut Place) -> f64 {
+    fn nested(&self, guess: f64, highest: f64) -> f64 {
+        let mut place = Place::start(self.body, self.step_over, self.mark_spacing);
         let mut p = guess;
         for step in 0..MOST_STEPS {
             let mut mean = None;
             // c(t) - c(t - s) never falls with t, because c is convex, and has no bound, because the chord leaves the body on either side.
             place.t = rising_root(place.t, self.step_over, self.resolution, |t| {
                 place.t = t;
-                let (near, far) = self.chords(p, place);
+                let (near, far) = self.chords(p, &mut place);
                 mean = Some(near.balanced(&far));
                 Slope { value: near.value - far.value, derivative: near.by_side - far.by_side }
             });
@@ -109,7 +84,7 @@ impl<'a> Ridge<'a> {
     /// h by the nested searches alone, to hold Newton's outcome against.
     #[cfg(test)]
     pub(super) fn level_by_nested_searches(&self, guess: f64, highest: f64) -> f64 {
-        self.nested(guess.min(highest), highest, &mut Place::start(self))
+        self.nested(guess.min(highest), highest)
     }
 
     /// The chords of a pass and its neighbour at the height p.
@@ -142,17 +117,17 @@ impl<'a> Ridge<'a> {
     }
 }
 
-/// Where the search for the ridge stands: t, and x of both chords.
-struct Place {
-    t: f64,
-    x: f64,
-    neighbour_x: f64,
+/// Where the search for the ridge stands: the offset t, and where both chords end along the feed.
+pub(super) struct Place {
+    pub(super) t: f64,
+    pub(super) x: f64,
+    pub(super) neighbour_x: f64,
 }
 
 impl Place {
     /// Half-way between the passes, the chords where the body is an ellipsoid.
-    fn start(ridge: &Ridge<'_>) -> Self {
-        let (half_step, half_mark, skew) = (ridge.step_over / 2.0, ridge.mark_spacing / 2.0, ridge.body.skew());
+    pub(super) fn start(body: &Body, step_over: f64, mark_spacing: f64) -> Self {
+        let (half_step, half_mark, skew) = (step_over / 2.0, mark_spacing / 2.0, body.skew());
         Self { t: half_step, x: half_mark + skew * half_step, neighbour_x: half_mark - skew * half_step }
     }
 }
@@ -185,7 +160,7 @@ impl Chord {
 }
 
 /// The weight of a rising slope against a falling one that makes their mean vanish; any weight does where neither slopes.
-fn balance(rising: f64, falling: f64) -> f64 {
+pub(super) fn balance(rising: f64, falling: f64) -> f64 {
     let whole = rising - falling;
     if whole > 0.0 { (-falling / whole).clamp(0.0, 1.0) } else { 0.5 }
 }

@@ -150,6 +150,19 @@ proptest! {
     }
 
     #[test]
+    fn a_flat_end_cutter_leaves_its_closed_form(
+        radius in 0.5..10.0_f64, slope in 0.1..89.9_f64, theta in quarter_turn(), share in 0.01..0.999_f64,
+    ) {
+        let envelope = by_theta(cutter(radius, 0.0), slope, theta);
+        // Up to where the passes are 2R apart seen from above, and up to 6R on steep walls: edges and sides meet in all their ways.
+        let s = share * envelope.largest_step_over(0.0).min(6.0 * radius);
+        let ridge = Ridge::new(&envelope.body, s, 0.0);
+        let nested = ridge.level_by_nested_searches(envelope.guess(s, 0.0), envelope.highest(s, 0.0));
+        // The search finds the edge to the rounding of s, 60 mm at the most, hence h to a few times 1e-14 mm.
+        approx::assert_relative_eq!(envelope.height_on_plane(s, 0.0).unwrap(), nested, max_relative = 1e-13, epsilon = 5e-14);
+    }
+
+    #[test]
     fn a_ball_end_cutter_leaves_its_closed_form(
         radius in 0.5..10.0_f64, slope in 0.01..80.0_f64, theta in quarter_turn(), share in 1e-4..0.15_f64, marks in 1e-4..0.15_f64,
     ) {
