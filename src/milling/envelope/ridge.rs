@@ -70,9 +70,20 @@ impl<'a> Ridge<'a> {
                 Slope { value: near.value - far.value, derivative: near.by_side - far.by_side }
             });
             let Some(mean) = mean else { break };
-            // Above h the tangent may be level or meet 0 below the surface; 0 is under h as well.
-            let next = if mean.by_height < 0.0 { (p - mean.value / mean.by_height).clamp(0.0, highest) } else { 0.0 };
-            let settled = (next - p).abs() <= 4.0 * f64::EPSILON * p || (step > 1 && next <= p);
+            // Above h the tangent may be level or meet 0 below the surface; 0 is under h as well. Passes or marks as far apart as they
+            // may be fit in nowhere but at the top, and there by a rounding only: a level tangent over the body leads there.
+            let next = if mean.by_height < 0.0 {
+                (p - mean.value / mean.by_height).clamp(0.0, highest)
+            } else if mean.value > 0.0 {
+                highest
+            } else {
+                0.0
+            };
+            // From under h there is no way down but by rounding.
+            if step > 1 && next <= p {
+                break;
+            }
+            let settled = (next - p).abs() <= 4.0 * f64::EPSILON * p;
             p = next;
             if settled {
                 break;

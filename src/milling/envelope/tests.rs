@@ -228,6 +228,23 @@ proptest! {
         }
     }
 
+    /// Where only a rounding lets the cutter in, the search must not lose its way: the least height is known to be above that before.
+    #[test]
+    fn the_widest_passes_and_marks_leave_the_most(
+        cutter in cutters(), slope in 0.0..90.0_f64, alpha in 0.0..90.0_f64, share in prop_oneof![1 => Just(0.0), 3 => 0.01..1.0_f64],
+    ) {
+        let envelope = on_plane(cutter, slope, alpha);
+        for marks in [0.0, share * envelope.largest_mark_spacing(0.0)] {
+            let s = envelope.largest_step_over(marks);
+            let (widest, before) = (envelope.height_on_plane(s, marks).unwrap(), envelope.height_on_plane(0.999 * s, marks).unwrap());
+            prop_assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {s}, {widest} there");
+        }
+        let s = share.max(0.01) * envelope.largest_step_over(0.0);
+        let marks = envelope.largest_mark_spacing(s);
+        let (widest, before) = (envelope.height_on_plane(s, marks).unwrap(), envelope.height_on_plane(s, 0.999 * marks).unwrap());
+        prop_assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {marks}, {widest} there");
+    }
+
     #[test]
     fn the_inverses_give_back_step_over_and_feed(
         cutter in cutters(), slope in 0.1..89.0_f64, theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.05..0.4_f64,
