@@ -83,7 +83,43 @@ impl Cutter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::read::{Hint, Reader, Summary};
     use proptest::prelude::*;
+
+    #[derive(Debug, Default, PartialEq)]
+    struct Points(Vec<[f64; 3]>);
+
+    impl Sink for Points {
+        fn point(&mut self, point: [f64; 3]) {
+            self.0.push(point);
+        }
+
+        fn facet(&mut self, _: [[f64; 3]; 3]) {}
+    }
+
+    /// A text as it is read in lots, chunks of `size` at a time.
+    fn read_in_lots(text: &[u8], size: usize) -> (Points, Result<Summary, Fault>) {
+        let (mut reader, mut points) = (Reader::new(Hint::default()), Points::default());
+        for chunk in text.chunks(size) {
+            let mut lots = Vec::new();
+            let mut pushed = reader.push_in_lots(chunk, &mut points, &mut lots);
+            for lot in lots {
+                let read = lot.read(&mut points);
+                pushed = pushed.and(reader.take_in(read));
+            }
+            if let Err(fault) = pushed {
+                return (points, Err(fault));
+            }
+        }
+        let finished = reader.finish(&mut points);
+        (points, finished)
+    }
+
+    fn read_at_once(text: &[u8]) -> (Points, Result<Summary, Fault>) {
+        let (mut reader, mut points) = (Reader::new(Hint::default()), Points::default());
+        let result = reader.push(text, &mut points).and_then(|()| reader.finish(&mut points));
+        (points, result)
+    }
 
     /// All lots of a text that comes in chunks of `size`, the unfinished one last.
     fn lots(text: &[u8], size: usize) -> Vec<Vec<u8>> {
@@ -119,6 +155,33 @@ mod tests {
     fn an_endless_line_is_not_held_for_ever() {
         let lots = lots(&vec![b'1'; 10 * SIZE], 1000);
         assert!(lots.len() > 5 && lots.iter().all(|lot| lot.len() <= SIZE + LONGEST_LINE + 1000));
+    }
+
+    #[test]
+    fn reading_in_lots_gives_the_same_points_and_faults() {
+        let whole = |ends: &[&str]| [b"# a scan\r\nx;y;z\r\n".as_slice(), &text(ends, 30_000)].concat();
+        let clean = String::from_utf8(text(&["\n", "\r", "\r\n"], 30_000)).unwrap().replace(',', ".5;");
+        let late_mark = format!("{}1.5;2;3\n{clean}", "1;2;3\r".repeat(40_000));
+        let broken = clean.replacen("29000.5;", "29000.5 ", 1);
+        let other_mark = clean.replacen("28123.5;", "28123,5;", 1);
+        let endless = clean.clone() + &"1".repeat(2 * LONGEST_LINE);
+        let faulty: [(Vec<u8>, bool); 6] = [
+            (clean.into_bytes(), false),
+            (late_mark.into_bytes(), false),
+            (broken.into_bytes(), true),
+            (other_mark.into_bytes(), true),
+            (endless.into_bytes(), true),
+            (whole(&["\n"]), false),
+        ];
+        for (text, is_faulty) in faulty {
+            let expected = read_at_once(&text);
+            assert_eq!(expected.1.is_err(), is_faulty, "{:?}", expected.1);
+            for size in [997, 65_536, 1 << 20] {
+                let found = read_in_lots(&text, size);
+                assert!(found.1 == expected.1, "{:?} is not {:?}", found.1, expected.1);
+                assert!(is_faulty || found.0 == expected.0);
+            }
+        }
     }
 
     proptest! {
