@@ -1,5 +1,7 @@
 //! Facets in blocks, so that their sums are taken several at a time. Where a facet faces decides to which sums it goes.
 
+#![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
+
 use super::lanes::{LANES, Lanes};
 use super::piece::Piece;
 use super::slope::slope;

@@ -1,6 +1,8 @@
 //! Several numbers on which the same is done at once. Written so that a compiler makes vector instructions of it: the sums over a
 //! million facets are a matter of how many of these run side by side.
 
+#![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
+
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -1,5 +1,7 @@
 //! The angle between a normal and the vertical, of several normals at once.
 
+#![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
+
 use super::lanes::Lanes;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 
