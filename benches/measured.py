@@ -15,11 +15,13 @@ RESULTS = ROOT / "target" / "benches"
 TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 
 
-def build() -> tuple[Path, Path]:
-    """The release server and the baseline."""
-    subprocess.run(["cargo", "build", "--release", "--bin", "scallopd", "--example", "baseline"], cwd=ROOT, check=True)
+def build(*examples: str) -> list[Path]:
+    """The release server and the examples named; without names the baseline."""
+    examples = examples or ("baseline",)
+    named = [word for example in examples for word in ("--example", example)]
+    subprocess.run(["cargo", "build", "--release", "--bin", "scallopd", *named], cwd=ROOT, check=True)
     release = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-    return release / "scallopd", release / "examples" / "baseline"
+    return [release / "scallopd", *(release / "examples" / example for example in examples)]
 
 
 def need(program: str, package: str) -> str:
@@ -40,6 +42,11 @@ class Server:
         """Processor time used so far, by all its threads."""
         fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / TICKS_A_SECOND
+
+    def peak_mb(self) -> float:
+        """The most memory that the process has held so far, in 10^6 bytes."""
+        status = Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(re.search(r"VmHWM:\s+(\d+) kB", status).group(1)) * 1024 / 1e6
 
     def post(self, path: str, body: bytes, content_type: str = "application/json") -> bytes:
         request = urllib.request.Request(f"http://{self.address}{path}", body, {"content-type": content_type})

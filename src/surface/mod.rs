@@ -2,13 +2,16 @@
 
 mod bezier;
 mod bounds;
+mod facets;
 mod grid;
+mod lanes;
 mod moments;
 mod piece;
 mod principal_axes;
 pub mod read;
 mod sampled;
 mod shape;
+mod slope;
 
 pub use bezier::{Bezier, BezierError};
 pub use bounds::Bounds;

@@ -32,18 +32,6 @@ impl Piece {
         self.slope_by_weight += slope(normal);
     }
 
-    /// Adds a facet with a normal of any length and an area.
-    #[inline]
-    pub(super) fn add_facet(&mut self, corners: [[f64; 3]; 3], normal: [f64; 3], area: f64) {
-        self.count += 1;
-        self.moments.add_triangle(corners, area);
-        self.area += area;
-        self.slope_by_weight += area * slope(normal);
-        for corner in corners {
-            self.bounds.include(corner);
-        }
-    }
-
     pub(super) fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.moments.merge(&other.moments);

@@ -1,5 +1,6 @@
 //! A surface as it is taken in: points and facets summed up, facets sorted by where they face.
 
+use super::facets::{Block, DOWN, Facets, UP};
 use super::piece::Piece;
 use super::{LARGEST_COORDINATE, Shape, ShapeError, Sink};
 
@@ -13,21 +14,17 @@ use super::{LARGEST_COORDINATE, Shape, ShapeError, Sink};
 #[derive(Debug, Clone, Default)]
 pub struct SampledSurface {
     sums: Option<Sums>,
-    degenerate: u64,
-    /// 0, or NaN as soon as a coordinate was not finite.
+    /// Facets that are not in the sums yet.
+    waiting: Option<Box<Block>>,
+    /// 0, or NaN as soon as a coordinate of a point was not finite.
     poison: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Sums {
     points: Piece,
-    /// Facets that point up, level, and down.
-    facets: [Piece; 3],
+    facets: Facets,
 }
-
-const UP: usize = 0;
-const LEVEL: usize = 1;
-const DOWN: usize = 2;
 
 /// Which facets count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -81,10 +78,6 @@ impl Unit {
     }
 }
 
-/// |n_z| of a unit normal up to which a facet counts as a wall: within 0.006 deg of vertical. Files in single precision move the
-/// corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by 3e-5.
-const WALL: f64 = 1e-4;
-
 impl SampledSurface {
     /// Nothing yet.
     #[must_use]
@@ -101,22 +94,23 @@ impl SampledSurface {
 
     /// Adds all that `other` holds, as if its pieces had come after one's own.
     pub fn merge(&mut self, other: &Self) {
-        self.degenerate += other.degenerate;
+        self.settle();
         self.poison += other.poison;
-        match (&mut self.sums, &other.sums) {
+        match (&mut self.sums, other.settled()) {
             (Some(own), Some(others)) => {
                 own.points.merge(&others.points);
-                own.facets.iter_mut().zip(&others.facets).for_each(|(own, others)| own.merge(others));
+                own.facets.merge(&others.facets);
             }
-            (None, sums) => self.sums = *sums,
+            (None, sums) => self.sums = sums,
             (_, None) => {}
         }
     }
 
     /// Takes the other side of every facet for the outer one.
     pub(super) fn turn_over(&mut self) {
+        self.settle();
         if let Some(sums) = &mut self.sums {
-            sums.facets.swap(UP, DOWN);
+            sums.facets.pieces.swap(UP, DOWN);
         }
     }
 
@@ -129,13 +123,13 @@ impl SampledSurface {
     /// How many facets came that have an area, whichever way they point.
     #[must_use]
     pub fn facets(&self) -> u64 {
-        self.sums.map_or(0, |sums| sums.facets.iter().map(|facets| facets.count).sum())
+        self.settled().map_or(0, |sums| sums.facets.count())
     }
 
     /// How many facets came without an area; they are left out.
     #[must_use]
     pub fn degenerate_facets(&self) -> u64 {
-        self.degenerate
+        self.settled().map_or(0, |sums| sums.facets.degenerate)
     }
 
     /// The shape of the surface, from facets where it has any, else from points.
@@ -143,16 +137,17 @@ impl SampledSurface {
     /// # Errors
     /// [`ShapeError`], when the points or facets do not spread over a surface, or a coordinate was out of bounds.
     pub fn shape(&self, unit: Unit, facing: Facing) -> Result<Shape, ShapeError> {
-        let Some(sums) = &self.sums else {
+        let Some(sums) = self.settled() else {
             return Err(ShapeError::TooFewPoints { count: 0 });
         };
-        let mut pieces = sums.facets.iter().chain([&sums.points]);
-        if self.poison.is_nan() || pieces.any(|piece| piece.bounds.largest_magnitude() > LARGEST_COORDINATE) {
+        let mut pieces = sums.facets.pieces.iter().chain([&sums.points]);
+        // A facet with a coordinate that is no number has an area that is none.
+        if self.poison.is_nan() || pieces.any(|piece| piece.area.is_nan() || piece.bounds.largest_magnitude() > LARGEST_COORDINATE) {
             return Err(ShapeError::CoordinateOutOfRange);
         }
         let (basis, piece) = sums.select(facing);
-        if basis == Basis::Points && piece.count == 0 && self.degenerate > 0 {
-            return Err(ShapeError::OnlyDegenerateFacets { count: self.degenerate });
+        if basis == Basis::Points && piece.count == 0 && sums.facets.degenerate > 0 {
+            return Err(ShapeError::OnlyDegenerateFacets { count: sums.facets.degenerate });
         }
         Shape::of(basis, &piece, unit)
     }
@@ -160,15 +155,31 @@ impl SampledSurface {
     /// The sums about a shift near the data, which is the first point that comes.
     #[inline]
     fn sums_about(sums: &mut Option<Sums>, point: [f64; 3]) -> &mut Sums {
-        sums.get_or_insert_with(|| Sums { points: Piece::about(point), facets: [Piece::about(point); 3] })
+        sums.get_or_insert_with(|| Sums { points: Piece::about(point), facets: Facets { pieces: [Piece::about(point); 3], degenerate: 0 } })
+    }
+
+    /// Moves facets that wait to the sums.
+    fn settle(&mut self) {
+        if let (Some(waiting), Some(sums)) = (&mut self.waiting, &mut self.sums) {
+            waiting.sum(&mut sums.facets);
+        }
+    }
+
+    /// The sums with all facets in them.
+    fn settled(&self) -> Option<Sums> {
+        let mut sums = self.sums?;
+        if let Some(waiting) = &self.waiting {
+            waiting.clone().sum(&mut sums.facets);
+        }
+        Some(sums)
     }
 }
 
 impl Sums {
     fn select(&self, facing: Facing) -> (Basis, Piece) {
-        let [up, level, down] = &self.facets;
+        let Facets { pieces: [up, level, down], .. } = &self.facets;
         match facing {
-            _ if up.count + level.count + down.count == 0 => (Basis::Points, self.points),
+            _ if self.facets.count() == 0 => (Basis::Points, self.points),
             Facing::Any => {
                 let mut all = *up;
                 all.merge(level);
@@ -193,19 +204,10 @@ impl Sink for SampledSurface {
     #[inline]
     fn facet(&mut self, corners: [[f64; 3]; 3]) {
         let sums = Self::sums_about(&mut self.sums, corners[0]);
-        let [a, b, c] = corners;
-        let (u, v) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
-        // Half the cross product of two sides: along the normal, and as long as the facet's area.
-        let normal = [(u[1] * v[2] - u[2] * v[1]) / 2.0, (u[2] * v[0] - u[0] * v[2]) / 2.0, (u[0] * v[1] - u[1] * v[0]) / 2.0];
-        let area = length(normal);
-        self.poison += 0.0 * (a[0] + a[1] + a[2] + u[0] + u[1] + u[2] + v[0] + v[1] + v[2]);
-        if area == 0.0 {
-            self.degenerate += 1;
-            return;
+        let waiting = self.waiting.get_or_insert_with(|| Box::new(Block::empty()));
+        if waiting.push(corners) {
+            waiting.sum(&mut sums.facets);
         }
-        let limit = WALL * area;
-        let side = LEVEL + usize::from(normal[2] < -limit) - usize::from(normal[2] > limit);
-        sums.facets[side].add_facet(corners, normal, area);
     }
 }
 

@@ -1,16 +1,14 @@
 //! Forms of several parts (`multipart/form-data`, RFC 7578), read as they arrive. The framework's reader takes in whatever is ready, so
 //! that a compressed body unfolds whole into memory, and bounds neither a part's head nor what stands before the first part. This
-//! one holds a chunk and no more.
+//! one holds what the connection gave last, and hands data on as they came, without copying them.
 
 use crate::http::problem::Problem;
 use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, StatusCode, header};
+use bytes::Buf;
 use http_body_util::BodyExt;
 use memchr::memmem::{self, Finder};
-
-/// A part's data are handed on in pieces of about this size: large against the cost of changing threads, small against memory.
-const CHUNK: usize = 1 << 20;
 
 /// The longest head of a part; those of browsers and libraries have some hundred bytes.
 const LONGEST_HEAD: usize = 1 << 14;
@@ -23,11 +21,8 @@ pub(crate) struct Form {
     body: Body,
     /// CRLF, two hyphens and the boundary.
     delimiter: Finder<'static>,
-    held: Vec<u8>,
-    /// How much of `held` is done with.
-    start: usize,
-    /// How far `held` was searched in vain for a delimiter.
-    searched: usize,
+    /// What has arrived and is not done with.
+    held: Bytes,
     within: Within,
 }
 
@@ -62,7 +57,7 @@ impl Form {
     fn new(body: Body, boundary: &str) -> Self {
         let delimiter = Finder::new(&format!("\r\n--{boundary}")).into_owned();
         // The first delimiter begins the body, without a line's end before it.
-        Self { body, delimiter, held: b"\r\n".to_vec(), start: 0, searched: 0, within: Within::Data }
+        Self { body, delimiter, held: Bytes::from_static(b"\r\n"), within: Within::Data }
     }
 
     /// The next part, after what is left of the one before.
@@ -71,50 +66,54 @@ impl Form {
         if self.within == Within::Epilogue {
             return Ok(None);
         }
-        while self.rest().len() < 2 {
+        while self.held.len() < 2 {
             self.more().await?;
         }
-        if self.rest().starts_with(b"--") {
+        if self.held.starts_with(b"--") {
             self.within = Within::Epilogue;
             self.drain().await?;
             return Ok(None);
         }
         let head = self.head().await?;
-        (self.within, self.searched) = (Within::Data, self.start);
+        self.within = Within::Data;
         Ok(Some(head))
     }
 
-    /// More of the current part's data; `None` once there are no more.
-    pub(super) async fn chunk(&mut self) -> Result<Option<Vec<u8>>, Problem> {
+    /// More of the current part's data, as they arrived; `None` once there are no more.
+    pub(super) async fn chunk(&mut self) -> Result<Option<Bytes>, Problem> {
         if self.within != Within::Data {
             return Ok(None);
         }
-        let length = self.delimiter.needle().len();
         loop {
-            if let Some(found) = self.delimiter.find(&self.held[self.searched..]) {
-                let end = self.searched + found;
-                let data = self.held[self.start..end].to_vec();
-                (self.start, self.within) = (end + length, Within::Delimiter);
+            if let Some(end) = self.delimiter.find(&self.held) {
+                let data = self.held.split_to(end);
+                self.held.advance(self.delimiter.needle().len());
+                self.within = Within::Delimiter;
                 return Ok(Some(data));
             }
-            // A delimiter may have begun in the last bytes.
-            self.searched = self.searched.max((self.held.len() + 1).saturating_sub(length)).max(self.start);
-            if self.searched - self.start >= CHUNK {
-                let data = self.held[self.start..self.searched].to_vec();
-                self.start = self.searched;
+            let data = self.held.split_to(self.delimiter_begun());
+            if !data.is_empty() {
                 return Ok(Some(data));
             }
             self.more().await?;
         }
     }
 
+    /// Where the delimiter begins whose end has not arrived; the end of what is held where none does.
+    fn delimiter_begun(&self) -> usize {
+        let needle = self.delimiter.needle();
+        let length = self.held.len();
+        let possible = (length + 1).saturating_sub(needle.len())..length;
+        possible.into_iter().find(|at| needle.starts_with(&self.held[*at..])).unwrap_or(length)
+    }
+
     /// The head of a part, from the delimiter to the empty line.
     async fn head(&mut self) -> Result<Head, Problem> {
         loop {
-            let searched = &self.rest()[..self.rest().len().min(LONGEST_HEAD)];
+            let searched = &self.held[..self.held.len().min(LONGEST_HEAD)];
             if let Some(end) = memmem::find(searched, b"\r\n\r\n") {
                 let head = read_head(&searched[..end])?;
-                self.start += end + 4;
+                self.held.advance(end + 4);
                 return Ok(head);
             }
             if searched.len() == LONGEST_HEAD {
@@ -124,19 +123,13 @@ impl Form {
         }
     }
 
-    fn rest(&self) -> &[u8] {
-        &self.held[self.start..]
-    }
-
     /// Takes in what the body has next; its end comes too early here.
     async fn more(&mut self) -> Result<(), Problem> {
-        self.held.drain(..self.start);
-        self.searched = self.searched.saturating_sub(self.start);
-        self.start = 0;
-        match self.data().await? {
-            Some(data) => self.held.extend_from_slice(&data),
-            None => return Err(malformed("the form ends before its last boundary".to_owned())),
-        }
+        let Some(data) = self.data().await? else {
+            return Err(malformed("the form ends before its last boundary".to_owned()));
+        };
+        // Of a part's data nothing is left here, save what may be a delimiter's beginning, so that this is seldom a copy.
+        self.held = if self.held.is_empty() { data } else { [&self.held[..], &data].concat().into() };
         Ok(())
     }
 
@@ -316,8 +309,8 @@ mod tests {
     }
 
     #[test]
-    fn data_longer_than_a_chunk_come_whole() {
-        let long: Vec<u8> = (0..=250).cycle().take(3 * CHUNK + 17).collect();
+    fn long_data_come_whole() {
+        let long: Vec<u8> = (0..=250).cycle().take(3_000_017).collect();
         let parts = [part("surface", &long), part("parameters", b"{}")];
         assert_eq!(read(&written(&parts), 70_000), Ok(parts.to_vec()));
     }

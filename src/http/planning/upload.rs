@@ -13,9 +13,11 @@ use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Fault, Faulted, Faults, ObjectSchema, Place};
 use crate::surface::SampledSurface;
-use crate::surface::read::{self, FaultKind, Format, Hint, Reader};
+use crate::surface::read::{self, FaultKind, Format, Hint, Lot, Reader};
+use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::StatusCode;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use utoipa::openapi::schema::{AdditionalProperties, KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{Ref, RefOr, Schema};
 
@@ -139,19 +141,22 @@ fn file_fault(fault: &read::Fault) -> (StatusCode, Fault) {
     (status, Fault { title: Some(title), ..Fault::new(&Place::Root.member(SURFACE.name), code, fault) })
 }
 
-/// Reads a part that is a surface file; the outer error is the form's, the inner one the file's.
+/// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
+/// is received; no more than these two are held.
 async fn read_file(form: &mut Form, head: &Head, place: &HeavyPlace, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
     let mut reader = Reader::new(Hint::new(head.media_type.as_deref(), head.file_name.as_deref()));
     let mut surface = SampledSurface::new();
-    while let Some(chunk) = form.chunk().await? {
-        metrics.upload_bytes(chunk.len() as u64);
+    let mut received = Block::receive(form, metrics).await?;
+    while !received.pieces.is_empty() {
+        let block = received;
+        let work = place.run(move || {
+            let pushed = block.read(&mut reader, &mut surface);
+            (reader, surface, pushed)
+        });
+        let (worked, next) = tokio::join!(work, Block::receive(form, metrics));
         let pushed;
-        (reader, surface, pushed) = place
-            .run(move || {
-                let pushed = reader.push(&chunk, &mut surface);
-                (reader, surface, pushed)
-            })
-            .await;
+        (reader, surface, pushed) = worked;
+        received = next?;
         if let Err(fault) = pushed {
             return Ok(Err(fault));
         }
@@ -166,6 +171,48 @@ async fn read_file(form: &mut Form, head: &Head, place: &HeavyPlace, metrics: &M
         metrics.upload_facets(format_label(summary.format), if summary.facets > 0 { summary.facets } else { summary.points });
         Sourced { surface, source: summary.format.into(), notes: summary.notes }
     }))
+}
+
+/// Consecutive data of a part, as they arrived.
+#[derive(Debug, Default)]
+struct Block {
+    pieces: Vec<Bytes>,
+}
+
+impl Block {
+    /// About so many bytes at most: large against the cost of changing threads, small against memory.
+    const SIZE: usize = 1 << 20;
+
+    /// Pieces may come byte by byte, and each holds on to the buffer in which it was received.
+    const PIECES: usize = 64;
+
+    /// The part's next data; no pieces once there are no more.
+    async fn receive(form: &mut Form, metrics: &Metrics) -> Result<Self, Problem> {
+        let (mut block, mut size) = (Self::default(), 0);
+        while size < Self::SIZE && block.pieces.len() < Self::PIECES {
+            let Some(piece) = form.chunk().await? else { break };
+            size += piece.len();
+            block.pieces.push(piece);
+        }
+        metrics.upload_bytes(size as u64);
+        Ok(block)
+    }
+
+    /// Has the reader read it: what can be read apart on as many threads as there are. The sums over such lots are added in their order,
+    /// so that the same file has the same sums, to the bit.
+    fn read(&self, reader: &mut Reader, surface: &mut SampledSurface) -> Result<(), read::Fault> {
+        let mut lots = Vec::new();
+        self.pieces.iter().try_for_each(|piece| reader.push_in_lots(piece, surface, &mut lots))?;
+        let sum = |lot: Lot| {
+            let mut part = SampledSurface::new();
+            (lot.read(&mut part), part)
+        };
+        let parts: Vec<_> = lots.into_par_iter().map(sum).collect();
+        parts.into_iter().try_for_each(|(read, part)| {
+            surface.merge(&part);
+            reader.take_in(read)
+        })
+    }
 }
 
 /// The label of a format in the metrics.

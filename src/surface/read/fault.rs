@@ -46,6 +46,15 @@ pub struct Fault {
 }
 
 impl Fault {
+    /// The fault of a text that `before` lines precede which were not counted.
+    pub(super) fn after_lines(self, before: u64) -> Self {
+        let place = match self.place {
+            Place::Line(number) => Place::Line(before + number),
+            Place::Byte(_) => self.place,
+        };
+        Self { place, ..self }
+    }
+
     /// In what way the file is wrong.
     #[must_use]
     pub fn kind(&self) -> FaultKind {

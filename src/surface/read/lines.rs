@@ -22,6 +22,18 @@ impl Lines {
         Self { begun: Vec::new(), ended: before, after_cr: false }
     }
 
+    /// Counts lines that others have read, between lines that this one reads.
+    pub(super) fn skip(&mut self, lines: u64) {
+        self.ended += lines;
+        // A line's end that is cut belongs to the others' text.
+        self.after_cr = false;
+    }
+
+    /// How many lines there were before the one that is being read.
+    pub(super) fn ended(&self) -> u64 {
+        self.ended
+    }
+
     /// The number of the line that is being read, counted from 1.
     pub(super) fn number(&self) -> u64 {
         self.ended + 1

@@ -12,6 +12,7 @@ mod decimal;
 mod fault;
 mod format;
 mod lines;
+mod lots;
 mod mesh;
 mod obj;
 mod ply;
@@ -22,6 +23,7 @@ mod text;
 
 pub use fault::{Fault, FaultKind, Place};
 pub use format::{Format, Hint};
+pub use lots::{Lot, LotRead};
 
 use super::{LARGEST_COORDINATE, Sink};
 use format::{Found, HEAD};
@@ -103,7 +105,34 @@ impl Reader {
     /// # Errors
     /// The first [`Fault`] of the file; from then on that one again.
     pub fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        let result = self.advance(chunk, sink);
+        let result = self.advance(chunk, sink, None);
+        self.remember(result)
+    }
+
+    /// Takes the next bytes of a file of which all come this way, for a caller with several threads. Of long texts with points whole lots
+    /// are put off to `lots` instead of being handed to `sink`. The caller reads them where and when it likes, but tells the reader of
+    /// each by [`Reader::take_in`], in their order, before it pushes more; the points of a lot come after all that `sink` has by then.
+    ///
+    /// # Errors
+    /// As [`Reader::push`].
+    pub fn push_in_lots<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, lots: &mut Vec<Lot>) -> Result<(), Fault> {
+        let result = self.advance(chunk, sink, Some(lots));
+        self.remember(result)
+    }
+
+    /// Takes note of what was in the next of the lots that were put off.
+    ///
+    /// # Errors
+    /// The lot's first [`Fault`], with its line counted from the start of the file; from then on that one again.
+    pub fn take_in(&mut self, read: LotRead) -> Result<(), Fault> {
+        let result = match &mut self.stage {
+            Stage::Body(body) => match &mut **body {
+                Body::Text(reader) => reader.take_in(read),
+                _ => Ok(()),
+            },
+            Stage::Head(_) => Ok(()),
+            Stage::Refused(fault) => Err(fault.clone()),
+        };
         self.remember(result)
     }
 
@@ -114,7 +143,7 @@ impl Reader {
     pub fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
         if let Stage::Head(head) = &mut self.stage {
             let head = std::mem::take(head);
-            let opened = self.open(&head, sink);
+            let opened = self.open(&head, sink, None);
             self.remember(opened)?;
         }
         match self.stage {
@@ -137,9 +166,9 @@ impl Reader {
         result
     }
 
-    fn advance<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+    fn advance<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, mut lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
         match &mut self.stage {
-            Stage::Head(head) if head.is_empty() && chunk.len() >= HEAD => self.open(chunk, sink),
+            Stage::Head(head) if head.is_empty() && chunk.len() >= HEAD => self.open(chunk, sink, lots),
             Stage::Head(head) => {
                 let (part, rest) = chunk.split_at(chunk.len().min(HEAD - head.len()));
                 head.extend_from_slice(part);
@@ -147,16 +176,16 @@ impl Reader {
                     return Ok(());
                 }
                 let head = std::mem::take(head);
-                self.open(&head, sink)?;
-                self.advance(rest, sink)
+                self.open(&head, sink, lots.as_deref_mut())?;
+                self.advance(rest, sink, lots)
             }
-            Stage::Body(body) => body.push(chunk, sink),
+            Stage::Body(body) => body.push(chunk, sink, lots),
             Stage::Refused(fault) => Err(fault.clone()),
         }
     }
 
     /// Chooses the format by the first bytes of the file and has them read.
-    fn open<S: Sink>(&mut self, start: &[u8], sink: &mut S) -> Result<(), Fault> {
+    fn open<S: Sink>(&mut self, start: &[u8], sink: &mut S, lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
         let Found { format, mark } = format::find(&start[..start.len().min(HEAD)], self.hint)?;
         let mut body = Box::new(match format {
             format::Family::Text => Body::Text(text::Reader::new()),
@@ -165,16 +194,19 @@ impl Reader {
             format::Family::Obj => Body::Obj(obj::Reader::new(self.vertex_limit)),
             format::Family::Ply => Body::Ply(ply::Reader::new(self.vertex_limit, mark as u64)),
         });
-        body.push(&start[mark..], sink)?;
+        body.push(&start[mark..], sink, lots)?;
         self.stage = Stage::Body(body);
         Ok(())
     }
 }
 
 impl Body {
-    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
         match self {
-            Self::Text(reader) => reader.push(chunk, sink),
+            Self::Text(reader) => match lots {
+                Some(lots) => reader.push_in_lots(chunk, sink, lots),
+                None => reader.push(chunk, sink),
+            },
             Self::StlAscii(reader) => reader.push(chunk, sink),
             Self::StlBinary(reader) => reader.push(chunk, sink),
             Self::Obj(reader) => reader.push(chunk, sink),

@@ -113,10 +113,10 @@ impl Reader {
     }
 }
 
+#[inline]
 fn corners(record: &[u8; RECORD]) -> [[f64; 3]; 3] {
-    let coordinate = |index: usize| {
-        let at = FIRST_CORNER + 4 * index;
-        f64::from(f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]))
-    };
-    [0, 3, 6].map(|first| [first, first + 1, first + 2].map(coordinate))
+    let (numbers, _) = record[FIRST_CORNER..].as_chunks::<4>();
+    let coordinate = |index: usize| f64::from(f32::from_le_bytes(numbers[index]));
+    let corner = |first: usize| [coordinate(first), coordinate(first + 1), coordinate(first + 2)];
+    [corner(0), corner(3), corner(6)]
 }

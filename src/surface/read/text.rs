@@ -9,6 +9,7 @@
 use super::decimal::{bounded, names_no_finite_number, number, unbounded};
 use super::fault::{Fault, FaultKind, Flaw, quoted};
 use super::lines::{Lines, trimmed, trimmed_start};
+use super::lots::{Cutter, Lot, LotRead};
 use super::{Format, Notes, Sink, Summary};
 
 /// What stands between columns.
@@ -86,7 +87,7 @@ fn quotation_end(text: &[u8]) -> usize {
 
 /// How the lines of a file are to be understood.
 #[derive(Debug, Clone, Copy)]
-struct Layout {
+pub(super) struct Layout {
     separator: Separator,
     /// The decimal mark, once a coordinate has shown it.
     mark: Option<u8>,
@@ -194,6 +195,7 @@ impl Layout {
 pub(super) struct Reader {
     lines: Lines,
     table: Table,
+    lots: Cutter,
 }
 
 #[derive(Debug)]
@@ -207,14 +209,38 @@ struct Table {
 
 impl Reader {
     pub(super) fn new() -> Self {
-        Self { lines: Lines::after(0), table: Table { columns: None, layout: None, points: 0, further_columns: 0 } }
+        let table = Table { columns: None, layout: None, points: 0, further_columns: 0 };
+        Self { lines: Lines::after(0), table, lots: Cutter::default() }
     }
 
     pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
         self.lines.push(chunk, |line, _| self.table.line(line, sink))
     }
 
+    /// Takes the next bytes of a text of which all come this way. Lots are put off to `lots` as soon as they can be: once the lines before
+    /// have shown how all are to be understood.
+    pub(super) fn push_in_lots<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S, lots: &mut Vec<Lot>) -> Result<(), Fault> {
+        while !chunk.is_empty() {
+            let Some(lines) = self.lots.next(&mut chunk) else { continue };
+            match self.table.layout {
+                Some(layout) if layout.mark.is_some() => lots.push(Lot::new(lines, layout)),
+                _ => self.push(&lines, sink)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes note of what was in the next of the lots that were put off.
+    pub(super) fn take_in(&mut self, read: LotRead) -> Result<(), Fault> {
+        self.table.points += read.points;
+        let before = self.lines.ended();
+        self.lines.skip(read.lines);
+        read.result.map_err(|fault| fault.after_lines(before))
+    }
+
     pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
+        let rest = std::mem::take(&mut self.lots).rest();
+        self.push(&rest, sink)?;
         self.lines.finish(|line, _| self.table.line(line, sink))?;
         if self.table.points == 0 {
             return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(self.lines.number()));
@@ -222,6 +248,14 @@ impl Reader {
         let notes = Notes { further_columns: self.table.further_columns, ..Notes::default() };
         Ok(Summary { format: Format::Text, points: self.table.points, facets: 0, notes })
     }
+}
+
+/// Reads lines that all are to be understood in the same way.
+pub(super) fn read_lot<S: Sink>(text: &[u8], layout: Layout, sink: &mut S) -> LotRead {
+    let mut lines = Lines::after(0);
+    let mut table = Table { columns: None, layout: Some(layout), points: 0, further_columns: 0 };
+    let result = lines.push(text, |line, _| table.line(line, sink));
+    LotRead { lines: lines.ended(), points: table.points, result }
 }
 
 impl Table {

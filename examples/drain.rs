@@ -1,0 +1,54 @@
+//! The least that the service can do with an upload: the same server with the same layers and settings, whose routes for surfaces read
+//! the body and throw it away. What reading a surface costs is measured against it by `benches/uploads`.
+//!
+//! It takes the program's settings, and says in the same way where it listens.
+
+use axum::Router;
+use axum::extract::Request;
+use axum::http::header;
+use axum::routing::post;
+use http_body_util::BodyExt;
+use scallopd::http::layers;
+use scallopd::http::operations::Operations;
+use scallopd::server;
+use scallopd::settings::{Command, Settings};
+use scallopd::telemetry::Telemetry;
+use std::hint::black_box;
+use std::io::{Error, Result};
+
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+const JSON: [(header::HeaderName, &str); 1] = [(header::CONTENT_TYPE, "application/json")];
+
+fn main() -> Result<()> {
+    let settings = match Command::read(std::env::args_os()) {
+        Ok(Command::Serve(settings)) => settings,
+        _ => return Err(Error::other("the arguments are not settings of scallopd")),
+    };
+    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(serve(&settings))
+}
+
+async fn serve(settings: &Settings) -> Result<()> {
+    let telemetry = Telemetry::start(&settings.telemetry)?;
+    let operations = Operations::start(&settings.http)?;
+    let routes = Router::new().route("/v1/cutter-recommendation/upload", post(drain)).route("/v1/cutter-recommendation", post(drain));
+    let app = layers::apply(routes, &settings.http, &operations);
+    let listener = tokio::net::TcpListener::bind(settings.listen).await?;
+    // Lines of other programs than scallopd are filtered out.
+    tracing::info!(target: "scallopd", address = %listener.local_addr()?, "listening");
+    let signal = server::stop_signal()?;
+    server::serve(listener, app, &settings.server, async { _ = signal.await }).await?;
+    telemetry.stop();
+    Ok(())
+}
+
+/// Takes every frame of the body, and answers how many bytes there were.
+async fn drain(request: Request) -> ([(header::HeaderName, &'static str); 1], String) {
+    let mut body = request.into_body();
+    let mut bytes = 0;
+    while let Some(Ok(frame)) = body.frame().await {
+        bytes += black_box(frame).data_ref().map_or(0, |data| data.len());
+    }
+    (JSON, format!("{{\"bytes\":{bytes}}}"))
+}

@@ -1,0 +1,195 @@
+//! Long texts in lots of whole lines, which several threads can read at once. Where a lot ends depends on the text alone, not on the
+//! chunks in which it came, so that sums over lots come out the same every time. On which threads lots are read is the caller's affair.
+
+use super::Sink;
+use super::fault::Fault;
+use super::lines::{LONGEST_LINE, line_end};
+use super::text::{self, Layout};
+
+/// A lot ends with the line that passes this size: a thread's work of a few tenths of a millisecond.
+const SIZE: usize = 1 << 17;
+
+/// Consecutive lines of a file with points in text, which can be read apart from the others.
+#[derive(Debug)]
+pub struct Lot {
+    lines: Vec<u8>,
+    layout: Layout,
+}
+
+/// What was in a lot, to be told to its [`Reader`](super::Reader).
+#[derive(Debug)]
+#[must_use = "the reader counts lines and points by it, and learns of faults"]
+pub struct LotRead {
+    pub(super) lines: u64,
+    pub(super) points: u64,
+    /// The first fault, its line counted from the lot's start.
+    pub(super) result: Result<(), Fault>,
+}
+
+impl Lot {
+    pub(super) fn new(lines: Vec<u8>, layout: Layout) -> Self {
+        Self { lines, layout }
+    }
+
+    /// Hands the points of these lines to `sink`, up to the first fault.
+    pub fn read<S: Sink>(self, sink: &mut S) -> LotRead {
+        text::read_lot(&self.lines, self.layout, sink)
+    }
+}
+
+/// Cuts a text into lots.
+#[derive(Debug, Default)]
+pub(super) struct Cutter {
+    begun: Vec<u8>,
+}
+
+impl Cutter {
+    /// Takes the next bytes of the text, up to the end of the lot that has begun, off `chunk`; the lot, if it has ended.
+    pub(super) fn next(&mut self, chunk: &mut &[u8]) -> Option<Vec<u8>> {
+        if self.begun.is_empty() {
+            self.begun.reserve_exact(SIZE + LONGEST_LINE);
+        }
+        self.take(chunk, SIZE.saturating_sub(self.begun.len()).min(chunk.len()));
+        if chunk.is_empty() {
+            return None;
+        }
+        // The CR of the last line's end may have a LF after it.
+        if self.begun.len() == SIZE || self.begun.last() != Some(&b'\r') {
+            let end = line_end(chunk);
+            self.take(chunk, end.map_or(chunk.len(), |end| end + 1));
+            if end.is_none() {
+                // A line that is too long is found to be so when the lot is read.
+                return (self.begun.len() > SIZE + LONGEST_LINE).then(|| std::mem::take(&mut self.begun));
+            }
+        }
+        if self.begun.last() == Some(&b'\r') {
+            self.take(chunk, usize::from(*chunk.first()? == b'\n'));
+        }
+        Some(std::mem::take(&mut self.begun))
+    }
+
+    /// The lot that has begun and will not go on.
+    pub(super) fn rest(self) -> Vec<u8> {
+        self.begun
+    }
+
+    fn take(&mut self, chunk: &mut &[u8], length: usize) {
+        let (part, rest) = chunk.split_at(length);
+        self.begun.extend_from_slice(part);
+        *chunk = rest;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::read::{Hint, Reader, Summary};
+    use proptest::prelude::*;
+
+    #[derive(Debug, Default, PartialEq)]
+    struct Points(Vec<[f64; 3]>);
+
+    impl Sink for Points {
+        fn point(&mut self, point: [f64; 3]) {
+            self.0.push(point);
+        }
+
+        fn facet(&mut self, _: [[f64; 3]; 3]) {}
+    }
+
+    /// A text as it is read in lots, chunks of `size` at a time.
+    fn read_in_lots(text: &[u8], size: usize) -> (Points, Result<Summary, Fault>) {
+        let (mut reader, mut points) = (Reader::new(Hint::default()), Points::default());
+        for chunk in text.chunks(size) {
+            let mut lots = Vec::new();
+            let mut pushed = reader.push_in_lots(chunk, &mut points, &mut lots);
+            for lot in lots {
+                let read = lot.read(&mut points);
+                pushed = pushed.and(reader.take_in(read));
+            }
+            if let Err(fault) = pushed {
+                return (points, Err(fault));
+            }
+        }
+        let finished = reader.finish(&mut points);
+        (points, finished)
+    }
+
+    fn read_at_once(text: &[u8]) -> (Points, Result<Summary, Fault>) {
+        let (mut reader, mut points) = (Reader::new(Hint::default()), Points::default());
+        let result = reader.push(text, &mut points).and_then(|()| reader.finish(&mut points));
+        (points, result)
+    }
+
+    /// All lots of a text that comes in chunks of `size`, the unfinished one last.
+    fn lots(text: &[u8], size: usize) -> Vec<Vec<u8>> {
+        let (mut cutter, mut lots) = (Cutter::default(), Vec::new());
+        for mut chunk in text.chunks(size) {
+            while !chunk.is_empty() {
+                lots.extend(cutter.next(&mut chunk));
+            }
+        }
+        lots.push(cutter.rest());
+        lots
+    }
+
+    fn text(ends: &[&str], lines: usize) -> Vec<u8> {
+        (0..lines).flat_map(|line| format!("{line},{},{line}{}", line * line, ends[line % ends.len()]).into_bytes()).collect()
+    }
+
+    #[test]
+    fn a_lot_ends_with_the_line_that_passes_its_size() {
+        for ends in [&["\n"][..], &["\r\n"], &["\r"], &["\r", "\n\n", "\r\n"]] {
+            let text = text(ends, 40_000);
+            let lots = lots(&text, 10_000);
+            assert!(lots.len() > 3);
+            assert_eq!(lots.concat(), text);
+            for (lot, next) in lots.iter().zip(&lots[1..]) {
+                assert!(lot.len() > SIZE && line_end(&lot[SIZE..lot.len() - 2]).is_none());
+                assert!(lot.ends_with(b"\n") || (lot.ends_with(b"\r") && next.first() != Some(&b'\n')));
+            }
+        }
+    }
+
+    #[test]
+    fn an_endless_line_is_not_held_for_ever() {
+        let lots = lots(&vec![b'1'; 10 * SIZE], 1000);
+        assert!(lots.len() > 5 && lots.iter().all(|lot| lot.len() <= SIZE + LONGEST_LINE + 1000));
+    }
+
+    #[test]
+    fn reading_in_lots_gives_the_same_points_and_faults() {
+        let whole = |ends: &[&str]| [b"# a scan\r\nx;y;z\r\n".as_slice(), &text(ends, 30_000)].concat();
+        let clean = String::from_utf8(text(&["\n", "\r", "\r\n"], 30_000)).unwrap().replace(',', ".5;");
+        let late_mark = format!("{}1.5;2;3\n{clean}", "1;2;3\r".repeat(40_000));
+        let broken = clean.replacen("29000.5;", "29000.5 ", 1);
+        let other_mark = clean.replacen("28123.5;", "28123,5;", 1);
+        let endless = clean.clone() + &"1".repeat(2 * LONGEST_LINE);
+        let faulty: [(Vec<u8>, bool); 6] = [
+            (clean.into_bytes(), false),
+            (late_mark.into_bytes(), false),
+            (broken.into_bytes(), true),
+            (other_mark.into_bytes(), true),
+            (endless.into_bytes(), true),
+            (whole(&["\n"]), false),
+        ];
+        for (text, is_faulty) in faulty {
+            let expected = read_at_once(&text);
+            assert_eq!(expected.1.is_err(), is_faulty, "{:?}", expected.1);
+            for size in [997, 65_536, 1 << 20] {
+                let found = read_in_lots(&text, size);
+                assert!(found.1 == expected.1, "{:?} is not {:?}", found.1, expected.1);
+                assert!(is_faulty || found.0 == expected.0);
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+        #[test]
+        fn lots_are_the_same_however_the_text_comes(size in 1_usize..200_000) {
+            let text = text(&["\n", "\r\n", "\r"], 30_000);
+            prop_assert_eq!(lots(&text, size), lots(&text, text.len()));
+        }
+    }
+}
