@@ -196,6 +196,7 @@ fn times(a: [Lanes; 3], factor: Lanes) -> [Lanes; 3] {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // a facet without an area has the same corner thrice
 mod tests {
     use super::*;
     use crate::surface::{Bounds, Moments};
@@ -236,7 +237,9 @@ mod tests {
                 piece.moments.add_triangle(*facet, area);
                 piece.area += area;
                 piece.slope_by_weight += area * normal.xy().norm().atan2(normal.z.abs());
-                facet.iter().for_each(|corner| piece.bounds.include(*corner));
+                for corner in facet {
+                    piece.bounds.include(*corner);
+                }
             }
         }
         piece
