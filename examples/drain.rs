@@ -4,6 +4,7 @@
 //! It takes the program's settings, and says in the same way where it listens.
 
 use axum::Router;
+use axum::body::Bytes;
 use axum::extract::Request;
 use axum::http::header;
 use axum::routing::post;
@@ -22,9 +23,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 const JSON: [(header::HeaderName, &str); 1] = [(header::CONTENT_TYPE, "application/json")];
 
 fn main() -> Result<()> {
-    let settings = match Command::read(std::env::args_os()) {
-        Ok(Command::Serve(settings)) => settings,
-        _ => return Err(Error::other("the arguments are not settings of scallopd")),
+    let Ok(Command::Serve(settings)) = Command::read(std::env::args_os()) else {
+        return Err(Error::other("the arguments are not settings of scallopd"));
     };
     tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(serve(&settings))
 }
@@ -48,7 +48,7 @@ async fn drain(request: Request) -> ([(header::HeaderName, &'static str); 1], St
     let mut body = request.into_body();
     let mut bytes = 0;
     while let Some(Ok(frame)) = body.frame().await {
-        bytes += black_box(frame).data_ref().map_or(0, |data| data.len());
+        bytes += black_box(frame).data_ref().map_or(0, Bytes::len);
     }
     (JSON, format!("{{\"bytes\":{bytes}}}"))
 }

@@ -236,3 +236,39 @@ async fn read_parameters(form: &mut Form) -> Result<Vec<u8>, Problem> {
     }
     Ok(parameters)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Facing, Unit};
+
+    /// The shape of a text that comes in pieces and blocks of these sizes.
+    fn shape(text: &[u8], piece: usize, pieces: usize) -> String {
+        let (mut reader, mut surface) = (Reader::new(Hint::default()), SampledSurface::new());
+        let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();
+        for pieces in all.chunks(pieces) {
+            Block { pieces: pieces.to_vec() }.read(&mut reader, &mut surface).unwrap();
+        }
+        assert_eq!(reader.finish(&mut surface).unwrap().points, 60_000);
+        format!("{:?}", surface.shape(Unit::Millimetre, Facing::Up).unwrap())
+    }
+
+    #[test]
+    fn a_text_has_the_same_sums_to_the_bit_however_it_arrives() {
+        let line = |index: u32| format!("{},{},{}\n", index % 300, f64::from(index) / 700.0, f64::from(index).sqrt());
+        let text: String = (0..60_000).map(line).collect();
+        let whole = shape(text.as_bytes(), text.len(), 1);
+        for (piece, pieces) in [(1000, 3), (16_384, 64), (400_001, 3)] {
+            assert_eq!(shape(text.as_bytes(), piece, pieces), whole, "{piece} bytes, {pieces} at a time");
+        }
+    }
+
+    #[test]
+    fn a_fault_in_a_lot_has_its_line_in_the_file() {
+        let text = "1.5,2,3\n".repeat(100_000) + "1.5,2\n" + &"1.5,2,3\n".repeat(100_000);
+        let (mut reader, mut surface) = (Reader::new(Hint::default()), SampledSurface::new());
+        let block = Block { pieces: vec![Bytes::from(text)] };
+        let fault = block.read(&mut reader, &mut surface).unwrap_err();
+        assert_eq!(fault.place(), read::Place::Line(100_001));
+    }
+}
