@@ -46,7 +46,14 @@ struct Contact {
 
 /// An answer's columns, whatever the calculation calls them.
 #[derive(Serialize)]
-struct Columns(std::collections::BTreeMap<String, Vec<Option<f64>>>);
+struct Columns(std::collections::BTreeMap<String, Column>);
+
+#[derive(Deserialize, Serialize)]
+#[serde(untagged)]
+enum Column {
+    Numbers(Vec<Option<f64>>),
+    Words(Vec<Option<String>>),
+}
 
 impl Columns {
     fn of(answer: &[u8]) -> Self {

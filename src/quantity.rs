@@ -267,10 +267,11 @@ impl Angle {
         let in_turn = degrees % 360.0;
         let quarter = (in_turn / 90.0).round();
         let (sin, cos) = (in_turn - 90.0 * quarter).to_radians().sin_cos();
-        let (sin, cos) = match quarter.rem_euclid(4.0) {
-            0.0 => (sin, cos),
-            1.0 => (cos, -sin),
-            2.0 => (-sin, -cos),
+        #[expect(clippy::cast_possible_truncation, reason = "from -4 to 4")]
+        let (sin, cos) = match (quarter as i32).rem_euclid(4) {
+            0 => (sin, cos),
+            1 => (cos, -sin),
+            2 => (-sin, -cos),
             _ => (-cos, sin),
         };
         // Adding 0 takes the sign off a zero, which a division would turn into an infinity of that sign.

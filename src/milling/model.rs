@@ -57,13 +57,21 @@ impl JudgedPass {
     /// The effective radius across the feed, radial runout included; `None` where it is infinite.
     #[must_use]
     pub fn effective_radius(&self) -> Option<Length> {
-        EffectiveRadius::across_feed(self.pass.cutter.widened(self.pass.runout.radial()), self.pass.contact).finite()
+        match &self.judge {
+            Judge::Analytic(model) => model.across_feed(),
+            Judge::Envelope(_) => EffectiveRadius::across_feed(self.pass.cutter.widened(self.pass.runout.radial()), self.pass.contact),
+        }
+        .finite()
     }
 
     /// The effective radius along the feed; `None` where it is infinite.
     #[must_use]
     pub fn transverse_effective_radius(&self) -> Option<Length> {
-        EffectiveRadius::along_feed(self.pass.cutter, self.pass.contact).finite()
+        match &self.judge {
+            Judge::Analytic(model) => model.along_feed(),
+            Judge::Envelope(_) => EffectiveRadius::along_feed(self.pass.cutter, self.pass.contact),
+        }
+        .finite()
     }
 
     /// The height that a step-over along the surface and a feed per tooth leave; `None` leaves no marks.
