@@ -15,12 +15,17 @@ RESULTS = ROOT / "target" / "benches"
 TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 
 
+def target() -> Path:
+    """Where cargo puts what it builds."""
+    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+
+
 def build(*examples: str) -> list[Path]:
     """The release server and the examples named; without names the baseline."""
     examples = examples or ("baseline",)
     named = [word for example in examples for word in ("--example", example)]
     subprocess.run(["cargo", "build", "--release", "--bin", "scallopd", *named], cwd=ROOT, check=True)
-    release = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+    release = target() / "release"
     return [release / "scallopd", *(release / "examples" / example for example in examples)]
 
 
