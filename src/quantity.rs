@@ -287,10 +287,13 @@ impl Angle {
     /// The direction of the line along (x, y), from the X axis counter-clockwise, in [0, pi); `None` for the null vector.
     ///
     /// Vectors that a calculation yields are rounded, and one a rounding below the X axis would give a line of almost pi, half a
-    /// turn away in writing from the line that is meant: within 1e-12 of the axis, the line is the axis.
+    /// turn away in writing from the line that is meant: within 1e-12 of an axis, the line is the axis.
     pub(crate) fn of_line(x: f64, y: f64) -> Option<Self> {
         if y.abs() <= 1e-12 * x.abs() {
             return (x != 0.0).then_some(Self::ZERO);
+        }
+        if x.abs() <= 1e-12 * y.abs() {
+            return Some(Self::RIGHT);
         }
         if y < 0.0 { Self::of_vector(-x, -y) } else { Self::of_vector(x, y) }
     }

@@ -120,7 +120,7 @@ impl Shape {
             form_factor: FormFactor::computed((l1 / l2).sqrt()),
             // The product of the roots, because the root of the product can leave the range of numbers.
             characteristic_size: Area::computed(12.0 * l1.sqrt() * l2.sqrt() * mm * mm),
-            slope: Angle::of_vector(e3[2], e3[0].hypot(e3[1])).unwrap_or(Angle::ZERO),
+            slope: Angle::of_line(e3[2], e3[0].hypot(e3[1])).unwrap_or(Angle::ZERO),
             principal_direction,
             steepest_direction,
             direction_gap: principal_direction.zip(steepest_direction).map(|(one, other)| gap(one, other)),
