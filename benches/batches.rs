@@ -9,7 +9,7 @@ use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::http::{Request, header};
 use http_body_util::BodyExt;
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use scallopd::http::{layers, router};
 use scallopd::settings::Command;
 use serde::{Deserialize, Serialize};
@@ -117,8 +117,8 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let Ok(Command::Serve(settings)) = Command::read(["scallopd"]) else { panic!("the defaults serve") };
-        let operations = Operations::start(&settings.http).expect("threads");
-        let app = layers::apply(router(&operations), &settings.http, &operations);
+        let state = AppState::start(&settings.http).expect("threads");
+        let app = layers::apply(router(&state), &settings.http, &state);
         Self { runtime: tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime"), app }
     }
 

@@ -9,8 +9,8 @@ use axum::extract::Request;
 use axum::http::header;
 use axum::routing::post;
 use http_body_util::BodyExt;
+use scallopd::http::AppState;
 use scallopd::http::layers;
-use scallopd::http::operations::Operations;
 use scallopd::server;
 use scallopd::settings::{Command, Settings};
 use scallopd::telemetry::Telemetry;
@@ -31,9 +31,9 @@ fn main() -> Result<()> {
 
 async fn serve(settings: &Settings) -> Result<()> {
     let telemetry = Telemetry::start(&settings.telemetry)?;
-    let operations = Operations::start(&settings.http)?;
+    let state = AppState::start(&settings.http)?;
     let routes = Router::new().route("/v1/cutter-recommendation/upload", post(drain)).route("/v1/cutter-recommendation", post(drain));
-    let app = layers::apply(routes, &settings.http, &operations);
+    let app = layers::apply(routes, &settings.http, &state);
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
     // Lines of other programs than scallopd are filtered out.
     tracing::info!(target: "scallopd", address = %listener.local_addr()?, "listening");

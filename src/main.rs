@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::process::ExitCode;
 
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use scallopd::http::{layers, openapi_json, router};
 use scallopd::settings::{Command, Refusal, Settings};
 use scallopd::telemetry::Telemetry;
@@ -49,15 +49,15 @@ fn run(settings: &Settings) -> std::io::Result<bool> {
 }
 
 async fn serve(settings: &Settings) -> std::io::Result<()> {
-    let operations = Operations::start(&settings.http)?;
-    let app = layers::apply(router(&operations), &settings.http, &operations);
+    let state = AppState::start(&settings.http)?;
+    let app = layers::apply(router(&state), &settings.http, &state);
     let signal = server::stop_signal()?;
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
     tracing::info!(address = %listener.local_addr()?, version = env!("CARGO_PKG_VERSION"), "listening");
     let stop = async {
         let signal = signal.await;
         tracing::info!(signal, drain_delay_s = settings.server.drain_delay.as_secs(), "draining");
-        operations.readiness.drain();
+        state.readiness.drain();
         tokio::time::sleep(settings.server.drain_delay).await;
     };
     server::serve(listener, app, &settings.server, stop).await

@@ -1,30 +1,30 @@
 //! The service over HTTP: a file or folder for each endpoint, and around them what they share. Nothing in it computes: requests are
 //! read into checked values, handed to the mathematics, and the results written.
 
+mod app_state;
 mod body;
 mod calculation;
 mod document;
-pub mod heavy;
 pub mod layers;
 pub mod metrics;
-pub mod operations;
 mod pages;
 mod planning;
 mod problem;
 mod process;
 pub mod readiness;
 mod reading;
+pub mod worker_pool;
 
+pub use app_state::AppState;
 use axum::Router;
 use axum::http::StatusCode;
 use calculation::{max_feed, scallop_height, step_over};
-use operations::Operations;
 use planning::{critical_slope, machines, recommendation, upload};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 /// All routes with their documentation.
-fn routes() -> OpenApiRouter<Operations> {
+fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::with_openapi(document::outline())
         .routes(routes!(scallop_height::answer))
         .routes(routes!(scallop_height::answer_batch))
@@ -49,7 +49,7 @@ pub fn openapi_json() -> String {
 }
 
 /// The routes, before the layers around them.
-pub fn router(operations: &Operations) -> Router {
+pub fn router(state: &AppState) -> Router {
     let (router, _) = routes().split_for_parts();
-    router.merge(pages::routes()).fallback(async || StatusCode::NOT_FOUND).with_state(operations.clone())
+    router.merge(pages::routes()).fallback(async || StatusCode::NOT_FOUND).with_state(state.clone())
 }

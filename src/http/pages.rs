@@ -1,7 +1,7 @@
 //! What people and tools look at: the front page, the interactive documentation and the OpenAPI document.
 
+use super::app_state::AppState;
 use super::openapi_json;
-use super::operations::Operations;
 use axum::Router;
 use axum::http::header;
 use axum::response::{Html, IntoResponse};
@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
 /// The pages. They are left out of the OpenAPI document: no program calls them.
-pub(super) fn routes() -> Router<Operations> {
+pub(super) fn routes() -> Router<AppState> {
     let documentation = SwaggerUi::new("/docs").config(Config::from("/openapi.json").try_it_out_enabled(true));
     Router::new().route("/", get(async || Html(FRONT))).merge(documentation)
 }

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use axum::Router;
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use scallopd::http::{layers, router};
 use scallopd::server;
 use scallopd::settings::{Command, Settings};
@@ -17,7 +17,7 @@ pub(crate) const PATIENCE: Duration = Duration::from_mins(1);
 
 pub(crate) struct TestApp {
     pub(crate) address: SocketAddr,
-    pub(crate) operations: Operations,
+    pub(crate) state: AppState,
     pub(crate) client: reqwest::Client,
     /// Dropped, it stops the server.
     _stop: oneshot::Sender<()>,
@@ -32,8 +32,8 @@ impl TestApp {
     pub(crate) async fn start_with(set: impl FnOnce(&mut Settings), wrap: impl FnOnce(Router) -> Router) -> Self {
         let Ok(Command::Serve(mut settings)) = Command::read(["scallopd"]) else { panic!("the defaults cannot be used") };
         set(&mut settings);
-        let operations = Operations::start(&settings.http).unwrap();
-        let app = layers::apply(wrap(router(&operations)), &settings.http, &operations);
+        let state = AppState::start(&settings.http).unwrap();
+        let app = layers::apply(wrap(router(&state)), &settings.http, &state);
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel();
@@ -44,7 +44,7 @@ impl TestApp {
             server::serve(listener, app, &settings.server, stop).await
         });
         let client = reqwest::Client::builder().no_gzip().timeout(PATIENCE).build().unwrap();
-        Self { address, operations, client, _stop: stop }
+        Self { address, state, client, _stop: stop }
     }
 
     pub(crate) fn url(&self, path: &str) -> String {

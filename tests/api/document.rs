@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::app::{TestApp, faults};
-use crate::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
+use crate::api::app::{TestApp, faults};
+use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
 use jsonschema::Validator;
 use scallopd::http::openapi_json;
 use serde_json::{Value, json};

@@ -1,7 +1,7 @@
 //! Faults of requests that are well-formed: each kind with its place and name, and all of a request's in one answer.
 
-use crate::app::{TestApp, faults, figure};
-use crate::requests::{
+use crate::api::app::{TestApp, faults, figure};
+use crate::api::requests::{
     MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, longest, members, shortest, toroidal, with, with_literal, without,
 };
 use serde_json::{Value, json};

@@ -1,6 +1,6 @@
 //! The README's examples: each `curl` command, sent as it stands, gives the JSON that follows it.
 
-use crate::app::TestApp;
+use crate::api::app::TestApp;
 use reqwest::multipart::{Form, Part};
 use serde_json::Value;
 

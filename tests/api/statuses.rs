@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use crate::app::{PATIENCE, TestApp};
-use crate::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
+use crate::api::app::{PATIENCE, TestApp};
+use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
 use axum::middleware::from_fn;
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -101,7 +101,7 @@ async fn every_documented_status_of_the_service_operations_is_obtained() {
         assert_eq!(documented(&document["paths"][path]["get"]), BTreeSet::from([obtained(path).await]), "{path}");
     }
     let mut readyz = BTreeSet::from([obtained("/readyz").await]);
-    app.operations.readiness.drain();
+    app.state.readiness.drain();
     readyz.insert(obtained("/readyz").await);
     assert_eq!(documented(&document["paths"]["/readyz"]["get"]), readyz);
 }

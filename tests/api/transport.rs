@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use crate::app::{TestApp, faults};
-use crate::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
+use crate::api::app::{TestApp, faults};
+use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::Value;

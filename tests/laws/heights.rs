@@ -1,6 +1,6 @@
 //! How heights depend on the pass: symmetry, limits, order, and the curved surface's height by another route.
 
-use crate::passes::{BOTH, at, curved, feed_angles, height, judged, mm, passes, plane_passes, slopes};
+use crate::laws::passes::{BOTH, at, curved, feed_angles, height, judged, mm, passes, plane_passes, slopes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, JudgedPass, Model, Pass, Runout, StepOver, SurfaceCurvature};

@@ -1,6 +1,6 @@
 //! What is found is undone by asking the other way round.
 
-use crate::passes::{BOTH, height, mm, passes};
+use crate::laws::passes::{BOTH, height, mm, passes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 use scallopd::milling::{JudgedPass, NoAnswer, Runout};

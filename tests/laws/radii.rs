@@ -1,6 +1,6 @@
 //! The effective radii by another route, and where their formulas are delicate.
 
-use crate::passes::{cutters, feed_angles, mm, slopes, toroidal};
+use crate::laws::passes::{cutters, feed_angles, mm, slopes, toroidal};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, EffectiveRadius};

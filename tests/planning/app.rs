@@ -1,7 +1,7 @@
 //! The whole service in-process, on a free port.
 
 use reqwest::multipart::{Form, Part};
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use scallopd::http::{layers, router};
 use scallopd::server;
 use scallopd::settings::{Command, Settings};
@@ -33,8 +33,8 @@ impl TestApp {
     }
 
     pub(crate) async fn start_with(settings: Settings) -> Self {
-        let operations = Operations::start(&settings.http).unwrap();
-        let app = layers::apply(router(&operations), &settings.http, &operations);
+        let state = AppState::start(&settings.http).unwrap();
+        let app = layers::apply(router(&state), &settings.http, &state);
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         tokio::spawn(async move { server::serve(listener, app, &settings.server, std::future::pending()).await });

@@ -1,6 +1,6 @@
 //! The examples that ship with the document and the repository are what the service takes and answers.
 
-use crate::app::{TestApp, figure};
+use crate::planning::app::{TestApp, figure};
 use reqwest::multipart::{Form, Part};
 use serde_json::Value;
 

@@ -1,7 +1,7 @@
 //! What a JSON recommendation refuses, with the place of every fault.
 
-use crate::app::{Answer, TestApp};
-use crate::{job, with};
+use crate::planning::app::{Answer, TestApp};
+use crate::planning::{job, with};
 use serde_json::{Value, json};
 
 async fn refused(app: &TestApp, surface: Value) -> Answer {

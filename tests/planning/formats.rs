@@ -1,7 +1,7 @@
 //! One surface in every form in which it can be sent gives one answer.
 
-use crate::app::{TestApp, figure, warnings};
-use crate::{job, with};
+use crate::planning::app::{TestApp, figure, warnings};
+use crate::planning::{job, with};
 use approx::assert_relative_eq;
 use serde_json::{Value, json};
 

@@ -1,7 +1,7 @@
 //! `POST /v1/cutter-recommendation`: the published surfaces, and laws that any surface obeys.
 
-use crate::app::{TestApp, figure, warnings};
-use crate::{job, with};
+use crate::planning::app::{TestApp, figure, warnings};
+use crate::planning::{job, with};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use serde_json::{Value, json};
 

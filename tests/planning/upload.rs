@@ -1,7 +1,7 @@
 //! `POST /v1/cutter-recommendation/upload`: the form around the file, and files that are hostile or wrong.
 
-use crate::app::{TestApp, figure, gzip};
-use crate::{job, with};
+use crate::planning::app::{TestApp, figure, gzip};
+use crate::planning::{job, with};
 use reqwest::multipart::{Form, Part};
 use serde_json::{Value, json};
 

@@ -10,15 +10,15 @@ use axum::routing::post;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use http_body_util::BodyExt;
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use tokio::io::AsyncWriteExt;
 
-use crate::server::{TestServer, defaults, read_all, send};
+use crate::service::server::{TestServer, defaults, read_all, send};
 
 const LIMIT: usize = 1 << 20;
 
 /// A route that counts what it reads, and the count.
-fn counting() -> (Router<Operations>, Arc<AtomicUsize>) {
+fn counting() -> (Router<AppState>, Arc<AtomicUsize>) {
     let count = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&count);
     let read = move |mut body: Body| async move {
@@ -78,7 +78,7 @@ async fn an_endless_body_is_read_up_to_the_limit_and_refused() {
     let read = count.load(Ordering::SeqCst);
     assert!(read > 0 && read <= LIMIT, "{read}");
     // The server stops listening, not only reading: the client cannot send for ever.
-    tokio::time::timeout(crate::server::PATIENCE, sending).await.expect("the connection ends").unwrap();
+    tokio::time::timeout(crate::service::server::PATIENCE, sending).await.expect("the connection ends").unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

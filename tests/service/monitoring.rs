@@ -6,7 +6,7 @@ use std::path::Path;
 use axum::Router;
 use scallopd::http::metrics::ShedReason;
 
-use crate::server::{TestServer, defaults};
+use crate::service::server::{TestServer, defaults};
 
 /// The metrics of this server that a text names.
 fn named(text: &str) -> BTreeSet<&str> {
@@ -18,8 +18,8 @@ fn named(text: &str) -> BTreeSet<&str> {
 #[tokio::test]
 async fn rules_and_dashboard_name_metrics_that_there_are() {
     let server = TestServer::start(defaults(), Router::new()).await;
-    server.operations.metrics.upload_facets("stl", 2);
-    server.operations.metrics.shed(ShedReason::Heavy);
+    server.state.metrics.upload_facets("stl", 2);
+    server.state.metrics.shed(ShedReason::Heavy);
     assert_eq!(server.get("/livez").await.status(), 200);
     let page = server.metrics().await;
     let there = named(&page);

@@ -4,12 +4,12 @@ use axum::Router;
 use axum::extract::Path;
 use axum::response::Html;
 use axum::routing::get;
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use scallopd::settings::CorsOrigins;
 
-use crate::server::{TestServer, defaults};
+use crate::service::server::{TestServer, defaults};
 
-fn routes() -> Router<Operations> {
+fn routes() -> Router<AppState> {
     Router::new()
         .route("/items/{name}", get(|Path(name): Path<String>| async move { name }))
         .route("/page", get(|| async { Html("<p>") }))

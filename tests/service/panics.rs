@@ -2,16 +2,16 @@
 
 use axum::Router;
 use axum::routing::get;
-use scallopd::http::heavy::Place;
+use scallopd::http::worker_pool::WorkPermit;
 
-use crate::server::{TestServer, defaults};
+use crate::service::server::{TestServer, defaults};
 
 async fn fail() -> &'static str {
     panic!("on purpose: a secret of the server")
 }
 
-async fn fail_at_heavy_work(place: Place) -> &'static str {
-    place.run(|| panic!("on purpose: a secret of the server")).await
+async fn fail_at_heavy_work(permit: WorkPermit) -> &'static str {
+    permit.run(|| panic!("on purpose: a secret of the server")).await
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::routing::get;
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use scallopd::http::{layers, metrics, readiness};
 use scallopd::server;
 use scallopd::settings::{Command, Settings};
@@ -24,7 +24,7 @@ pub(crate) fn defaults() -> Settings {
 
 pub(crate) struct TestServer {
     pub(crate) address: SocketAddr,
-    pub(crate) operations: Operations,
+    pub(crate) state: AppState,
     pub(crate) client: reqwest::Client,
     stop: Option<oneshot::Sender<()>>,
     served: JoinHandle<std::io::Result<()>>,
@@ -32,13 +32,13 @@ pub(crate) struct TestServer {
 
 impl TestServer {
     /// Serves `routes` and the probes.
-    pub(crate) async fn start(settings: Settings, routes: Router<Operations>) -> Self {
-        let operations = Operations::start(&settings.http).unwrap();
+    pub(crate) async fn start(settings: Settings, routes: Router<AppState>) -> Self {
+        let state = AppState::start(&settings.http).unwrap();
         let probes = Router::new()
             .route("/livez", get(readiness::livez))
             .route("/readyz", get(readiness::readyz))
             .route("/metrics", get(metrics::show));
-        let app = layers::apply(routes.merge(probes).with_state(operations.clone()), &settings.http, &operations);
+        let app = layers::apply(routes.merge(probes).with_state(state.clone()), &settings.http, &state);
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel();
@@ -49,7 +49,7 @@ impl TestServer {
             server::serve(listener, app, &settings.server, stop).await
         });
         let client = reqwest::Client::builder().no_gzip().timeout(PATIENCE).build().unwrap();
-        Self { address, operations, client, stop: Some(stop), served }
+        Self { address, state, client, stop: Some(stop), served }
     }
 
     pub(crate) fn url(&self, path: &str) -> String {

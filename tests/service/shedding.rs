@@ -4,19 +4,19 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::routing::{get, post};
-use scallopd::http::heavy::Place;
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
+use scallopd::http::worker_pool::WorkPermit;
 use tokio::sync::Semaphore;
 
-use crate::server::{TestServer, defaults, until};
+use crate::service::server::{TestServer, defaults, until};
 
 /// Routes that answer once the test lets them.
-fn waiting(release: &Arc<Semaphore>) -> Router<Operations> {
+fn waiting(release: &Arc<Semaphore>) -> Router<AppState> {
     let (single, heavy) = (Arc::clone(release), Arc::clone(release));
     let single = move || async move { single.acquire().await.map(|_| "done").unwrap() };
-    let heavy = move |place: Place| async move {
+    let heavy = move |permit: WorkPermit| async move {
         let _released = heavy.acquire().await.unwrap();
-        place.run(|| "done").await
+        permit.run(|| "done").await
     };
     Router::new().route("/single", get(single)).route("/heavy/batch", post(heavy)).route("/quick", get(|| async { "quick" }))
 }

@@ -5,14 +5,14 @@ use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::routing::get;
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use tokio::io::AsyncReadExt;
 use tokio::net::TcpStream;
 use tokio::sync::Semaphore;
 
-use crate::server::{TestServer, defaults, read_all, send, until};
+use crate::service::server::{TestServer, defaults, read_all, send, until};
 
-fn waiting(release: &Arc<Semaphore>) -> Router<Operations> {
+fn waiting(release: &Arc<Semaphore>) -> Router<AppState> {
     let release = Arc::clone(release);
     Router::new().route("/wait", get(move || async move { release.acquire().await.map(|_| "done").unwrap() }))
 }
@@ -37,7 +37,7 @@ async fn requests_in_flight_finish_and_new_connections_are_refused() {
 async fn a_draining_server_says_that_it_is_not_ready_and_ends_connections_politely() {
     let server = TestServer::start(defaults(), Router::new()).await;
     assert_eq!(server.get("/readyz").await.status(), 200);
-    server.operations.readiness.drain();
+    server.state.readiness.drain();
     let answer = server.get("/readyz").await;
     assert_eq!(answer.status(), 503);
     assert_eq!(answer.headers()["connection"], "close");

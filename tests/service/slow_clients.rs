@@ -4,12 +4,12 @@ use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::routing::{get, post};
-use scallopd::http::operations::Operations;
+use scallopd::http::AppState;
 use tokio::io::AsyncWriteExt;
 
-use crate::server::{PATIENCE, TestServer, defaults, read_all, send};
+use crate::service::server::{PATIENCE, TestServer, defaults, read_all, send};
 
-fn routes() -> Router<Operations> {
+fn routes() -> Router<AppState> {
     Router::new()
         .route("/length", post(|body: axum::body::Bytes| async move { body.len().to_string() }))
         .route("/large", get(|| async { vec![b'x'; 64 << 20] }))

@@ -27,7 +27,7 @@ use around::{Around, Surround};
 pub use request_id::RequestId;
 pub(crate) use shed::overloaded;
 
-use super::operations::Operations;
+use super::app_state::AppState;
 use crate::settings::HttpSettings;
 
 /// Answers this small fit one packet as they are: compressing them would cost time and save nothing.
@@ -45,14 +45,14 @@ const WORTH_COMPRESSING: u16 = 1024;
 ///
 /// They are one stack without boxes in it: each boxed service, as the router makes of a layer, is copied for every request with all
 /// that is inside.
-pub fn apply(router: Router, settings: &HttpSettings, operations: &Operations) -> Router {
+pub fn apply(router: Router, settings: &HttpSettings, state: &AppState) -> Router {
     let limits = Arc::new(body::Limits::new(settings));
-    let in_flight = shed::InFlight::new(settings.max_in_flight, operations.metrics.clone());
+    let in_flight = shed::InFlight::new(settings.max_in_flight, state.metrics.clone());
     let admit = Admit { in_flight, limits: Arc::clone(&limits) };
     let compression = CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(WORTH_COMPRESSING))));
     // axum's own limit of 2 MB gives way to layer 8.
     let all = ServiceBuilder::new()
-        .layer(Around(observe::Observe(operations.clone())))
+        .layer(Around(observe::Observe(state.clone())))
         .option_layer(browser::cors(&settings.cors_origins))
         .map_response(browser::secure)
         .layer(compression)

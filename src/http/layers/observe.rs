@@ -16,8 +16,8 @@ use tracing::{Instrument, Level, Span};
 use super::around::Surround;
 use super::request_id::{self, RequestId};
 use super::weight::Weight;
+use crate::http::AppState;
 use crate::http::metrics::{Metrics, UNMATCHED, method_label};
-use crate::http::operations::Operations;
 use crate::http::problem::describe_error;
 
 /// The status under which a request is counted whose client left before the answer: the one that nginx gives it.
@@ -25,14 +25,14 @@ const CLIENT_LEFT: u16 = 499;
 
 /// Layer: identifies the request, describes its error where it fails, and tells and counts it at its end.
 #[derive(Clone)]
-pub(super) struct Observe(pub(super) Operations);
+pub(super) struct Observe(pub(super) AppState);
 
 impl Surround for Observe {
     fn surround<F>(&self, mut request: Request, inside: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
     where
         F: Future<Output = Response> + Send + 'static,
     {
-        let Operations { metrics, readiness, .. } = self.0.clone();
+        let AppState { metrics, readiness, .. } = self.0.clone();
         let id = request_id::take_or_create(&mut request);
         let mut record = Record::begin(&request, &id, metrics);
         let span = record.span.clone();

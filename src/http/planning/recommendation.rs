@@ -7,10 +7,10 @@ use super::source::Sourced;
 use super::stated_surface::{self, SURFACE};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
-use crate::http::heavy::Place as HeavyPlace;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::member::Choice;
 use crate::http::reading::{Fault, Faulted, Faults, Member, Object, ObjectSchema, Place};
+use crate::http::worker_pool::WorkPermit;
 use crate::milling::NoAnswer;
 use crate::planning::{Job, PlanError, recommend};
 use crate::surface::{Facing, ShapeError, Unit};
@@ -93,7 +93,7 @@ fn schemas() -> Vec<(String, RefOr<Schema>)> {
     request_body = RecommendationRequest,
     responses((status = 200, description = "The recommendation, with both candidates", body = RecommendationAnswer), Problems),
 )]
-pub(crate) async fn answer(place: HeavyPlace, body: JsonBody) -> Result<WrittenJson, Problem> {
+pub(crate) async fn answer(place: WorkPermit, body: JsonBody) -> Result<WrittenJson, Problem> {
     place.run(move || work_out(&body)).await
 }
 

@@ -8,10 +8,10 @@ use super::source::Sourced;
 use super::stated_surface::SURFACE;
 use crate::http::body::{WrittenJson, read_text};
 use crate::http::document::described;
-use crate::http::heavy::Place as HeavyPlace;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Fault, Faulted, Faults, ObjectSchema, Place};
+use crate::http::worker_pool::WorkPermit;
 use crate::surface::SampledSurface;
 use crate::surface::read::{self, FaultKind, Format, Hint, Lot, Reader};
 use axum::body::Bytes;
@@ -52,7 +52,7 @@ fn schemas() -> Vec<(String, RefOr<Schema>)> {
     request_body(content = UploadRequest, content_type = "multipart/form-data", encoding(("parameters" = (content_type = "application/json")))),
     responses((status = 200, description = "The recommendation, with both candidates", body = RecommendationAnswer), UploadProblems),
 )]
-pub(crate) async fn answer(place: HeavyPlace, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
+pub(crate) async fn answer(place: WorkPermit, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
     let received = Received::read(&mut form, &place, &metrics).await?;
     place.run(move || received.answer()).await
 }
@@ -68,7 +68,7 @@ struct Received {
 
 impl Received {
     /// Takes in the whole form, so that the faults of all parts can be told together.
-    async fn read(form: &mut Form, place: &HeavyPlace, metrics: &Metrics) -> Result<Self, Problem> {
+    async fn read(form: &mut Form, place: &WorkPermit, metrics: &Metrics) -> Result<Self, Problem> {
         let mut received = Self::default();
         while let Some(head) = form.next().await? {
             match head.name.as_deref() {
@@ -143,7 +143,7 @@ fn file_fault(fault: &read::Fault) -> (StatusCode, Fault) {
 
 /// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
 /// is received; no more than these two are held.
-async fn read_file(form: &mut Form, head: &Head, place: &HeavyPlace, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
+async fn read_file(form: &mut Form, head: &Head, place: &WorkPermit, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
     let mut reader = Reader::new(Hint::new(head.media_type.as_deref(), head.file_name.as_deref()));
     let mut surface = SampledSurface::new();
     let mut received = Block::receive(form, metrics).await?;

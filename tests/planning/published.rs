@@ -10,7 +10,7 @@ use scallopd::surface::{Bezier, Facing, Shape, Unit};
 use serde_json::Value;
 
 fn published() -> Value {
-    serde_json::from_str(include_str!("data/herraz_2020.json")).unwrap()
+    serde_json::from_str(include_str!("../data/herraz_2020.json")).unwrap()
 }
 
 fn figure(value: &Value, name: &str) -> f64 {

@@ -13,19 +13,19 @@ use super::metrics::{Metrics, ShedReason};
 
 /// The threads for heavy work, one a core, and the places of the requests that may use them. Clones share both.
 #[derive(Clone)]
-pub struct Heavy {
+pub struct WorkerPool {
     threads: Arc<rayon::ThreadPool>,
     places: Arc<Semaphore>,
     metrics: Metrics,
 }
 
-impl std::fmt::Debug for Heavy {
+impl std::fmt::Debug for WorkerPool {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Heavy").field("places", &self.places.available_permits()).finish_non_exhaustive()
+        f.debug_struct("WorkerPool").field("places", &self.places.available_permits()).finish_non_exhaustive()
     }
 }
 
-/// Every place is taken: the request is to come back later.
+/// Every permit is taken: the request is to come back later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shed;
 
@@ -43,7 +43,7 @@ impl axum::response::IntoResponse for Shed {
     }
 }
 
-impl Heavy {
+impl WorkerPool {
     /// Threads for as many cores as the process may use, and `places` requests at once.
     ///
     /// # Errors
@@ -54,43 +54,43 @@ impl Heavy {
         Ok(Self { threads: Arc::new(threads), places: Arc::new(Semaphore::new(places)), metrics: metrics.clone() })
     }
 
-    /// A place for one request.
+    /// A permit for one request.
     ///
     /// # Errors
     /// [`Shed`] at once where none is free.
-    pub fn admit(&self) -> Result<Place, Shed> {
+    pub fn admit(&self) -> Result<WorkPermit, Shed> {
         let Ok(permit) = Arc::clone(&self.places).try_acquire_owned() else {
             self.metrics.shed(ShedReason::Heavy);
             return Err(Shed);
         };
-        Ok(Place { threads: Arc::clone(&self.threads), permit: Arc::new(permit) })
+        Ok(WorkPermit { threads: Arc::clone(&self.threads), permit: Arc::new(permit) })
     }
 
-    /// What `work` returns, done in a place of its own.
+    /// What `work` returns, done in a permit of its own.
     ///
     /// # Errors
-    /// [`Shed`] at once where no place is free.
+    /// [`Shed`] at once where no permit is free.
     pub async fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Shed> {
         Ok(self.admit()?.run(work).await)
     }
 }
 
-/// One request's place. As an argument of a handler, before the body, it is taken before the body is read; it is free again when the
+/// One request's permit. As an argument of a handler, before the body, it is taken before the body is read; it is free again when the
 /// request and all the work that it began have ended.
-pub struct Place {
+pub struct WorkPermit {
     threads: Arc<rayon::ThreadPool>,
     permit: Arc<OwnedSemaphorePermit>,
 }
 
-impl std::fmt::Debug for Place {
+impl std::fmt::Debug for WorkPermit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Place").finish_non_exhaustive()
+        f.debug_struct("WorkPermit").finish_non_exhaustive()
     }
 }
 
-impl Place {
+impl WorkPermit {
     /// What `work` returns, done on a thread for heavy work; parallel iterators in it use the other such threads. When the future is
-    /// dropped, work that has not begun is not begun, and work that has ends first and keeps the place until then. A panic in `work` goes
+    /// dropped, work that has not begun is not begun, and work that has ends first and keeps the permit until then. A panic in `work` goes
     /// on in the caller.
     pub async fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> T {
         let (sender, receiver) = oneshot::channel();
@@ -101,7 +101,7 @@ impl Place {
                 return;
             }
             let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
-            // Before the result is there, or the place of an answered request would still be taken.
+            // Before the result is there, or the permit of an answered request would still be taken.
             drop(permit);
             // A receiver that is gone wants no result.
             let _ = sender.send(done);
@@ -114,14 +114,14 @@ impl Place {
     }
 }
 
-impl<S: Send + Sync> FromRequestParts<S> for Place
+impl<S: Send + Sync> FromRequestParts<S> for WorkPermit
 where
-    Heavy: FromRef<S>,
+    WorkerPool: FromRef<S>,
 {
     type Rejection = Shed;
 
     async fn from_request_parts(_: &mut Parts, state: &S) -> Result<Self, Shed> {
-        Heavy::from_ref(state).admit()
+        WorkerPool::from_ref(state).admit()
     }
 }
 
@@ -132,8 +132,8 @@ mod tests {
 
     use super::*;
 
-    fn heavy(places: usize) -> Heavy {
-        Heavy::start(places, &Metrics::new()).unwrap()
+    fn heavy(places: usize) -> WorkerPool {
+        WorkerPool::start(places, &Metrics::new()).unwrap()
     }
 
     #[tokio::test]
@@ -145,9 +145,9 @@ mod tests {
     #[tokio::test]
     async fn a_request_without_a_place_is_shed_at_once_and_a_place_comes_free() {
         let heavy = heavy(1);
-        let place = heavy.admit().unwrap();
+        let permit = heavy.admit().unwrap();
         assert_eq!(heavy.run(|| ()).await, Err(Shed));
-        drop(place);
+        drop(permit);
         assert_eq!(heavy.run(|| 7).await, Ok(7));
     }
 
@@ -173,7 +173,7 @@ mod tests {
         while heavy.admit().is_err() {
             tokio::time::sleep(Duration::from_millis(5)).await;
             waited += 1;
-            assert!(waited < 2000, "the place did not come free in ten seconds");
+            assert!(waited < 2000, "the permit did not come free in ten seconds");
         }
     }
 

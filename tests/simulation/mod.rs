@@ -3,7 +3,7 @@
 //! The default run takes 240 configurations. More, on a finer grid of seeds, by one command:
 //!
 //! ```sh
-//! SCALLOPD_SIMULATIONS=5000 cargo test --release --test simulation
+//! SCALLOPD_SIMULATIONS=5000 cargo test --release --test integration simulation
 //! ```
 
 mod solid;

@@ -5,6 +5,7 @@ mod critical_slope;
 mod examples;
 mod faults;
 mod formats;
+mod published;
 mod recommendation;
 mod upload;
 

@@ -1,0 +1,8 @@
+//! All integration tests in one binary, a folder for each area.
+
+mod api;
+mod laws;
+mod planning;
+mod readers;
+mod service;
+mod simulation;
