@@ -14,6 +14,7 @@ mod problem;
 mod process;
 pub mod readiness;
 mod reading;
+mod wire;
 pub mod worker_pool;
 
 pub use app_state::AppState;
