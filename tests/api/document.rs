@@ -202,7 +202,11 @@ async fn the_members_of_each_schema_are_those_that_the_service_knows() {
     for single in SINGLES {
         let top = schema(&document, &document["paths"][single]["post"]);
         assert_eq!(knows(single, longest(single), "").await, properties(top), "{single}");
-        assert_eq!(knows(single, longest(single), "/runout").await, properties(component(&document, &top["properties"]["runout"])), "{single}");
+        assert_eq!(
+            knows(single, longest(single), "/runout").await,
+            properties(component(&document, &top["properties"]["runout"])),
+            "{single}"
+        );
         let vectors = with(shortest(single), "/contact", json!({"normal": [0, 0.5, 1], "feed": [1, 0, 0]}));
         let components = &document["components"]["schemas"];
         assert_eq!(knows(single, shortest(single), "/contact").await, properties(&components["AngleContact"]));

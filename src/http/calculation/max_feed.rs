@@ -6,39 +6,24 @@ use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, members};
-use crate::http::wire::{
-    COMMON_FIGURES, CUTTER, Figure, FigureKind, FigureValue, Figures, Presence, SharedParameters, States, TEETH, TOLERANCE,
-};
+use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::wire::{COMMON_FIGURES, CUTTER, Figure, FigureValue, Figures, SharedParameters, States, TEETH, TOLERANCE};
 use crate::http::worker_pool::WorkPermit;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::{Length, OutOfRange};
 use axum::Json;
 use utoipa::openapi::{RefOr, Schema};
 
-const SPINDLE_SPEED: Member<Quantity<f64>> = Member {
-    name: "spindle_speed_rpm",
-    about: "spindle speed n; with the cutter's teeth it gives the feed rate",
-    kind: Quantity { of: |rpm| OutOfRange::check(rpm, 1.0, 1e6), example: 10_000.0 },
-};
-const MAX_FEED_PER_TOOTH: Member<Quantity<Length>> = Member {
-    name: "max_feed_per_tooth_mm",
-    about: "the largest feed per tooth that the cutter's maker allows",
-    kind: Quantity::length(0.35),
-};
-const MAX_FEED_RATE: Member<Quantity<f64>> = Member {
-    name: "max_feed_rate_mm_min",
-    about: "the largest feed rate of the machine; needs spindle_speed_rpm and the cutter's teeth",
-    kind: Quantity { of: |mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), example: 15_000.0 },
-};
-
 members! {
     /// The tolerance to keep, and the limits of cutter and machine.
     pub(crate) struct MaxFeedMembers {
         tolerance: required TOLERANCE: Quantity<Length>,
-        spindle_speed_rpm: optional SPINDLE_SPEED: Quantity<f64>,
-        per_tooth_limit: optional MAX_FEED_PER_TOOTH: Quantity<Length>,
-        rate_limit_mm_min: optional MAX_FEED_RATE: Quantity<f64>,
+        spindle_speed_rpm: optional SPINDLE_SPEED: Quantity<f64> = ("spindle_speed_rpm", Quantity::new(|rpm| OutOfRange::check(rpm, 1.0, 1e6), 10_000.0),
+            "spindle speed n; with the cutter's teeth it gives the feed rate"),
+        per_tooth_limit: optional MAX_FEED_PER_TOOTH: Quantity<Length> = ("max_feed_per_tooth_mm", Quantity::length(0.35),
+            "the largest feed per tooth that the cutter's maker allows"),
+        rate_limit_mm_min: optional MAX_FEED_RATE: Quantity<f64> = ("max_feed_rate_mm_min", Quantity::new(|mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), 15_000.0),
+            "the largest feed rate of the machine; needs spindle_speed_rpm and the cutter's teeth"),
     }
 }
 
@@ -75,27 +60,14 @@ fn limited_by_schema(about: &str, components: &mut Components) -> RefOr<Schema> 
 }
 
 const FIGURES: &[Figure] = &[
-    Figure {
-        name: "feed_per_tooth_mm",
-        about: "the largest feed per tooth",
-        kind: FigureKind::Number,
-        presence: Presence::Always,
-        get: |figures| figures.feed_per_tooth.map(|feed| FigureValue::Number(feed.mm())),
-    },
-    Figure {
-        name: "limited_by",
-        about: "what keeps the feed from being larger",
-        kind: FigureKind::Word(limited_by_schema),
-        presence: Presence::Always,
-        get: |figures| figures.limited_by.map(FigureValue::Word),
-    },
-    Figure {
-        name: "feed_rate_mm_min",
-        about: "the feed rate f_z z n",
-        kind: FigureKind::Number,
-        presence: Presence::Only("where the cutter's teeth and the spindle speed are given"),
-        get: |figures| figures.feed_rate_mm_min.map(FigureValue::Number),
-    },
+    Figure::number("feed_per_tooth_mm", "the largest feed per tooth", |figures| {
+        figures.feed_per_tooth.map(|feed| FigureValue::Number(feed.mm()))
+    }),
+    Figure::word("limited_by", "what keeps the feed from being larger", limited_by_schema, |figures| {
+        figures.limited_by.map(FigureValue::Word)
+    }),
+    Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min.map(FigureValue::Number))
+        .only("where the cutter's teeth and the spindle speed are given"),
 ];
 
 impl Calculation for MaxFeed {

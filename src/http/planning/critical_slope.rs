@@ -6,7 +6,7 @@ use crate::http::body::JsonBody;
 use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Components, Faulted, Faults, Form, Member, Members, Object, ObjectSchema, Quantity, members};
+use crate::http::reading::{Components, Faulted, Faults, Form, Members, Object, ObjectSchema, Quantity, members};
 use crate::http::wire::Warning;
 use crate::milling::NoAnswer;
 use crate::planning::{CriticalSlope, InclinedRectangle, Job, Plan, critical_slope, plan};
@@ -16,32 +16,6 @@ use serde::Serialize;
 use utoipa::ToSchema;
 use utoipa::openapi::{RefOr, Schema};
 
-const WIDTH: Member<Quantity<Length>> = Member {
-    name: "width_mm",
-    about: "w, the rectangle's long side, which is level; with height_mm, or give form_factor and characteristic_size_mm2",
-    kind: Quantity::length(56.0),
-};
-const HEIGHT: Member<Quantity<Length>> = Member {
-    name: "height_mm",
-    about: "h, the side up the slope, at most the width; with width_mm, or give form_factor and characteristic_size_mm2",
-    kind: Quantity::length(28.0),
-};
-const FORM_FACTOR: Member<Quantity<FormFactor>> = Member {
-    name: "form_factor",
-    about: "mu = w/h; with characteristic_size_mm2, or give width_mm and height_mm",
-    kind: Quantity { of: FormFactor::new, example: 2.0 },
-};
-const CHARACTERISTIC_SIZE: Member<Quantity<Area>> = Member {
-    name: "characteristic_size_mm2",
-    about: "chi = w h; with form_factor, or give width_mm and height_mm",
-    kind: Quantity { of: Area::from_mm2, example: 1568.0 },
-};
-const SLOPE: Member<Quantity<Angle>> = Member {
-    name: "slope_deg",
-    about: "s, the rectangle's slope, 0 (floor) to 90 (wall); with it the answer has the candidates, too",
-    kind: Quantity { of: slope, example: 60.0 },
-};
-
 fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
     Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?)
 }
@@ -49,21 +23,26 @@ fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
 members! {
     /// A rectangle by its sides.
     struct Sides {
-        width: required WIDTH: Quantity<Length>,
-        height: required HEIGHT: Quantity<Length>,
+        width: required WIDTH: Quantity<Length> = ("width_mm", Quantity::length(56.0),
+            "w, the rectangle's long side, which is level; with height_mm, or give form_factor and characteristic_size_mm2"),
+        height: required HEIGHT: Quantity<Length> = ("height_mm", Quantity::length(28.0),
+            "h, the side up the slope, at most the width; with width_mm, or give form_factor and characteristic_size_mm2"),
     }
 }
 members! {
     /// A rectangle by its form and size.
     struct FormAndSize {
-        form_factor: required FORM_FACTOR: Quantity<FormFactor>,
-        size: required CHARACTERISTIC_SIZE: Quantity<Area>,
+        form_factor: required FORM_FACTOR: Quantity<FormFactor> = ("form_factor", Quantity::new(FormFactor::new, 2.0),
+            "mu = w/h; with characteristic_size_mm2, or give width_mm and height_mm"),
+        size: required CHARACTERISTIC_SIZE: Quantity<Area> = ("characteristic_size_mm2", Quantity::new(Area::from_mm2, 1568.0),
+            "chi = w h; with form_factor, or give width_mm and height_mm"),
     }
 }
 members! {
     /// The slope at which the candidates are compared.
     struct SlopeMembers {
-        slope: optional SLOPE: Quantity<Angle>,
+        slope: optional SLOPE: Quantity<Angle> = ("slope_deg", Quantity::new(slope, 60.0),
+            "s, the rectangle's slope, 0 (floor) to 90 (wall); with it the answer has the candidates, too"),
     }
 }
 

@@ -1,25 +1,19 @@
 //! A job: two cutters to compare, the scallop height that they may leave, the machine, and the model.
 
 use crate::http::codes::{NoAnswerCode, RequestFault};
-use crate::http::reading::{Choice, Fault, Faulted, Faults, JsonPath, Member, Members, Object, Quantity, members};
+use crate::http::reading::{Choice, Fault, Faulted, Faults, JsonPath, Members, Object, Quantity, members};
 use crate::http::wire::{BALL_END, BallEndCutter, MACHINE, MODEL, Machine, TOROIDAL, ToroidalCutter};
 use crate::milling::{Model, NoAnswer};
 use crate::planning::{Job, JobError};
 use crate::quantity::Length;
-
-/// The member `scallop_height_mm`.
-pub(super) const SCALLOP_HEIGHT: Member<Quantity<Length>> = Member {
-    name: "scallop_height_mm",
-    about: "sh, the scallop height that either cutter may leave: at most the toroidal cutter's corner radius and under the ball's radius",
-    kind: Quantity::length(0.01),
-};
 
 members! {
     /// The members of a job.
     pub(super) struct JobMembers {
         toroidal: required TOROIDAL: ToroidalCutter,
         ball_end: required BALL_END: BallEndCutter,
-        scallop_height: required SCALLOP_HEIGHT: Quantity<Length>,
+        scallop_height: required SCALLOP_HEIGHT: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
+            "sh, the scallop height that either cutter may leave: at most the toroidal cutter's corner radius and under the ball's radius"),
         machine: required MACHINE: Machine,
         model: optional MODEL: Choice<Model>,
     }

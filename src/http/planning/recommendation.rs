@@ -7,7 +7,7 @@ use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Choice, Components, Fault, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, members};
+use crate::http::reading::{Choice, Components, Fault, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, members};
 use crate::http::wire::{SURFACE, Sourced};
 use crate::http::worker_pool::WorkPermit;
 use crate::milling::NoAnswer;
@@ -15,25 +15,13 @@ use crate::planning::{Job, PlanError, recommend};
 use crate::surface::{Facing, ShapeError, Unit};
 use utoipa::openapi::{RefOr, Schema};
 
-const UNIT: Member<Choice<Unit>> = Member {
-    name: "unit",
-    about: "the unit of the surface's coordinates; absent = mm",
-    kind: Choice {
-        name: Some("Unit"),
-        words: &[("mm", Unit::Millimetre), ("cm", Unit::Centimetre), ("m", Unit::Metre), ("inch", Unit::Inch)],
-    },
-};
-const FACING: Member<Choice<Facing>> = Member {
-    name: "facing",
-    about: "which facets count: up (default), those whose normal points up, which a cutter from above reaches; any, all of them. Points and patches have no sides",
-    kind: Choice { name: Some("Facing"), words: &[("up", Facing::Up), ("any", Facing::Any)] },
-};
-
 members! {
     /// How the surface is taken.
     struct SurfaceOptions {
-        unit: optional UNIT: Choice<Unit>,
-        facing: optional FACING: Choice<Facing>,
+        unit: optional UNIT: Choice<Unit> = ("unit", Choice { name: Some("Unit"), words: &[("mm", Unit::Millimetre), ("cm", Unit::Centimetre), ("m", Unit::Metre), ("inch", Unit::Inch)] },
+            "the unit of the surface's coordinates; absent = mm"),
+        facing: optional FACING: Choice<Facing> = ("facing", Choice { name: Some("Facing"), words: &[("up", Facing::Up), ("any", Facing::Any)] },
+            "which facets count: up (default), those whose normal points up, which a cutter from above reaches; any, all of them. Points and patches have no sides"),
     }
 }
 

@@ -12,14 +12,29 @@ use utoipa::openapi::{RefOr, Schema};
 /// A number that becomes a quantity, which alone knows its bounds.
 pub(crate) struct Quantity<T> {
     /// The quantity of a number in the member's unit. NaN must be refused, with the bounds.
-    pub(crate) of: fn(f64) -> Result<T, OutOfRange>,
-    pub(crate) example: f64,
+    of: fn(f64) -> Result<T, OutOfRange>,
+    example: f64,
+    /// The smallest number, where it is under the quantity's own bound.
+    minimum: Option<f64>,
+    /// What to add to the fault that the number is out of its bounds.
+    hint: &'static str,
+}
+
+impl<T> Quantity<T> {
+    pub(crate) const fn new(of: fn(f64) -> Result<T, OutOfRange>, example: f64) -> Self {
+        Self { of, example, minimum: None, hint: "" }
+    }
+
+    /// The same for a quantity that also takes numbers from `minimum` to its own bound, as `hint` says.
+    pub(crate) const fn down_to(self, minimum: f64, hint: &'static str) -> Self {
+        Self { minimum: Some(minimum), hint, ..self }
+    }
 }
 
 impl Quantity<Length> {
     /// A length in mm.
     pub(crate) const fn length(example: f64) -> Self {
-        Self { of: Length::from_mm, example }
+        Self::new(Length::from_mm, example)
     }
 }
 
@@ -27,8 +42,9 @@ impl<T> Kind for Quantity<T> {
     type Value = T;
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+        let hint = self.hint;
         (self.of)(number(raw, path, faults)?)
-            .map_err(|bounds| faults.add(&path, RequestFault::OutOfRange, format_args!("{bounds}, found {}", describe(raw))))
+            .map_err(|bounds| faults.add(&path, RequestFault::OutOfRange, format_args!("{bounds}, found {}{hint}", describe(raw))))
     }
 
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
@@ -36,7 +52,7 @@ impl<T> Kind for Quantity<T> {
         // The bounds of double precision are no bounds of the quantity.
         let bound = |bound: f64| (bound.abs() < f64::MAX).then_some(bound);
         let schema = ObjectBuilder::new().schema_type(Type::Number).description(Some(about)).examples([self.example]);
-        schema.minimum(bound(minimum)).maximum(bound(maximum)).into()
+        schema.minimum(self.minimum.or(bound(minimum))).maximum(bound(maximum)).into()
     }
 }
 

@@ -47,8 +47,8 @@ pub(crate) trait WireObject {
     /// What they become.
     type Value;
 
-    /// The value that the members describe; `raw` and `path` are the object's.
-    fn build(members: Self::Members, raw: &RawValue, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted>;
+    /// The value that the members of the object at `path` describe.
+    fn build(members: Self::Members, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted>;
 }
 
 impl<T: WireObject> Kind for T {
@@ -57,8 +57,9 @@ impl<T: WireObject> Kind for T {
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T::Value, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let members = T::Members::read(&mut object, faults);
+        let value = T::build(members, &path, faults);
         object.close(faults)?;
-        T::build(members, raw, &path, faults)
+        value
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {

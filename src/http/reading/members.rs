@@ -43,10 +43,17 @@ pub(crate) enum Form<A, B> {
     Second(B),
 }
 
-/// Declares a struct of members from their constants: `members! { struct Name { field: required MEMBER: Kind, ... } }`, with
-/// `plain struct Name / Slots` for members of contacts in batches.
+/// Declares members and the struct of them: `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`,
+/// with `plain struct Name / Slots` for members of contacts in batches. A member of several structs is declared in one of them.
 macro_rules! members {
-    ($(#[$doc:meta])* $vis:vis struct $name:ident { $( $field:ident: $presence:ident $member:ident: $kind:ty, )* }) => {
+    ($(#[$doc:meta])* $vis:vis struct $name:ident {
+        $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )*
+    }) => {
+        $($(
+            $vis const $member: $crate::http::reading::Member<$kind> =
+                $crate::http::reading::Member { name: $wire, about: $about, kind: $of_kind };
+        )?)*
+
         $(#[$doc])*
         #[derive(Debug)]
         $vis struct $name {
@@ -75,8 +82,12 @@ macro_rules! members {
             }
         }
     };
-    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident { $( $field:ident: $presence:ident $member:ident: $kind:ty, )+ }) => {
-        $crate::http::reading::members! { $(#[$doc])* $vis struct $name { $( $field: $presence $member: $kind, )+ } }
+    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident {
+        $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+
+    }) => {
+        $crate::http::reading::members! {
+            $(#[$doc])* $vis struct $name { $( $field: $presence $member: $kind $(= ($wire, $of_kind, $about))?, )+ }
+        }
 
         #[doc = concat!("The values of [`", stringify!($name), "`] in one pass.")]
         #[derive(Debug, Clone, Copy, Default)]

@@ -10,7 +10,7 @@ mod members;
 mod object;
 mod schema;
 
-pub(crate) use array::{for_runs_of_items, items};
+pub(crate) use array::{each, each_raw, for_runs_of_items, items};
 pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use json_path::JsonPath;
 pub(crate) use kinds::{Choice, Quantity, Vector, Whole, number, text};

@@ -11,39 +11,22 @@ use std::sync::LazyLock;
 use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
-const SLOPE: Member<Quantity<f64>> = Member {
-    name: "slope_deg",
-    about: "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall",
-    kind: Quantity { of: slope, example: 40.0 },
-};
-const FEED_ANGLE: Member<Quantity<f64>> = Member {
-    name: "feed_angle_deg",
-    about: "angle alpha between the feed and the steepest slope, both seen from above (in the horizontal XY plane); its period is 180 and its sign is free",
-    kind: Quantity { of: |degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), example: 30.0 },
-};
-const NORMAL: Member<Vector> = Member {
-    name: "normal",
-    about: "the surface's normal, out of the part, of any length but zero; z must not be negative",
-    kind: Vector { example: [-0.64, 0.0, 0.77] },
-};
-const FEED: Member<Vector> = Member {
-    name: "feed",
-    about: "the feed's direction, of any length but zero; its part in the tangent plane counts",
-    kind: Vector { example: [1.0, 0.0, 0.84] },
-};
-
 members! {
     /// A contact by angles.
     pub(super) plain struct AngleMembers / AngleSlots {
-        slope: required SLOPE: Quantity<f64>,
-        feed_angle: required FEED_ANGLE: Quantity<f64>,
+        slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(slope, 40.0),
+            "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
+        feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
+            "angle alpha between the feed and the steepest slope, both seen from above (in the horizontal XY plane); its period is 180 and its sign is free"),
     }
 }
 members! {
     /// A contact by vectors.
     pub(super) plain struct VectorMembers / VectorSlots {
-        normal: required NORMAL: Vector,
-        feed: required FEED: Vector,
+        normal: required NORMAL: Vector = ("normal", Vector { example: [-0.64, 0.0, 0.77] },
+            "the surface's normal, out of the part, of any length but zero; z must not be negative"),
+        feed: required FEED: Vector = ("feed", Vector { example: [1.0, 0.0, 0.84] },
+            "the feed's direction, of any length but zero; its part in the tangent plane counts"),
     }
 }
 

@@ -34,15 +34,6 @@ const TYPE: Member<Choice<Type>> = Member {
         words: &[("toroidal", Type::Toroidal), ("bull_nose", Type::Toroidal), ("ball_end", Type::BallEnd), ("flat_end", Type::FlatEnd)],
     },
 };
-const DIAMETER: Member<Quantity<Length>> =
-    Member { name: "diameter_mm", about: "cutting diameter DC = 2R (ISO 13399)", kind: Quantity::length(10.0) };
-const CORNER_RADIUS: Member<Quantity<Length>> =
-    Member { name: "corner_radius_mm", about: "corner radius RE = r (ISO 13399), under half the diameter", kind: Quantity::length(2.0) };
-pub(crate) const TEETH: Member<Whole> = Member {
-    name: "teeth",
-    about: "number of teeth z (ZEFP of ISO 13399); feed rates need it",
-    kind: Whole { minimum: 1, maximum: 100, example: 4 },
-};
 
 /// The member `cutter` of the calculations.
 pub(crate) const CUTTER: Member<AnyCutter> =
@@ -59,8 +50,9 @@ pub(crate) const BALL_END: Member<BallEndCutter> =
 members! {
     /// The dimensions of a toroidal cutter.
     pub(crate) struct ToroidalDimensions {
-        diameter: required DIAMETER: Quantity<Length>,
-        corner_radius: required CORNER_RADIUS: Quantity<Length>,
+        diameter: required DIAMETER: Quantity<Length> = ("diameter_mm", Quantity::length(10.0), "cutting diameter DC = 2R (ISO 13399)"),
+        corner_radius: required CORNER_RADIUS: Quantity<Length> = ("corner_radius_mm", Quantity::length(2.0),
+            "corner radius RE = r (ISO 13399), under half the diameter"),
     }
 }
 members! {
@@ -71,8 +63,9 @@ members! {
 }
 members! {
     /// What a cutter of any kind may state.
-    struct AnyMembers {
-        teeth: optional TEETH: Whole,
+    pub(crate) struct AnyMembers {
+        teeth: optional TEETH: Whole = ("teeth", Whole { minimum: 1, maximum: 100, example: 4 },
+            "number of teeth z (ZEFP of ISO 13399); feed rates need it"),
     }
 }
 
@@ -138,7 +131,7 @@ impl WireObject for ToroidalCutter {
     type Members = ToroidalDimensions;
     type Value = Cutter;
 
-    fn build(members: ToroidalDimensions, _: &RawValue, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
+    fn build(members: ToroidalDimensions, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
         members.cutter(path, faults)
     }
 }
@@ -152,7 +145,7 @@ impl WireObject for BallEndCutter {
     type Members = DiameterOnly;
     type Value = Cutter;
 
-    fn build(members: DiameterOnly, _: &RawValue, _: &JsonPath<'_>, _: &mut Faults) -> Result<Cutter, Faulted> {
+    fn build(members: DiameterOnly, _: &JsonPath<'_>, _: &mut Faults) -> Result<Cutter, Faulted> {
         members.diameter.map(Cutter::ball_end)
     }
 }

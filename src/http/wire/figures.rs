@@ -45,15 +45,15 @@ pub(crate) struct Figure {
     /// The name on the wire, with its unit.
     pub(crate) name: &'static str,
     /// What it is.
-    pub(crate) about: &'static str,
-    pub(crate) kind: FigureKind,
-    pub(crate) presence: Presence,
+    about: &'static str,
+    kind: FigureKind,
+    presence: Presence,
     /// The figure's value; `None` where it has none.
     pub(crate) get: fn(&Figures) -> Option<FigureValue>,
 }
 
 /// What values a figure has.
-pub(crate) enum FigureKind {
+enum FigureKind {
     /// Numbers of at least 0.
     Number,
     /// Numbers from 0 to 1.
@@ -64,7 +64,7 @@ pub(crate) enum FigureKind {
 
 /// What becomes of a figure without a value. In a batch it is null in its column, as in the row of a contact without an answer.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Presence {
+enum Presence {
     /// It always has one.
     Always,
     /// A single answer has null. The text says where.
@@ -97,65 +97,61 @@ fn mm(length: Length) -> FigureValue {
 
 /// The figures that all calculations answer with.
 pub(crate) const COMMON_FIGURES: &[Figure] = &[
-    Figure {
-        name: "scallop_height_mm",
-        about: "h, the whole scallop height",
-        kind: FigureKind::Number,
-        presence: Presence::Always,
-        get: |figures| Some(mm(figures.height.total())),
-    },
-    Figure {
-        name: "step_over_height_mm",
-        about: "h1, what the step-over alone leaves",
-        kind: FigureKind::Number,
-        presence: Presence::Always,
-        get: |figures| Some(mm(figures.height.step_over)),
-    },
-    Figure {
-        name: "feed_height_mm",
-        about: "what the tooth marks along the feed add",
-        kind: FigureKind::Number,
-        presence: Presence::Always,
-        get: |figures| Some(mm(figures.height.feed)),
-    },
-    Figure {
-        name: "feed_share",
-        about: "the feed's share in the whole height",
-        kind: FigureKind::Share,
-        presence: Presence::Absent("where there is no height"),
-        get: |figures| figures.height.feed_share().map(FigureValue::Number),
-    },
-    Figure {
-        name: "effective_radius_mm",
-        about: "R_eff, the groove's radius of curvature across the feed, radial runout included",
-        kind: FigureKind::Number,
-        presence: Presence::Null("where infinite"),
-        get: |figures| figures.effective_radius.map(mm),
-    },
-    Figure {
-        name: "transverse_effective_radius_mm",
-        about: "TR_eff, the mark's radius of curvature along the feed",
-        kind: FigureKind::Number,
-        presence: Presence::Null("where infinite"),
-        get: |figures| figures.transverse_effective_radius.map(mm),
-    },
-    Figure {
-        name: "step_over_mm",
-        about: "s, the step-over along the surface",
-        kind: FigureKind::Number,
-        presence: Presence::Always,
-        get: |figures| Some(mm(figures.step_over)),
-    },
-    Figure {
-        name: "step_over_xy_mm",
-        about: "d, the step-over seen from above",
-        kind: FigureKind::Number,
-        presence: Presence::Always,
-        get: |figures| Some(FigureValue::Number(figures.step_over.mm() * figures.spacing_ratio)),
-    },
+    Figure::number("scallop_height_mm", "h, the whole scallop height", |figures| Some(mm(figures.height.total()))),
+    Figure::number("step_over_height_mm", "h1, what the step-over alone leaves", |figures| Some(mm(figures.height.step_over))),
+    Figure::number("feed_height_mm", "what the tooth marks along the feed add", |figures| Some(mm(figures.height.feed))),
+    Figure::share("feed_share", "the feed's share in the whole height", |figures| figures.height.feed_share().map(FigureValue::Number))
+        .or_absent("where there is no height"),
+    Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
+        figures.effective_radius.map(mm)
+    })
+    .or_null("where infinite"),
+    Figure::number("transverse_effective_radius_mm", "TR_eff, the mark's radius of curvature along the feed", |figures| {
+        figures.transverse_effective_radius.map(mm)
+    })
+    .or_null("where infinite"),
+    Figure::number("step_over_mm", "s, the step-over along the surface", |figures| Some(mm(figures.step_over))),
+    Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| {
+        Some(FigureValue::Number(figures.step_over.mm() * figures.spacing_ratio))
+    }),
 ];
 
 impl Figure {
+    /// A number of at least 0 that every contact with an answer has.
+    pub(crate) const fn number(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<FigureValue>) -> Self {
+        Self { name, about, kind: FigureKind::Number, presence: Presence::Always, get }
+    }
+
+    /// A number from 0 to 1.
+    const fn share(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<FigureValue>) -> Self {
+        Self { kind: FigureKind::Share, ..Self::number(name, about, get) }
+    }
+
+    /// One of the words that `words` describes.
+    pub(crate) const fn word(
+        name: &'static str,
+        about: &'static str,
+        words: fn(&str, &mut Components) -> RefOr<Schema>,
+        get: fn(&Figures) -> Option<FigureValue>,
+    ) -> Self {
+        Self { kind: FigureKind::Word(words), ..Self::number(name, about, get) }
+    }
+
+    /// The same where a single answer may have null.
+    const fn or_null(self, place: &'static str) -> Self {
+        Self { presence: Presence::Null(place), ..self }
+    }
+
+    /// The same where it may be absent from a single answer.
+    const fn or_absent(self, place: &'static str) -> Self {
+        Self { presence: Presence::Absent(place), ..self }
+    }
+
+    /// The same where the column may be absent, too.
+    pub(crate) const fn only(self, place: &'static str) -> Self {
+        Self { presence: Presence::Only(place), ..self }
+    }
+
     /// Whether a single answer always has the figure, be it null.
     pub(crate) fn is_required(&self) -> bool {
         matches!(self.presence, Presence::Always | Presence::Null(_))

@@ -14,30 +14,17 @@ pub(crate) const MACHINE: Member<Machine> = Member {
     about: "the machine: a preset's name, or all three limits; limits beside a preset override its own",
     kind: Machine,
 };
-const PRESET: Member<PresetName> = Member { name: "preset", about: "the name of a machine that GET /v1/machines lists", kind: PresetName };
-const FEED_RATE: Member<Quantity<Speed>> = Member {
-    name: "feed_rate_mm_min",
-    about: "V, the programmed feed rate in mm/min",
-    kind: Quantity { of: Speed::from_mm_min, example: 5000.0 },
-};
-const ACCELERATION: Member<Quantity<Acceleration>> = Member {
-    name: "acceleration_m_s2",
-    about: "A, the largest acceleration along the path, in m/s^2",
-    kind: Quantity { of: Acceleration::from_m_s2, example: 6.0 },
-};
-const JERK: Member<Quantity<Jerk>> = Member {
-    name: "jerk_m_s3",
-    about: "J, the largest jerk along the path, in m/s^3",
-    kind: Quantity { of: Jerk::from_m_s3, example: 40.0 },
-};
 
 members! {
     /// The members of a machine.
     pub(crate) struct MachineMembers {
-        preset: optional PRESET: PresetName,
-        feed_rate: optional FEED_RATE: Quantity<Speed>,
-        acceleration: optional ACCELERATION: Quantity<Acceleration>,
-        jerk: optional JERK: Quantity<Jerk>,
+        preset: optional PRESET: PresetName = ("preset", PresetName, "the name of a machine that GET /v1/machines lists"),
+        feed_rate: optional FEED_RATE: Quantity<Speed> = ("feed_rate_mm_min", Quantity::new(Speed::from_mm_min, 5000.0),
+            "V, the programmed feed rate in mm/min"),
+        acceleration: optional ACCELERATION: Quantity<Acceleration> = ("acceleration_m_s2", Quantity::new(Acceleration::from_m_s2, 6.0),
+            "A, the largest acceleration along the path, in m/s^2"),
+        jerk: optional JERK: Quantity<Jerk> = ("jerk_m_s3", Quantity::new(Jerk::from_m_s3, 40.0),
+            "J, the largest jerk along the path, in m/s^3"),
     }
 }
 
@@ -50,7 +37,7 @@ impl WireObject for Machine {
     type Members = MachineMembers;
     type Value = MachineLimits;
 
-    fn build(members: MachineMembers, _: &RawValue, path: &JsonPath<'_>, faults: &mut Faults) -> Result<MachineLimits, Faulted> {
+    fn build(members: MachineMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<MachineLimits, Faulted> {
         let preset = members.preset.map(|preset| preset.map(|preset| preset.limits));
         let feed_rate = limit(&FEED_RATE, members.feed_rate, preset, |limits| limits.feed_rate, path, faults);
         let acceleration = limit(&ACCELERATION, members.acceleration, preset, |limits| limits.acceleration, path, faults);
@@ -92,9 +79,8 @@ impl Kind for PresetName {
         })
     }
 
-    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         let names = PRESETS.map(|preset| preset.name);
-        let schema = ObjectBuilder::new().schema_type(Type::String).description(Some(about)).examples(["five_axis_vmc"]);
-        schema.enum_values(Some(names)).into()
+        components.refer("PresetName", about, |_| ObjectBuilder::new().schema_type(Type::String).enum_values(Some(names)).into())
     }
 }

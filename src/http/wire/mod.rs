@@ -22,7 +22,7 @@ mod warning;
 pub(crate) use batch_contact::{BatchContact, batch_contact_schemas};
 pub(crate) use contact::{CONTACT, StatedContact};
 pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
-pub(crate) use figures::{COMMON_FIGURES, Figure, FigureKind, FigureValue, Figures, Presence};
+pub(crate) use figures::{COMMON_FIGURES, Figure, FigureValue, Figures};
 pub(crate) use machine::{MACHINE, Machine};
 pub(crate) use model::{MODEL, model_name};
 pub(crate) use no_answer::no_answer;

@@ -1,11 +1,9 @@
 //! Arrays of points in a JSON body, passed on point by point: a body of a million points is never held as a document.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, number};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each, each_raw, number};
 use crate::surface::LARGEST_COORDINATE;
-use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde_json::value::RawValue;
-use std::fmt;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -60,35 +58,6 @@ fn bounded(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f6
 
 fn is_in_bounds(point: [f64; 3]) -> bool {
     point.iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE)
-}
-
-/// Passes every item of the array `raw` to `take` unread, in order.
-pub(super) fn each_raw<'a>(
-    raw: &'a RawValue,
-    path: JsonPath<'_>,
-    faults: &mut Faults,
-    mut take: impl FnMut(&'a RawValue, &mut Faults),
-) -> Result<(), Faulted> {
-    each(raw, |item: &'a RawValue| take(item, faults))
-        .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))))
-}
-
-/// Passes every item of the array `raw` to `take`, until one is no `T`.
-fn each<'a, T: serde::Deserialize<'a>>(raw: &'a RawValue, take: impl FnMut(T)) -> serde_json::Result<()> {
-    struct Each<T, F>(F, std::marker::PhantomData<T>);
-    impl<'de, T: serde::Deserialize<'de>, F: FnMut(T)> Visitor<'de> for Each<T, F> {
-        type Value = ();
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("an array")
-        }
-        fn visit_seq<A: SeqAccess<'de>>(mut self, mut items: A) -> Result<(), A::Error> {
-            while let Some(item) = items.next_element()? {
-                (self.0)(item);
-            }
-            Ok(())
-        }
-    }
-    serde_json::Deserializer::from_str(raw.get()).deserialize_seq(Each(take, std::marker::PhantomData))
 }
 
 /// An array of points, checked and dropped: for the faults in it, and for the document.

@@ -3,27 +3,18 @@
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity, WireObject, members};
 use crate::milling::Runout;
-use serde_json::value::RawValue;
 
 /// The member `runout` of the calculations.
 pub(crate) const RUNOUT: Member<RunoutObject> =
     Member { name: "runout", about: "runout of the teeth, small against the feed per tooth; absent = none", kind: RunoutObject };
-const RADIAL: Member<Quantity<f64>> = Member {
-    name: "radial_mm",
-    about: "radial runout, by how much one tooth stands out further than the next; absent = 0",
-    kind: Quantity { of: |mm| Runout::NONE.with_radial_mm(mm).map(|_| mm), example: 0.005 },
-};
-const AXIAL: Member<Quantity<f64>> = Member {
-    name: "axial_mm",
-    about: "axial runout, by how much one tooth stands lower than the next: positive it shortens, negative it lengthens the step between marks where the feed climbs; absent = 0",
-    kind: Quantity { of: |mm| Runout::NONE.with_axial_mm(mm).map(|_| mm), example: 0.002 },
-};
 
 members! {
     /// The members of a runout.
     pub(crate) struct RunoutMembers {
-        radial: optional RADIAL: Quantity<f64>,
-        axial: optional AXIAL: Quantity<f64>,
+        radial: optional RADIAL: Quantity<f64> = ("radial_mm", Quantity::new(|mm| Runout::NONE.with_radial_mm(mm).map(|_| mm), 0.005),
+            "radial runout, by how much one tooth stands out further than the next; absent = 0"),
+        axial: optional AXIAL: Quantity<f64> = ("axial_mm", Quantity::new(|mm| Runout::NONE.with_axial_mm(mm).map(|_| mm), 0.002),
+            "axial runout, by how much one tooth stands lower than the next: positive it shortens, negative it lengthens the step between marks where the feed climbs; absent = 0"),
     }
 }
 
@@ -36,7 +27,7 @@ impl WireObject for RunoutObject {
     type Members = RunoutMembers;
     type Value = Runout;
 
-    fn build(members: RunoutMembers, _: &RawValue, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Runout, Faulted> {
+    fn build(members: RunoutMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Runout, Faulted> {
         let (radial, axial) = (members.radial?.unwrap_or(0.0), members.axial?.unwrap_or(0.0));
         let runout = Runout::NONE.with_radial_mm(radial).and_then(|runout| runout.with_axial_mm(axial));
         runout.map_err(|bounds| faults.add(path, RequestFault::OutOfRange, bounds))

@@ -1,26 +1,17 @@
 //! The step-over: along the surface, or seen from above.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity, members};
+use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
 use crate::milling::StepOver;
 use crate::quantity::Length;
-
-pub(super) const STEP_OVER: Member<Quantity<Length>> = Member {
-    name: "step_over_mm",
-    about: "step-over s along the surface, perpendicular to the feed; or give step_over_xy_mm",
-    kind: Quantity::length(0.687),
-};
-pub(super) const STEP_OVER_XY: Member<Quantity<Length>> = Member {
-    name: "step_over_xy_mm",
-    about: "step-over d between parallel vertical planes, seen from above; or give step_over_mm",
-    kind: Quantity::length(0.65),
-};
 
 members! {
     /// The members of a step-over, of which one at most is given.
     pub(super) plain struct StepOverMembers / StepOverSlots {
-        along_surface: optional STEP_OVER: Quantity<Length>,
-        seen_from_above: optional STEP_OVER_XY: Quantity<Length>,
+        along_surface: optional STEP_OVER: Quantity<Length> = ("step_over_mm", Quantity::length(0.687),
+            "step-over s along the surface, perpendicular to the feed; or give step_over_xy_mm"),
+        seen_from_above: optional STEP_OVER_XY: Quantity<Length> = ("step_over_xy_mm", Quantity::length(0.65),
+            "step-over d between parallel vertical planes, seen from above; or give step_over_mm"),
     }
 }
 

@@ -1,10 +1,10 @@
 //! Surfaces in JSON: points, a grid, or a Bezier patch.
 
-use super::points::{Points, each_point, each_raw, point, point_schema};
+use super::points::{Points, each_point, point, point_schema};
 use super::source::{Source, Sourced};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, WireObject, members,
+    AddMembers, Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
 };
 use crate::surface::{Bezier, BezierError, Grid, GridError, SampledSurface, Sink};
 use serde_json::value::RawValue;
@@ -24,11 +24,6 @@ const COLUMNS: Member<Whole> =
 const GRID_POINTS: Member<Points> =
     Member { name: "points", about: "the points [x, y, z], row after row; rows times columns of them", kind: Points };
 const BEZIER: Member<BezierKind> = Member { name: "bezier", about: "a tensor-product Bezier patch", kind: BezierKind };
-const CONTROL_POINTS: Member<Net> = Member {
-    name: "control_points",
-    about: "the control points [x, y, z], row after row: 2 to 20 rows of 2 to 20 points, all rows alike",
-    kind: Net,
-};
 const SAMPLES: Member<Whole> = Member {
     name: "samples",
     about: "how many samples each way: the patch is taken at the centres of samples x samples quads that divide its parameters evenly",
@@ -130,7 +125,8 @@ fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut F
 members! {
     /// The members of a Bezier patch.
     pub(crate) struct BezierMembers {
-        control_points: required CONTROL_POINTS: Net,
+        control_points: required CONTROL_POINTS: Net = ("control_points", Net,
+            "the control points [x, y, z], row after row: 2 to 20 rows of 2 to 20 points, all rows alike"),
     }
 }
 
@@ -143,7 +139,7 @@ impl WireObject for BezierKind {
     type Members = BezierMembers;
     type Value = Bezier;
 
-    fn build(members: BezierMembers, _: &RawValue, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Bezier, Faulted> {
+    fn build(members: BezierMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Bezier, Faulted> {
         let path = path.member(CONTROL_POINTS.name);
         Bezier::new(&members.control_points?).map_err(|error| match error {
             BezierError::RaggedRow { row, .. } => faults.add(&path.item(row), RequestFault::WrongCount, error),
