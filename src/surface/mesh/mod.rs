@@ -1,0 +1,5 @@
+//! A surface as triangles that share corners.
+
+mod finish_facet;
+
+pub use finish_facet::FinishFacet;
