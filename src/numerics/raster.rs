@@ -148,7 +148,7 @@ mod tests {
         let frame = Frame::covering([10.0, 20.0], [10.9, 21.0], 0.5);
         assert_eq!((frame.columns, frame.rows, frame.cells()), (2, 2, 4));
         let mut indices = Vec::new();
-        frame.scan([[10.0, 20.0, 0.0], [11.0, 20.0, 0.0], [10.0, 20.9, 0.0]], 0..2, |index, _, _| indices.push(index));
+        frame.scan([[10.0, 20.0, 0.0], [10.9, 20.0, 0.0], [10.0, 21.1, 0.0]], 0..2, |index, _, _| indices.push(index));
         assert_eq!(indices, [0, 2]);
         assert_eq!((frame.nearest_cell([10.6, 20.1]), frame.nearest_cell([0.0, 99.0])), ((1, 0), (0, 1)));
     }

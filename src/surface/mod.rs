@@ -36,6 +36,6 @@ pub trait Sink {
     fn point(&mut self, point: [f64; 3]);
     /// A triangle of the surface, its corners counter-clockwise when seen from outside the part.
     fn facet(&mut self, corners: [[f64; 3]; 3]);
-    /// Takes the other side of every facet, of those that came and those that come, for the outer one. Does nothing where sides do not count.
+    /// Takes the other side of every facet for the outer one; to be called after the last facet. Does nothing where sides do not count.
     fn turn_over(&mut self) {}
 }

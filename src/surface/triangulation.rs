@@ -137,3 +137,88 @@ fn hilbert(mut x: u32, mut y: u32) -> u32 {
     }
     place
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, Instant};
+
+    /// The area of the triangles seen from above.
+    fn area((points, triangles): &(Vec<[f64; 3]>, Vec<[u32; 3]>)) -> f64 {
+        let twice = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|index| points[index as usize]);
+            let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            assert!(twice > 0.0, "a triangle that does not face up");
+            twice
+        };
+        triangles.iter().map(|triangle| twice(triangle) / 2.0).sum()
+    }
+
+    /// Points of a lattice of `dx` x `dy` over `columns` x `rows`, moved by up to `shake` of the spacing, where `inside` holds.
+    fn lattice(columns: u32, rows: u32, [dx, dy]: [f64; 2], shake: f64, inside: impl Fn(f64, f64) -> bool) -> Vec<[f64; 3]> {
+        let mut state = 7_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            f64::from(u32::try_from(state >> 32).unwrap()) / f64::from(u32::MAX) - 0.5
+        };
+        (0..columns * rows)
+            .map(|i| [dx * (f64::from(i % columns) + shake * random()), dy * (f64::from(i / columns) + shake * random()), f64::from(i)])
+            .filter(|&[x, y, _]| inside(x, y))
+            .collect()
+    }
+
+    #[test]
+    fn the_notch_of_an_l_stays_open() {
+        for (spacing, shake) in [([1.0, 1.0], 0.0), ([1.0, 1.0], 0.8), ([0.2, 1.0], 0.0)] {
+            let l = lattice(if spacing[0] < 1.0 { 201 } else { 41 }, 41, spacing, shake, |x, y| x <= 20.1 || y <= 20.1);
+            let found = area(&triangulate(l));
+            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2 at its corner; a shaken border loses up to
+            // half a spacing along its 160 mm.
+            assert!(found > 1200.0 - if shake > 0.0 { 80.0 } else { 1e-9 } && found < 1210.0 + 20.0 * shake, "{spacing:?} {shake} {found}");
+        }
+    }
+
+    #[test]
+    fn a_hole_stays_open_and_a_dense_cloud_is_closed() {
+        let ring = lattice(61, 61, [0.5, 0.5], 0.9, |x, y| (x - 15.0).hypot(y - 15.0) >= 6.0);
+        let found = area(&triangulate(ring));
+        // A square of 30 mm less a disc of 6 mm, 787 mm^2, less half a spacing along the border of 120 mm and of 38 mm.
+        assert!((found - 787.0).abs() < 40.0, "{found}");
+        let whole = area(&triangulate(lattice(61, 61, [0.5, 0.5], 0.9, |_, _| true)));
+        assert!(whole > 860.0 && whole < 930.0, "{whole}");
+    }
+
+    #[test]
+    fn of_points_above_each_other_the_highest_is_taken() {
+        let (points, triangles) = triangulate(vec![[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, 0.0, 5.0], [0.0, 0.0, 3.0]]);
+        assert_eq!((points.len(), triangles.len()), (3, 1));
+        assert!(points.contains(&[0.0, 0.0, 5.0]));
+    }
+
+    #[test]
+    fn points_on_one_line_have_no_triangles() {
+        for points in [vec![], vec![[1.0, 2.0, 3.0]; 1000], (0..1000).map(|i| [f64::from(i), 3.0 * f64::from(i), 1.0]).collect()] {
+            assert_eq!(triangulate(points).1.len(), 0);
+        }
+    }
+
+    #[test]
+    fn points_near_a_line_a_circle_or_two_lines_take_no_longer_than_others() {
+        let count = 20_000_u32;
+        let each = |at: &dyn Fn(f64) -> [f64; 2]| (0..count).map(|i| at(f64::from(i))).map(|[x, y]| [x, y, 0.0]).collect::<Vec<_>>();
+        let clouds = [
+            // Rounding moves these points off their line.
+            each(&|i| [0.1 * i, 0.3 * i]),
+            each(&|i| [(i * 1e-3).cos(), (i * 1e-3).sin()]),
+            each(&|i| [i % 2.0, (i / 2.0).floor()]),
+            each(&|i| [1e9 * (i % 2.0) + (i * 0.618).fract(), 1e9 * (i % 2.0) + (i * 0.414).fract()]),
+            each(&|i| [10.0_f64.powf(i * 1e-3 - 10.0) * (i * 0.618).fract(), (i * 0.414).fract()]),
+        ];
+        for (number, cloud) in clouds.into_iter().enumerate() {
+            let start = Instant::now();
+            triangulate(cloud);
+            // Some 50 ms where quadratic time would take minutes.
+            assert!(start.elapsed() < Duration::from_secs(5), "{number} {:?}", start.elapsed());
+        }
+    }
+}

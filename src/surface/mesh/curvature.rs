@@ -3,11 +3,12 @@
 //! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal, the mean of the normals of the facets
 //! around that point, weighted by their angles there, of those only that are within [`CREASE_ANGLE_DEG`] of the facet's own normal. Along each edge from p to q
 //! the curvature tensor K should turn the normal as K (q - p) = n_q - n_p: K is the symmetric tensor in the facet's plane that fits best in the sense of
-//! least squares, with all equations divided by the edge's length. The neighbours' equations, those of all facets that share a point and lie
-//! within the crease angle, count a quarter of the facet's own, all together.
+//! least squares, with all equations divided by the edge's length. The equations of the neighbours, those facets that share a point and lie within
+//! the crease angle, together count a quarter of the facet's own; a neighbour of a smaller area counts less by the square of the ratio, because a
+//! fillet does not say anything about the plane beside it.
 //!
 //! **Borders and creases.** At a corner with facets on one side only, the mean normal belongs to a place inside. An edge that
-//! leads into the direction in which the fan is open counts a thousandth of others, so that there the neighbours decide.
+//! leads into the direction in which the fan is open counts a hundredth of others, so that there the neighbours decide.
 //!
 //! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at each point the mean
 //! of the two facets' normals is the cylinder's own normal. So has a fillet as CAD systems tessellate it. This holds from 11 facets around
@@ -31,7 +32,7 @@ const LARGEST_FAN: usize = 256;
 const NEIGHBOURS: f64 = 0.25;
 
 /// How much the equation of an edge that points into the open side of a fan is reduced.
-const OPEN_SIDE: f64 = 1e3;
+const OPEN_SIDE: f64 = 1e2;
 
 /// The facets around each point: those of point p are `facets[starts[p]..starts[p + 1]]`.
 struct Fans {
@@ -101,13 +102,14 @@ impl Mesh {
             .par_iter()
             .map(|&facet| {
                 let facet = facet as usize;
-                let own = normals[facet];
+                let (own, area) = (normals[facet], self.normal_and_area(facet).1);
                 let (mut around, mut count) = (Equations::default(), 0_u32);
                 for point in self.triangles()[facet] {
                     let fan = fans.around(point as usize);
                     for &other in fan.iter().step_by(fan.len().div_ceil(LARGEST_FAN)) {
                         if other as usize != facet && dot(normals[other as usize], own) >= cos_crease {
-                            around.add(&equations[other as usize], 1.0);
+                            let ratio = (self.normal_and_area(other as usize).1 / area).min(1.0);
+                            around.add(&equations[other as usize], ratio * ratio);
                             count += 1;
                         }
                     }
@@ -222,7 +224,7 @@ fn between([xx, xy, xz, yy, yz, zz]: &[f64; 6], a: [f64; 3], b: [f64; 3]) -> f64
 }
 
 /// Two unit vectors across a unit vector and each other.
-fn tangents(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+pub(super) fn tangents(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let [x, y, z] = normal.map(f64::abs);
     // The axis that the normal is farthest from.
     let axis = if x <= y && x <= z {

@@ -2,12 +2,16 @@
 
 mod builder;
 mod curvature;
+#[cfg(test)]
+mod curvature_tests;
 mod finish_facet;
 mod merge;
 mod pieces;
 mod selection;
 #[cfg(test)]
 mod shapes;
+#[cfg(test)]
+mod tests;
 mod thinning;
 mod view;
 mod visibility;
