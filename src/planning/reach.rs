@@ -477,7 +477,9 @@ mod tests {
         assert!(small.share < 0.005, "{} {}", small.share, small.height.mm());
         let bull = Cutter::toroidal(mm(10.0), mm(2.0)).unwrap();
         assert!(uncut(&pocket, bull).share < large.share);
-        assert!(uncut(&pocket, Cutter::flat_end(mm(6.0))).share > 0.05);
+        // The corner of a flat cutter runs up the fillet; only in the corners of the outline, of 3 mm at the floor, it fits no more.
+        let flat = uncut(&pocket, Cutter::flat_end(mm(6.0)));
+        assert!(flat.share < 0.02, "{} {}", flat.share, flat.height.mm());
     }
 
     #[test]

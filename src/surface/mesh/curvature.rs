@@ -8,7 +8,7 @@
 //! fillet does not say anything about the plane beside it.
 //!
 //! **Borders and creases.** At a corner with facets on one side only, the mean normal belongs to a place inside. An edge that
-//! leads into the direction in which the fan is open counts a hundredth of others, so that there the neighbours decide.
+//! leads into the direction in which the fan is open counts a thousandth of others, so that there the neighbours decide.
 //!
 //! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at each point the mean
 //! of the two facets' normals is the cylinder's own normal. So has a fillet as CAD systems tessellate it. This holds from 11 facets around
@@ -26,13 +26,13 @@ pub const CREASE_ANGLE_DEG: f64 = 35.0;
 
 /// The facets around a point that are looked at when some are across a crease; of more, as many evenly spread in the order of the file. It bounds the time for a
 /// fan of a million facets around one point.
-const LARGEST_FAN: usize = 256;
+const LARGEST_FAN: usize = 64;
 
 /// The weight of all neighbours' equations together, against the facet's own.
 const NEIGHBOURS: f64 = 0.25;
 
 /// How much the equation of an edge that points into the open side of a fan is reduced.
-const OPEN_SIDE: f64 = 1e2;
+const OPEN_SIDE: f64 = 1e3;
 
 /// The facets around each point: those of point p are `facets[starts[p]..starts[p + 1]]`.
 struct Fans {
@@ -62,13 +62,13 @@ impl Mesh {
     /// from behind count as turned.
     pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32]) -> Vec<[f64; 6]> {
         let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
-        let normals: Vec<[f64; 3]> = (0..self.triangles().len())
+        let (normals, areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
             .into_par_iter()
             .map(|facet| {
-                let normal = self.normal_and_area(facet).0;
-                if visibility.is_seen_from_behind(facet) { normal.map(|part| -part) } else { normal }
+                let (normal, area) = self.normal_and_area(facet);
+                (if visibility.is_seen_from_behind(facet) { normal.map(|part| -part) } else { normal }, area)
             })
-            .collect();
+            .unzip();
         let fans = Fans::of(self);
         // Where all facets around a point are near their mean, and hence each other, all corners there have one normal.
         let cos_half = (CREASE_ANGLE_DEG / 2.0).to_radians().cos();
@@ -102,13 +102,13 @@ impl Mesh {
             .par_iter()
             .map(|&facet| {
                 let facet = facet as usize;
-                let (own, area) = (normals[facet], self.normal_and_area(facet).1);
+                let own = normals[facet];
                 let (mut around, mut count) = (Equations::default(), 0_u32);
                 for point in self.triangles()[facet] {
                     let fan = fans.around(point as usize);
                     for &other in fan.iter().step_by(fan.len().div_ceil(LARGEST_FAN)) {
                         if other as usize != facet && dot(normals[other as usize], own) >= cos_crease {
-                            let ratio = (self.normal_and_area(other as usize).1 / area).min(1.0);
+                            let ratio = (areas[other as usize] / areas[facet]).min(1.0);
                             around.add(&equations[other as usize], ratio * ratio);
                             count += 1;
                         }

@@ -19,8 +19,8 @@ pub struct ViewFromAbove {
     pub facets: Vec<u32>,
 }
 
-/// Rows and cells that a raster pass may visit: about half a second. Facets that each cover the whole part are seen on larger cells.
-const VISITS: f64 = 2e8;
+/// Rows and cells that a raster pass may visit: about 0.2 s. Facets that each cover the whole part are seen on larger cells.
+const VISITS: f64 = 5e7;
 
 impl ViewFromAbove {
     /// The number of the facet seen in a cell, `None` where there is no surface.
@@ -40,7 +40,7 @@ impl Mesh {
     /// The mesh seen from above on at most `side` x `side` square cells, `side` from 1 to 4096; a number outside counts as the nearer end.
     ///
     /// The longer side of the bounds is divided into `side` cells, or fewer where facets cover each other so often that the work, the cells
-    /// covered by all facets together, would exceed 2e8. Heights are exact at cell centres; where two facets have the same height the one that
+    /// covered by all facets together, would exceed 5e7. Heights are exact at cell centres; where two facets have the same height the one that
     /// points up is seen, then the one that comes first. Walls are not seen.
     #[must_use]
     pub fn seen_from_above(&self, side: usize) -> ViewFromAbove {
