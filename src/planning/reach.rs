@@ -94,7 +94,7 @@ impl ReachMap {
 
     /// What a cutter leaves where it does not reach, `scallop_height` being allowed everywhere.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "single precision; its rounding is part of the error")]
+    #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
     pub fn uncut(&self, cutter: Cutter, scallop_height: Length) -> Uncut {
         let radius = cutter.outer_radius().mm();
         let stride = stride(self.frame, radius);
@@ -306,7 +306,9 @@ impl Coarse {
                     rest_on(out, &pairs, 2 * self.pad + dx, 2 * self.pad - dx, p);
                 }
             }
-            out.iter_mut().for_each(|value| *value = -*value);
+            for value in out {
+                *value = -*value;
+            }
         }
         cut
     }

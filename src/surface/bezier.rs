@@ -114,6 +114,9 @@ impl Bezier {
     ///
     /// # Errors
     /// [`OutOfRange`] for a number of samples outside 2 to [`Bezier::LARGEST_SAMPLES`].
+    ///
+    /// # Panics
+    /// Never: the grid gets as many points as it has rows times columns.
     pub fn tessellate<S: Sink>(&self, samples: usize, sink: S) -> Result<S, OutOfRange> {
         count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
         #[expect(clippy::cast_precision_loss, reason = "up to 1000")]
@@ -122,7 +125,9 @@ impl Bezier {
         let mut grid = Grid::into_sink(samples + 1, samples + 1, sink).expect("at least 3 rows and columns");
         for i in 0..=samples {
             let curve = self.curve(&weights(self.rows, corner(i)).0);
-            across.iter().for_each(|weights| grid.point(blend(&curve, weights)));
+            for weights in &across {
+                grid.point(blend(&curve, weights));
+            }
         }
         Ok(grid.finish().expect("as many points as rows times columns"))
     }

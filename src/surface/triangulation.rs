@@ -33,7 +33,9 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]
     let mut points = points;
     for point in &mut points {
         // The library takes no numbers under 1.8e-43 but 0; and -0 is 0.
-        point.iter_mut().for_each(|c| *c = if c.abs() < 1e-40 { 0.0 } else { *c });
+        for c in point {
+            *c = if c.abs() < 1e-40 { 0.0 } else { *c };
+        }
     }
     points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(b[2].total_cmp(&a[2])));
     points.dedup_by(|b, a| a[..2] == b[..2]);

@@ -127,7 +127,9 @@ impl MeshBuilder {
             turned_over ^= !some_up && some_down;
         }
         if turned_over {
-            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+            for triangle in &mut triangles {
+                triangle.swap(1, 2);
+            }
         }
         if triangles.is_empty() {
             // A lattice finer than all facets between its nodes, or walls alone.
@@ -172,7 +174,9 @@ impl Sink for MeshBuilder {
             return;
         }
         self.facets += 1;
-        corners.into_iter().for_each(|corner| self.bounds.include(corner));
+        for corner in corners {
+            self.bounds.include(corner);
+        }
         if let Some(lattice) = &mut self.lattice {
             lattice.add(corners);
         } else if self.triangles.len() == self.limit {

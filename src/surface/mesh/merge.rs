@@ -57,7 +57,9 @@ impl HeightLattice {
             let cell = self.cell();
             let corners = corners.map(|[x, y, z]| [x / cell, y / cell, z]);
             let mut bounds = Bounds::NONE;
-            corners.into_iter().for_each(|corner| bounds.include(corner));
+            for corner in corners {
+                bounds.include(corner);
+            }
             #[expect(clippy::cast_possible_truncation, reason = "the cast saturates, far beyond what fits the lattice")]
             let (first, last) = ([0, 1].map(|axis| bounds.min[axis].ceil() as i64), [0, 1].map(|axis| bounds.max[axis].floor() as i64));
             if first[0] > last[0] || first[1] > last[1] {
@@ -133,10 +135,10 @@ impl HeightLattice {
                             triangles.extend([[a, b, d], [b, c, d]]);
                         }
                     }
-                    (None, Some(a), Some(b), Some(c)) => triangles.push([a, b, c]),
-                    (Some(a), None, Some(b), Some(c)) => triangles.push([a, b, c]),
-                    (Some(a), Some(b), None, Some(c)) => triangles.push([a, b, c]),
-                    (Some(a), Some(b), Some(c), None) => triangles.push([a, b, c]),
+                    (None, Some(a), Some(b), Some(c))
+                    | (Some(a), None, Some(b), Some(c))
+                    | (Some(a), Some(b), None, Some(c))
+                    | (Some(a), Some(b), Some(c), None) => triangles.push([a, b, c]),
                     _ => {}
                 }
             }

@@ -23,8 +23,14 @@ impl Pieces {
     }
 }
 
+/// A set of points without a piece so far.
+const NONE: u32 = u32::MAX;
+
 impl Mesh {
-    /// The connected pieces, by joining the sets of points that each facet connects: O(n) but for the inverse Ackermann function.
+    /// The connected pieces, by joining the sets of points that each facet connects: O(n) but for a logarithm, amortised.
+    ///
+    /// # Panics
+    /// Never: the bound on facets keeps point numbers within 32 bits.
     #[must_use]
     pub fn pieces(&self) -> Pieces {
         let points = u32::try_from(self.points().len()).expect("points are numbered in 32 bits");
@@ -33,7 +39,6 @@ impl Mesh {
             let a = join(&mut parent, a, b);
             join(&mut parent, a, c);
         }
-        const NONE: u32 = u32::MAX;
         let mut piece_of_root = vec![NONE; parent.len()];
         let mut count = 0;
         let of_facet = self

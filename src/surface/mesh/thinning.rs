@@ -61,7 +61,8 @@ impl PointCloud {
         let mut exponent = self.exponent.unwrap_or(finest.log2().floor() as i32);
         while self.points.len() > self.limit / 2 {
             let cell = 2.0_f64.powi(exponent);
-            let place = |point: &[f64; 3]| [(point[1] / cell).floor(), (point[0] / cell).floor()];
+            // Adding 0 takes the sign off a zero.
+            let place = |point: &[f64; 3]| [(point[1] / cell).floor() + 0.0, (point[0] / cell).floor() + 0.0];
             let off_centre = |point: &[f64; 3]| {
                 let [row, column] = place(point);
                 (point[0] / cell - column - 0.5).powi(2) + (point[1] / cell - row - 0.5).powi(2)
@@ -73,7 +74,7 @@ impl PointCloud {
                     .then(off_centre(a).total_cmp(&off_centre(b)))
                     .then(b[2].total_cmp(&a[2]))
             });
-            self.points.dedup_by(|b, a| place(a) == place(b));
+            self.points.dedup_by(|b, a| place(a).map(f64::to_bits) == place(b).map(f64::to_bits));
             self.exponent = Some(exponent);
             exponent += 1;
         }

@@ -42,6 +42,9 @@ impl Mesh {
     /// The longer side of the bounds is divided into `side` cells, or fewer where facets cover each other so often that the work, the cells
     /// covered by all facets together, would exceed 5e7. Heights are exact at cell centres; where two facets have the same height the one that
     /// points up is seen, then the one that comes first. Walls are not seen.
+    ///
+    /// # Panics
+    /// Never: the bound on facets keeps their numbers within 32 bits.
     #[must_use]
     pub fn seen_from_above(&self, side: usize) -> ViewFromAbove {
         let frame = self.frame(side.clamp(1, 4096));
