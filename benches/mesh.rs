@@ -25,7 +25,9 @@ fn facets(columns: u32, rows: u32) -> Vec<[[f64; 3]; 3]> {
 
 fn build(facets: &[[[f64; 3]; 3]]) -> Mesh {
     let mut builder = MeshBuilder::new();
-    facets.iter().for_each(|&facet| builder.facet(facet));
+    for &facet in facets {
+        builder.facet(facet);
+    }
     builder.finish(Unit::Millimetre, Facing::Up).expect("a mesh")
 }
 

@@ -11,6 +11,7 @@ mod selection;
 #[cfg(test)]
 mod shapes;
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests;
 mod thinning;
 mod view;

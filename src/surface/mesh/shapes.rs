@@ -32,7 +32,9 @@ pub(super) fn solid_box(min: [f64; 3], max: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
 
 pub(super) fn mesh(facets: &[[[f64; 3]; 3]]) -> Mesh {
     let mut builder = MeshBuilder::new();
-    facets.iter().for_each(|&facet| builder.facet(facet));
+    for &facet in facets {
+        builder.facet(facet);
+    }
     builder.finish(Unit::Millimetre, Facing::Up).unwrap()
 }
 

@@ -8,7 +8,9 @@ use proptest::prelude::*;
 
 fn build(facets: &[[[f64; 3]; 3]], facing: Facing) -> Result<Mesh, MeshError> {
     let mut builder = MeshBuilder::new();
-    facets.iter().for_each(|&facet| builder.facet(facet));
+    for &facet in facets {
+        builder.facet(facet);
+    }
     builder.finish(Unit::Millimetre, facing)
 }
 

@@ -82,6 +82,7 @@ impl PointCloud {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests {
     use super::*;
 
