@@ -10,6 +10,7 @@
 mod confidence;
 mod critical;
 mod job;
+pub mod reach;
 mod recommendation;
 mod rectangle;
 mod root;

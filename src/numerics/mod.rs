@@ -1,0 +1,3 @@
+//! Numerical tools that any geometry code needs.
+
+pub mod raster;
