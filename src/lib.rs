@@ -5,6 +5,7 @@ pub mod health;
 pub mod http;
 pub mod milling;
 pub mod motion;
+mod numerics;
 pub mod planning;
 pub mod quantity;
 pub mod server;

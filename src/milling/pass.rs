@@ -63,6 +63,11 @@ impl Runout {
         Length::computed(self.radial.hypot(self.axial))
     }
 
+    /// delta = |rr| sin(S) + |ar| cos(S), by how much the shallowest tooth reaches less deep into a surface of the slope S than the deepest, in mm.
+    pub(super) fn depth(self, slope: Angle) -> f64 {
+        self.radial * slope.sin() + self.axial.abs() * slope.cos()
+    }
+
     /// f'_z, the step from tooth mark to tooth mark that runout makes of the feed per tooth f_z, where the feed climbs at `climb`
     /// [Segonds 2017, eq. 17]: sqrt((f_z cos + rr)^2 + (f_z sin - ar)^2).
     #[must_use]

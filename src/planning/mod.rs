@@ -12,7 +12,6 @@ mod critical;
 mod job;
 mod recommendation;
 mod rectangle;
-mod root;
 
 pub use confidence::{Confidence, Level, Reason, Weakness};
 pub use critical::{CriticalFormFactor, CriticalSlope, critical_form_factor, critical_slope};

@@ -118,7 +118,7 @@ proptest! {
     fn on_a_plane_the_height_is_that_of_circles(pass in plane_passes(), share in 0.01..0.99_f64) {
         let analytic = judged(Model::Analytic, pass);
         let radius = analytic.effective_radius().unwrap().mm();
-        let s = 2.0 * radius * share;
+        let s = (2.0 * radius).min(2.0 * pass.cutter.outer_radius().mm() / pass.contact.spacing_ratio()) * share;
         let h = height(&analytic, s, 0.0).unwrap();
         // The circle about (0, R) passes through (s/2, h). Each square is rounded to 1e-16 of R^2.
         prop_assert!(((radius - h).powi(2) + (s / 2.0).powi(2) - radius * radius).abs() <= 1e-14 * radius * radius);
