@@ -19,6 +19,7 @@ pub(super) struct Body {
     along_level: f64,
     axis: f64,
     surface: SurfaceCurvature,
+    concave: bool,
 }
 
 /// How far a place is from the body, negative inside, with its derivatives along the feed, to the side and along the normal, and
@@ -48,7 +49,16 @@ impl Body {
         let (cos, sin) = (contact.theta().cos(), contact.theta().sin());
         // Neither turning the feed round nor mirroring feed and surface at the steepest line changes what a pass leaves.
         let surface = if (cos < 0.0) == (sin < 0.0) || cos == 0.0 || sin == 0.0 { surface } else { surface.mirrored() };
-        Self { core, corner, slope, along_steepest: cos.abs(), along_level: sin.abs(), axis: core + corner * slope.sin(), surface }
+        Self {
+            core,
+            corner,
+            slope,
+            along_steepest: cos.abs(),
+            along_level: sin.abs(),
+            axis: core + corner * slope.sin(),
+            surface,
+            concave: surface.principal_per_mm()[1] < 0.0,
+        }
     }
 
     /// C (1 + K C)^-1 = (C + det(C) adj(K)) / (1 + tr(K C) + det(K) det(C)), where C holds the cutter's radii of curvature, r along the steepest
@@ -66,6 +76,16 @@ impl Body {
     /// A length that no place of the cutter's lower body is further from the contact than.
     pub(super) fn reach(&self) -> f64 {
         2.0 * (self.core + self.corner)
+    }
+
+    /// Whether the surface has a concave direction, so that the section need not be convex.
+    pub(super) fn is_concave(&self) -> bool {
+        self.concave
+    }
+
+    /// Whether the line from the contact to a place on the body at the height p runs inside the body, as far as a few places on it show.
+    pub(super) fn reaches(&self, x: f64, y: f64, p: f64) -> bool {
+        [0.2, 0.4, 0.6, 0.8].into_iter().all(|share| self.distance(share * x, share * y, p).value <= 1e-9 * p)
     }
 
     /// The signed distance to the body at (x, y, p).

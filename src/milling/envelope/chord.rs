@@ -46,17 +46,38 @@ impl Shift {
     }
 }
 
+/// How much lower than at x the least value may be for a search to end, as a share of the height.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Accuracy {
+    crossing: f64,
+    round: f64,
+    corner: f64,
+}
+
+impl Accuracy {
+    /// For Newton's method on all unknowns at once, which corrects x along with them.
+    pub(super) fn rough(p: f64) -> Self {
+        Self { crossing: 0.1 * p, round: 0.1 * p, corner: 1e-15 * p }
+    }
+
+    /// For a value to a rounding of p. A crossing is then as near as its square. The parabola of a round is only as near as it is low, because the second derivative jumps where flat, corner
+    /// and side meet.
+    pub(super) fn full(p: f64) -> Self {
+        Self { crossing: 1e-9 * p, round: 1e-14 * p, corner: 1e-15 * p }
+    }
+}
+
 /// Halving a bracket of any length in play down to a rounding takes some 60 steps, and growing it to there some 40.
 const MOST_STEPS: usize = 120;
 
 impl Chord {
-    /// Searches the chord at the offset t and the height p, from `x` on, until what the search can still lower is `accuracy`; `x` is then where the search ended.
+    /// Searches the chord at the offset t and the height p, from `x` on, to an accuracy; `x` is then where the search ended.
     ///
     /// The greater of two convex functions is convex, and where it rises or falls brackets its least value. The steps are Newton's: to where the greater function is least, or to where
     /// both are equal, whichever comes first. Where they do not shrink the bracket, tangents from both of its ends are intersected, which ends at once at a sharp
     /// edge's corner, or it is halved.
     #[inline]
-    pub(super) fn search(body: &Body, x: &mut f64, t: f64, p: f64, marks: &Marks, accuracy: f64, mut reach: f64) -> Self {
+    pub(super) fn search(body: &Body, x: &mut f64, t: f64, p: f64, marks: &Marks, accuracy: Accuracy, mut reach: f64) -> Self {
         let f = marks.spacing;
         let alone = f == 0.0 && marks.front_drop == marks.back_drop;
         let (mut falling, mut rising) = (None::<(f64, Distance)>, None::<(f64, Distance)>);
@@ -69,7 +90,14 @@ impl Chord {
             let (is_front, active) = if front.value >= back.value { (true, front) } else { (false, back) };
             if active.by_feed == 0.0 {
                 // The flat of the cutter, or its side along a wall.
-                return Self { value: active.value, by_side: active.by_side, by_height: active.by_height, by_spacing: 0.0, furthest: active.value, shift: Shift::default() };
+                return Self {
+                    value: active.value,
+                    by_side: active.by_side,
+                    by_height: active.by_height,
+                    by_spacing: 0.0,
+                    furthest: active.value,
+                    shift: Shift::default(),
+                };
             }
             let crossing = !alone && front.by_feed > 0.0 && back.by_feed < 0.0;
             let to_least = -active.by_feed / active.bend;
@@ -78,13 +106,13 @@ impl Chord {
             let by_crossing = crossing && !(is_round && to_least.abs() < to_crossing.abs());
             if by_crossing {
                 let chord = Self::between(&front, &back);
-                if chord.furthest - chord.value <= accuracy {
+                if chord.furthest - chord.value <= accuracy.crossing {
                     return chord;
                 }
                 best = Some((*x, chord));
             } else if is_round {
                 let chord = Self::point(&active, if is_front { 0.0 } else { 1.0 });
-                if chord.furthest - chord.value <= accuracy {
+                if chord.furthest - chord.value <= accuracy.round {
                     return chord;
                 }
                 best = Some((*x, chord));
@@ -99,7 +127,7 @@ impl Chord {
                     // At a corner both tangents stay; the value is between the tangents' and the active one, where on a round it is as near as the square.
                     let chord = Self::between_places(&rising, &falling);
                     best = Some((*x, chord));
-                    if active.value - chord.value <= 1e-7 * accuracy {
+                    if active.value - chord.value <= accuracy.corner {
                         return Self { furthest: active.value, ..chord };
                     }
                 }
@@ -107,7 +135,14 @@ impl Chord {
                     break;
                 }
             }
-            let newton = *x + if by_crossing { to_crossing } else if is_round { to_least } else { f64::NAN };
+            let newton = *x
+                + if by_crossing {
+                    to_crossing
+                } else if is_round {
+                    to_least
+                } else {
+                    f64::NAN
+                };
             let open = low == f64::NEG_INFINITY || high == f64::INFINITY;
             let next = if newton > low && newton < high && (newton - *x).abs() < if open { reach } else { 0.6 * length } {
                 newton
@@ -117,7 +152,8 @@ impl Chord {
             } else {
                 let tangents = match (falling, rising) {
                     (Some((at, falling)), Some((rising_at, rising))) => {
-                        (rising.by_feed * rising_at - falling.by_feed * at - rising.value + falling.value) / (rising.by_feed - falling.by_feed)
+                        (rising.by_feed * rising_at - falling.by_feed * at - rising.value + falling.value)
+                            / (rising.by_feed - falling.by_feed)
                     }
                     _ => f64::NAN,
                 };
@@ -131,7 +167,17 @@ impl Chord {
         }
         let (at, chord) = best.unwrap_or_else(|| {
             let at = body.distance(*x, t, p - marks.front_drop);
-            (*x, Self { value: at.value, by_side: at.by_side, by_height: at.by_height, by_spacing: 0.0, furthest: at.value, shift: Shift::default() })
+            (
+                *x,
+                Self {
+                    value: at.value,
+                    by_side: at.by_side,
+                    by_height: at.by_height,
+                    by_spacing: 0.0,
+                    furthest: at.value,
+                    shift: Shift::default(),
+                },
+            )
         });
         *x = at;
         chord

@@ -117,7 +117,7 @@ impl Envelope {
 
     /// The largest feed per tooth up to `largest` at which the pass clears the step-over s down to the height p; `None` where none does from [`Length::SMALLEST`] on.
     fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
-        let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), s + self.body.reach()).width(p);
+        let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
         let mut low = guess.clamp(Length::SMALLEST, largest);
         let mut high;
         if excess(low) <= 0.0 {
@@ -166,8 +166,9 @@ impl Envelope {
         let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
         let quick = if pattern.is_even() { self.quickly(lengths, Sought::StepOver) } else { None };
-        let width = quick.map_or_else(|| Section::new(&self.body, pattern, largest).width(p), |found| found.step_over);
-        if width >= largest {
+        let width = quick.map_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p), |found| found.step_over);
+        // Where only the passes' overlap ends the interval, it ends there to a rounding.
+        if width >= largest * (1.0 - 1e-12) {
             Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
         } else if width < Length::SMALLEST {
             Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(self.height(Length::SMALLEST, pattern)?) })
@@ -201,7 +202,7 @@ impl Envelope {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
         if !pattern.is_even() {
-            return Ok(Section::new(&self.body, pattern, s + self.body.reach()).level(s, self.guess(s, pattern)));
+            return Ok(Section::new(&self.body, pattern, 2.0 * s).level(s, self.guess(s, pattern)));
         }
         if self.pass.surface.is_plane()
             && let Some(closed) = self.closed_form(s, f)
@@ -210,7 +211,7 @@ impl Envelope {
         }
         let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
         let quick = self.quickly(lengths, Sought::Level).map(|found| found.level);
-        Ok(quick.unwrap_or_else(|| Section::new(&self.body, pattern, s + self.body.reach()).level(s, lengths.level)))
+        Ok(quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * s).level(s, lengths.level)))
     }
 
     /// h on a plane for marks of equal depth, where it has a closed form.

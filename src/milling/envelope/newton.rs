@@ -9,9 +9,12 @@
 //! nowhere less than a mean of their tangents. With weights that make the mean independent of where the chords lie, its root bounds what
 //! is sought on one side; four places that are not outside the body bound it on the other. Where both bounds meet within a few
 //! roundings, it does not matter how the search came there.
+//!
+//! On a concave surface the distance is convex near the contact only. There the outcome is taken where the lines from the contact to all four
+//! places run inside the body.
 
 use super::body::Body;
-use super::chord::{Chord, Marks, balance};
+use super::chord::{Accuracy, Chord, Marks, balance};
 
 /// The height of the ridge, the step-over and the distance of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
@@ -39,8 +42,8 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths) -> Option
         let s = lengths.step_over;
         let marks = Marks::even(lengths.mark_spacing);
         let (p, reach) = (lengths.level, s + lengths.mark_spacing);
-        let near = Chord::search(body, &mut place.x, place.t, p, &marks, 0.1 * p, reach);
-        let far = Chord::search(body, &mut place.neighbour_x, place.t - s, p, &marks, 0.1 * p, reach);
+        let near = Chord::search(body, &mut place.x, place.t, p, &marks, Accuracy::rough(p), reach);
+        let far = Chord::search(body, &mut place.neighbour_x, place.t - s, p, &marks, Accuracy::rough(p), reach);
         if !(near.by_side > 0.0 && far.by_side < 0.0) {
             // The chords have to lie on both sides of the deepest one; the change of slope between them tells about where that is.
             let aside = -s * f64::midpoint(near.by_side, far.by_side) / (near.by_side - far.by_side);
@@ -71,6 +74,11 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths) -> Option
         lengths.step_over += change.wider;
         lengths.mark_spacing += change.longer;
         if proved {
+            let (t, f) = (place.t, marks.spacing);
+            let places = [(place.x, t), (place.x - f, t), (place.neighbour_x, t - s), (place.neighbour_x - f, t - s)];
+            if body.is_concave() && !places.into_iter().all(|(x, y)| body.reaches(x, y, p)) {
+                return None;
+            }
             return Some(lengths);
         }
     }

@@ -13,7 +13,8 @@
 //! In terms of the signed distance to the body, c(t, p) = min over x of max(distance(x, t, p), distance(x - f, t, p)). On planes and convex surfaces c is convex.
 
 use super::body::Body;
-use super::chord::{Chord, Marks};
+use super::chord::{Accuracy, Chord, Marks};
+use crate::quantity::Length;
 
 /// The marks of one pass: teeth that reach delta deeper or less deep than their neighbours.
 #[derive(Debug, Clone, Copy)]
@@ -67,19 +68,25 @@ impl Interval {
 pub(super) struct Section<'a> {
     body: &'a Body,
     pattern: Pattern,
-    /// Offsets beyond this need not be distinguished.
-    furthest: f64,
+    /// Widths beyond this need not be distinguished.
+    widest: f64,
 }
+
+/// Steps from the contact to an edge that lies in another part of the section.
+const MARCH: u8 = 64;
+
+/// No offset beyond this one is searched, in mm: twice the largest length that can be stated.
+const FURTHEST: f64 = 2.0 * Length::LARGEST;
 
 /// Bracketing and halving take some 60 steps at the most; Newton's method 3 to 6.
 const MOST_STEPS: usize = 80;
 
 impl<'a> Section<'a> {
-    pub(super) fn new(body: &'a Body, pattern: Pattern, furthest: f64) -> Self {
-        Self { body, pattern, furthest }
+    pub(super) fn new(body: &'a Body, pattern: Pattern, widest: f64) -> Self {
+        Self { body, pattern, widest }
     }
 
-    /// The width of the cleared interval at the height p, up to twice the furthest offset; 0 where the pass clears nothing down to p.
+    /// The width of the cleared interval at the height p, at most the widest one that is distinguished; 0 where the pass clears nothing down to p.
     pub(super) fn width(&self, p: f64) -> f64 {
         self.interval(p, None).map_or(0.0, |interval| interval.width().max(0.0))
     }
@@ -95,7 +102,11 @@ impl<'a> Section<'a> {
         for _ in 0..MOST_STEPS {
             let found = self.interval(p, last.as_ref());
             let excess = found.as_ref().map_or(-width, |interval| interval.width() - width);
-            if excess < 0.0 { low = p } else { high = p }
+            if excess < 0.0 {
+                low = p
+            } else {
+                high = p
+            }
             let newton = found.as_ref().map_or(f64::NAN, |interval| {
                 let (at, slope) = (interval.width(), interval.by_height());
                 p - excess * (at + width) / (2.0 * at * slope)
@@ -126,22 +137,26 @@ impl<'a> Section<'a> {
     /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it, or where deep marks alone meet.
     fn interval(&self, p: f64, near: Option<&Interval>) -> Option<Interval> {
         let pattern = &self.pattern;
-        let span = |marks: Marks| {
-            let right = self.edge(p, &marks, 1.0, near.map(|near| &near.right))?;
-            let left = self.edge(p, &marks, -1.0, near.map(|near| &near.left).filter(|near| near.t < right.t))?;
-            Some(Interval { left, right })
-        };
         if pattern.is_even() {
-            return span(Marks::even(pattern.spacing));
+            let marks = Marks::even(pattern.spacing);
+            let left = self.edge(p, &marks, -1.0, near.map(|near| &near.left), FURTHEST)?;
+            let right = self.edge(p, &marks, 1.0, near.map(|near| &near.right), left.t + self.widest)?;
+            return Some(Interval { left, right });
         }
         let before = Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: 0.0 };
         let behind = Marks { spacing: pattern.spacing, front_drop: 0.0, back_drop: pattern.drop };
-        let alternating = span(before).zip(span(behind)).map(|(a, b)| Interval {
+        let deep = Marks::even(pattern.deep_spacing);
+        let left = |marks: &Marks| self.edge(p, marks, -1.0, near.map(|near| &near.left), FURTHEST);
+        let lefts = (left(&before), left(&behind), left(&deep));
+        let furthest_left = [lefts.0, lefts.1, lefts.2].iter().flatten().map(|edge| edge.t).fold(-FURTHEST, f64::max);
+        let right = |marks: &Marks| self.edge(p, marks, 1.0, near.map(|near| &near.right), furthest_left + self.widest);
+        let interval = |left: Option<Edge>, marks: &Marks| left.and_then(|left| Some(Interval { left, right: right(marks)? }));
+        let alternating = interval(lefts.0, &before).zip(interval(lefts.1, &behind)).map(|(a, b)| Interval {
             left: if a.left.t > b.left.t { a.left } else { b.left },
             right: if a.right.t < b.right.t { a.right } else { b.right },
         });
         let alternating = alternating.filter(|interval| interval.width() >= 0.0);
-        match (alternating, span(Marks::even(pattern.deep_spacing))) {
+        match (alternating, interval(lefts.2, &deep)) {
             (Some(a), Some(b)) => Some(Interval {
                 left: if a.left.t < b.left.t { a.left } else { b.left },
                 right: if a.right.t > b.right.t { a.right } else { b.right },
@@ -150,30 +165,56 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The furthest offset on `side` (1 or -1) at which the section holds a chord.
+    /// The furthest offset on `side` (1 or -1) at which the section holds a chord, `furthest` times `side` at the most.
     ///
-    /// Newton's method on c over t, which from outside the section approaches steadily where c is convex; a bracket keeps it there.
-    fn edge(&self, p: f64, marks: &Marks, side: f64, near: Option<&Edge>) -> Option<Edge> {
-        let radii = self.body.relative_radii();
-        let (mut t, mut x) = near.map_or_else(
-            || {
-                let t = (2.0 * p * radii.across).sqrt().max(p).min(self.body.reach()) * side;
-                let ahead = (radii.skew / radii.across.max(f64::MIN_POSITIVE) * t).clamp(-self.body.reach(), self.body.reach());
-                (t, ahead + marks.spacing / 2.0)
-            },
-            |near| (near.t, near.x),
-        );
+    /// On a concave surface the cutter's height over it can fall again beyond a ridge, where the section has a second part. The edge meant is that of the part at the contact; where the
+    /// search has left it, the edge is sought again in small steps from the contact.
+    fn edge(&self, p: f64, marks: &Marks, side: f64, near: Option<&Edge>, furthest: f64) -> Option<Edge> {
+        let start = near.map_or_else(|| self.start(p, marks, side), |near| (near.t, near.x));
+        let found = self.edge_from(p, marks, side, start, (f64::NEG_INFINITY, f64::INFINITY), furthest);
+        let reached = |edge: &Edge| self.body.reaches(edge.x, edge.t, p) && self.body.reaches(edge.x - marks.spacing, edge.t, p);
+        match found {
+            Some(edge) if self.body.is_concave() && !reached(&edge) => {
+                let step = edge.t * side / f64::from(MARCH);
+                let (_, mut x) = self.start(p, marks, side);
+                let mut inner = f64::NEG_INFINITY;
+                for place in 0..=MARCH {
+                    let t = f64::from(place) * step;
+                    let chord = Chord::search(self.body, &mut x, t * side, p, marks, Accuracy::full(p), step + marks.spacing);
+                    if chord.value > 0.0 {
+                        let start = (0.5 * (inner + t) * side, x);
+                        return if inner >= 0.0 { self.edge_from(p, marks, side, start, (inner, t), furthest) } else { None };
+                    }
+                    inner = t;
+                }
+                found
+            }
+            _ => found,
+        }
+    }
+
+    /// Where the edge of a paraboloid with the curvature at the contact is.
+    fn start(&self, p: f64, marks: &Marks, side: f64) -> (f64, f64) {
+        let (radii, reach) = (self.body.relative_radii(), self.body.reach());
+        let t = (2.0 * p * radii.across).sqrt().max(p).min(reach) * side;
+        let ahead = (radii.skew / radii.across.max(f64::MIN_POSITIVE) * t).clamp(-reach, reach);
+        (t, ahead + marks.spacing / 2.0)
+    }
+
+    /// The edge by Newton's method on c over t, which from outside the section approaches steadily where c is convex; a bracket keeps it there.
+    fn edge_from(&self, p: f64, marks: &Marks, side: f64, start: (f64, f64), bracket: (f64, f64), furthest: f64) -> Option<Edge> {
+        let (mut t, mut x) = start;
         let mut reach = t.abs() + marks.spacing;
         // Offsets times `side`: inside the section, or on its other side; and outside on this side.
-        let (mut inner, mut outer) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut is_inside = false;
+        let (mut inner, mut outer) = bracket;
+        let mut is_inside = inner > f64::NEG_INFINITY;
         let (mut on_inner, mut on_outer) = (None::<(f64, Chord)>, None::<(f64, Chord)>);
         for _ in 0..MOST_STEPS {
-            let chord = Chord::search(self.body, &mut x, t, p, marks, 1e-9 * p, reach);
+            let chord = Chord::search(self.body, &mut x, t, p, marks, Accuracy::full(p), reach);
             let rise = chord.by_side * side;
             let edge = |t: f64| Edge { t, x: x + chord.shift.off, by_height: -chord.by_height / chord.by_side };
-            if chord.value <= 0.0 && t * side >= self.furthest {
-                return Some(Edge { t: self.furthest * side, x, by_height: 0.0 });
+            if chord.value <= 0.0 && t * side >= furthest {
+                return Some(Edge { t: furthest * side, x, by_height: 0.0 });
             }
             let newton = t - chord.value / chord.by_side;
             if rise > 0.0 && chord.value.abs() <= 1e-9 * p * chord.by_height.abs() {
