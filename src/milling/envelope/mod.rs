@@ -173,6 +173,10 @@ impl Envelope {
         } else if width < Length::SMALLEST {
             Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(self.height(Length::SMALLEST, pattern)?) })
         } else {
+            if self.body.is_concave() && width > self.body.reach() {
+                // Wider than the cutter on a concave surface: only where the height grows up to there.
+                self.height(width, pattern)?;
+            }
             Ok(Length::computed(width))
         }
     }
@@ -202,7 +206,7 @@ impl Envelope {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
         if !pattern.is_even() {
-            return Ok(Section::new(&self.body, pattern, 2.0 * s).level(s, self.guess(s, pattern)));
+            return self.searched_height(s, pattern, self.guess(s, pattern));
         }
         if self.pass.surface.is_plane()
             && let Some(closed) = self.closed_form(s, f)
@@ -211,7 +215,7 @@ impl Envelope {
         }
         let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
         let quick = self.quickly(lengths, Sought::Level).map(|found| found.level);
-        Ok(quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * s).level(s, lengths.level)))
+        quick.map_or_else(|| self.searched_height(s, pattern, lengths.level), Ok)
     }
 
     /// h on a plane for marks of equal depth, where it has a closed form.
@@ -286,7 +290,17 @@ impl Envelope {
             // Circles of radius P that meet their copies raised by delta do so as if they were f + 2 P delta / f apart.
             pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
         };
-        s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer)
+        // Above the whole cutter there is no section.
+        (s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer)).min(outer / 4.0)
+    }
+
+    /// h by the general search.
+    ///
+    /// # Errors
+    /// [`NoAnswer::Gouges`] where the concave surface passes through the cutter before the step-over is reached, so that no height has a section that wide: along the cutter's straight side.
+    fn searched_height(&self, s: f64, pattern: Pattern, guess: f64) -> Result<f64, NoAnswer> {
+        let level = Section::new(&self.body, pattern, 2.0 * s).level(s, guess);
+        if level <= Length::LARGEST { Ok(level) } else { Err(NoAnswer::Gouges { smallest_radius: None }) }
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding
