@@ -1,9 +1,9 @@
 //! The slope, and the form factor, at which both cutters take the same time.
 
-use super::root::root;
 use super::{InclinedRectangle, Job};
 use crate::milling::{Model, NoAnswer};
 use crate::motion::{TravelCase, travel_time};
+use crate::numerics::bracketed_root;
 use crate::quantity::{Angle, Area, FormFactor, Length};
 use std::convert::Infallible;
 
@@ -104,7 +104,7 @@ fn critical_slope_by_bracketing(job: &Job, rectangle: InclinedRectangle) -> Resu
     if excess_at_slope(job, rectangle, slope(flattest.ln()))? >= 0.0 {
         return Ok(CriticalSlope::BallEndAlways);
     }
-    let logarithm = root(flattest.ln(), wall.ln(), |logarithm| excess_at_slope(job, rectangle, slope(logarithm)))?;
+    let logarithm = bracketed_root(flattest.ln(), wall.ln(), |logarithm| excess_at_slope(job, rectangle, slope(logarithm)))?;
     Ok(CriticalSlope::At(slope(logarithm)))
 }
 
@@ -173,8 +173,9 @@ fn critical_form_factor_by_bracketing(job: &Job, characteristic_size: Area, toro
     let square = InclinedRectangle::of_any_size(1.0, characteristic_size);
     let longest = job.machine().feed_rate.mm_s() * ball_end_time(job, square);
     let high = (2.0 * longest * longest / characteristic_size.mm2()).ln();
-    let Ok(logarithm) =
-        root(0.0, high, |logarithm: f64| Ok::<_, Infallible>(excess_at_form_factor(job, characteristic_size, toroidal, logarithm.exp())));
+    let Ok(logarithm) = bracketed_root(0.0, high, |logarithm: f64| {
+        Ok::<_, Infallible>(excess_at_form_factor(job, characteristic_size, toroidal, logarithm.exp()))
+    });
     FormFactor::computed(logarithm.exp())
 }
 

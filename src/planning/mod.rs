@@ -13,7 +13,6 @@ mod job;
 pub mod reach;
 mod recommendation;
 mod rectangle;
-mod root;
 
 pub use confidence::{Confidence, Level, Reason, Weakness};
 pub use critical::{CriticalFormFactor, CriticalSlope, critical_form_factor, critical_slope};

@@ -1,4 +1,4 @@
-//! Where an increasing function changes sign.
+//! The root of an increasing function.
 
 /// The root of `f` between `low` and `high`, of which f is negative at the first and positive at the second, to the precision of
 /// numbers of their size. Chandrupatla's method: inverse quadratic interpolation where it is safe, else halving, so that it takes
@@ -6,7 +6,7 @@
 ///
 /// # Errors
 /// Those of `f`.
-pub(super) fn root<E>(low: f64, high: f64, mut f: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
+pub(crate) fn bracketed_root<E>(low: f64, high: f64, mut f: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {
     // a is the newest point, b the other end of the bracket, c the point that dropped out last.
     let (mut a, mut b) = (high, low);
     let (mut f_a, mut f_b) = (f(a)?, f(b)?);
@@ -25,6 +25,7 @@ pub(super) fn root<E>(low: f64, high: f64, mut f: impl FnMut(f64) -> Result<f64,
         (a, f_a) = (x, f_x);
         let best = if f_a.abs() < f_b.abs() { a } else { b };
         let smallest_share = resolution / (b - a).abs();
+        // At f_a == 0 the root is exact; a bracket that is one point has an infinite share.
         if smallest_share >= 0.5 || f_a == 0.0 {
             return Ok(best);
         }
@@ -42,6 +43,14 @@ mod tests {
     use proptest::prelude::*;
     use std::convert::Infallible;
 
+    #[test]
+    fn the_root_survives_a_plateau() {
+        // -1 up to x = 3, where the function starts to rise: halving has to find the rise.
+        let Ok(found) = bracketed_root(0.0, 100.0, |x| Ok::<_, Infallible>(if x < 3.0 { -1.0 } else { (x - 3.0).powi(2) - 1.0 }));
+        // The slope at the root is 2, and the resolution two roundings of the bracket's 100.
+        assert_abs_diff_eq!(found, 4.0, epsilon = 4.0 * f64::EPSILON * 100.0);
+    }
+
     proptest! {
         #[test]
         fn the_root_is_found_in_few_steps(at in -0.999..0.999_f64, power in 1..8_i32, steepness in 0.01..100.0_f64) {
@@ -50,7 +59,7 @@ mod tests {
                 steps += 1;
                 Ok((steepness * (x - at)).exp_m1() + (x - at).powi(2 * power - 1))
             };
-            let Ok(found) = root(-1.0, 1.0, increasing);
+            let Ok(found) = bracketed_root(-1.0, 1.0, increasing);
             // Near its root the function is at least steepness times the distance, rounded to 2e-16: over 0.01, 2e-14.
             assert_abs_diff_eq!(found, at, epsilon = 1e-13);
             // Halving alone takes 53 from 2 to 2 EPSILON.
