@@ -89,14 +89,14 @@ impl Setup {
         let places = along * count;
         let mut highest = 0.0_f64;
         for row in 0..=across {
-            let y = self.step_over * f64::from(row) / f64::from(across);
-            // Near the ridge only; the first pass leaves least at y = 0, the second at y = s.
+            // The stated contact is half-way between the passes, where the slope is the mean of theirs.
+            let y = self.step_over * (f64::from(row) / f64::from(across) - 0.5);
             let mut left = [Vec::new(), Vec::new()];
-            for (pass, at) in [(0, 0.0), (1, self.step_over)] {
+            for (pass, at) in [(0, -0.5 * self.step_over), (1, 0.5 * self.step_over)] {
                 let mut deepest = 0_i32;
                 left[pass] = (0..places)
                     .map(|cell| {
-                        let x = length * f64::from(cell) / f64::from(places);
+                        let x = length * (f64::from(cell) / f64::from(places) - 0.5);
                         let (place, normal) = (self.surface(x, y), self.normal(x, y));
                         let height = |tooth: i32| {
                             let solid = self.teeth[usize::try_from(tooth.rem_euclid(i32::from(count))).expect("a tooth")];
