@@ -31,6 +31,10 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     }
     let level_radius = if core > 0.0 { core / sin + corner } else { corner };
     let steepest = pass.surface.turned(-theta.sin(), theta.cos());
+    if pass.contact.slope().cos() == 0.0 && steepest.along_per_mm() < 0.0 {
+        // Above the contact with a wall the cutter's straight side lies in the tangent plane.
+        return Err(NoAnswer::Gouges { smallest_radius: None });
+    }
     let root = (corner * level_radius).sqrt();
     let [_, change] =
         eigenvalues(corner * steepest.along_per_mm(), level_radius * steepest.across_per_mm(), root * steepest.twist_per_mm());
