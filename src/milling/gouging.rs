@@ -93,6 +93,7 @@ impl Footprint {
     }
 
     /// Whether H is negative anywhere, by more than the rounding of its terms.
+    #[expect(clippy::cast_precision_loss, reason = "at most 32")]
     fn is_cut(&self) -> bool {
         let rounding = -1e-12 * (self.core + self.corner);
         let step = (std::f64::consts::TAU / f64::from(AROUND), std::f64::consts::FRAC_PI_2 / f64::from(DOWN));
