@@ -31,6 +31,10 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     }
     let level_radius = if core > 0.0 { core / sin + corner } else { corner };
     let steepest = pass.surface.turned(-theta.sin(), theta.cos());
+    if pass.contact.slope().cos() == 0.0 && steepest.along_per_mm() < 0.0 {
+        // Above the contact with a wall the cutter's straight side lies in the tangent plane.
+        return Err(NoAnswer::Gouges { smallest_radius: None });
+    }
     let root = (corner * level_radius).sqrt();
     let [_, change] =
         eigenvalues(corner * steepest.along_per_mm(), level_radius * steepest.across_per_mm(), root * steepest.twist_per_mm());
@@ -89,6 +93,7 @@ impl Footprint {
     }
 
     /// Whether H is negative anywhere, by more than the rounding of its terms.
+    #[expect(clippy::cast_precision_loss, reason = "at most 32")]
     fn is_cut(&self) -> bool {
         let rounding = -1e-12 * (self.core + self.corner);
         let step = (std::f64::consts::TAU / f64::from(AROUND), std::f64::consts::FRAC_PI_2 / f64::from(DOWN));

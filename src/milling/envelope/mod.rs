@@ -184,7 +184,7 @@ impl Envelope {
     /// The marks of a feed per tooth.
     fn pattern(&self, feed: f64) -> Pattern {
         let teeth = self.pass.teeth.map_or(2, NonZeroU32::get);
-        Pattern { spacing: feed, deep_spacing: f64::from(teeth) * feed, drop: self.drop }
+        Pattern { spacing: feed, deep_spacing: f64::from(teeth) * feed, drop: self.drop, shallow_pairs: teeth > 2 }
     }
 
     /// The ridge by the quick search; `None` where its outcome is not proved, and where a sharp edge or a wall makes that hopeless.

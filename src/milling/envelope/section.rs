@@ -25,11 +25,13 @@ pub(super) struct Pattern {
     pub(super) deep_spacing: f64,
     /// delta, by how much the shallowest tooth reaches less deep than the deepest.
     pub(super) drop: f64,
+    /// Whether two shallow teeth can follow each other: with three teeth or more.
+    pub(super) shallow_pairs: bool,
 }
 
 impl Pattern {
     pub(super) fn even(spacing: f64) -> Self {
-        Self { spacing, deep_spacing: spacing, drop: 0.0 }
+        Self { spacing, deep_spacing: spacing, drop: 0.0, shallow_pairs: false }
     }
 
     /// Whether all teeth reach equally deep, or only the same tooth marks.
@@ -134,7 +136,8 @@ impl<'a> Section<'a> {
 
     /// The cleared interval at the height p. `near` is one at another height, to start from.
     ///
-    /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it, or where deep marks alone meet.
+    /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it (and shallow marks meet each other, where two can be neighbours), or
+    /// where deep marks alone meet.
     fn interval(&self, p: f64, near: Option<&Interval>) -> Option<Interval> {
         let pattern = &self.pattern;
         if pattern.is_even() {
@@ -154,6 +157,18 @@ impl<'a> Section<'a> {
         let alternating = interval(lefts.0, &before).zip(interval(lefts.1, &behind)).map(|(a, b)| Interval {
             left: if a.left.t > b.left.t { a.left } else { b.left },
             right: if a.right.t < b.right.t { a.right } else { b.right },
+        });
+        let alternating = alternating.and_then(|interval| {
+            if !pattern.shallow_pairs {
+                return Some(interval);
+            }
+            // Between two shallow marks more can stay than between a deep and a shallow one.
+            let shallow = Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: pattern.drop };
+            let (shallow_left, shallow_right) = (left(&shallow)?, right(&shallow)?);
+            Some(Interval {
+                left: if shallow_left.t > interval.left.t { shallow_left } else { interval.left },
+                right: if shallow_right.t < interval.right.t { shallow_right } else { interval.right },
+            })
         });
         let alternating = alternating.filter(|interval| interval.width() >= 0.0);
         match (alternating, interval(lefts.2, &deep)) {
