@@ -51,11 +51,11 @@ class Service:
         text = os.pread(self._log.fileno(), 1 << 20, 0).decode()
         return [json.loads(line) for line in text.splitlines(keepends=True) if line.startswith("{") and line.endswith("\n")]
 
-    def paths(self) -> Mapping[str, Any]:
-        """The operations of its OpenAPI document."""
+    def offers(self, *names: str) -> bool:
+        """Whether its OpenAPI document has all these names of paths or members."""
         with urllib.request.urlopen(f"{self.url}/openapi.json") as answer:
-            paths: Mapping[str, Any] = json.load(answer)["paths"]
-            return paths
+            document = answer.read().decode()
+        return all(f'"{name}"' in document for name in names)
 
     def kill(self) -> None:
         """Ends the program at once, as a crash would."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Optional
 
+from .objects import NotRanked
+
 
 class ScallopdError(Exception):
     """Base class of every exception of this package."""
@@ -79,8 +81,8 @@ class NoCutterFits(Problem):
     """None of the cutters can finish the surface."""
 
     @property
-    def not_ranked(self) -> List[Dict[str, Any]]:
-        """For each cutter the reason, in the form of `Recommendation.not_ranked`."""
+    def not_ranked(self) -> List[NotRanked]:
+        """For each cutter the reason."""
         return list(self.members["not_ranked"])
 
 
