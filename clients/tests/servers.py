@@ -115,8 +115,11 @@ class RecordingServer:
                 kind = "application/json" if status < 400 else "application/problem+json"
                 for name, value in {"content-type": kind, "content-length": str(len(content)), **headers}.items():
                     self.send_header(name, value)
-                self.end_headers()
-                self.wfile.write(content)
+                try:
+                    self.end_headers()
+                    self.wfile.write(content)
+                except ConnectionError:
+                    self.close_connection = True  # A client that failed on its own file has left.
 
             do_GET = do_POST
 

@@ -112,7 +112,7 @@ class Client:
         self,
         base_url: str = "http://127.0.0.1:8080",
         *,
-        timeout: float = 60.0,
+        timeout: float = 75.0,
         retry_for: float = 10.0,
         headers: Optional[Mapping[str, str]] = None,
         ssl_context: Optional[ssl.SSLContext] = None,
@@ -120,7 +120,7 @@ class Client:
         """
         `base_url`: the server, with the path under which a proxy offers it, if any.
         `timeout`: seconds that an attempt may take from connecting to the answer's last byte. In an upload each piece of 256 KiB has
-        this time to be sent, and the answer has it from the last piece on.
+        this time to be sent, and the answer has it from the last piece on. The default exceeds the server's own limit of 60 s, whose answer says more.
         `retry_for`: seconds that a call waits, in all, between attempts, when the server is overloaded or restarts. Zero turns repeating off;
         connections that broke while idle are always replaced. A call that timed out is not repeated.
         `headers`: sent with every request, such as `authorization` for a proxy.
