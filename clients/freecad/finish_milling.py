@@ -25,6 +25,59 @@ def settings():
         return json.load(file)
 
 
+# Cutters
+
+SHAPES = {"ballend": "ball_end", "bullnose": "toroidal", "torus": "toroidal", "endmill": "flat_end"}
+
+
+def cutters(chosen):
+    """The settings' `cutters`: a list of cutters as it is, or "job" for those of the document's job."""
+    return cutters_of_job() if chosen == "job" else chosen
+
+
+def cutters_of_job(document=None):
+    """The ball-end, bull-nose and flat cutters among the tool controllers of the document's jobs, with the controllers' speeds."""
+    found = []
+    for job in (document or FreeCAD.ActiveDocument).Objects:
+        # The group is called Tools since 0.19.
+        for controller in getattr(getattr(job, "Tools", None), "Group", []):
+            cutter = cutter_of(controller)
+            if cutter is not None:
+                found.append(cutter)
+    return found
+
+
+def cutter_of(controller):
+    """A tool controller's cutter; None for a drill, chamfer mill and the like."""
+    tool = controller.Tool
+    shape = (getattr(tool, "ShapeType", "") or getattr(tool, "ShapeName", "")).lower()
+    kind = next((kind for name, kind in SHAPES.items() if shape.startswith(name)), None)
+    if kind is None:
+        return None
+    diameter = millimetres(tool, "Diameter")
+    cutter = {"name": controller.Label, "type": kind, "diameter_mm": diameter}
+    if kind == "toroidal":
+        corner = millimetres(tool, "CornerRadius") or millimetres(tool, "TorusRadius")
+        # Until 0.21 a bull-nose tool states the radius of its flat.
+        cutter["corner_radius_mm"] = corner or diameter / 2 - millimetres(tool, "FlatRadius")
+    # Zero stands for a figure that nobody has entered.
+    for name, value in (
+        ("teeth", int(getattr(tool, "Flutes", 0))),
+        ("spindle_speed_rpm", float(controller.SpindleSpeed)),
+        ("max_feed_per_tooth_mm", millimetres(tool, "Chipload")),
+        ("flute_length_mm", millimetres(tool, "CuttingEdgeHeight")),
+    ):
+        if value > 0:
+            cutter[name] = value
+    return cutter
+
+
+def millimetres(tool, name):
+    """A tool's length; 0 where it has none of that name."""
+    value = getattr(tool, name, 0.0)
+    return float(getattr(value, "Value", value))
+
+
 # Faces
 
 

@@ -1,8 +1,11 @@
 """Tests inside FreeCAD: `freecadcmd test_freecad.py`, which `run` beside this file starts."""
 
+import importlib
 import json
 import math
 import os
+import re
+import subprocess
 import sys
 import tempfile
 import traceback
@@ -96,6 +99,42 @@ def feeds(request):
     rates[1] = None
     failure = {"index": 1, "pointer": "/contacts/1", "code": "gouging", "detail": "the cutter does not fit"}
     return 200, {}, {"model": "envelope", "feed_rate_mm_min": rates, "failures": [failure], "summary": {}, "warnings": []}
+
+
+class Cutters(unittest.TestCase):
+    """Cutters from the tools of a job."""
+
+    def test_the_finishing_cutters_of_a_job_are_found_with_their_speeds(self):
+        document = FreeCAD.newDocument()
+        self.addCleanup(FreeCAD.closeDocument, document.Name)
+        part = document.addObject("Part::Feature", "Part")
+        part.Shape = Part.makeBox(10, 10, 10)
+        document.recompute()
+        job = path_module("PathJob", "Path.Main.Job").Create("Job", [part], None)
+        bits, controllers = path_module("PathToolBit", "Path.Tool.Bit"), path_module("PathToolController", "Path.Tool.Controller")
+        for name, shape in (("Ball", "ballend"), ("Bull", "bullnose"), ("Drill", "drill")):
+            tool = bits.Factory.Create(name, bits.findToolShape(f"{shape}.fcstd"))
+            tool.Diameter = 8
+            if name == "Bull":
+                tool.FlatRadius, tool.Flutes, tool.Chipload = 2.5, 4, 0.08
+            controller = controllers.Create(name, tool=tool, toolNumber=2)
+            controller.SpindleSpeed = 9000 if name == "Bull" else 0
+            job.Proxy.addToolController(controller)
+        found = {cutter["name"]: cutter for cutter in milling.cutters("job")}
+        self.assertEqual(found["Ball"], {"name": "Ball", "type": "ball_end", "diameter_mm": 8, "flute_length_mm": 40})
+        bull = {"type": "toroidal", "corner_radius_mm": 1.5, "teeth": 4, "spindle_speed_rpm": 9000, "max_feed_per_tooth_mm": 0.08}
+        self.assertEqual(found["Bull"], {"name": "Bull", "diameter_mm": 8, "flute_length_mm": 40, **bull})
+        self.assertNotIn("Drill", found)
+        # The job's own default tool.
+        self.assertEqual([cutter["type"] for cutter in found.values()].count("flat_end"), 1)
+
+
+def path_module(old, new):
+    """A module of the Path workbench, by its name in 0.20 or later."""
+    try:
+        return importlib.import_module(f"PathScripts.{old}")
+    except ImportError:
+        return importlib.import_module(new)
 
 
 class Curvature(unittest.TestCase):
@@ -309,6 +348,29 @@ class Feeds(unittest.TestCase):
         self.assertEqual(path.Commands[7].Parameters["X"], 20)
 
 
+class PluginExample(unittest.TestCase):
+    """The example of README.md, which must stay short."""
+
+    def test_the_example_makes_a_path_and_gcode_in_under_30_lines(self):
+        readme = (HERE / "README.md").read_text()
+        example = readme.split("```python\n", 1)[1].split("```", 1)[0]
+        lines = len([line for line in example.splitlines() if line.strip()])
+        self.assertLess(lines, 30)
+        self.assertIn(f"G-code, {lines} lines", readme)
+        document = FreeCAD.newDocument()
+        self.addCleanup(FreeCAD.closeDocument, document.Name)
+        document.addObject("Part::Feature", "Part").Shape = Part.makeCylinder(30, 40, Vector(0, 0, 0), Vector(1, 0, 0))
+        with RecordingServer(answer) as server, tempfile.TemporaryDirectory() as folder:
+            here = os.getcwd()
+            os.chdir(folder)
+            try:
+                exec(example.replace("http://127.0.0.1:8080", server.url), {})
+                self.assertIn("G1 X", FilePath("finish.ngc").read_text())
+            finally:
+                os.chdir(here)
+        self.assertEqual(len(document.getObject("Finish").Path.Commands), 20)
+
+
 class Macros(unittest.TestCase):
     """The macro files, run as FreeCAD runs them."""
 
@@ -335,6 +397,21 @@ class Macros(unittest.TestCase):
             self.run_macro("FinishFaces.FCMacro", server.url, gcode_file=str(file))
             self.assertEqual(len(self.document.getObject("Finish").Path.Commands), 20)
             self.assertIn("G1 X10", file.read_text())
+
+    def test_the_command_line_of_the_readme(self):
+        with RecordingServer(answer) as server, tempfile.TemporaryDirectory() as folder:
+            settings = json.loads((HERE / "finish_milling.json").read_text())
+            settings.update({"server": server.url, "faces": ["Part.Face1"], "gcode_file": f"{folder}/finish.ngc"})
+            (FilePath(folder) / "mine.json").write_text(json.dumps(settings))
+            self.document.recompute()
+            self.document.saveAs(f"{folder}/part.FCStd")
+            readme = (HERE / "README.md").read_text()
+            command = re.search(r"^SCALLOPD_SETTINGS=\S+ (freecadcmd .*)$", readme, re.MULTILINE)[1]
+            command = command.replace("part.FCStd", f"{folder}/part.FCStd").replace("clients/", f"{HERE.parent}/").split()
+            environment = {**os.environ, "SCALLOPD_SETTINGS": f"{folder}/mine.json"}
+            done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, env=environment)
+            self.assertIn("Finish: 20 commands", done.stdout + done.stderr)
+            self.assertIn("G1 X10", (FilePath(folder) / "finish.ngc").read_text())
 
     def test_an_existing_path_becomes_one_with_feeds(self):
         path = Feeds().path(None)
@@ -396,7 +473,7 @@ class AgainstTheProgram(unittest.TestCase):
 
 # FreeCAD runs this file in a namespace that no module has, goes on to its own prompt after it and returns 0 whatever happened: the tests
 # are collected by hand and the exit status is set here.
-CASES = [Curvature, Contacts, Passes, Feeds, Macros, AgainstTheProgram]
+CASES = [Cutters, Curvature, Contacts, Passes, Feeds, PluginExample, Macros, AgainstTheProgram]
 try:
     suite = unittest.TestSuite(unittest.defaultTestLoader.loadTestsFromTestCase(case) for case in CASES)
     status = 0 if unittest.TextTestRunner(sys.stdout, verbosity=2).run(suite).wasSuccessful() else 1
