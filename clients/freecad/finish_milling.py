@@ -250,29 +250,60 @@ def curvature_along(normal, values, directions, feed):
     }
 
 
-def contact_of(faces, tip, cutter, gap_mm):
-    """Where a cutter with its tip there touches the faces: face, u and v; None where it is more than `gap_mm` off them."""
+def upward_normal(face, u, v):
+    """The unit normal on the tool's side."""
+    normal = face.normalAt(u, v)
+    return -normal if normal.z < 0 else normal
+
+
+def contact_of(faces, tip, cutter, gap_mm, start=None):
+    """Where a cutter with its tip there touches the faces: face, u and v; None where it is more than `gap_mm` off them.
+
+    `start` is a contact nearby, such as that of the move before, where the search begins.
+    """
     radius = cutter["diameter_mm"] / 2
     corner = {"ball_end": radius, "flat_end": 0.0}.get(cutter["type"], cutter.get("corner_radius_mm", 0.0))
-    centre = tip + FreeCAD.Vector(0, 0, corner)
-    point, found = centre, None
-    # The corner's centre depends on the normal at the contact, and the contact on the centre: a ball-end cutter needs one step.
-    for _ in range(30):
-        nearest = nearest_on(faces, point)
-        if nearest is None:
-            return None
-        face, u, v, _ = nearest
-        normal = contact_frame(face, u, v)[0]
+
+    def miss(face, u, v):
+        """The tip of a cutter that touches the face at (u, v), less the tip asked for."""
+        normal = upward_normal(face, u, v)
         level = math.hypot(normal.x, normal.y)
-        ring = FreeCAD.Vector() if level < 1e-9 else FreeCAD.Vector(-normal.x, -normal.y, 0) * ((radius - corner) / level)
-        moved = (centre + ring - point).Length
-        point, found = centre + ring, nearest
-        if moved < 1e-6 * radius:
-            break
-    else:
-        return None
-    face, u, v, _ = found
-    return (face, u, v) if abs(face.valueAt(u, v).distanceToPoint(point) - corner) <= gap_mm else None
+        ring = FreeCAD.Vector() if level < 1e-9 else FreeCAD.Vector(normal.x, normal.y, 0) * ((radius - corner) / level)
+        return face.valueAt(u, v) + normal * corner + ring - FreeCAD.Vector(0, 0, corner) - tip
+
+    below = nearest_on(faces, tip + FreeCAD.Vector(0, 0, corner))
+    for guess in (start, below and below[:3]):
+        found = guess and solve_contact(miss, *guess)
+        if found and found[0].isPartOfDomain(*found[1:]) and miss(*found).Length <= gap_mm:
+            return found
+    # On a floor the flat of the cutter touches, wherever its corner is.
+    return below[:3] if below and abs(below[3] - corner) <= gap_mm else None
+
+
+def solve_contact(miss, face, u, v):
+    """The contact near (u, v) whose cutter has the right tip seen from above, by Newton's method; None where it does not converge."""
+    first, last, low, high = face.Surface.bounds()
+    here = miss(face, u, v)
+    for _ in range(30):
+        if math.hypot(here.x, here.y) < 1e-7:
+            return face, u, v
+        # Backwards at the upper ends of the parameters.
+        step_u, step_v = 1e-6 if u + 1e-6 <= last else -1e-6, 1e-6 if v + 1e-6 <= high else -1e-6
+        by_u, by_v = (miss(face, u + step_u, v) - here) * (1 / step_u), (miss(face, u, v + step_v) - here) * (1 / step_v)
+        determinant = by_u.x * by_v.y - by_v.x * by_u.y
+        if abs(determinant) < 1e-12:
+            return None
+        du, dv = (here.x * by_v.y - by_v.x * here.y) / determinant, (by_u.x * here.y - here.x * by_u.y) / determinant
+        # Near a floor the corner's place turns quickly with the normal: a step that makes the miss larger is shortened.
+        for share in (1, 0.5, 0.25, 0.125, 0.0625):
+            next_u, next_v = min(max(u - share * du, first), last), min(max(v - share * dv, low), high)
+            there = miss(face, next_u, next_v)
+            if math.hypot(there.x, there.y) < math.hypot(here.x, here.y):
+                break
+        else:
+            return None
+        u, v, here = next_u, next_v, there
+    return None
 
 
 def nearest_on(faces, point):
@@ -291,13 +322,14 @@ def contacts_of_path(path, faces, cutter, gap_mm=0.05):
     """The straight cutting moves of a path that end in contact with the faces: their numbers in the path, and their contacts as columns."""
     moves, columns = [], {"normal": [], "feed": [], "surface_curvature": {"along_per_mm": [], "across_per_mm": [], "twist_per_mm": []}}
     position = {"X": 0.0, "Y": 0.0, "Z": 0.0}
+    contact = None
     for index, command in enumerate(path.Commands):
         before = FreeCAD.Vector(*(position[axis] for axis in "XYZ"))
         position.update({axis: command.Parameters[axis] for axis in "XYZ" if axis in command.Parameters})
         tip = FreeCAD.Vector(*(position[axis] for axis in "XYZ"))
         if command.Name not in ("G1", "G01") or (tip - before).Length < 1e-9:
             continue
-        contact = contact_of(faces, tip, cutter, gap_mm)
+        contact = contact_of(faces, tip, cutter, gap_mm, contact)
         if contact is None:
             continue
         normal, values, directions = contact_frame(*contact)
@@ -313,14 +345,14 @@ def contacts_of_path(path, faces, cutter, gap_mm=0.05):
 
 
 def path_with_feeds(client, path, faces, cutter, scallop_tolerance_mm, **parameters):
-    """The path with the largest feeds that keep the tolerance, and the failures of the service by move. `parameters` are those of
-    `Client.max_feed_batch`: a step-over, the spindle speed, limits of the feed.
+    """The path with the largest feeds that keep the tolerance, the number of moves that got one, and the failures by move. `parameters` are
+    those of `Client.max_feed_batch`: a step-over, the spindle speed, limits of the feed.
 
     Moves off the faces, moves along the normal and those without an answer keep their feed.
     """
     moves, columns = contacts_of_path(path, faces, cutter)
     if not moves:
-        return path, []
+        return path, 0, []
     answer = client.max_feed_batch(cutter, columns, scallop_tolerance_mm, **{"model": "envelope", **parameters})
     rates = dict(zip(moves, answer["feed_rate_mm_min"]))
     commands = path.Commands
@@ -330,5 +362,7 @@ def path_with_feeds(client, path, faces, cutter, scallop_tolerance_mm, **paramet
             before = rates.get(move - 1)
             rate = rate if before is None else min(rate, before)
             commands[move] = Path.Command("G1", {**commands[move].Parameters, "F": rate / SECONDS_PER_MINUTE})
+    # The service names the first thousand failures.
     failures = [{**failure, "move": moves[failure["index"]]} for failure in answer["failures"]]
-    return Path.Path(commands), failures
+    changed = sum(rate is not None for rate in rates.values())
+    return Path.Path(commands), changed, failures

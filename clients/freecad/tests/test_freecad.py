@@ -337,11 +337,11 @@ class Feeds(unittest.TestCase):
     def test_feeds_replace_those_of_the_path_and_failures_keep_theirs(self):
         with RecordingServer(answer) as server, scallopd.Client(server.url) as client:
             faces = convex_cylinder()
-            path, failures = milling.path_with_feeds(client, self.path(faces), faces, BALL, 0.01, step_over_mm=0.4)
+            path, changed, failures = milling.path_with_feeds(client, self.path(faces), faces, BALL, 0.01, step_over_mm=0.4)
             body = server.received[0].json()
         self.assertEqual(body["model"], "envelope")
         self.assertEqual(len(body["contacts"]["normal"]), 6)
-        self.assertEqual([failure["move"] for failure in failures], [3])
+        self.assertEqual((changed, [failure["move"] for failure in failures]), (5, [3]))
         rates = [round(60 * command.Parameters.get("F", 0)) for command in path.Commands]
         # Contacts get 1200, none, 1320, 1380, ...; each move the smaller of its ends'.
         self.assertEqual(rates, [0, 0, 1200, 300, 1320, 1320, 1380, 1440, 0])
@@ -463,10 +463,10 @@ class AgainstTheProgram(unittest.TestCase):
 
     def test_feeds_of_a_planned_path_keep_its_tolerance(self):
         faces = convex_cylinder()
-        path, failures = milling.path_with_feeds(
+        path, changed, failures = milling.path_with_feeds(
             self.client, Feeds().path(faces), faces, BALL, 0.01, step_over_mm=0.4, spindle_speed_rpm=12000, max_feed_rate_mm_min=5000
         )
-        self.assertEqual(failures, [])
+        self.assertEqual((changed, failures), (6, []))
         for command in path.Commands[2:8]:
             self.assertGreater(60 * command.Parameters["F"], 300)
 
