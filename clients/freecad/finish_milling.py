@@ -132,7 +132,7 @@ def ranking_dialog(recommendation):
     ranked = len(recommendation["candidates"])
     dialog = QtGui.QDialog()
     dialog.setWindowTitle("Cutters for these faces")
-    dialog.resize(720, 320)
+    dialog.resize(760, 320)
     table = QtGui.QTableWidget(len(rows), len(ranking.HEADS), dialog)
     table.setHorizontalHeaderLabels(ranking.HEADS)
     table.setSelectionBehavior(QtGui.QAbstractItemView.SelectRows)
@@ -143,6 +143,7 @@ def ranking_dialog(recommendation):
             table.setItem(row, column, QtGui.QTableWidgetItem(cell))
         if row >= ranked:
             table.setSpan(row, 1, 1, len(ranking.HEADS) - 1)
+    table.resizeColumnsToContents()
     table.selectRow(0)
     notes = QtGui.QLabel("\n".join(ranking.notes(recommendation)), dialog)
     notes.setWordWrap(True)

@@ -190,6 +190,7 @@ class CriticalSlopeParameters(TypedDict, total=False):
     form_factor: float
     characteristic_size_mm2: float
     slope_deg: float
+    model: Model
 
 
 class Selection(TypedDict, total=False):
