@@ -353,9 +353,11 @@ class CuttingColumns(HeightColumns, total=False):
 
 
 class CriticalSlope(TypedDict, total=False):
-    """Answer of `critical_slope`; all but the first with `slope_deg`."""
+    """Answer of `critical_slope`. `always_faster` names the cutter that is faster on every slope, where there is one; with `slope_deg`
+    come the two candidates, the recommended one and the critical form factor."""
 
     critical_slope_deg: float
+    always_faster: Literal["toroidal", "ball_end"]
     critical_form_factor: float
     recommended: Dict[str, Any]
     candidates: List[Dict[str, Any]]
