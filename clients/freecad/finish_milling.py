@@ -167,10 +167,11 @@ def path_of(recommendation, spindle_speed_rpm=None, clearance_mm=5.0, approach_m
     Runs that lie within two step-overs of each other are linked along the surface at the feed rate; others over the clearance height, which is
     `clearance_mm` above the highest point. The tool descends at the rapid rate to `approach_mm` above the surface.
     """
-    passes, plan = recommendation["passes"], recommendation["candidates"][0]
+    passes, recommended = recommendation["passes"], recommendation["recommended"]
+    plan = next(plan for plan in recommendation["candidates"] if plan["cutter"] == recommended["cutter"])
     tips, rates = passes["tip_mm"], passes["feed_rate_mm_min"]
     # A point without a feed of its own gets the plan's.
-    rates = [recommendation["recommended"]["feed_rate_mm_min"] if rate is None else rate for rate in rates]
+    rates = [recommended["feed_rate_mm_min"] if rate is None else rate for rate in rates]
     near = 2 * plan["step_over_xy_mm"]["max"]
     safe = max(recommendation["surface"]["bounds_mm"]["max"][2], max(tip[2] for tip in tips)) + clearance_mm
     commands = [] if spindle_speed_rpm is None else [Path.Command("M3", {"S": spindle_speed_rpm})]

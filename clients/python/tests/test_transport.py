@@ -80,7 +80,7 @@ class Restarts(unittest.TestCase):
         started = time.monotonic()
         with self.assertRaisesRegex(scallopd.ConnectionLost, "/v1/scallop-height.*refused"):
             ask(client)
-        self.assertLess(time.monotonic() - started, 2)
+        self.assertLess(time.monotonic() - started, 5)
 
     def test_a_connection_that_the_server_closed_while_idle_is_replaced_without_repeats_being_allowed(self) -> None:
         service = Service("--header-timeout-s", "1")
@@ -168,7 +168,8 @@ class TimeOuts(unittest.TestCase):
         with self.assertRaisesRegex(scallopd.Timeout, r"POST http://.*/v1/scallop-height: no answer within 0.3 s") as raised:
             ask(client)
         self.assertIsInstance(raised.exception, TimeoutError)
-        self.assertLess(time.monotonic() - started, 1)
+        # The server would take ten seconds and more.
+        self.assertLess(time.monotonic() - started, 5)
 
     def test_a_silent_server_times_out_and_the_client_stays_usable(self) -> None:
         def serve(connection: socket.socket, number: int) -> None:
@@ -200,13 +201,13 @@ class TimeOuts(unittest.TestCase):
                 return True
 
             def readinto(self, buffer: Any) -> int:
-                time.sleep(0.1)
+                time.sleep(0.25)
                 self.left -= 1
                 buffer[:1] = b"0"
                 return 1 if self.left >= 0 else 0
 
         with RecordingServer(lambda _: (200, {}, {"method": "surface"})) as server:
-            client = scallopd.Client(server.url, timeout=0.3)
+            client = scallopd.Client(server.url, timeout=1)
             answer = client.recommend_file(Slow(), [CANDIDATE], 0.01, "vmc")  # type: ignore[arg-type]
             self.assertEqual(answer["method"], "surface")
             self.assertIn(b"\r\n\r\n000000\r\n--", server.received[0].body)
