@@ -164,8 +164,8 @@ def ranking_dialog(recommendation):
 def path_of(recommendation, spindle_speed_rpm=None, clearance_mm=5.0, approach_mm=2.0):
     """The passes of the recommended plan as a `Path.Path`.
 
-    Runs that lie within two step-overs of each other are linked along the surface at the feed rate; others over the clearance height, which is
-    `clearance_mm` above the highest point. The tool descends at the rapid rate to `approach_mm` above the surface.
+    Runs that lie within two step-overs of each other are linked along the surface at the feed rate; others over the clearance
+    height, which is `clearance_mm` above the highest point. The tool descends at the rapid rate to `approach_mm` above the surface.
     """
     passes, recommended = recommendation["passes"], recommendation["recommended"]
     plan = next(plan for plan in recommendation["candidates"] if plan["cutter"] == recommended["cutter"])
@@ -221,8 +221,8 @@ def gcode(feature, file_name="-", post="linuxcnc"):
 def contact_frame(face, u, v):
     """Normal, upwards, and principal curvatures with their directions, convex positive.
 
-    The kernel counts a curvature positive where the centre lies on the side of the surface's own normal, that is, outside the part where the face
-    has the surface's orientation; the service counts it positive where the centre lies inside the part.
+    The kernel counts a curvature positive where the centre lies on the side of the surface's own normal. Where the face has the
+    surface's orientation, that is outside the part; the service counts it positive where the centre lies inside the part.
     """
     surface, normal = face.Surface, face.normalAt(u, v)
     sign = -1.0 if normal.dot(surface.normal(u, v)) > 0 else 1.0

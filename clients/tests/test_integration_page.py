@@ -13,6 +13,7 @@ import unittest
 from pathlib import Path
 from typing import Any, List, Tuple
 
+import scallopd
 from servers import REPOSITORY, ServiceCase
 
 PAGE = REPOSITORY / "docs/integration.md"
@@ -67,7 +68,7 @@ class IntegrationPage(ServiceCase):
                 self.assert_shown(json.loads(shown), json.loads(self.ran("bash", "-c", self.here(command))))
 
     def test_python(self) -> None:
-        (text, shown), = examples(PAGE, "python")
+        ((text, shown),) = examples(PAGE, "python")
         self.assertEqual(self.ran(sys.executable, "-c", self.here(text)), shown)
 
     def test_the_readme_of_the_python_package(self) -> None:
@@ -77,33 +78,31 @@ class IntegrationPage(ServiceCase):
     def test_javascript(self) -> None:
         if shutil.which("node") is None:
             self.skipTest("node is not installed")
-        (text, shown), = examples(PAGE, "javascript")
+        ((text, shown),) = examples(PAGE, "javascript")
         self.assertEqual(self.ran("node", "--input-type=module", "--eval", self.here(text)), shown)
 
     def test_csharp(self) -> None:
         if shutil.which("mcs") is None or shutil.which("mono") is None:
             self.skipTest("Mono is not installed")
-        (text, shown), = examples(PAGE, "csharp")
+        ((text, shown),) = examples(PAGE, "csharp")
         with tempfile.TemporaryDirectory() as folder:
             source = Path(folder) / "Example.cs"
             source.write_text(self.here(text))
             program = str(source.with_suffix(".exe"))
-            self.ran("mcs", f"-out:{program}", "-r:System.Net.Http", "-r:System.Runtime.Serialization", "-warnaserror", "-nowarn:0649", str(source))
+            libraries = ("-r:System.Net.Http", "-r:System.Runtime.Serialization")
+            self.ran("mcs", f"-out:{program}", *libraries, "-warnaserror", "-nowarn:0649", str(source))
             self.assertEqual(self.ran("mono", program), shown)
 
     def test_the_two_ways_to_state_a_curvature_agree(self) -> None:
-        fragments = [json.loads(text) for kind, text in BLOCK.findall(PAGE.read_text(encoding="utf-8")) if kind == "json" and "surface_curvature" in text]
+        blocks = BLOCK.findall(PAGE.read_text(encoding="utf-8"))
+        fragments = [json.loads(text) for kind, text in blocks if kind == "json" and "surface_curvature" in text]
         self.assertEqual(len(fragments), 2)
         if not self.service.offers("twist_per_mm"):
             self.skipTest("the program under test has no curvature along the feed")
-        import scallopd
-
         client = scallopd.Client(self.service.url)
         cutter: scallopd.Cutter = {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2}
-        heights = [
-            client.scallop_height(cutter, {"slope_deg": 40, "feed_angle_deg": 20}, step_over_mm=0.5, feed_per_tooth_mm=0.1, model="envelope", **fragment)
-            for fragment in fragments
-        ]
+        contact: scallopd.Contact = {"slope_deg": 40, "feed_angle_deg": 20}
+        heights = [client.scallop_height(cutter, contact, step_over_mm=0.5, model="envelope", **fragment) for fragment in fragments]
         self.assertAlmostEqual(heights[0]["scallop_height_mm"], heights[1]["scallop_height_mm"], places=12)
 
     def test_the_images_of_the_page_exist(self) -> None:

@@ -19,11 +19,10 @@ import Path
 HERE = FilePath(os.environ["SCALLOPD_CLIENTS"]) / "freecad"
 sys.path[:0] = [str(HERE), str(HERE.parent / "python/src"), str(HERE.parent / "tests")]
 
+import finish_milling as milling
 import scallopd
 from scallopd import ranking
 from servers import RecordingServer, Service
-
-import finish_milling as milling
 
 Vector = FreeCAD.Vector
 BALL = {"name": "B10", "type": "ball_end", "diameter_mm": 10, "teeth": 2, "spindle_speed_rpm": 12000, "max_feed_per_tooth_mm": 0.15}
@@ -299,7 +298,7 @@ class Passes(unittest.TestCase):
         recommendation = milling.recommend(self.client, convex_cylinder(), [TORUS, BALL], 0.01, "five_axis_vmc")
         for row, button, expected in ((1, "accept", 1), (0, "accept", 0), (2, "accept", None), (1, "reject", None)):
 
-            def act():
+            def act(row=row, button=button):
                 dialog = application.activeModalWidget()
                 dialog.findChild(QtGui.QTableWidget).selectRow(row)
                 getattr(dialog, button)()

@@ -36,7 +36,9 @@ ANSWER: Any = {
             "uncut_share": 0.0,
         }
     ],
-    "not_ranked": [{"cutter": 2, "name": "Flat 8 mm", "code": "cannot-reach", "detail": "12 % of the area stays uncut", "uncut_share": 0.12}],
+    "not_ranked": [
+        {"cutter": 2, "name": "Flat 8 mm", "code": "cannot-reach", "detail": "12 % of the area stays uncut", "uncut_share": 0.12}
+    ],
     "confidence": {"level": "moderate", "reasons": [{"code": "close-race", "detail": "the lead is 1.2 %"}]},
     "warnings": [{"code": "tools-skipped", "detail": "1 tool is no finishing cutter: 1 drill"}],
 }
@@ -54,7 +56,9 @@ class Script(unittest.TestCase):
     def parts(self, request: Received) -> List[Any]:
         head = b"content-type: " + request.headers["content-type"].encode() + b"\r\n\r\n"
         payload: Any = BytesParser().parsebytes(head + request.body).get_payload()
-        return [(part.get_param("name", header="content-disposition"), part.get_filename(), part.get_payload(decode=True)) for part in payload]
+        return [
+            (part.get_param("name", header="content-disposition"), part.get_filename(), part.get_payload(decode=True)) for part in payload
+        ]
 
     def test_surface_and_libraries_are_sent_as_they_are_and_the_ranking_is_printed(self) -> None:
         with tempfile.TemporaryDirectory() as folder, RecordingServer(lambda _: (200, {}, ANSWER)) as server:

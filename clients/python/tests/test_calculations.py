@@ -135,7 +135,9 @@ class NewerCalculations(ServiceCase):
         answer = self.client.cutting_parameters(cutter, OBLIQUE, 0.01, spindle_speed_rpm=10000, model="envelope")
         self.assertAlmostEqual(answer["step_over_mm"], 0.44699, places=3)
         self.assertAlmostEqual(answer["feed_per_tooth_mm"], 0.44699, places=3)
-        batch = self.client.cutting_parameters_batch(cutter, [{"slope_deg": 40, "feed_angle_deg": 30}], 0.01, spindle_speed_rpm=10000, model="envelope")
+        batch = self.client.cutting_parameters_batch(
+            cutter, [{"slope_deg": 40, "feed_angle_deg": 30}], 0.01, spindle_speed_rpm=10000, model="envelope"
+        )
         self.assertAlmostEqual(batch["area_rate_mm2_min"][0] or 0, answer["area_rate_mm2_min"], places=6)
 
 

@@ -29,11 +29,11 @@ from .objects import (
     CriticalSlope,
     CriticalSlopeParameters,
     Curvature,
+    Cutter,
     CuttingBatchLimits,
     CuttingColumns,
     CuttingLimits,
     CuttingParameters,
-    Cutter,
     FeedBatchParameters,
     FeedColumns,
     FeedParameters,
@@ -120,9 +120,10 @@ class Client:
         """
         `base_url`: the server, with the path under which a proxy offers it, if any.
         `timeout`: seconds that an attempt may take from connecting to the answer's last byte. In an upload each piece of 256 KiB has
-        this time to be sent, and the answer has it from the last piece on. The default exceeds the server's own limit of 60 s, whose answer says more.
-        `retry_for`: seconds that a call waits, in all, between attempts, when the server is overloaded or restarts. Zero turns repeating off;
-        connections that broke while idle are always replaced. A call that timed out is not repeated.
+        this time to be sent, and the answer has it from the last piece on. The default exceeds the server's own limit of 60 s,
+        whose answer says more.
+        `retry_for`: seconds that a call waits, in all, between attempts, when the server is overloaded or restarts. Zero turns
+        repeating off; connections that broke while idle are always replaced. A call that timed out is not repeated.
         `headers`: sent with every request, such as `authorization` for a proxy.
         """
         self._transport = Transport(base_url, timeout, retry_for, headers or {}, ssl_context)
@@ -130,9 +131,7 @@ class Client:
     def __enter__(self) -> Client:
         return self
 
-    def __exit__(
-        self, kind: Optional[Type[BaseException]], error: Optional[BaseException], traceback: Optional[TracebackType]
-    ) -> None:
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException], traceback: Optional[TracebackType]) -> None:
         self.close()
 
     def close(self) -> None:
@@ -143,9 +142,7 @@ class Client:
         """The scallop height that a step-over and a feed leave."""
         return cast(ScallopHeight, self._post("scallop-height", {"cutter": cutter, "contact": contact, **parameters}))
 
-    def max_feed(
-        self, cutter: Cutter, contact: Contact, scallop_tolerance_mm: float, **parameters: Unpack[FeedParameters]
-    ) -> MaxFeed:
+    def max_feed(self, cutter: Cutter, contact: Contact, scallop_tolerance_mm: float, **parameters: Unpack[FeedParameters]) -> MaxFeed:
         """The largest feed under a tolerance. Raises `ToleranceExceeded` where the step-over alone uses it up."""
         body = {"cutter": cutter, "contact": contact, "scallop_tolerance_mm": scallop_tolerance_mm, **parameters}
         return cast(MaxFeed, self._post("max-feed", body))
@@ -164,9 +161,7 @@ class Client:
         body = {"cutter": cutter, "contact": contact, "scallop_tolerance_mm": scallop_tolerance_mm, **limits}
         return cast(CuttingParameters, self._post("cutting-parameters", body))
 
-    def scallop_height_batch(
-        self, cutter: Cutter, contacts: Contacts, **parameters: Unpack[HeightBatchParameters]
-    ) -> HeightColumns:
+    def scallop_height_batch(self, cutter: Cutter, contacts: Contacts, **parameters: Unpack[HeightBatchParameters]) -> HeightColumns:
         """`scallop_height` for many contacts, given as rows or as columns. The answer is columns in the same order."""
         return cast(HeightColumns, self._post("scallop-height/batch", {"cutter": cutter, **parameters, "contacts": contacts}))
 
@@ -231,9 +226,9 @@ class Client:
     ) -> Recommendation:
         """`recommend` with the surface in a file (STL, OBJ, PLY, 3MF or text), whose bytes are read while they are sent.
 
-        A file is a path, bytes or an open binary file; `File(source, name)` names bytes, because the name's suffix helps to know the format.
-        The cutters of `libraries` (Fusion, FreeCAD or CSV) join `cutters`. A file that cannot be read twice, such as a pipe, is sent once:
-        the call is then not repeated.
+        A file is a path, bytes or an open binary file; `File(source, name)` names bytes, because the suffix helps to know the format.
+        The cutters of `libraries` (Fusion, FreeCAD or CSV) join `cutters`. A file that cannot be read twice, such as a pipe, is sent
+        once: the call is then not repeated.
         """
         body = _recommendation(cutters, scallop_height_mm, machine, cast(Dict[str, Any], parameters))
         parts = [("surface", _file(surface))] + [("library", _file(library)) for library in libraries]

@@ -129,7 +129,9 @@ def _seconds_to(moment: float) -> float:
 class Transport:
     """Sends requests to one server. Threads may share it: each call under way uses a connection of its own."""
 
-    def __init__(self, base_url: str, timeout: float, retry_for: float, headers: Mapping[str, str], context: Optional[ssl.SSLContext]) -> None:
+    def __init__(
+        self, base_url: str, timeout: float, retry_for: float, headers: Mapping[str, str], context: Optional[ssl.SSLContext]
+    ) -> None:
         parts = urlsplit(base_url)
         if parts.scheme not in ("http", "https") or not parts.hostname:
             raise ValueError(f"the base URL is http:// or https:// with a host, not {base_url!r}")
@@ -212,9 +214,12 @@ class Transport:
                 if connection.sock is None or body is None:
                     raise
                 until = time.monotonic() + self._timeout
-            connection.response_class = lambda sock, *args, **options: http.client.HTTPResponse(  # type: ignore[assignment]
-                _DeadlineSocket(sock, until), *args, **options  # type: ignore[arg-type]
-            )
+
+            def response_to(sock: Any, *args: Any, **options: Any) -> http.client.HTTPResponse:
+                watched: Any = _DeadlineSocket(sock, until)
+                return http.client.HTTPResponse(watched, *args, **options)
+
+            connection.response_class = response_to  # type: ignore[assignment]
             with connection.getresponse() as response:
                 content = response.read()
                 keep = not response.will_close
@@ -226,9 +231,7 @@ class Transport:
             else:
                 connection.close()
 
-    def _send(
-        self, connection: http.client.HTTPConnection, method: str, path: str, body: Optional[Body], length: Optional[int]
-    ) -> float:
+    def _send(self, connection: http.client.HTTPConnection, method: str, path: str, body: Optional[Body], length: Optional[int]) -> float:
         """Sends the request and returns the moment by which the answer must be complete: for a body of many chunks the time-out
         starts anew with each, since a large upload may take longer than any calculation."""
         until = time.monotonic() + self._timeout
