@@ -455,6 +455,7 @@ class Recommendation(_RecommendationAnswer, total=False):
     """Answer of a recommendation; `map` and `passes` where `include` asks for them."""
 
     critical_slope_deg: float
+    always_faster: Literal["toroidal", "ball_end"]
     critical_form_factor: float
     map: Dict[str, Any]
     passes: Passes
