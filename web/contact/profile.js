@@ -1,0 +1,118 @@
+// The profile of a cutter seen along the feed, exactly: the projection of its whole lower body (a disc of radius R - r, plus a ball of
+// radius r, plus the upward ray along the tool axis) onto the plane normal to the feed.
+//
+// With m(p) = sin(p) T - cos(p) n the support function is H(p) = r + (R - r) |m_xy|, m_xy being m's part normal to the tool axis, and the boundary
+// point is H m + H' m'. The contact, p = 0, is the origin; x runs along T, y along n.
+
+import { dot } from './frame.js';
+
+const BISECTIONS = 80;
+
+export class Profile {
+  #a;
+  #r;
+  #frame;
+  #origin;
+
+  /** `frame` as frame.js gives it; outer radius R and corner radius r in mm. */
+  constructor(frame, R, r) {
+    this.#a = R - r;
+    this.#r = r;
+    this.#frame = frame;
+    const [across, up] = [dot(frame.T, frame.Z), dot(frame.n, frame.Z)];
+    this.axis = [across, up];
+    // m points down, m . Z <= 0, between these angles; beyond them runs the cutter's side.
+    const turn = Math.hypot(across, up) > 1e-9 ? Math.atan2(across, up) : 0;
+    this.low = -Math.PI / 2 - turn;
+    this.high = Math.PI / 2 - turn;
+    this.#origin = [0, 0];
+    const [left, right] = [this.#at(0, -1), this.#at(0, 1)];
+    // On a floor the contact is a flat of width 2 (R - r); its middle is the origin.
+    this.#origin = [(left[0] + right[0]) / 2, right[1]];
+  }
+
+  // The boundary point at angle p. Where m is the tool axis H has a corner, and `side` chooses the end of the flat.
+  #at(p, side = 1) {
+    const { n, T, Z } = this.#frame;
+    const [s, c] = [Math.sin(p), Math.cos(p)];
+    const m = [0, 1, 2].map((i) => s * T[i] - c * n[i]);
+    const turned = [0, 1, 2].map((i) => c * T[i] + s * n[i]);
+    const [mz, tz] = [dot(m, Z), dot(turned, Z)];
+    const across = Math.sqrt(Math.max(0, 1 - mz * mz));
+    // d|m_xy|/dp = m_xy . m'_xy / |m_xy|, and m . m' = 0.
+    const slope = across > 1e-12 ? (-mz * tz) / across : side * Math.sqrt(Math.max(0, 1 - tz * tz));
+    const [h, dh] = [this.#r + this.#a * across, this.#a * slope];
+    return [h * s + dh * c - this.#origin[0], -h * c + dh * s - this.#origin[1]];
+  }
+
+  /** The boundary as points from left to right, without the sides. */
+  points(count = 240) {
+    const found = [];
+    for (let i = 0; i <= count; i += 1) {
+      const p = this.low + ((this.high - this.low) * i) / count;
+      found.push(this.#at(p));
+      // Sides of a corner of H that falls between two samples.
+      if (i < count && p < 0 && this.low + ((this.high - this.low) * (i + 1)) / count > 0) found.push(this.#at(-1e-13, -1), this.#at(1e-13, 1));
+    }
+    return found;
+  }
+
+  /** Height of the boundary over the tangent at the lateral offset x; infinite beyond a side along the normal. */
+  heightAt(x) {
+    const [first, last] = [this.#at(this.low), this.#at(this.high)];
+    if (x <= first[0] || x >= last[0]) {
+      const end = x <= first[0] ? first : last;
+      if (x === end[0]) return end[1];
+      const steps = (x - end[0]) / this.axis[0];
+      return Math.abs(this.axis[0]) > 1e-12 && steps > 0 ? end[1] + steps * this.axis[1] : Infinity;
+    }
+    let [low, high] = [this.low, this.high];
+    for (let i = 0; i < BISECTIONS; i += 1) {
+      const middle = (low + high) / 2;
+      if (this.#at(middle)[0] < x) low = middle;
+      else high = middle;
+    }
+    // At a flat the two ends differ, and the boundary between them is straight.
+    const [a, b] = [this.#at(low, -1), this.#at(high, 1)];
+    return b[0] > a[0] ? a[1] + ((b[1] - a[1]) * (x - a[0])) / (b[0] - a[0]) : a[1];
+  }
+
+  /** Height over a surface whose relative curvature across the feed is `curvature` (1/mm, positive where convex). */
+  heightOver(x, curvature) {
+    return this.heightAt(x) + (curvature * x * x) / 2;
+  }
+
+  /** The cusp {x, height} between passes at 0 and `stepOver`, or null where they do not meet. */
+  cusp(stepOver, curvature = 0) {
+    let [low, high] = [0, stepOver];
+    for (let i = 0; i < BISECTIONS; i += 1) {
+      const middle = (low + high) / 2;
+      if (this.heightOver(middle, curvature) < this.heightOver(middle - stepOver, curvature)) low = middle;
+      else high = middle;
+    }
+    const height = this.heightOver(low, curvature);
+    return Number.isFinite(height) ? { x: low, height } : null;
+  }
+}
+
+/**
+ * The curvature across the feed that a groove along it sees, for the surface's curvature {along, across, twist} in the contact's frame:
+ * the Schur complement of the relative curvature, less the cutter's own. Exact in second order; for a surface curved only across the
+ * feed it is `across` itself.
+ */
+export function grooveCurvature(frame, R, r, { along = 0, across = 0, twist = 0 }) {
+  if (along === 0 && twist === 0) return across;
+  const { n, F, T, Z } = frame;
+  const sine = Math.sqrt(Math.max(0, 1 - dot(n, Z) ** 2));
+  // Curvatures of the cutter along the steepest line and across it.
+  const steep = r > 0 ? 1 / r : 1e9;
+  const level = 1 / ((R - r) / Math.max(sine, 1e-9) + r);
+  const [f, t] = [dot(F, Z), dot(T, Z)];
+  const length = Math.hypot(f, t);
+  const [cosine, sineTheta] = length > 0 ? [f / length, t / length] : [1, 0];
+  const c = steep * cosine ** 2 + level * sineTheta ** 2;
+  const b = (steep - level) * cosine * sineTheta;
+  const plane = -(b * b) / c;
+  const curved = -((b + twist) ** 2) / (c + along);
+  return across + curved - plane;
+}
