@@ -1,4 +1,4 @@
-//! The client's side of `/readyz`, for containers without a shell.
+//! The `healthcheck` command: asks a running server's `/readyz`. It serves containers without a shell.
 
 use std::io::{self, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream};
@@ -7,7 +7,7 @@ use std::time::Duration;
 /// Longer than a busy server takes and shorter than probes usually wait.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Whether the server that listens at `listen` says that it is ready.
+/// Whether the server listening at `listen` is ready.
 ///
 /// # Errors
 /// Where it does not answer in time, or not with HTTP.

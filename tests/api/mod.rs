@@ -5,7 +5,7 @@ mod batch;
 mod document;
 mod faults;
 mod max_feed;
-mod readme;
+mod pages;
 mod requests;
 mod scallop_height;
 mod statuses;
