@@ -55,7 +55,7 @@ export const TERMS = {
   scallop_max_mm: { label: 'Scallop max', kind: 'height', help: 'Largest scallop height on the surface.' },
   links_lifts: { label: 'Lifts', kind: 'count', help: 'Links that lift the tool to the clearance height.' },
   tolerance_of_plan: { label: 'Scallop height', kind: 'height', help: 'Largest scallop height that the plan may leave.' },
-  machine: { label: 'Machine', help: 'A preset of the service; the values below override it.' },
+  machine: { label: 'Preset', help: 'A preset of the service; the values below override it.' },
   acceleration_m_s2: { label: 'Acceleration', kind: 'acceleration', help: 'The machine’s acceleration along the path.' },
   jerk_m_s3: { label: 'Jerk', kind: 'jerk', help: 'The machine’s jerk: how fast the acceleration changes.' },
   machine_feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'The feed rate of the machine for finishing.' },

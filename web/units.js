@@ -16,7 +16,7 @@ const KINDS = {
   speed: { mm: ['rev/min', 1, 5] },
   share: { mm: ['%', 100, 3] },
   time: { mm: ['s', 1, 4] },
-  count: { mm: ['', 1, 12] },
+  count: { mm: ['', 1, 0] },
   number: { mm: ['', 1, 4] },
 };
 
@@ -40,7 +40,8 @@ export const factorOf = (kind) => measure(kind).factor;
 /** A number with `digits` significant digits, never in exponent form unless it is very small. */
 export function plainNumber(value, digits) {
   if (value === 0) return '0';
-  const magnitude = Math.floor(Math.log10(Math.abs(value)));
+  // Of the rounded value: 0.99999 is shown as 1.000.
+  const magnitude = Math.floor(Math.log10(Math.abs(Number(value.toPrecision(digits)))));
   if (magnitude < -7 || magnitude > 14) return value.toExponential(digits - 1);
   return value.toFixed(Math.max(0, digits - 1 - magnitude));
 }
@@ -49,13 +50,19 @@ export function plainNumber(value, digits) {
 export function format(value, kind) {
   if (value === null || value === undefined) return '–';
   const { factor, digits } = measure(kind);
-  return plainNumber(value * factor, digits);
+  // A count is a whole number, but for the quotients of the rectangle's method.
+  return kind === 'count' ? String(Number(value.toFixed(2))) : plainNumber(value * factor, digits);
 }
 
 /** The same with its unit. */
 export function formatWithUnit(value, kind) {
   const unit = unitOf(kind);
   return `${format(value, kind)}${unit === '' || unit === '°' ? unit : ` ${unit}`}`;
+}
+
+/** A round value with its unit, without trailing zeros. */
+export function formatRound(value, kind) {
+  return `${Number((value * factorOf(kind)).toPrecision(4))} ${unitOf(kind)}`;
 }
 
 /** The text of a value in an input: as many digits as were stated, at most seven. */

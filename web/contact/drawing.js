@@ -3,10 +3,13 @@
 // Both show the cutter's exact profile over the surface. Heights over a curved surface are drawn on an arc of its radius.
 
 import { el, svg } from '../dom.js';
-import { formatWithUnit, roundStep } from '../units.js';
+import { factorOf, formatRound, formatWithUnit, roundStep } from '../units.js';
 import { Profile, grooveCurvature } from './profile.js';
 
 const EXAGGERATIONS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
+
+// A length of at most `most` that is round in the units in use.
+const roundBar = (most, kind) => roundStep(most * factorOf(kind)) / factorOf(kind);
 
 const line = (points) => points.map(([x, y], index) => `${index ? 'L' : 'M'}${x.toFixed(2)} ${y.toFixed(2)}`).join('');
 
@@ -57,7 +60,7 @@ export function overview(section, width, height) {
   // The part is below the surface: down along its normal at both ends.
   const down = (x) => place(bent(across, x, -6 * R * (Math.abs(across) > 1e-9 ? Math.min(1, 0.9 / (6 * R * Math.abs(across))) : 1)));
   const label = `Cross-section across the feed, to scale: two passes of the cutter ${formatWithUnit(stepOver, 'length')} apart.`;
-  const bar = roundStep((width * 0.28) / scale);
+  const bar = roundBar((width * 0.28) / scale, 'length');
   return svg(
     'svg',
     { viewBox: `0 0 ${width} ${height}`, width, height, role: 'img', 'aria-label': label },
@@ -65,7 +68,7 @@ export function overview(section, width, height) {
     svg('path', { class: 'cutter other', d: cutterAt(-stepOver / 2) }),
     svg('path', { class: 'cutter', d: cutterAt(stepOver / 2) }),
     svg('path', { class: 'axis', d: line([place(bent(across, stepOver / 2, 0)), place([bent(across, stepOver / 2, 0)[0] + axisX * 4 * R, bent(across, stepOver / 2, 0)[1] + axisY * 4 * R])]) }),
-    scaleBar(width - 12, height - 10, bar * scale, formatWithUnit(bar, 'length')),
+    scaleBar(width - 12, height - 10, bar * scale, formatRound(bar, 'length')),
     svg('text', { x: 10, y: height - 10 }, 'scale 1 : 1 in both axes'),
   );
 }
@@ -78,7 +81,7 @@ function scaleBar(right, y, length, text) {
 export function detail(section, width, height) {
   const { profile, stepOver, groove, across, stepOverHeight, tolerance } = section;
   const total = section.height;
-  const [left, right, top, bottom] = [8, 118, 26, 58];
+  const [left, right, top, bottom] = [4, 132, 26, 58];
   const inner = { width: width - left - right, height: height - top - bottom };
   const half = stepOver * 0.8;
   const scale = inner.width / (2 * half);
@@ -117,25 +120,29 @@ export function detail(section, width, height) {
   ].filter(Boolean).map((entry) => ({ ...entry, y: place(half, entry.w)[1] })).sort((a, b) => b.y - a.y);
   let free = Infinity;
   for (const entry of labels) free = (entry.textY = Math.min(entry.y + 4, free)) - 14;
-  const bar = roundStep((inner.height * 0.4) / vertical);
+  const bar = roundBar((inner.height * 0.4) / vertical, 'height');
   return svg(
     'svg',
     { viewBox: `0 0 ${width} ${height}`, width, height, role: 'img', 'data-exaggeration': exaggeration, 'data-cusp-mm': cusp?.height ?? '',
       'aria-label': `Detail of the cusp: height ${formatWithUnit(total, 'height')}, step-over ${formatWithUnit(stepOver, 'length')}, heights drawn ${exaggeration} times larger than widths.` },
-    svg('path', { class: 'part', d: `${at(floor)}L${edge} ${height - 20}L${left} ${height - 20}Z` }),
-    tolerance !== undefined && svg('path', { class: 'tolerance', d: level(tolerance) }),
-    svg('path', { class: 'nominal', d: level(0) }),
-    total - stepOverHeight > tallest * 1e-3 && svg('path', { class: 'total', d: level(total) }),
-    svg('path', { class: 'pass other', d: at(passAt(-stepOver / 2)) }),
-    svg('path', { class: 'pass', d: at(passAt(stepOver / 2)) }),
-    svg('path', { class: 'ground', d: at(floor) }),
+    svg(
+      'svg',
+      { x: left, y: top, width: inner.width, height: height - top - 20, viewBox: `${left} ${top} ${inner.width} ${height - top - 20}` },
+      svg('path', { class: 'part', d: `${at(floor)}L${edge} ${height - 20}L${left} ${height - 20}Z` }),
+      tolerance !== undefined && svg('path', { class: 'tolerance', d: level(tolerance) }),
+      svg('path', { class: 'nominal', d: level(0) }),
+      total - stepOverHeight > tallest * 1e-3 && svg('path', { class: 'total', d: level(total) }),
+      svg('path', { class: 'pass other', d: at(passAt(-stepOver / 2)) }),
+      svg('path', { class: 'pass', d: at(passAt(stepOver / 2)) }),
+      svg('path', { class: 'ground', d: at(floor) }),
+    ),
     cusp && [svg('path', { class: 'height', d: `M${cuspLeft} ${foot}V${cuspTop}` }), svg('circle', { class: 'apex', cx: cuspLeft, cy: cuspTop, r: 3 })],
     svg('path', { class: 'dimension', d: `M${passLeft[0]} ${passLeft[1] + 4}V${dimensionY + 4}M${passRight[0]} ${passRight[1] + 4}V${dimensionY + 4}M${passLeft[0]} ${dimensionY}H${passRight[0]}` }),
     svg('path', { class: 'arrow', d: `M${passLeft[0]} ${dimensionY}l7 -3v6ZM${passRight[0]} ${dimensionY}l-7 -3v6Z` }),
     svg('text', { x: (passLeft[0] + passRight[0]) / 2, y: dimensionY - 5, 'text-anchor': 'middle', class: 'on-part' }, `step-over ${formatWithUnit(stepOver, 'length')}`),
     labels.map((entry) => svg('text', { x: edge + 6, y: entry.textY, class: entry.class }, entry.text)),
-    svg('path', { class: 'dimension', d: `M${width - 10} ${top - 16 + Math.max(12, 0)}h-4v${bar * vertical}h4` }),
-    svg('text', { x: width - 20, y: top - 4 + (bar * vertical) / 2 + 4, 'text-anchor': 'end' }, formatWithUnit(bar, 'height')),
+    svg('path', { class: 'dimension', d: `M${width - 10} ${top}h-4v${bar * vertical}h4` }),
+    svg('text', { x: width - 20, y: top + (bar * vertical) / 2 + 4, 'text-anchor': 'end' }, formatRound(bar, 'height')),
     svg('text', { x: left, y: 14 }, exaggeration === 1 ? 'to scale in both axes' : `to scale across; heights × ${exaggeration}`),
   );
 }

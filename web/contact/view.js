@@ -114,13 +114,12 @@ export class ContactView {
       'div',
       { class: 'results' },
       this.#message,
-      el('div', { class: 'columns' },
-        el('section', { class: 'card', 'aria-label': 'Answer' }, el('h2', {}, 'Answer'), this.#results),
-        el('section', { class: 'card grow', 'aria-label': 'Cusp' }, el('h2', {}, 'Cusp between two passes'), this.#detail)),
-      el('div', { class: 'columns thirds' },
-        el('section', { class: 'card', 'aria-label': 'Cutter on the surface' }, el('h2', {}, 'Across the feed, to scale'), this.#overview),
-        el('section', { class: 'card', 'aria-label': 'Step-over by direction' }, el('h2', {}, 'Largest step-over by feed direction'), this.#polar, this.#polarCaption)),
-      el('div', { class: 'columns' }, el('section', { class: 'card grow' }, this.#overStepOver.element), el('section', { class: 'card grow' }, this.#overFeed.element)),
+      el('div', { class: 'contact-cards' },
+        el('section', { class: 'card answer-card', 'aria-label': 'Answer' }, el('h2', {}, 'Answer'), this.#results),
+        el('section', { class: 'card cusp-card', 'aria-label': 'Cusp' }, el('h2', {}, 'Cusp between two passes'), this.#detail),
+        el('section', { class: 'card overview-card', 'aria-label': 'Cutter on the surface' }, el('h2', {}, 'Across the feed, to scale'), this.#overview),
+        el('section', { class: 'card polar-card', 'aria-label': 'Step-over by direction' }, el('h2', {}, 'Largest step-over by feed direction'), this.#polar, this.#polarCaption)),
+      el('div', { class: 'columns halves' }, el('section', { class: 'card' }, this.#overStepOver.element), el('section', { class: 'card' }, this.#overFeed.element)),
       el('p', { class: 'legend' }, el('span', { class: 'key envelope' }, 'Exact shape'), el('span', { class: 'key analytic' }, 'Published'), el('span', { class: 'key tolerance' }, 'Tolerance'), el('span', { class: 'key present' }, 'Values in use')),
     );
   }
@@ -205,6 +204,7 @@ export class ContactView {
       if (!answer) return '–';
       if (row === 'limited_by') return answer.limited_by ? [answer.limited_by].flat().map(inWords).join(', ') : '–';
       const value = row === 'deviation' ? answer.check?.deviation : answer[row];
+      if (value === undefined) return '–';
       if (value === null && INFINITE_WHERE_NULL.has(row)) return el('data', { value: 'infinite', 'data-figure': row }, '∞');
       return valueOf(row, value);
     };

@@ -5,7 +5,7 @@ import { copy, csvOf, curlOfForm, curlOfJson, save } from '../clipboard.js';
 import { el } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
 import { addressOf, get, post, upload, Unreachable } from '../service.js';
-import { formatWithUnit } from '../units.js';
+import { formatInput, formatWithUnit } from '../units.js';
 import { SERIES, headline, nameOf, notRanked, passRows, rankingRows, rankingTable, surfaceFigures } from './answer.js';
 import { CutterTable } from './cutters.js';
 import { EXAMPLES } from './examples.js';
@@ -107,7 +107,7 @@ export class PartView {
         event.preventDefault();
         this.ask();
       } },
-      el('h2', {}, 'Surface'), form.element('example'), this.#fileInput, this.#drop, this.#fileFault,
+      el('h2', {}, 'Part'), form.element('example'), this.#fileInput, this.#drop, this.#fileFault,
       el('div', { class: 'grid' }, form.elements('unit', 'facing')),
       el('h2', {}, 'Finish'), el('div', { class: 'grid' }, form.elements('tolerance_of_plan', 'max_slope_deg', 'max_uncut_share', 'model', 'pattern', 'method', 'passes_wanted')),
       el('h2', {}, 'Machine'), form.element('machine'), el('div', { class: 'grid' }, form.elements('machine_feed_rate_mm_min', 'acceleration_m_s2', 'jerk_m_s3', 'rapid_rate_mm_min', 'clearance_height_mm')),
@@ -171,7 +171,7 @@ export class PartView {
     const preset = this.#machines.find(({ name }) => name === this.#form.value('machine'));
     for (const [field, member, kind] of [['machine_feed_rate_mm_min', 'feed_rate_mm_min', 'feedRate'], ['acceleration_m_s2', 'acceleration_m_s2', 'acceleration'], ['jerk_m_s3', 'jerk_m_s3', 'jerk'], ['rapid_rate_mm_min', 'rapid_rate_mm_min', 'feedRate']]) {
       const value = preset?.[member];
-      this.#form.element(field).querySelector('input').placeholder = value === undefined || value === null ? '' : formatWithUnit(value, kind);
+      this.#form.element(field).querySelector('input').placeholder = value === undefined || value === null ? '' : formatInput(value, kind);
     }
   }
 

@@ -16,6 +16,7 @@ const TYPES = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript; ch
 function fileOf(pathname) {
   if (pathname === '/') return path.join(WEB, 'index.html');
   if (pathname === '/favicon.ico') return path.join(WEB, 'favicon.svg');
+  if (pathname === '/glossary') return path.join(WEB, 'glossary.html');
   if (!pathname.startsWith('/workbench/')) return null;
   const file = path.resolve(WEB, pathname.slice('/workbench/'.length));
   return file.startsWith(WEB + path.sep) && existsSync(file) && statSync(file).isFile() ? file : null;
