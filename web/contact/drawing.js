@@ -48,12 +48,12 @@ export function overview(section, width, height) {
   };
   const ground = [];
   const floor = (x) => {
-    const nearest = Math.round(x / stepOver - 0.5) + 0.5;
-    return Math.max(0, Math.min(...[nearest - 1, nearest, nearest + 1].map((pass) => profile.heightOver(x - pass * stepOver, groove))));
+    const before = Math.floor(x / stepOver - 0.5) + 0.5;
+    return Math.max(0, Math.min(...[before, before + 1].map((pass) => profile.heightOver(x - pass * stepOver, groove))));
   };
   const far = Math.abs(across) > 1e-9 ? Math.min(reach * 1.5, 1.5 / Math.abs(across)) : reach * 1.5;
-  for (let i = 0; i <= 600; i += 1) {
-    const x = far * (i / 300 - 1);
+  for (let i = 0; i <= 240; i += 1) {
+    const x = far * (i / 120 - 1);
     const w = floor(x);
     ground.push(place(bent(across, x, Number.isFinite(w) ? Math.min(w, R) : R)));
   }
@@ -95,7 +95,7 @@ export function detail(section, width, height) {
   const place = (x, w) => [middle + x * scale, baseline - (w - (across * x * x) / 2) * vertical];
   const cusp = profile.cusp(stepOver, groove);
   const cuspX = cusp ? cusp.x - stepOver / 2 : 0;
-  const samples = Array.from({ length: 241 }, (_, i) => half * (i / 120 - 1));
+  const samples = Array.from({ length: 161 }, (_, i) => half * (i / 80 - 1));
   if (cusp) samples.push(cuspX, cuspX - stepOver, cuspX + stepOver);
   samples.sort((a, b) => a - b);
   const roof = (inner.height + 40) / vertical;

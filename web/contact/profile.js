@@ -7,18 +7,19 @@
 import { dot } from './frame.js';
 
 const BISECTIONS = 80;
+const TABLE = 96;
 
 export class Profile {
   #a;
   #r;
-  #frame;
   #origin;
+  #table;
+  #ends;
 
   /** `frame` as frame.js gives it; outer radius R and corner radius r in mm. */
   constructor(frame, R, r) {
     this.#a = R - r;
     this.#r = r;
-    this.#frame = frame;
     const [across, up] = [dot(frame.T, frame.Z), dot(frame.n, frame.Z)];
     this.axis = [across, up];
     // m points down, m . Z <= 0, between these angles; beyond them runs the cutter's side.
@@ -29,19 +30,43 @@ export class Profile {
     const [left, right] = [this.#at(0, -1), this.#at(0, 1)];
     // On a floor the contact is a flat of width 2 (R - r); its middle is the origin.
     this.#origin = [(left[0] + right[0]) / 2, right[1]];
+    this.#table = Float64Array.from({ length: TABLE + 1 }, (_, i) => this.#at(this.low + ((this.high - this.low) * i) / TABLE)[0]);
+    this.#ends = [this.#at(this.low), this.#at(this.high)];
+  }
+
+  // The angle whose boundary point lies at x, between two neighbouring angles: [below, above]. The table brackets it; secants and
+  // halvings in turn close the bracket, the halvings for the flat, where x jumps.
+  #bracket(x) {
+    let [first, last] = [0, TABLE];
+    while (last - first > 1) {
+      const middle = (first + last) >> 1;
+      if (this.#table[middle] < x) first = middle;
+      else last = middle;
+    }
+    const angle = (i) => this.low + ((this.high - this.low) * i) / TABLE;
+    let [low, high, atLow, atHigh] = [angle(first), angle(last), this.#table[first] - x, this.#table[last] - x];
+    for (let i = 0; i < BISECTIONS && high - low > 1e-15; i += 1) {
+      const secant = low - (atLow * (high - low)) / (atHigh - atLow);
+      const guess = i % 2 === 0 && secant > low && secant < high ? secant : (low + high) / 2;
+      const found = this.#at(guess)[0] - x;
+      if (Math.abs(found) < 1e-12) return [guess, guess];
+      if (found < 0) [low, atLow] = [guess, found];
+      else [high, atHigh] = [guess, found];
+    }
+    return [low, high];
   }
 
   // The boundary point at angle p. Where m is the tool axis H has a corner, and `side` chooses the end of the flat.
   #at(p, side = 1) {
-    const { n, T, Z } = this.#frame;
+    const [across, up] = this.axis;
     const [s, c] = [Math.sin(p), Math.cos(p)];
-    const m = [0, 1, 2].map((i) => s * T[i] - c * n[i]);
-    const turned = [0, 1, 2].map((i) => c * T[i] + s * n[i]);
-    const [mz, tz] = [dot(m, Z), dot(turned, Z)];
-    const across = Math.sqrt(Math.max(0, 1 - mz * mz));
+    // Parts along the tool axis of m and of its derivative by p.
+    const mz = s * across - c * up;
+    const tz = c * across + s * up;
+    const level = Math.sqrt(Math.max(0, 1 - mz * mz));
     // d|m_xy|/dp = m_xy . m'_xy / |m_xy|, and m . m' = 0.
-    const slope = across > 1e-12 ? (-mz * tz) / across : side * Math.sqrt(Math.max(0, 1 - tz * tz));
-    const [h, dh] = [this.#r + this.#a * across, this.#a * slope];
+    const slope = level > 1e-12 ? (-mz * tz) / level : side * Math.sqrt(Math.max(0, 1 - tz * tz));
+    const [h, dh] = [this.#r + this.#a * level, this.#a * slope];
     return [h * s + dh * c - this.#origin[0], -h * c + dh * s - this.#origin[1]];
   }
 
@@ -59,19 +84,14 @@ export class Profile {
 
   /** Height of the boundary over the tangent at the lateral offset x; infinite beyond a side along the normal. */
   heightAt(x) {
-    const [first, last] = [this.#at(this.low), this.#at(this.high)];
+    const [first, last] = this.#ends;
     if (x <= first[0] || x >= last[0]) {
       const end = x <= first[0] ? first : last;
       if (x === end[0]) return end[1];
       const steps = (x - end[0]) / this.axis[0];
       return Math.abs(this.axis[0]) > 1e-12 && steps > 0 ? end[1] + steps * this.axis[1] : Infinity;
     }
-    let [low, high] = [this.low, this.high];
-    for (let i = 0; i < BISECTIONS; i += 1) {
-      const middle = (low + high) / 2;
-      if (this.#at(middle)[0] < x) low = middle;
-      else high = middle;
-    }
+    const [low, high] = this.#bracket(x);
     // At a flat the two ends differ, and the boundary between them is straight.
     const [a, b] = [this.#at(low, -1), this.#at(high, 1)];
     return b[0] > a[0] ? a[1] + ((b[1] - a[1]) * (x - a[0])) / (b[0] - a[0]) : a[1];

@@ -74,6 +74,7 @@ export class ContactView {
   #charted = new AbortController();
   #last = null;
   #curves = {};
+  #frame = 0;
   #sizes = { overview: 0, detail: 0, polar: 0 };
 
   constructor(onChange) {
@@ -175,7 +176,9 @@ export class ContactView {
       this.#last = { values, results, answers: results.map(({ answer }) => answer) };
       this.#showFaults();
       this.#showAnswers();
-      this.#drawSection();
+      // The figures first: the drawing can wait for the next frame.
+      cancelAnimationFrame(this.#frame);
+      this.#frame = requestAnimationFrame(() => this.#drawSection());
       this.#chart();
     } catch (error) {
       if (error.name !== 'AbortError' && !(error instanceof Unreachable)) throw error;

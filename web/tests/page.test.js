@@ -277,7 +277,7 @@ test('a file of a million facets leaves the page responsive', async (t) => {
 
 test('the tool path view adds the feed of the service to each row', async () => {
   const { page, watch } = await visit('#path');
-  await page.locator('#path-table').fill('slope_deg,feed_angle_deg\n10,0\n35,45\n\n70,90\n');
+  await page.locator('#path-table').fill('slope_deg,feed_angle_deg\n10,0\n35,45\n\n20,60\n');
   await page.locator('#view-path .uplot').first().waitFor();
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download CSV with the answer' }).click()]);
   const [header, ...rows] = readFileSync(await download.path(), 'utf8').trim().split('\n').map((line) => line.split(','));
