@@ -3,7 +3,7 @@
 
 import { el } from './dom.js';
 import { TERMS } from './terms.js';
-import { factorOf, formatInput, parseInput, roundStep, unitOf } from './units.js';
+import { factorOf, formatInput, parseInput, roundStep, unitOf, units } from './units.js';
 
 let lastId = 0;
 
@@ -175,7 +175,9 @@ export function placeFaults(problem, fieldFor) {
   const elsewhere = [];
   for (const { pointer, detail } of faults) {
     const field = fieldFor(pointer);
-    if (field?.shown) field.fault(detail);
+    // The service states lengths in millimetres.
+    const text = units() === 'inch' && pointer.endsWith('_mm') && !/\bmm\b/.test(detail) ? `${detail} (in mm)` : detail;
+    if (field?.shown) field.fault(text);
     else elsewhere.push(pointer ? `${pointer}: ${detail}` : detail);
   }
   return elsewhere;

@@ -46,6 +46,11 @@ export function overview(section, width, height) {
     const side = (end) => [end[0] + axisX * 4 * R, end[1] + axisY * 4 * R];
     return line([side(outline[0]), ...outline, side(outline.at(-1))].map(([x, y]) => place([x + cx, y + cy])));
   };
+  const axisAt = (offset) => {
+    const [cx, cy] = bent(across, offset, 0);
+    const [x, y] = [cx + profile.centre[0], cy + profile.centre[1]];
+    return line([place([x, y]), place([x + axisX * 4 * R, y + axisY * 4 * R])]);
+  };
   const ground = [];
   const floor = (x) => {
     const before = Math.floor(x / stepOver - 0.5) + 0.5;
@@ -67,7 +72,7 @@ export function overview(section, width, height) {
     svg('path', { class: 'part', d: `${line([...ground, down(far), down(0), down(-far)])}Z` }),
     svg('path', { class: 'cutter other', d: cutterAt(-stepOver / 2) }),
     svg('path', { class: 'cutter', d: cutterAt(stepOver / 2) }),
-    svg('path', { class: 'axis', d: line([place(bent(across, stepOver / 2, 0)), place([bent(across, stepOver / 2, 0)[0] + axisX * 4 * R, bent(across, stepOver / 2, 0)[1] + axisY * 4 * R])]) }),
+    svg('path', { class: 'axis', d: axisAt(stepOver / 2) }),
     scaleBar(width - 12, height - 10, bar * scale, formatRound(bar, 'length')),
     svg('text', { x: 10, y: height - 10 }, 'scale 1 : 1 in both axes'),
   );
@@ -120,7 +125,10 @@ export function detail(section, width, height) {
   ].filter(Boolean).map((entry) => ({ ...entry, y: place(half, entry.w)[1] })).sort((a, b) => b.y - a.y);
   let free = Infinity;
   for (const entry of labels) free = (entry.textY = Math.min(entry.y + 4, free)) - 14;
-  const bar = roundBar((inner.height * 0.4) / vertical, 'height');
+  const bar = roundBar((inner.height * 0.3) / vertical, 'height');
+  const barLength = bar * vertical;
+  // The bar of heights stands at the top of the right margin, or at its foot where labels are at the top.
+  const barTop = Math.min(...labels.map(({ textY }) => textY)) - 14 > top + barLength ? top : height - 20 - barLength;
   return svg(
     'svg',
     { viewBox: `0 0 ${width} ${height}`, width, height, role: 'img', 'data-exaggeration': exaggeration, 'data-cusp-mm': cusp?.height ?? '',
@@ -141,8 +149,8 @@ export function detail(section, width, height) {
     svg('path', { class: 'arrow', d: `M${passLeft[0]} ${dimensionY}l7 -3v6ZM${passRight[0]} ${dimensionY}l-7 -3v6Z` }),
     svg('text', { x: (passLeft[0] + passRight[0]) / 2, y: dimensionY - 5, 'text-anchor': 'middle', class: 'on-part' }, `step-over ${formatWithUnit(stepOver, 'length')}`),
     labels.map((entry) => svg('text', { x: edge + 6, y: entry.textY, class: entry.class }, entry.text)),
-    svg('path', { class: 'dimension', d: `M${width - 10} ${top}h-4v${bar * vertical}h4` }),
-    svg('text', { x: width - 20, y: top + (bar * vertical) / 2 + 4, 'text-anchor': 'end' }, formatRound(bar, 'height')),
+    svg('path', { class: 'dimension', d: `M${width - 6} ${barTop}h-4v${barLength}h4` }),
+    svg('text', { x: width - 15, y: barTop + barLength / 2 + 4, 'text-anchor': 'end' }, formatRound(bar, 'height')),
     svg('text', { x: left, y: 14 }, exaggeration === 1 ? 'to scale in both axes' : `to scale across; heights × ${exaggeration}`),
   );
 }

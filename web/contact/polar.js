@@ -9,7 +9,7 @@ import { cosineOf, sineOf } from './frame.js';
  * `feedAngle` the direction in use.
  */
 export function polarChart({ angles, series, feedAngle, size, onPick }) {
-  const radius = size / 2 - 26;
+  const radius = size / 2 - 34;
   const middle = size / 2;
   const known = series.flatMap(({ values }) => values).filter((value) => value !== null).sort((a, b) => a - b);
   if (known.length === 0) return null;

@@ -30,6 +30,8 @@ export class Profile {
     const [left, right] = [this.#at(0, -1), this.#at(0, 1)];
     // On a floor the contact is a flat of width 2 (R - r); its middle is the origin.
     this.#origin = [(left[0] + right[0]) / 2, right[1]];
+    /** The tool axis passes here. */
+    this.centre = this.#origin.map((part) => -part);
     this.#table = Float64Array.from({ length: TABLE + 1 }, (_, i) => this.#at(this.low + ((this.high - this.low) * i) / TABLE)[0]);
     this.#ends = [this.#at(this.low), this.#at(this.high)];
   }

@@ -116,10 +116,12 @@ export class ContactView {
       { class: 'results' },
       this.#message,
       el('div', { class: 'contact-cards' },
-        el('section', { class: 'card answer-card', 'aria-label': 'Answer' }, el('h2', {}, 'Answer'), this.#results),
-        el('section', { class: 'card cusp-card', 'aria-label': 'Cusp' }, el('h2', {}, 'Cusp between two passes'), this.#detail),
-        el('section', { class: 'card overview-card', 'aria-label': 'Cutter on the surface' }, el('h2', {}, 'Across the feed, to scale'), this.#overview),
-        el('section', { class: 'card polar-card', 'aria-label': 'Step-over by direction' }, el('h2', {}, 'Largest step-over by feed direction'), this.#polar, this.#polarCaption)),
+        el('div', { class: 'stack' },
+          el('section', { class: 'card', 'aria-label': 'Answer' }, el('h2', {}, 'Answer'), this.#results),
+          el('section', { class: 'card', 'aria-label': 'Step-over by direction' }, el('h2', {}, 'Largest step-over by feed direction'), this.#polar, this.#polarCaption)),
+        el('div', { class: 'stack' },
+          el('section', { class: 'card', 'aria-label': 'Cusp' }, el('h2', {}, 'Cusp between two passes'), this.#detail),
+          el('section', { class: 'card', 'aria-label': 'Cutter on the surface' }, el('h2', {}, 'Across the feed, to scale'), this.#overview))),
       el('div', { class: 'columns halves' }, el('section', { class: 'card' }, this.#overStepOver.element), el('section', { class: 'card' }, this.#overFeed.element)),
       el('p', { class: 'legend' }, el('span', { class: 'key envelope' }, 'Exact shape'), el('span', { class: 'key analytic' }, 'Published'), el('span', { class: 'key tolerance' }, 'Tolerance'), el('span', { class: 'key present' }, 'Values in use')),
     );
@@ -254,8 +256,8 @@ export class ContactView {
       return;
     }
     const shown = section(geometry);
-    if (this.#sizes.overview) this.#overview.replaceChildren(overview(shown, this.#sizes.overview, 290));
-    if (this.#sizes.detail) this.#detail.replaceChildren(detail(shown, this.#sizes.detail, 300));
+    if (this.#sizes.overview) this.#overview.replaceChildren(overview(shown, this.#sizes.overview, 300));
+    if (this.#sizes.detail) this.#detail.replaceChildren(detail(shown, this.#sizes.detail, 340));
   }
 
   #chart = debounced(120, async () => {

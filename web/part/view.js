@@ -20,7 +20,7 @@ const CUTTERS = [
 
 const FIELDS = [
   { name: 'example', label: 'Surface', help: 'A file of yours, or an example to try the page with.', choices: [['file', 'A file'], ...EXAMPLES.map(([name, label]) => [name, label])], value: 'surface_1' },
-  { name: 'unit', choices: [['mm', 'mm'], ['inch', 'inch']], value: 'mm' },
+  { name: 'unit', choices: [['mm', 'mm'], ['cm', 'cm'], ['m', 'm'], ['inch', 'inch']], value: 'mm' },
   { name: 'facing', choices: [['up', 'Up'], ['any', 'Any']], value: 'up' },
   { name: 'tolerance_of_plan', value: 0.01 },
   { name: 'pattern', choices: [['zigzag', 'Zigzag'], ['one_way', 'One way']], segmented: true, value: 'zigzag' },
@@ -47,6 +47,7 @@ export class PartView {
   #libraries = [];
   #run = null;
   #last = null;
+  #request = null;
   #mapped = null;
   #machines = [];
   #drop = el('label', { class: 'drop', for: 'surface-file' });
@@ -231,20 +232,21 @@ export class PartView {
     return example ? example[2]() : null;
   }
 
-  // Sends the request; `changes` replace members of it.
-  async #send(changes, signal) {
-    const parameters = { ...this.#parameters(), ...changes };
-    const surface = await this.#exampleSurface();
-    if (surface && this.#libraries.length === 0) {
+  // What a request is made of, kept for the maps of other candidates.
+  async #compose() {
+    return { parameters: this.#parameters(), surface: await this.#exampleSurface(), file: this.#file, libraries: [...this.#libraries] };
+  }
+
+  async #send({ parameters, surface, file, libraries }, signal) {
+    if (surface && libraries.length === 0) {
       this.#working('Computing…');
       return post('v1/cutter-recommendation', { surface, ...parameters }, signal);
     }
     const form = new FormData();
-    // A library comes as a form; an example beside it goes as points of a text file.
     if (surface) return { problem: { errors: [{ pointer: '/library', detail: 'Tool libraries go with a file: choose a surface file.' }] } };
     form.append('parameters', new Blob([JSON.stringify(parameters)], { type: 'application/json' }));
-    for (const library of this.#libraries) form.append('library', library);
-    form.append('surface', this.#file);
+    for (const library of libraries) form.append('library', library);
+    form.append('surface', file);
     return upload('v1/cutter-recommendation/upload', form, (share) => {
       this.#progress.value = share;
       this.#progressText.textContent = share < 1 ? `${Math.floor(share * 100)} % sent` : 'Computing…';
@@ -264,13 +266,15 @@ export class PartView {
       this.#fileInput.focus();
       return;
     }
-    const result = await this.#while(() => this.#send({}, this.#run.signal));
+    const request = await this.#compose();
+    const result = await this.#while((signal) => this.#send(request, signal));
     if (!result) return;
     if (result.problem) {
       this.#showProblem(result.problem);
       return;
     }
     this.#last = result.answer;
+    this.#request = request;
     this.#mapped = result.answer.recommended?.cutter ?? null;
     this.#showAnswer();
     this.#showMap(result.answer);
@@ -285,7 +289,7 @@ export class PartView {
     this.#progressBox.hidden = false;
     this.#go.disabled = true;
     try {
-      return await request();
+      return await request(run.signal);
     } catch (error) {
       if (error instanceof Unreachable) this.#tell(['The service cannot be reached; ask again when it is back.']);
       else if (error.name !== 'AbortError') throw error;
@@ -342,19 +346,20 @@ export class PartView {
   #showMap(answer) {
     const candidate = answer.candidates.find(({ cutter }) => cutter === answer.recommended.cutter);
     this.#map.element.closest('section').hidden = !answer.map;
-    if (answer.map) this.#map.show(answer.map, this.#form.value('tolerance_of_plan'), answer.passes, `${nameOf(candidate)} at ${formatWithUnit(candidate.direction_deg, 'angle')}${answer.passes ? ', with its passes' : ''}.`);
+    if (answer.map) this.#map.show(answer.map, this.#request.parameters.scallop_height_mm, answer.passes, `${nameOf(candidate)} at ${formatWithUnit(candidate.direction_deg, 'angle')}${answer.passes ? ', with its passes' : ''}.`);
   }
 
   // The map of another candidate: the same request with this cutter and its direction alone.
   async #mapOf(candidate) {
     const all = this.#last;
-    const cutters = this.#cutters.cutters();
-    const cutter = cutters[candidate.cutter];
+    const { parameters } = this.#request;
+    const cutter = parameters.cutters[candidate.cutter];
     if (!cutter) {
-      this.#tell(['Maps of cutters from a library are shown when they come first.']);
+      this.#tell(['The map of a library’s cutter cannot be asked for alone. Add the cutter by hand to see its map.']);
       return;
     }
-    const result = await this.#while(() => this.#send({ cutters: [cutter], directions_deg: [candidate.direction_deg] }, this.#run.signal));
+    const request = { ...this.#request, libraries: [], parameters: { ...parameters, cutters: [cutter], directions_deg: [candidate.direction_deg] } };
+    const result = await this.#while((signal) => this.#send(request, signal));
     if (!result) return;
     if (result.problem) {
       this.#showProblem(result.problem);
