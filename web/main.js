@@ -2,20 +2,48 @@
 
 import { redrawCharts } from './charts.js';
 import { ContactView } from './contact/view.js';
-import { debounced, el } from './dom.js';
+import { debounced } from './dom.js';
 import { Field } from './fields.js';
 import { fragmentOf, readFragment } from './link.js';
-import { PartView } from './part/view.js';
-import { PathView } from './path/view.js';
 import { onReachable } from './service.js';
 import { startTooltips } from './tooltip.js';
 import { setUnits, units } from './units.js';
 
 const THEMES = [['auto', 'Auto'], ['light', 'Light'], ['dark', 'Dark']];
-const writeLink = debounced(200, () => history.replaceState(null, '', fragmentOf(active.name, units(), active.values())));
+const NAMES = ['contact', 'part', 'path'];
+const writeLink = debounced(200, () => active && history.replaceState(null, '', fragmentOf(active.name, units(), active.values())));
 
-const views = [new ContactView(writeLink), new PartView(writeLink), new PathView(writeLink)];
-let active = views[0];
+// Views other than the first are made when they are first shown.
+const makers = {
+  contact: () => new ContactView(writeLink),
+  part: async () => new (await import('./part/view.js')).PartView(writeLink),
+  path: async () => new (await import('./path/view.js')).PathView(writeLink),
+};
+const made = new Map();
+let active = null;
+
+function viewOf(name) {
+  if (!made.has(name)) {
+    const making = make(name);
+    // A view whose files could not be fetched is tried again.
+    making.catch(() => made.delete(name));
+    made.set(name, making);
+  }
+  return made.get(name);
+}
+
+async function make(name) {
+  const view = await makers[name]();
+  view.element.hidden = true;
+  view.element.setAttribute('role', 'tabpanel');
+  view.element.setAttribute('aria-labelledby', `tab-${name}`);
+  document.getElementById('views').append(view.element);
+  views.push(view);
+  view.start?.();
+  return view;
+}
+
+const views = [];
 
 const remembered = (name) => {
   try {
@@ -55,56 +83,65 @@ const themeField = new Field({ name: 'theme', label: 'Theme', help: 'Colours of 
   redrawCharts();
 });
 
-const tabs = views.map((view) => document.getElementById(`tab-${view.name}`));
+const tabs = NAMES.map((name) => document.getElementById(`tab-${name}`));
 
-function activate(view, focus) {
-  active = view;
-  views.forEach((each, i) => {
-    each.element.hidden = each !== view;
-    tabs[i].setAttribute('aria-selected', each === view);
-    tabs[i].tabIndex = each === view ? 0 : -1;
+function showTab(name, focus) {
+  tabs.forEach((tab, i) => {
+    tab.setAttribute('aria-selected', NAMES[i] === name);
+    tab.tabIndex = NAMES[i] === name ? 0 : -1;
+    if (NAMES[i] !== name) return;
+    if (focus) tab.focus();
+    document.title = `${tab.textContent} – scallopd workbench`;
   });
-  if (focus) tabs[views.indexOf(view)].focus();
-  document.title = `${tabs[views.indexOf(view)].textContent} – scallopd workbench`;
-  if (view.name === 'contact') view.ask();
+}
+
+let wanted = null;
+
+/** Shows a view, with the values of a link where there are some. */
+async function activate(name, { focus = false, values = null } = {}) {
+  wanted = name;
+  showTab(name, focus);
+  const view = await viewOf(name);
+  if (wanted !== name) return;
+  active = view;
+  for (const each of views) each.element.hidden = each !== view;
+  if (values) view.take(values);
+  view.show();
+  if (name === 'contact') view.ask();
 }
 
 function readLink() {
   const { view: name, units: stated, values } = readFragment(location.hash);
-  const view = views.find((each) => each.name === name) ?? views[0];
-  if (values) view.take(values);
   useUnits(stated ?? remembered('units') ?? 'mm');
-  activate(view, false);
+  return activate(NAMES.includes(name) ? name : 'contact', { values });
 }
 
 tabs.forEach((tab, i) => {
-  tab.addEventListener('click', () => {
-    activate(views[i], false);
-    writeLink();
-  });
+  tab.addEventListener('click', () => activate(NAMES[i]).then(writeLink));
   tab.addEventListener('keydown', ({ key }) => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[key];
-    if (!step) return;
-    activate(views[(i + step + views.length) % views.length], true);
-    writeLink();
+    if (step) activate(NAMES[(i + step + NAMES.length) % NAMES.length], { focus: true }).then(writeLink);
   });
-  views[i].element.setAttribute('role', 'tabpanel');
-  views[i].element.setAttribute('aria-labelledby', tab.id);
 });
 
 document.getElementById('settings').append(unitField.element, themeField.element);
-document.getElementById('views').replaceChildren(...views.map(({ element }) => element));
+document.getElementById('views').replaceChildren();
 startTooltips();
 
 const away = document.getElementById('away');
 onReachable((reachable) => {
   away.hidden = reachable;
-  if (reachable) for (const view of views) if (view === active && view.name !== 'part') view.ask();
+  if (!reachable) return;
+  for (const view of views) view.start?.();
+  if (active && active.name !== 'part') active.ask();
 });
 
 themeField.set(remembered('theme') ?? 'auto');
 useTheme(themeField.value);
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redrawCharts);
 addEventListener('hashchange', readLink);
-readLink();
-views[1].start();
+await readLink();
+// The rest of the page, so that it is there even when the service goes away.
+const makeAll = () => setTimeout(() => NAMES.forEach((name) => viewOf(name).catch(() => {})), 300);
+if (document.readyState === 'complete') makeAll();
+else addEventListener('load', makeAll);

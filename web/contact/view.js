@@ -169,6 +169,7 @@ export class ContactView {
 
   async ask() {
     this.#asked.abort();
+    this.#charted.abort();
     this.#asked = new AbortController();
     const { signal } = this.#asked;
     const values = this.values();
