@@ -96,7 +96,8 @@ struct Asset {
 }
 
 /// Compressed once, when the first file is asked for: that takes some 10 ms.
-static ASSETS: LazyLock<HashMap<&'static str, Asset>> = LazyLock::new(|| FILES.iter().map(|&(path, plain)| (path, Asset::new(path, plain))).collect());
+static ASSETS: LazyLock<HashMap<&'static str, Asset>> =
+    LazyLock::new(|| FILES.iter().map(|&(path, plain)| (path, Asset::new(path, plain))).collect());
 
 impl Asset {
     fn new(path: &str, plain: &'static [u8]) -> Self {
@@ -104,7 +105,8 @@ impl Asset {
         plain.hash(&mut hasher);
         let digest = hasher.finish();
         let tag = |encoding: &str| {
-            HeaderValue::try_from(format!("\"{digest:016x}{encoding}\"")).unwrap_or_else(|error| unreachable!("digits are a header's value: {error}"))
+            HeaderValue::try_from(format!("\"{digest:016x}{encoding}\""))
+                .unwrap_or_else(|error| unreachable!("digits are a header's value: {error}"))
         };
         Self { media_type: media_type(path), plain, gzip: gzip(plain), plain_tag: tag(""), gzip_tag: tag("-gzip") }
     }
@@ -112,7 +114,10 @@ impl Asset {
 
 fn gzip(plain: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(plain).and_then(|()| encoder.finish()).unwrap_or_else(|error| unreachable!("a vector takes all that is written: {error}"))
+    encoder
+        .write_all(plain)
+        .and_then(|()| encoder.finish())
+        .unwrap_or_else(|error| unreachable!("a vector takes all that is written: {error}"))
 }
 
 fn media_type(path: &str) -> &'static str {
@@ -153,13 +158,15 @@ fn listed(headers: &HeaderMap, name: header::HeaderName) -> impl Iterator<Item =
 fn accepts_gzip(headers: &HeaderMap) -> bool {
     listed(headers, header::ACCEPT_ENCODING).any(|encoding| {
         let (name, quality) = encoding.split_once(';').unwrap_or((encoding, "q=1"));
-        let refused = quality.trim().strip_prefix("q=").and_then(|quality| quality.parse::<f32>().ok()).is_some_and(|quality| quality <= 0.0);
+        let refused =
+            quality.trim().strip_prefix("q=").and_then(|quality| quality.parse::<f32>().ok()).is_some_and(|quality| quality <= 0.0);
         name.trim().eq_ignore_ascii_case("gzip") && !refused
     })
 }
 
 fn has_tag(headers: &HeaderMap, tag: &HeaderValue) -> bool {
-    listed(headers, header::IF_NONE_MATCH).any(|known| known == "*" || known.strip_prefix("W/").unwrap_or(known).as_bytes() == tag.as_bytes())
+    listed(headers, header::IF_NONE_MATCH)
+        .any(|known| known == "*" || known.strip_prefix("W/").unwrap_or(known).as_bytes() == tag.as_bytes())
 }
 
 #[cfg(test)]

@@ -15,7 +15,9 @@ async fn pages_find_every_file_that_they_name() {
         let named = addresses(&page);
         assert!(named.len() > 3, "{path}");
         for address in named {
-            let address = address.strip_prefix("../").map_or_else(|| format!("{folder}{}", address.trim_start_matches('.')), |rest| format!("/{rest}"));
+            let address = address
+                .strip_prefix("../")
+                .map_or_else(|| format!("{folder}{}", address.trim_start_matches('.')), |rest| format!("/{rest}"));
             let answer = app.get(&address).await;
             assert_eq!(answer.status(), 200, "{path} names {address}");
             assert!(!answer.headers()["content-type"].is_empty());

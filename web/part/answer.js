@@ -40,14 +40,14 @@ export function rankingTable(answer, mapped, onMap) {
     'table',
     { class: 'ranking' },
     el('thead', {},
-      el('tr', {}, el('th', { scope: 'col' }, 'Cutter'), present.map(([name]) => el('th', { scope: 'col' }, term(name))), answer.map && el('th', { scope: 'col' }, 'Map')),
-      el('tr', { class: 'units' }, el('td', {}), present.map(([name]) => el('td', {}, isTime(name) ? '' : unitOf(TERMS[name].kind))), answer.map && el('td', {}))),
+      el('tr', {}, el('th', { scope: 'col' }, 'Cutter'), answer.map && el('th', { scope: 'col' }, 'Map'), present.map(([name]) => el('th', { scope: 'col' }, term(name)))),
+      el('tr', { class: 'units' }, el('td', {}), answer.map && el('td', {}), present.map(([name]) => el('td', {}, isTime(name) ? '' : unitOf(TERMS[name].kind))))),
     el('tbody', {}, answer.candidates.map((candidate, i) => el(
       'tr',
       { 'data-cutter': candidate.cutter, class: i === 0 ? 'best' : '' },
       el('th', { scope: 'row' }, el('span', { class: `swatch ${SERIES[i % SERIES.length]}` }), nameOf(candidate)),
+      answer.map && el('td', {}, mapped === candidate.cutter ? el('span', { class: 'muted' }, 'shown') : el('button', { type: 'button', class: 'quiet', 'aria-label': `Show the map of ${nameOf(candidate)}`, onclick: () => onMap(candidate) }, 'show')),
       present.map(([name, read]) => el('td', {}, isTime(name) ? time(name, read(candidate)) : valueOf(name, single(read(candidate)), TERMS[name].kind))),
-      answer.map && el('td', {}, mapped === candidate.cutter ? el('span', { class: 'muted' }, 'shown') : el('button', { type: 'button', class: 'quiet', onclick: () => onMap(candidate) }, 'show')),
     ))),
   ));
 }

@@ -157,16 +157,22 @@ export class PartMap {
     const length = roundStep((this.#width * 0.18 * factor) / perMillimetre) / factor;
     const { height } = this.#place();
     const ink = getComputedStyle(this.#canvas).color;
+    const text = `${Number((length * factor).toPrecision(3))} ${unitOf('length')} · X →, Y ↑`;
+    context.font = '11px system-ui, sans-serif';
+    // A plate under the scale keeps it legible over the part.
+    context.fillStyle = getComputedStyle(this.element.parentElement).backgroundColor;
+    context.globalAlpha = 0.85;
+    context.fillRect(4, height - 28, Math.max(length * perMillimetre, context.measureText(text).width + 4) + 8, 24);
+    context.globalAlpha = 1;
     context.strokeStyle = context.fillStyle = ink;
     context.lineWidth = 1;
-    context.font = '11px system-ui, sans-serif';
     context.beginPath();
     context.moveTo(8, height - 12);
     context.lineTo(8, height - 8);
     context.lineTo(8 + length * perMillimetre, height - 8);
     context.lineTo(8 + length * perMillimetre, height - 12);
     context.stroke();
-    context.fillText(`${Number((length * factor).toPrecision(3))} ${unitOf('length')} · X →, Y ↑`, 12, height - 14);
+    context.fillText(text, 12, height - 15);
   }
 
   #drawLegend(layer, { low, high, tolerance, colourOf }) {
