@@ -1,10 +1,9 @@
 // The glossary page: the names of requests and answers, and the enumerations of the OpenAPI document.
 
 import { el } from './dom.js';
-import { TERMS } from './terms.js';
-import { unitOf } from './units.js';
+import { OF_THE_PAGE, TERMS } from './terms.js';
 
-document.getElementById('terms').append(el('tbody', {}, Object.entries(TERMS).filter(([name]) => name.includes('_') || name === name.toLowerCase()).map(([name, { label, kind, help }]) => el('tr', { id: name }, el('th', { scope: 'row' }, el('code', {}, name)), el('td', {}, label), el('td', { class: 'unit' }, kind ? unitOf(kind) : ''), el('td', {}, help)))));
+document.getElementById('terms').append(el('tbody', {}, Object.entries(TERMS).filter(([name]) => !OF_THE_PAGE.has(name)).map(([name, { label, help }]) => el('tr', { id: name }, el('th', { scope: 'row' }, el('code', {}, name)), el('td', {}, label), el('td', {}, help)))));
 
 /** The values of an enumeration: [value, description]; empty for another schema. */
 function valuesOf(schema) {

@@ -86,9 +86,8 @@ export const TERMS = {
   uncut_mm: { label: 'Uncut', kind: 'height', help: 'Height of the material that the cutter cannot reach.' },
 };
 
-export const helpOf = (name) => TERMS[name]?.help;
-export const labelOf = (name) => TERMS[name]?.label ?? name;
-export const kindOf = (name) => TERMS[name]?.kind;
+/** Names that the page gives to members of members, and to fields that the service calls otherwise. */
+export const OF_THE_PAGE = new Set(['tolerance_of_plan', 'machine_feed_rate_mm_min', 'scallop_p99_mm', 'scallop_max_mm', 'links_lifts', 'rectangle_time_s', 'height_over_datum']);
 
 // Words of the service's closed sets as the page writes them.
 const WORDS = {

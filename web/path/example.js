@@ -12,7 +12,7 @@ export function examplePath() {
     const slope = (Math.atan(Math.hypot(dx, dy)) * 180) / Math.PI;
     // From the uphill line, which is the gradient's, to the feed along +X.
     const angle = (((-Math.atan2(dy, dx) * 180) / Math.PI) + 360) % 360;
-    rows.push([x.toFixed(2), '0', z.toFixed(4), slope.toFixed(4), angle.toFixed(4), '0.5'].join(','));
+    rows.push([x.toFixed(2), '0', z.toFixed(4), slope.toFixed(4), angle.toFixed(4), '0.62'].join(','));
   }
   return `${rows.join('\n')}\n`;
 }

@@ -20,9 +20,9 @@ const FIELDS = [
   { name: 'teeth', value: 4 },
   { name: 'spindle_speed_rpm', value: 8000 },
   { name: 'scallop_tolerance_mm', value: 0.01 },
-  { name: 'step_over_mm', value: 0.5, help: 'Step-over of contacts whose row states none.' },
+  { name: 'step_over_mm', value: 0.6, help: 'Step-over of contacts whose row states none.' },
   { name: 'feed_per_tooth_mm', value: 0.1, help: 'Feed per tooth of contacts whose row states none.' },
-  { name: 'max_feed_per_tooth_mm', value: 0.25 },
+  { name: 'max_feed_per_tooth_mm', value: 0.4 },
   { name: 'max_feed_rate_mm_min', optional: 'no limit' },
   { name: 'model', choices: [['envelope', 'Exact shape'], ['analytic', 'Published']], segmented: true, value: 'envelope' },
 ];
