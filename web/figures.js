@@ -12,7 +12,7 @@ export function valueOf(name, value, kind = TERMS[name]?.kind) {
 /** A value with its unit. */
 export function figure(name, value, kind = TERMS[name]?.kind) {
   const unit = unitOf(kind);
-  return el('span', { class: 'figure' }, valueOf(name, value, kind), unit && el('span', { class: 'unit' }, unit));
+  return el('span', { class: 'figure', 'data-help': TERMS[name]?.help }, valueOf(name, value, kind), unit && el('span', { class: 'unit' }, unit));
 }
 
 /** A label that explains itself under the pointer and with the keyboard. */

@@ -60,7 +60,7 @@ export function headline(answer) {
   return el(
     'div',
     { class: 'headline' },
-    el('p', { class: 'choice' }, el('b', { 'data-figure': 'recommended' }, nameOf({ ...candidates.find(({ cutter }) => cutter === recommended.cutter), ...recommended })), ' at ', figure('direction_deg', recommended.direction_deg), ' in ', el('b', {}, time('recommended_time', recommended.machining_time_s))),
+    el('p', { class: 'choice' }, el('b', { 'data-figure': 'recommended' }, nameOf({ ...candidates.find(({ cutter }) => cutter === recommended.cutter), ...recommended })), ' at ', figure('direction_deg', recommended.direction_deg), ' in ', el('b', { 'data-help': TERMS.machining_time_s.help }, time('recommended_time', recommended.machining_time_s))),
     lead !== null && el('p', { class: 'muted' }, `${nameOf(second)} takes ${formatWithUnit(lead, 'share')} longer.`),
     confidence && el('div', { class: `confidence ${confidence.level}` }, el('p', {}, 'Confidence: ', el('b', {}, confidence.level)), confidence.reasons.length > 0 && el('ul', {}, confidence.reasons.map((reason) => el('li', {}, typeof reason === 'string' ? reason : (reason.detail ?? inWords(reason.code)))))),
     warningList(answer.warnings),

@@ -225,6 +225,27 @@ test('the part view ranks the cutters of an example as the service does', async 
   clean(watch);
 });
 
+test('the passes are drawn, downloaded, and read by the tool path view', async () => {
+  const { page, watch } = await visit('#part');
+  await page.locator('#view-part').getByText('Point by point').click();
+  const answered = page.waitForResponse((response) => response.url().includes('cutter-recommendation'));
+  await page.getByRole('button', { name: 'Find the cutter' }).click();
+  const { passes } = await (await answered).json();
+  const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download passes as CSV' }).click()]);
+  const text = readFileSync(await download.path(), 'utf8');
+  assert.equal(text.trim().split('\n').length, passes.tip_mm.length + 1);
+  await page.locator('#tab-path').click();
+  const file = path.join(folder, 'passes.csv');
+  writeFileSync(file, text);
+  await page.locator('#path-file').setInputFiles(file);
+  await page.locator('[data-figure="contacts"]').waitFor();
+  assert.equal(await page.locator('[data-figure="contacts"]').getAttribute('value'), String(passes.tip_mm.length));
+  // A point whose tip was raised has no contact, and no answer.
+  const raised = passes.contact_mm.filter((contact) => contact === null).length;
+  assert.ok(Number(await page.locator('[data-figure="failures"]').getAttribute('value')) >= raised);
+  clean(watch);
+});
+
 test('a wrong cutter is marked in its row', async () => {
   const { page } = await visit('#part');
   await page.locator('.cutter-row').nth(1).locator('[data-field="corner_radius_mm"] input').fill('9');

@@ -51,7 +51,7 @@ function recommend(response, parameters) {
   const faults = parameters.cutters.flatMap(({ corner_radius_mm: corner, diameter_mm: diameter }, i) => (corner >= diameter / 2 ? [`/cutters/${i}/corner_radius_mm`] : []));
   if (faults.length > 0) return reply(response, 422, problem(faults[0], 'corner-radius-too-large', 'the corner radius of a toroidal cutter must be under half its diameter'));
   const candidates = fixture.candidates.filter(({ cutter }) => cutter < parameters.cutters.length).map((candidate) => ({ ...candidate, name: parameters.cutters[candidate.cutter].name }));
-  return reply(response, 200, { ...fixture, candidates });
+  return reply(response, 200, { ...fixture, candidates, passes: parameters.include?.includes('passes') ? fixture.passes : undefined });
 }
 
 /** Answers the request, or returns false. */
