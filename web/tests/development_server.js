@@ -3,10 +3,11 @@
 // Usage: node web/tests/development_server.js http://127.0.0.1:8080 [port] [--stand-in]
 // With --stand-in it answers for a scallopd that lacks newer endpoints (stand_in.js).
 
-import { createReadStream, existsSync, statSync } from 'node:fs';
+import { existsSync, readFileSync, statSync } from 'node:fs';
 import http from 'node:http';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
 import { standIn } from './stand_in.js';
 
 const WEB = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '..');
@@ -20,6 +21,15 @@ function fileOf(pathname) {
   if (!pathname.startsWith('/workbench/')) return null;
   const file = path.resolve(WEB, pathname.slice('/workbench/'.length));
   return file.startsWith(WEB + path.sep) && existsSync(file) && statSync(file).isFile() ? file : null;
+}
+
+const kept = new Map();
+
+// A file compressed, anew when it changed.
+function compressed(file) {
+  const changed = statSync(file).mtimeMs;
+  if (kept.get(file)?.changed !== changed) kept.set(file, { changed, bytes: gzipSync(readFileSync(file)) });
+  return kept.get(file).bytes;
 }
 
 function pass(request, response, service) {
@@ -38,8 +48,8 @@ export function serve(service, port = 0, withStandIn = false) {
     const { pathname } = new URL(request.url, 'http://host');
     const file = fileOf(pathname);
     if (file) {
-      response.writeHead(200, { 'content-type': TYPES[path.extname(file)] ?? 'text/plain', 'content-security-policy': POLICY, 'cache-control': 'no-cache', 'x-content-type-options': 'nosniff' });
-      createReadStream(file).pipe(response);
+      response.writeHead(200, { 'content-type': TYPES[path.extname(file)] ?? 'text/plain', 'content-security-policy': POLICY, 'cache-control': 'no-cache', 'x-content-type-options': 'nosniff', 'content-encoding': 'gzip' });
+      response.end(compressed(file));
     } else if (!withStandIn || !standIn(request, response, service)) {
       pass(request, response, service);
     }
