@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { anglesOf, frameOfAngles, frameOfVectors } from '../contact/frame.js';
+import { anglesOf, dot, frameOfAngles, frameOfVectors } from '../contact/frame.js';
 import { Profile, grooveCurvature } from '../contact/profile.js';
 import { fragmentOf, readFragment } from '../link.js';
 import { examplePath } from '../path/example.js';
@@ -52,6 +52,52 @@ test('curvature across the feed alone enters the groove unchanged', () => {
   // Curvature along the feed changes an oblique groove, and one along the steepest line not.
   assert.notEqual(grooveCurvature(frameOfAngles(40, 30), 5, 2, { across: 0.02, along: 0.05 }), 0.02);
   assert.ok(Math.abs(grooveCurvature(frameOfAngles(40, 0), 5, 2, { across: 0.02, along: 0.05 }) - 0.02) < 1e-15);
+});
+
+// The groove of a surface curved in all directions, without the second-order step: for each slope q across the feed the slope p along it
+// is solved for at which the height over the surface is least.
+function exactCusp(frame, R, r, { along, across, twist }, stepOver) {
+  const a = R - r;
+  const boundary = (p, q) => {
+    const length = Math.hypot(p, q, 1);
+    const m = [0, 1, 2].map((i) => (p * frame.F[i] + q * frame.T[i] - frame.n[i]) / length);
+    const level = Math.hypot(m[0], m[1]);
+    const point = [(a / level + r) * m[0], (a / level + r) * m[1], r * m[2]];
+    return [frame.F, frame.T, frame.n].map((axis) => dot(point, axis));
+  };
+  const origin = boundary(0, 0);
+  const from = (p, q) => boundary(p, q).map((part, i) => part - origin[i]);
+  const bisect = (low, high, below) => {
+    for (let i = 0; i < 80; i += 1) {
+      const middle = (low + high) / 2;
+      if (below(middle)) low = middle;
+      else high = middle;
+    }
+    return low;
+  };
+  const groove = (q) => {
+    const p = bisect(-2, 2, (guess) => {
+      const [x, y] = from(guess, q);
+      return guess + along * x + twist * y < 0;
+    });
+    const [x, y, w] = from(p, q);
+    return [y, w + (along * x * x + across * y * y) / 2 + twist * x * y];
+  };
+  const height = (y) => groove(bisect(-3, 3, (q) => groove(q)[0] < y))[1];
+  return height(bisect(0, stepOver, (y) => height(y) < height(y - stepOver)));
+}
+
+test('the drawn cusp on a surface curved in all directions is within 1 % of the exact one', () => {
+  for (const [R, r, slope, angle, curvature, stepOver] of [
+    [8.4, 5.5, 27.7, 32.3, { along: -0.011, across: -0.026, twist: 0 }, 0.63],
+    [6.1, 4.4, 50, 92.1, { along: 0.036, across: -0.007, twist: 0.013 }, 0.61],
+    [4.3, 2.25, 66.4, 65.4, { along: 0.005, across: 0.007, twist: -0.01 }, 0.44],
+  ]) {
+    const frame = frameOfAngles(slope, angle);
+    const drawn = new Profile(frame, R, r).cusp(stepOver, grooveCurvature(frame, R, r, curvature)).height;
+    const exact = exactCusp(frame, R, r, curvature, stepOver);
+    assert.ok(Math.abs(drawn / exact - 1) < 0.01, `${slope} ${angle}: drawn ${drawn}, exact ${exact}`);
+  }
 });
 
 test('what is typed in inches comes back as typed', () => {

@@ -86,7 +86,7 @@ test('the contact view shows the figures of the service for every question', asy
   clean(watch.filter((line) => !line.includes('422')));
 });
 
-test('the drawn cusp is the service’s height without feed, on planes and across a curved surface', async () => {
+test('the drawn cusp is the service’s height without feed', async () => {
   const { page, watch } = await visit('#contact');
   for (const [slope, angle] of [[40, 30], [3, 60], [85, 90], [60, 0]]) {
     await field(page, 'slope_deg').fill(String(slope));
