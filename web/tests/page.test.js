@@ -304,7 +304,7 @@ test('a file of a million facets leaves the page responsive', async (t) => {
 
 test('the tool path view adds the feed of the service to each row', async () => {
   const { page, watch } = await visit('#path');
-  await page.locator('#path-table').fill('slope_deg,feed_angle_deg\n10,0\n35,45\n\n20,60\n');
+  await page.locator('#path-table').fill('slope_deg,feed_angle_deg\n10,0\n35,45\n\n20,20\n');
   await page.locator('#view-path .uplot').first().waitFor();
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download CSV with the answer' }).click()]);
   const [header, ...rows] = readFileSync(await download.path(), 'utf8').trim().split('\n').map((line) => line.split(','));
@@ -380,6 +380,15 @@ test('accessibility: no serious fault in any view, light or dark', async () => {
       assert.deepEqual(grave.map(({ id, nodes }) => [id, nodes.map(({ target }) => target.join(' ')).slice(0, 4)]), [], `${view} ${colorScheme}`);
     }
   }
+});
+
+test('the glossary lists names and codes without serious faults', async () => {
+  const { page, watch } = await visit('glossary');
+  await page.locator('#codes li').first().waitFor();
+  assert.ok((await page.locator('#terms tr').count()) > 50);
+  const { violations } = await new AxeBuilder({ page }).analyze();
+  assert.deepEqual(violations.filter(({ impact }) => ['serious', 'critical'].includes(impact)).map(({ id }) => id), []);
+  clean(watch);
 });
 
 test('nothing overflows from 360 to 1920 px', async () => {
