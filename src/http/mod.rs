@@ -4,6 +4,7 @@
 mod app_state;
 mod body;
 mod calculation;
+mod codes;
 mod document;
 pub mod layers;
 pub mod metrics;
@@ -13,6 +14,7 @@ mod problem;
 mod process;
 pub mod readiness;
 mod reading;
+mod wire;
 mod workbench;
 pub mod worker_pool;
 

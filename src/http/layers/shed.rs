@@ -1,12 +1,12 @@
 //! Requests beyond what is accepted at once are turned away, not queued: a queue would only make everybody late.
 
 use axum::extract::Request;
-use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use std::sync::Arc;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::weight::Weight;
+use crate::http::codes::ServiceProblem;
 use crate::http::metrics::{Metrics, ShedReason};
 use crate::http::problem::Problem;
 
@@ -40,5 +40,5 @@ impl InFlight {
 
 /// 503 with `Retry-After`: a second, since places come free within milliseconds unless the load lasts.
 pub(crate) fn overloaded(detail: String) -> Response {
-    Problem::new(StatusCode::SERVICE_UNAVAILABLE, "overloaded", "The server is busy", detail).retry_after(1).into_response()
+    Problem::new(ServiceProblem::Overloaded, detail).retry_after(1).into_response()
 }

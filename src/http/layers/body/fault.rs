@@ -3,9 +3,9 @@
 use std::fmt;
 use std::time::Duration;
 
-use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 
+use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
 
 /// The rule that a body broke.
@@ -46,11 +46,11 @@ impl std::error::Error for BodyFault {}
 impl BodyFault {
     /// The problem that the client is told.
     pub(super) fn answer(&self) -> Response {
-        let (status, slug, title) = match self {
-            Self::TooLarge { .. } => (StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large"),
-            Self::Stalled { .. } | Self::TooSlow { .. } => (StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long"),
-            Self::Unreadable(_) => (StatusCode::BAD_REQUEST, "unreadable-body", "The body could not be read"),
+        let kind = match self {
+            Self::TooLarge { .. } => ServiceProblem::TooLarge,
+            Self::Stalled { .. } | Self::TooSlow { .. } => ServiceProblem::Timeout,
+            Self::Unreadable(_) => ServiceProblem::UnreadableBody,
         };
-        Problem::new(status, slug, title, self.to_string()).into_response()
+        Problem::new(kind, self.to_string()).into_response()
     }
 }

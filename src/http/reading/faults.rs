@@ -1,0 +1,84 @@
+//! The faults of a request, each with its code and its place.
+
+use super::JsonPath;
+use crate::http::codes::{FaultCode, ProblemFigure, RequestFault};
+use std::fmt;
+
+/// One fault of a request.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fault {
+    /// Where: a JSON pointer into the request.
+    pub(crate) pointer: String,
+    /// Which.
+    pub(crate) code: FaultCode,
+    /// What is wrong and what would be right, for a person.
+    pub(crate) detail: String,
+    /// Figures that show a way out, in mm.
+    pub(crate) figures: Vec<(ProblemFigure, f64)>,
+}
+
+impl Fault {
+    pub(crate) fn new(path: &JsonPath<'_>, code: impl Into<FaultCode>, detail: impl fmt::Display) -> Self {
+        Self { pointer: path.to_string(), code: code.into(), detail: detail.to_string(), figures: Vec::new() }
+    }
+}
+
+/// Proof that a fault was recorded, in place of the value that could not be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Faulted;
+
+/// All faults of a request, in the order in which they were found.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    listed: Vec<Fault>,
+    unlisted: usize,
+}
+
+impl Faults {
+    /// A request can hold a fault every few bytes; beyond this many they are counted, not listed.
+    const MOST_LISTED: usize = 1000;
+
+    /// Records a fault and returns the proof.
+    pub(crate) fn add(&mut self, path: &JsonPath<'_>, code: impl Into<FaultCode>, detail: impl fmt::Display) -> Faulted {
+        self.push(Fault::new(path, code, detail))
+    }
+
+    /// Records a complete fault.
+    pub(crate) fn push(&mut self, fault: Fault) -> Faulted {
+        if self.listed.len() < Self::MOST_LISTED {
+            self.listed.push(fault);
+        } else {
+            self.unlisted += 1;
+        }
+        Faulted
+    }
+
+    /// The faults; where some were only counted, the last one says how many.
+    pub(crate) fn into_listed(mut self) -> Vec<Fault> {
+        if self.unlisted > 0 {
+            let detail = format!("{} further faults are not listed", self.unlisted);
+            self.listed.push(Fault::new(&JsonPath::Root, RequestFault::FurtherFaults, detail));
+        }
+        self.listed
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.listed.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flood_of_faults_is_counted_not_kept() {
+        let mut faults = Faults::default();
+        for _ in 0..Faults::MOST_LISTED + 7 {
+            faults.add(&JsonPath::Root, RequestFault::WrongType, "y");
+        }
+        let listed = faults.into_listed();
+        assert_eq!(listed.len(), Faults::MOST_LISTED + 1);
+        assert_eq!(listed.last().unwrap().detail, "7 further faults are not listed");
+    }
+}
