@@ -65,6 +65,9 @@ const FILES: &[(&str, &[u8])] = &embedded![
     "workbench.css",
 ];
 
+/// The page of codes, which the glossary shows.
+const CODES: (&str, &[u8]) = ("codes.md", include_bytes!("../../docs/codes.md"));
+
 /// Scripts, styles and calls from this server only, nothing inline. The page for the API's documentation has a policy of its own.
 const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; \
@@ -97,7 +100,7 @@ struct Asset {
 
 /// Compressed once, when the first file is asked for: that takes some 10 ms.
 static ASSETS: LazyLock<HashMap<&'static str, Asset>> =
-    LazyLock::new(|| FILES.iter().map(|&(path, plain)| (path, Asset::new(path, plain))).collect());
+    LazyLock::new(|| FILES.iter().chain([&CODES]).map(|&(path, plain)| (path, Asset::new(path, plain))).collect());
 
 impl Asset {
     fn new(path: &str, plain: &'static [u8]) -> Self {

@@ -18,6 +18,7 @@ function fileOf(pathname) {
   if (pathname === '/') return path.join(WEB, 'index.html');
   if (pathname === '/favicon.ico') return path.join(WEB, 'favicon.svg');
   if (pathname === '/glossary') return path.join(WEB, 'glossary.html');
+  if (pathname === '/workbench/codes.md') return path.join(WEB, '../docs/codes.md');
   if (!pathname.startsWith('/workbench/')) return null;
   const file = path.resolve(WEB, pathname.slice('/workbench/'.length));
   return file.startsWith(WEB + path.sep) && existsSync(file) && statSync(file).isFile() ? file : null;
