@@ -1,5 +1,5 @@
 // Calls to the service, and whether it can be reached. A call returns {answer} or {problem}, or throws `Unreachable` when there is no
-// service, and an AbortError when it was given up.
+// service, and an AbortError when the caller aborted it.
 
 export class Unreachable extends Error {}
 

@@ -41,7 +41,7 @@ export function overview(section, width, height) {
   };
   const outline = profile.points();
   const cutterAt = (offset) => {
-    // The body is rigid: it stands at its contact, turned by nothing, for the tool only translates.
+    // The cutter translates without turning.
     const [cx, cy] = bent(across, offset, 0);
     const side = (end) => [end[0] + axisX * 4 * R, end[1] + axisY * 4 * R];
     return line([side(outline[0]), ...outline, side(outline.at(-1))].map(([x, y]) => place([x + cx, y + cy])));
