@@ -173,12 +173,14 @@ export class ContactView {
     this.#asked = new AbortController();
     const { signal } = this.#asked;
     const values = this.values();
+    this.#results.setAttribute('aria-busy', 'true');
     try {
       const results = await Promise.all(MODELS.map((model) => post(ENDPOINTS[values.question], requestOf(values, model), signal)));
       if (signal.aborted) return;
       this.#last = { values, results, answers: results.map(({ answer }) => answer) };
       this.#showFaults();
       this.#showAnswers();
+      this.#results.setAttribute('aria-busy', 'false');
       // The figures first: the drawing can wait for the next frame.
       cancelAnimationFrame(this.#frame);
       this.#frame = requestAnimationFrame(() => this.#drawSection());

@@ -37,6 +37,12 @@ async function visit(fragment, options) {
 const field = (page, name) => page.locator(`.view:not([hidden]) [data-field="${name}"] input`).first();
 const clean = (watch) => assert.deepEqual(watch, []);
 
+/** Waits until the answer to what was typed is shown and drawn. */
+async function settled(page) {
+  await page.locator('#view-contact .answer[aria-busy="false"]').waitFor();
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve))));
+}
+
 /** The figures of the contact view by model. */
 const figures = (page) =>
   page.evaluate(() => Object.fromEntries(['envelope', 'analytic'].map((model) => [model, Object.fromEntries([...document.querySelectorAll(`#view-contact td[data-model="${model}"] data`)].map((data) => [data.dataset.figure, [data.value, data.textContent]]))])));
@@ -73,8 +79,8 @@ test('the contact view shows the figures of the service for every question', asy
     await page.getByText(label, { exact: true }).first().click();
     if (members.step_over_mm) await field(page, 'step_over_mm').fill(String(members.step_over_mm));
     if (members.max_feed_per_tooth_mm) await field(page, 'max_feed_per_tooth_mm').fill(String(members.max_feed_per_tooth_mm));
+    await settled(page);
     await page.locator(`td[data-model="envelope"] data[data-figure="${main}"]`).waitFor();
-    await page.waitForTimeout(150);
     const shown = await figures(page);
     for (const model of ['envelope', 'analytic']) {
       const answer = await bench.service.post(endpoint, { ...shared, ...members, model });
@@ -91,7 +97,7 @@ test('the drawn cusp is the service’s height without feed', async () => {
   for (const [slope, angle] of [[40, 30], [3, 60], [85, 90], [60, 0]]) {
     await field(page, 'slope_deg').fill(String(slope));
     await field(page, 'feed_angle_deg').fill(String(angle));
-    await page.waitForTimeout(200);
+    await settled(page);
     const { envelope } = await figures(page);
     const drawn = Number(await page.locator('.detail svg[data-cusp-mm]').getAttribute('data-cusp-mm'));
     const stated = Number(envelope.step_over_height_mm[0]);
@@ -107,7 +113,7 @@ test('vectors, curvature and runout reach the service', async () => {
   await page.getByText('Radius', { exact: true }).click();
   await field(page, 'surface_radius_mm').fill('80');
   await field(page, 'radial_mm').fill('2');
-  await page.waitForTimeout(250);
+  await settled(page);
   const request = { cutter: { type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2, teeth: 4 }, contact: { normal: [-0.64, 0, 0.77], feed: [1, 0, 0.84] }, surface_radius_mm: 80, runout: { radial_mm: 0.002 }, step_over_mm: 0.687, feed_per_tooth_mm: 0.15 };
   for (const model of ['envelope', 'analytic']) assertAnswer((await figures(page))[model], await bench.service.post('scallop-height', { ...request, model }), model);
   clean(watch);
@@ -141,12 +147,15 @@ test('a link holds the whole state, inches included', async () => {
   await page.locator('#settings').getByText('inch').click();
   await field(page, 'diameter_mm').fill('0.375');
   await field(page, 'slope_deg').fill('25');
-  await page.waitForTimeout(400);
+  await settled(page);
   const shown = await figures(page);
+  // The address follows the fields after a moment.
+  await page.waitForFunction(() => location.hash.includes('slope_deg=25'));
   await page.getByRole('button', { name: 'Copy link' }).first().click();
   const link = await page.evaluate(() => navigator.clipboard.readText());
+  assert.match(link, /slope_deg=25/);
   const { page: other, watch: otherWatch } = await visit(link.slice(bench.address.length));
-  await other.waitForTimeout(400);
+  await settled(other);
   assert.deepEqual(await figures(other), shown);
   assert.equal(await field(other, 'diameter_mm').inputValue(), '0.375');
   assert.equal(await other.locator('tr[data-row="step_over_mm"] td.unit').textContent(), 'in');
