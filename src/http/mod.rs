@@ -15,6 +15,7 @@ mod process;
 pub mod readiness;
 mod reading;
 mod wire;
+mod workbench;
 pub mod worker_pool;
 
 pub use app_state::AppState;
@@ -53,5 +54,5 @@ pub fn openapi_json() -> String {
 /// The routes, before the layers around them.
 pub fn router(state: &AppState) -> Router {
     let (router, _) = routes().split_for_parts();
-    router.merge(pages::routes()).fallback(async || StatusCode::NOT_FOUND).with_state(state.clone())
+    router.merge(pages::routes()).merge(workbench::routes()).fallback(async || StatusCode::NOT_FOUND).with_state(state.clone())
 }

@@ -12,3 +12,4 @@ mod statuses;
 mod step_over;
 mod transport;
 mod warnings;
+mod workbench;
