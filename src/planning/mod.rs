@@ -13,6 +13,7 @@ mod job;
 mod recommendation;
 mod rectangle;
 mod root;
+pub mod zigzag;
 
 pub use confidence::{Confidence, Level, Reason, Weakness};
 pub use critical::{CriticalFormFactor, CriticalSlope, critical_form_factor, critical_slope};

@@ -1,0 +1,149 @@
+//! Where a plane cuts the facets: runs along it, joined over narrow gaps.
+
+use super::march::{Reached, Spaced};
+use super::spacing::FeedLaw;
+
+/// A stretch along a plane that is cut without leaving the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Run {
+    /// Both ends, along the pass and in height, the lower one along the pass first.
+    pub(super) ends: [[f64; 2]; 2],
+    /// Its length in space, with the gaps over which it is joined.
+    pub(super) length: f64,
+    /// The time it would take without stops.
+    pub(super) seconds: f64,
+}
+
+/// The part of a plane between two gaps, at least; its ends and the lengths in it.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    ends: [[f64; 2]; 2],
+    /// The length of the cuts seen from above.
+    above: f64,
+    length: f64,
+    seconds: f64,
+}
+
+const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]], above: 0.0, length: 0.0, seconds: 0.0 };
+
+/// The runs of one plane after the other.
+///
+/// A plane is divided into cells as wide as the gaps over which runs are joined. Two cuts that begin in one cell are therefore in one run, so
+/// that sums by cells give the same runs as sorting all cuts.
+#[derive(Debug)]
+pub(super) struct RunFinder {
+    cells: Vec<Cell>,
+    origin: f64,
+    gap: f64,
+    pub(super) runs: Vec<Run>,
+}
+
+/// A cut of a facet: both ends along the pass and in height.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cut {
+    pub(super) ends: [[f64; 2]; 2],
+}
+
+impl RunFinder {
+    /// For gaps up to `gap`.
+    pub(super) fn new(spaced: &Spaced, gap: f64) -> Self {
+        let [low, high] = spaced.sweep.along;
+        // A part of a kilometre and a cutter of a micrometre would make 1e9 cells; wider cells join wider gaps.
+        let gap = gap.max((high - low) / 100_000.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 1e5")]
+        let count = ((high - low) / gap) as usize + 2;
+        Self { cells: vec![EMPTY; count], origin: low, gap, runs: Vec::new() }
+    }
+
+    /// Finds the runs of the plane at `at`, whose neighbours are `spacing` away.
+    pub(super) fn find(&mut self, spaced: &Spaced, reached: &[Reached], at: f64, spacing: f64, feeds: &FeedLaw) {
+        let workpiece = spaced.workpiece;
+        let constant_pace = if let FeedLaw::Constant { rate } = feeds { Some(rate.recip()) } else { None };
+        for reached in reached {
+            if !(reached.covered.low <= at && at < reached.covered.high) {
+                continue;
+            }
+            let facet = reached.covered.facet as usize;
+            let Some(Cut { ends: [from, to] }) = cut(spaced, facet, at) else { continue };
+            let weight = workpiece.weights[facet];
+            let above = (to[0] - from[0]) * weight;
+            let length = above.hypot((to[1] - from[1]) * weight);
+            let pace = constant_pace.unwrap_or_else(|| {
+                let tangent = &workpiece.tangents[facet];
+                let taken = spacing * spacing / f64::from(spaced.squared[facet]);
+                feeds.rate(tangent, tangent.alpha(spaced.sweep.heading.e).0, taken).recip()
+            });
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the cells")]
+            let cell = ((from[0] - self.origin) / self.gap) as usize;
+            let last = self.cells.len() - 1;
+            let cell = &mut self.cells[cell.min(last)];
+            if from[0] < cell.ends[0][0] {
+                cell.ends[0] = from;
+            }
+            if to[0] > cell.ends[1][0] {
+                cell.ends[1] = to;
+            }
+            cell.above += above;
+            cell.length += length;
+            cell.seconds += length * pace;
+        }
+        self.join();
+    }
+
+    /// Joins the cells' cuts to runs, and empties the cells.
+    fn join(&mut self) {
+        self.runs.clear();
+        let mut run: Option<Cell> = None;
+        for cell in &mut self.cells {
+            if cell.length <= 0.0 {
+                continue;
+            }
+            let cell = std::mem::replace(cell, EMPTY);
+            match &mut run {
+                Some(run) if cell.ends[0][0] - run.ends[1][0] <= self.gap => {
+                    if cell.ends[1][0] > run.ends[1][0] {
+                        run.ends[1] = cell.ends[1];
+                    }
+                    run.above += cell.above;
+                    run.length += cell.length;
+                    run.seconds += cell.seconds;
+                }
+                _ => {
+                    self.runs.extend(run.replace(cell).map(finished));
+                }
+            }
+        }
+        self.runs.extend(run.map(finished));
+    }
+}
+
+/// A run with its gaps: what its ends span seen from above beyond its cuts is crossed at the pace of the cuts.
+fn finished(cell: Cell) -> Run {
+    let gaps = (cell.ends[1][0] - cell.ends[0][0] - cell.above).max(0.0);
+    let length = cell.length + gaps;
+    Run { ends: cell.ends, length, seconds: cell.seconds * length / cell.length }
+}
+
+/// Where the plane at `at` cuts a facet; `None` where it touches a corner only.
+pub(super) fn cut(spaced: &Spaced, facet: usize, at: f64) -> Option<Cut> {
+    let heading = spaced.sweep.heading;
+    let mut corners = spaced.workpiece.corners[facet].map(|[x, y, z]| (heading.across(x, y), heading.along(x, y), z));
+    if corners[0].0 > corners[1].0 {
+        corners.swap(0, 1);
+    }
+    if corners[1].0 > corners[2].0 {
+        corners.swap(1, 2);
+    }
+    if corners[0].0 > corners[1].0 {
+        corners.swap(0, 1);
+    }
+    let [low, middle, high] = corners;
+    let on = |a: (f64, f64, f64), b: (f64, f64, f64)| {
+        let share = (at - a.0) / (b.0 - a.0);
+        [a.1 + share * (b.1 - a.1), a.2 + share * (b.2 - a.2)]
+    };
+    let long = on(low, high);
+    let short = if at < middle.0 { on(low, middle) } else { on(middle, high) };
+    let ends = if long[0] <= short[0] { [long, short] } else { [short, long] };
+    (ends[1][0] > ends[0][0]).then_some(Cut { ends })
+}
