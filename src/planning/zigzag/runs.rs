@@ -8,7 +8,7 @@ use super::spacing::FeedLaw;
 pub(super) struct Run {
     /// Both ends, along the pass and in height, the lower one along the pass first.
     pub(super) ends: [[f64; 2]; 2],
-    /// Its length in space, with the gaps over which it is joined.
+    /// The length of its cuts in space.
     pub(super) length: f64,
     /// The time it would take without stops.
     pub(super) seconds: f64,
@@ -18,13 +18,11 @@ pub(super) struct Run {
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     ends: [[f64; 2]; 2],
-    /// The length of the cuts seen from above.
-    above: f64,
     length: f64,
     seconds: f64,
 }
 
-const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]], above: 0.0, length: 0.0, seconds: 0.0 };
+const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]], length: 0.0, seconds: 0.0 };
 
 /// The runs of one plane after the other.
 ///
@@ -66,8 +64,7 @@ impl RunFinder {
             let facet = reached.covered.facet as usize;
             let Some(Cut { ends: [from, to] }) = cut(spaced, facet, at) else { continue };
             let weight = workpiece.weights[facet];
-            let above = (to[0] - from[0]) * weight;
-            let length = above.hypot((to[1] - from[1]) * weight);
+            let length = weight * (to[0] - from[0]).hypot(to[1] - from[1]);
             let pace = constant_pace.unwrap_or_else(|| {
                 let tangent = &workpiece.tangents[facet];
                 let taken = spacing * spacing / f64::from(spaced.squared[facet]);
@@ -83,7 +80,6 @@ impl RunFinder {
             if to[0] > cell.ends[1][0] {
                 cell.ends[1] = to;
             }
-            cell.above += above;
             cell.length += length;
             cell.seconds += length * pace;
         }
@@ -104,7 +100,6 @@ impl RunFinder {
                     if cell.ends[1][0] > run.ends[1][0] {
                         run.ends[1] = cell.ends[1];
                     }
-                    run.above += cell.above;
                     run.length += cell.length;
                     run.seconds += cell.seconds;
                 }
@@ -117,11 +112,9 @@ impl RunFinder {
     }
 }
 
-/// A run with its gaps: what its ends span seen from above beyond its cuts is crossed at the pace of the cuts.
+/// The run of the cuts in a cell. Gaps over which it is joined add nothing to its length.
 fn finished(cell: Cell) -> Run {
-    let gaps = (cell.ends[1][0] - cell.ends[0][0] - cell.above).max(0.0);
-    let length = cell.length + gaps;
-    Run { ends: cell.ends, length, seconds: cell.seconds * length / cell.length }
+    Run { ends: cell.ends, length: cell.length, seconds: cell.seconds }
 }
 
 /// Where the plane at `at` cuts a facet; `None` where it touches a corner only.

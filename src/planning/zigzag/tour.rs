@@ -29,6 +29,8 @@ pub struct TourFigures {
     pub link_length: f64,
     /// How many links go over the clearance height.
     pub lifts: usize,
+    /// The time of these links, in s.
+    pub lift_seconds: f64,
     /// The time that the runs would take without stops, in s.
     pub cutting_seconds: f64,
 }
@@ -123,7 +125,9 @@ impl<'a> Tour<'a> {
             let (up, down) = (self.clearance - from[2], self.clearance - to[2]);
             self.figures.lifts += 1;
             self.figures.link_length += up + across + down;
-            self.figures.seconds += [up, across, down].into_iter().map(|length| straight(length, self.rapid)).sum::<f64>();
+            let seconds: f64 = [up, across, down].into_iter().map(|length| straight(length, self.rapid)).sum();
+            self.figures.lift_seconds += seconds;
+            self.figures.seconds += seconds;
         }
     }
 }
