@@ -120,7 +120,7 @@ impl Job {
 
 /// The largest step-over of a pass along the steepest slope of a plane.
 fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length) -> Result<Length, NoAnswer> {
-    let pass = Pass { cutter, contact: Contact::up_the_slope(slope), surface: SurfaceCurvature::PLANE, runout: Runout::NONE };
+    let pass = Pass { cutter, contact: Contact::up_the_slope(slope), surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
     JudgedPass::new(model, pass)?.max_step_over(scallop_height, None)
 }
 

@@ -42,7 +42,7 @@ proptest! {
     #[test]
     fn angles_and_vectors_agree(pass in passes(), slope in 1.0..89.0_f64, alpha in feed_angles(), turn in 0.0..360.0_f64, step_over in 0.02..0.6_f64, feed in 1e-3..0.2_f64) {
         let (normal, along) = vectors(slope, alpha, turn);
-        let by_vectors = Contact::from_vectors(normal.map(|c| 3.0 * c), along.map(|c| 0.01 * c)).unwrap();
+        let by_vectors = Contact::from_vectors(normal.map(|c| 3.0 * c), along.map(|c| 0.01 * c), None).unwrap();
         assert_same_heights(at(pass, slope, alpha), Pass { contact: by_vectors, ..pass }, step_over, feed, 1e-10);
     }
 
@@ -52,7 +52,7 @@ proptest! {
         let t = turn.to_radians();
         let normal = [t.cos(), t.sin(), 0.0];
         for (along, alpha) in [([0.0, 0.0, 1.0], 0.0), ([-t.sin(), t.cos(), 0.0], 90.0)] {
-            let contact = Contact::from_vectors(normal, along).unwrap();
+            let contact = Contact::from_vectors(normal, along, None).unwrap();
             assert_same_heights(at(pass, 90.0, alpha), Pass { contact, ..pass }, step_over, feed, 1e-10);
         }
     }
@@ -62,7 +62,7 @@ proptest! {
     #[test]
     fn a_ball_end_is_indifferent_to_slope_and_direction(diameter in 1.0..20.0_f64, slope in 0.0..70.0_f64, wall in slopes(), alpha in feed_angles(), s in 0.01..0.2_f64, f in 0.01..0.2_f64) {
         let contact = Contact::from_degrees(0.0, 0.0).unwrap();
-        let floor = Pass { cutter: Cutter::ball_end(mm(diameter)), contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE };
+        let floor = Pass { cutter: Cutter::ball_end(mm(diameter)), contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
         let (s, f) = (s * diameter, f * diameter);
         assert_same_heights(floor, at(floor, slope, alpha), s, f, 1e-12);
         let analytic = |pass| height(&judged(Model::Analytic, pass), s, f).unwrap();
@@ -102,7 +102,7 @@ proptest! {
             // the roundings of the search.
             let near_wall = pass.contact.slope().degrees() > 85.0;
             let rises = |model, low: f64, high: f64| high > low || (model == Model::Envelope && near_wall && high >= low * (1.0 - 1e-12));
-            let corrected = model == Model::Envelope && pass.surface.per_mm() < 0.0;
+            let corrected = model == Model::Envelope && pass.surface.across_per_mm() < 0.0;
             if !corrected && let Ok(wider) = height(&judged, s * more, f) {
                 prop_assert!(rises(model, low, wider), "{model:?}: step-over {low} {wider}");
             }

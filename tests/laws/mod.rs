@@ -4,3 +4,4 @@ mod heights;
 mod inverses;
 mod passes;
 mod radii;
+mod reference;

@@ -65,7 +65,7 @@ impl Case {
         };
         let (slope_deg, alpha_deg) = (random.with_ends(0.0, 90.0), random.with_ends(0.0, 90.0));
         let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();
-        let envelope = Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE })?;
+        let envelope = Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None })?;
         let left = 1e-3 * 100.0_f64.powf(random.unit());
         let step_over = match envelope.max_step_over(mm(left), None) {
             // Along a wall no step-over leaves anything.

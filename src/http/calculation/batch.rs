@@ -12,6 +12,7 @@ use crate::http::reading::{Fault, Faulted, Faults, Kind, Member, Object, ObjectS
 use crate::milling::{JudgedPass, Model, Pass};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 use std::sync::{Mutex, PoisonError};
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 use utoipa::openapi::{Ref, RefOr, Schema};
@@ -125,7 +126,8 @@ impl<C: Calculation> Batch<C> {
     }
 
     fn judge(&self, contact: StatedContact, terms: &Terms, place: &Place<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
-        let pass = Pass { cutter: self.setup.tool.cutter, contact: contact.contact, surface: terms.surface()?, runout: self.setup.runout };
+        let (surface, teeth) = (terms.surface()?, self.setup.tool.teeth.and_then(NonZeroU32::new));
+        let pass = Pass { cutter: self.setup.tool.cutter, contact: contact.contact, surface, runout: self.setup.runout, teeth };
         JudgedPass::new(self.setup.model, pass).map_err(|cause| faults.push(at(place, refusal::fault(cause, place, contact, None))))
     }
 }

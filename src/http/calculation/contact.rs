@@ -80,7 +80,7 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
         }
         (false, true) => {
             let (normal, feed) = (object.required(&NORMAL, faults), object.required(&FEED, faults));
-            let contact = Contact::from_vectors(normal?, feed?);
+            let contact = Contact::from_vectors(normal?, feed?, None);
             contact.map(StatedContact::by_vectors).map_err(|error| fault(object, error, faults))
         }
         (true, true) => {
@@ -98,7 +98,7 @@ fn fault(object: &Object<'_, '_>, error: ContactError, faults: &mut Faults) -> F
         ContactError::Slope(_) => SLOPE.name,
         ContactError::FeedAngle(_) => FEED_ANGLE.name,
         ContactError::NormalWithoutDirection | ContactError::NormalPointsDown => NORMAL.name,
-        ContactError::FeedWithoutDirection | ContactError::FeedAlongNormal => FEED.name,
+        ContactError::FeedWithoutDirection | ContactError::FeedAlongNormal | ContactError::ToolAxisWithoutDirection => FEED.name,
     };
     faults.add(&object.place().member(member), "no-direction", error)
 }

@@ -42,7 +42,7 @@ pub(super) fn read(raw: &RawValue, stated: Stated) -> Option<(StatedContact, Ter
     let fields: Fields = serde_json::from_str(object).ok()?;
     let contact = match (fields.slope_deg, fields.feed_angle_deg, fields.normal, fields.feed) {
         (Some(slope), Some(angle), None, None) => StatedContact::by_angles(Contact::from_degrees(slope, angle).ok()?),
-        (None, None, Some(normal), Some(feed)) => StatedContact::by_vectors(Contact::from_vectors(normal, feed).ok()?),
+        (None, None, Some(normal), Some(feed)) => StatedContact::by_vectors(Contact::from_vectors(normal, feed, None).ok()?),
         _ => return None,
     };
     let step_over = match (fields.step_over_mm, fields.step_over_xy_mm) {

@@ -14,7 +14,7 @@ pub(super) fn fault(cause: NoAnswer, place: &Place<'_>, contact: StatedContact, 
             place.member(step_over_member(step_over))
         }
         NoAnswer::MarksDoNotOverlap { .. } | NoAnswer::FeedUsesUpTolerance { .. } => place.member(names::FEED_PER_TOOTH),
-        NoAnswer::Gouges { .. } | NoAnswer::FlatGouges | NoAnswer::SharpEdgeOnCurve => place.member(names::SURFACE_RADIUS),
+        NoAnswer::Gouges { .. } => place.member(names::SURFACE_RADIUS),
         NoAnswer::SharpEdge => place.member("cutter"),
         NoAnswer::RunoutUsesUpTolerance => place.member(names::RUNOUT),
         _ => place.member(names::TOLERANCE),
@@ -27,7 +27,7 @@ pub(super) fn fault(cause: NoAnswer, place: &Place<'_>, contact: StatedContact, 
         NoAnswer::PassesDoNotOverlap { largest_step_over } | NoAnswer::ToleranceLimitsNoStepOver { largest_step_over } => {
             vec![("largest_step_over_mm", largest_step_over.mm())]
         }
-        NoAnswer::Gouges { effective_radius } => vec![("effective_radius_mm", effective_radius.mm())],
+        NoAnswer::Gouges { smallest_radius: Some(radius) } => vec![("smallest_radius_mm", radius.mm())],
         NoAnswer::FeedUsesUpTolerance { feed_height } => vec![("feed_height_mm", feed_height.mm())],
         _ => Vec::new(),
     };
@@ -40,8 +40,7 @@ pub(crate) fn name(cause: NoAnswer) -> (&'static str, &'static str) {
         NoAnswer::FlatFloor => ("flat-floor", "The analytic model has no answer on a floor"),
         NoAnswer::PassesDoNotOverlap { .. } => ("passes-do-not-overlap", "The passes do not overlap"),
         NoAnswer::MarksDoNotOverlap { .. } => ("marks-do-not-overlap", "The tooth marks do not overlap"),
-        NoAnswer::Gouges { .. } | NoAnswer::FlatGouges => ("gouging", "The cutter gouges"),
-        NoAnswer::SharpEdgeOnCurve => ("sharp-edge", "The curvature's correction has no answer for a sharp edge"),
+        NoAnswer::Gouges { .. } => ("gouging", "The cutter gouges"),
         NoAnswer::SharpEdge => ("sharp-edge", "The analytic model has no answer for a sharp edge"),
         NoAnswer::PassesCoincideFromAbove => ("passes-coincide-from-above", "The passes lie above each other"),
         NoAnswer::StepOverUsesUpTolerance { .. } => ("tolerance-exceeded", "The step-over alone uses up the tolerance"),

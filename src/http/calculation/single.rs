@@ -11,6 +11,7 @@ use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, ObjectSchema, Place};
 use crate::milling::{Envelope, JudgedPass, Model, NoAnswer, Pass, StepOver};
 use axum::Json;
+use std::num::NonZeroU32;
 use utoipa::openapi::{RefOr, Schema};
 
 /// Answers a request with one contact.
@@ -60,7 +61,13 @@ impl<C: Calculation> Request<C> {
     /// The pass under its model, as soon as cutter, contact and surface are known, whatever else is faulty.
     fn judge(&self, place: &Place<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
         let (setup, contact, surface) = (self.setup?, self.contact?, self.terms.surface()?);
-        let pass = Pass { cutter: setup.tool.cutter, contact: contact.contact, surface, runout: setup.runout };
+        let pass = Pass {
+            cutter: setup.tool.cutter,
+            contact: contact.contact,
+            surface,
+            runout: setup.runout,
+            teeth: setup.tool.teeth.and_then(NonZeroU32::new),
+        };
         JudgedPass::new(setup.model, pass).map_err(|cause| faults.push(refusal::fault(cause, place, contact, None)))
     }
 }

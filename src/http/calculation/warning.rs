@@ -1,6 +1,6 @@
 //! Warnings: what is answered but must be looked at.
 
-use crate::milling::{Concern, JudgedPass, Model, circle_concerns, concerns};
+use crate::milling::{JudgedPass, ModelWarning};
 use crate::quantity::Length;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -30,45 +30,33 @@ impl Warning {
     }
 }
 
-/// What strains the assumptions under which a contact was worked out.
+/// A warning of the milling models, with its stable name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Strain {
-    /// An assumption of the milling models.
-    Concern(Concern),
-    /// The envelope's correction for a curved surface is not exact.
-    CurvatureApproximate,
-}
+pub(super) struct Strain(ModelWarning);
 
 impl Strain {
     /// All of one contact.
     pub(super) fn of(pass: &JudgedPass, step_over: Length, feed_per_tooth: Option<Length>) -> impl Iterator<Item = Self> + use<> {
-        let analytic = pass.model() == Model::Analytic;
-        let circle = analytic.then(|| circle_concerns(pass.pass(), step_over, feed_per_tooth)).into_iter().flatten();
-        let curved = (!analytic && pass.pass().surface.radius().is_some()).then_some(Self::CurvatureApproximate);
-        concerns(pass.pass(), feed_per_tooth).chain(circle).map(Self::Concern).chain(curved)
+        pass.warnings(step_over, feed_per_tooth).map(Self)
     }
 
     /// Its stable name.
     pub(super) fn code(self) -> &'static str {
-        match self {
-            Self::Concern(Concern::RunoutNotSmall { .. }) => "runout-not-small",
-            Self::Concern(Concern::StepOverWide { .. }) => "step-over-wide",
-            Self::Concern(Concern::FeedLong { .. }) => "feed-per-tooth-long",
-            Self::Concern(Concern::RadiusBeyondCutter { .. }) => "effective-radius-beyond-cutter",
-            Self::Concern(Concern::SharpMarks) => "sharp-marks",
-            Self::CurvatureApproximate => "curvature-approximate",
+        match self.0 {
+            ModelWarning::RunoutNotSmall { .. } => "runout-not-small",
+            ModelWarning::StepOverWide { .. } => "step-over-wide",
+            ModelWarning::FeedPerToothLong { .. } => "feed-per-tooth-long",
+            ModelWarning::EffectiveRadiusBeyondCutter { .. } => "effective-radius-beyond-cutter",
+            ModelWarning::SharpMarks => "sharp-marks",
+            ModelWarning::CurvatureApproximate => "curvature-approximate",
+            ModelWarning::NearGouging { .. } => "near-gouging",
         }
     }
 }
 
 impl std::fmt::Display for Strain {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Concern(concern) => concern.fmt(f),
-            Self::CurvatureApproximate => f.write_str(
-                "the surface's curvature enters by a correction taken from the analytic model; this part of the height is not exact",
-            ),
-        }
+        self.0.fmt(f)
     }
 }
 

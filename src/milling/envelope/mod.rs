@@ -15,8 +15,8 @@ mod newton;
 mod ridge;
 mod root;
 
-use super::analytic::{groove_height, largest_groove_distance};
-use super::{Contact, Cutter, CutterKind, EffectiveRadius, NoAnswer, Pass, ScallopHeight};
+use super::gouging;
+use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::{Angle, Length};
 use body::Body;
 use newton::{Lengths, Sought};
@@ -44,7 +44,8 @@ pub struct Envelope {
     cutter: Cutter,
     body: Body,
     climb: Angle,
-    /// 1/R_eff of the analytic model, for the correction on curved surfaces and for first guesses; 0 on a flat.
+    relative_curvature: f64,
+    /// The curvature of the groove against the surface, for first guesses.
     groove_curvature: f64,
 }
 
@@ -52,21 +53,24 @@ impl Envelope {
     /// Places the cutter on the surface.
     ///
     /// # Errors
-    /// On a concave surface whose radius does not exceed the effective radius [`NoAnswer::Gouges`], or [`NoAnswer::FlatGouges`] where
-    /// that radius is infinite.
-    /// [`NoAnswer::SharpEdgeOnCurve`] on a curved surface where it is 0.
+    /// [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
+        let relative_curvature = gouging::relative_curvature(&pass)?;
         let cutter = pass.cutter.widened(pass.runout.radial());
-        let effective_radius = EffectiveRadius::across_feed(cutter, pass.contact).finite();
-        let groove_curvature = effective_radius.map_or(0.0, |radius| radius.mm().recip());
-        let curvature = pass.surface.per_mm();
-        if curvature != 0.0 && groove_curvature.is_infinite() {
-            return Err(NoAnswer::SharpEdgeOnCurve);
-        }
-        if curvature < 0.0 && groove_curvature + curvature <= 0.0 {
-            return Err(effective_radius.map_or(NoAnswer::FlatGouges, |effective_radius| NoAnswer::Gouges { effective_radius }));
-        }
-        Ok(Self { pass, cutter, body: Body::new(cutter, pass.contact), climb: pass.contact.climb(), groove_curvature })
+        let body = Body::new(cutter, pass.contact, pass.surface);
+        Ok(Self {
+            pass,
+            cutter,
+            body,
+            climb: pass.contact.climb(),
+            relative_curvature,
+            groove_curvature: body.relative_radii().across.recip(),
+        })
+    }
+
+    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own.
+    pub(super) fn relative_curvature(&self) -> f64 {
+        self.relative_curvature
     }
 
     /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
@@ -75,15 +79,14 @@ impl Envelope {
     /// - [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`];
     /// - [`NoAnswer::Gouges`] or [`NoAnswer::FlatGouges`] where a hollow sinks more between two passes than the cutter leaves there.
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
-        let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
+        let step_over_height = self.height(step_over.mm(), 0.0)?;
         let Some(feed_per_tooth) = feed_per_tooth else {
-            return Ok(ScallopHeight { step_over: step_over_height, feed: Length::ZERO });
+            return Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::ZERO });
         };
         let spacing = self.pass.runout.mark_spacing(feed_per_tooth, self.climb);
         // h is never under h1; where marks leave next to nothing, rounding may put it there.
-        let feed = (self.height_on_plane(step_over.mm(), spacing.mm())? - on_plane).max(0.0);
-        Ok(ScallopHeight { step_over: step_over_height, feed: Length::computed(feed) })
+        let feed = (self.height(step_over.mm(), spacing.mm())? - step_over_height).max(0.0);
+        Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
     }
 
     /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
@@ -92,25 +95,21 @@ impl Envelope {
     /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
     /// step-over in [`Envelope::scallop_height`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
-        let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
+        let step_over_height = Length::computed(self.height(step_over.mm(), 0.0)?);
         let used_up = |within: f64| {
             let max_step_over = self.max_step_over_within(tolerance, 0.0, within)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
         };
         if step_over_height >= tolerance {
-            // Not beyond the step-over itself: in a hollow the height can fall again under the tolerance there.
             return used_up(step_over.mm());
         }
         let room = tolerance.mm() - step_over_height.mm();
         let largest_spacing = self.largest_mark_spacing(step_over.mm());
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt();
-        let ridge = Lengths { level: on_plane + room, step_over: step_over.mm(), mark_spacing: guess.min(largest_spacing) };
+        let ridge = Lengths { level: tolerance.mm(), step_over: step_over.mm(), mark_spacing: guess.min(largest_spacing) };
         let spacing = match self.held_by_section(ridge, Sought::MarkSpacing) {
             Some(found) if (Length::SMALLEST..=largest_spacing).contains(&found.mark_spacing) => Reached::At(found.mark_spacing),
-            _ => largest_within(on_plane + room, guess, Length::SMALLEST, largest_spacing, |spacing| {
-                self.height_on_plane(step_over.mm(), spacing)
-            })?,
+            _ => largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_spacing, |spacing| self.height(step_over.mm(), spacing))?,
         };
         let (runout, climb) = (self.pass.runout, self.climb);
         match spacing {
@@ -138,21 +137,16 @@ impl Envelope {
 
     /// The same for marks `spacing` apart, among the step-overs up to `largest_step_over`.
     fn max_step_over_within(&self, tolerance: Length, spacing: f64, largest_step_over: f64) -> Result<Length, NoAnswer> {
-        let height = |step_over: f64| {
-            let on_plane = self.height_on_plane(step_over, spacing)?;
-            self.with_curvature(on_plane, step_over).map(Length::mm)
-        };
+        let height = |step_over: f64| self.height(step_over, spacing);
         // From above: the circle of the groove's radius, or near the floor what the cutter's flat and corner leave there.
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         let on_floor = 2.0 * (core + (2.0 * corner * tolerance.mm()).sqrt());
         let guess = (8.0 * tolerance.mm() / self.groove_curvature).sqrt().min(on_floor);
-        if self.pass.surface.per_mm() == 0.0 {
-            let ridge = Lengths { level: tolerance.mm(), step_over: guess.min(largest_step_over), mark_spacing: spacing };
-            if let Some(found) = self.held_by_section(ridge, Sought::StepOver)
-                && (Length::SMALLEST..=largest_step_over).contains(&found.step_over)
-            {
-                return Ok(Length::computed(found.step_over));
-            }
+        let ridge = Lengths { level: tolerance.mm(), step_over: guess.min(largest_step_over), mark_spacing: spacing };
+        if let Some(found) = self.held_by_section(ridge, Sought::StepOver)
+            && (Length::SMALLEST..=largest_step_over).contains(&found.step_over)
+        {
+            return Ok(Length::computed(found.step_over));
         }
         match largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)? {
             Reached::At(step_over) => Ok(Length::computed(step_over)),
@@ -169,8 +163,8 @@ impl Envelope {
         if searched { newton::solve(&self.body, sought, ridge) } else { None }
     }
 
-    /// h on a plane, for passes s apart whose tooth marks lie f apart, both in the tangent plane.
-    fn height_on_plane(&self, s: f64, f: f64) -> Result<f64, NoAnswer> {
+    /// h for passes s apart whose tooth marks lie f apart, both in the tangent plane.
+    fn height(&self, s: f64, f: f64) -> Result<f64, NoAnswer> {
         let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
         let (outer, core, corner) = (self.cutter.outer_radius().mm(), self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         if across > 2.0 * outer {
@@ -178,6 +172,9 @@ impl Envelope {
         }
         if across.hypot(along) > 2.0 * outer {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_mark_spacing(s)) });
+        }
+        if !self.pass.surface.is_plane() {
+            return Ok(Ridge::new(&self.body, s, f).level(self.guess(s, f), self.highest(s, f)));
         }
         let slope = self.contact().slope();
         if slope.cos() == 0.0 {
@@ -241,8 +238,8 @@ impl Envelope {
         2.0 * outer * sin * (delta / 2.0).sin().powi(2)
     }
 
-    /// About h, for a search to start from: the heights of circles, of the groove's analytic radius and of R along the feed. For the
-    /// groove that is less than h near the floor, from where Newton's steps rise steadily; from far above they overshoot.
+    /// About h, for a search to start from: the parabola of the groove, and along the feed that of radius R. For the groove that is less than h near
+    /// the floor, from where Newton's steps rise steadily; from far above they overshoot.
     fn guess(&self, s: f64, f: f64) -> f64 {
         let outer = self.cutter.outer_radius().mm();
         s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer)
@@ -257,49 +254,22 @@ impl Envelope {
     /// tan(S) sin(theta) / cos(gamma). The centre must be half of both above the disc, of which the part cos(S) counts.
     fn highest(&self, s: f64, f: f64) -> f64 {
         let (slope, theta, climb) = (self.contact().slope(), self.contact().theta(), self.climb);
-        let rise = f64::midpoint(f * climb.sin(), s * slope.sin() * theta.sin().abs() / (climb.cos() * climb.cos()));
-        self.cutter.core_radius().mm() * slope.sin() + self.cutter.corner_radius().mm() + rise * slope.cos()
+        let rise = f64::midpoint(f * climb.sin(), s * slope.sin() * theta.sin().abs() / (climb.cos() * climb.cos()).max(f64::EPSILON));
+        let on_plane = self.cutter.core_radius().mm() * slope.sin() + self.cutter.corner_radius().mm() + rise * slope.cos();
+        let [curvature, _] = self.pass.surface.principal_per_mm();
+        on_plane + curvature.max(0.0) / 2.0 * (self.body.reach() + s + f).powi(2)
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding
     /// less, so that it is in the domain itself; never more than can be stated.
     fn largest_step_over(&self, f: f64) -> f64 {
         let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
-        let curvature = self.pass.surface.per_mm();
-        let grooves_meet = |curvature| largest_groove_distance(self.groove_curvature, curvature).mm();
-        if curvature == 0.0 {
-            on_plane
-        } else if curvature < 0.0 {
-            // In a hollow grooves meet further apart than on a plane, but the correction needs the plane's height, too.
-            on_plane.min(grooves_meet(curvature)).min(grooves_meet(0.0))
-        } else {
-            on_plane.min(grooves_meet(curvature))
-        }
+        on_plane.min(2.0 / self.pass.surface.across_per_mm().abs())
     }
 
     /// The distance of marks up to which they overlap, seen from above, in passes s apart.
     fn largest_mark_spacing(&self, s: f64) -> f64 {
         largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
-    }
-
-    /// Adds to a height on the plane what the analytic model says that the surface's curvature changes at the step-over s.
-    fn with_curvature(&self, on_plane: f64, s: f64) -> Result<Length, NoAnswer> {
-        let (k, c) = (self.groove_curvature, self.pass.surface.per_mm());
-        if c == 0.0 {
-            return Ok(Length::computed(on_plane));
-        }
-        let (Some(curved), Some(plane)) = (groove_height(k, c, s), groove_height(k, 0.0, s)) else {
-            return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
-        };
-        let height = on_plane + (curved - plane);
-        if height > 0.0 {
-            Ok(Length::computed(height))
-        } else if on_plane > 0.0 {
-            // The circle through the contact and the two ridges beside it is as hollow as the cutter is there.
-            Err(NoAnswer::Gouges { effective_radius: Length::computed(f64::midpoint(s * s / on_plane / 4.0, on_plane)) })
-        } else {
-            Err(NoAnswer::FlatGouges)
-        }
     }
 }
 

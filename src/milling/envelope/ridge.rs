@@ -138,8 +138,10 @@ pub(super) struct Place {
 impl Place {
     /// Half-way between the passes, the chords where the body is an ellipsoid.
     pub(super) fn start(body: &Body, step_over: f64, mark_spacing: f64) -> Self {
-        let (half_step, half_mark, skew) = (step_over / 2.0, mark_spacing / 2.0, body.skew());
-        Self { t: half_step, x: half_mark + skew * half_step, neighbour_x: half_mark - skew * half_step }
+        let (half_step, half_mark, radii) = (step_over / 2.0, mark_spacing / 2.0, body.relative_radii());
+        // A sharp edge fed along the level line has no radius across the feed; its lowest places are somewhere on the cutter.
+        let ahead = (radii.skew * half_step / radii.across.max(f64::MIN_POSITIVE)).clamp(-body.reach(), body.reach());
+        Self { t: half_step, x: half_mark + ahead, neighbour_x: half_mark - ahead }
     }
 }
 
