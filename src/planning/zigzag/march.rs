@@ -22,7 +22,7 @@ pub(super) struct Spaced<'a> {
     /// The share of a strip's area that may allow less than its spacing.
     pub(super) left_out: f64,
     /// Factors on the spacings, by stretches across the passes, in rising order of where each begins.
-    pub(super) factors: &'a [(f64, f64)],
+    pub(super) factors: Vec<(f64, f64)>,
 }
 
 impl<'a> Spaced<'a> {
@@ -40,10 +40,10 @@ impl<'a> Spaced<'a> {
                 squared
             })
             .collect();
-        Self { workpiece, sweep, squared, widest, left_out, factors: &[] }
+        Self { workpiece, sweep, squared, widest, left_out, factors: Vec::new() }
     }
 
-    fn factor(&self, at: f64) -> f64 {
+    pub(super) fn factor(&self, at: f64) -> f64 {
         let next = self.factors.partition_point(|&(start, _)| start <= at);
         if next == 0 { self.factors.first().map_or(1.0, |&(_, factor)| factor) } else { self.factors[next - 1].1 }
     }
@@ -65,7 +65,12 @@ pub(super) struct Plane {
     pub(super) at: f64,
     pub(super) before: f64,
     pub(super) after: f64,
+    /// The facets that bind the spacing after it most, as far as they are known.
+    pub(super) binding: [Option<u32>; BINDING],
 }
+
+/// How many of the facets that bind a spacing are kept.
+pub(super) const BINDING: usize = 4;
 
 impl Plane {
     /// The spacing that decides about the scallop: the wider one.
@@ -85,11 +90,11 @@ pub(super) struct TooManyPlanes;
 pub(super) fn march(spaced: &Spaced, mut visit: impl FnMut(Plane, &[Reached])) -> Result<(), TooManyPlanes> {
     let mut planes = 0;
     for band in spaced.sweep.bands(spaced.widest) {
-        let mut walk = Walk { spaced, next: band.start, end: band.end, reached: Vec::new(), hint: spaced.widest, tightest: Vec::new() };
+        let mut walk = Walk { spaced, next: band.start, end: band.end, reached: Vec::new(), hint: spaced.widest, tightest: Vec::new(), binding: [None; BINDING] };
         let first = walk.widest_from(band.low)?;
         let mut is_last = band.high - band.low < first;
         // As far from the border as from the next plane's half; in a band of less than one spacing in the middle.
-        let mut plane = Plane { at: if is_last { f64::midpoint(band.low, band.high) } else { band.low + first / 2.0 }, before: first, after: first };
+        let mut plane = Plane { at: if is_last { f64::midpoint(band.low, band.high) } else { band.low + first / 2.0 }, before: first, after: first, binding: [None; BINDING] };
         loop {
             planes += 1;
             if planes > MOST_PLANES {
@@ -98,6 +103,7 @@ pub(super) fn march(spaced: &Spaced, mut visit: impl FnMut(Plane, &[Reached])) -
             walk.pass_by(plane.at);
             let rest = band.high - plane.at;
             let widest = if is_last { plane.before } else { walk.widest_from(plane.at)? };
+            plane.binding = walk.binding;
             if is_last || rest <= widest / 2.0 {
                 // The half spacing beyond the last plane leaves as much as a whole one between two planes.
                 plane.after = plane.before;
@@ -111,7 +117,7 @@ pub(super) fn march(spaced: &Spaced, mut visit: impl FnMut(Plane, &[Reached])) -
                 plane.before = plane.after;
             }
             visit(plane, &walk.reached);
-            plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after };
+            plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: [None; BINDING] };
         }
     }
     Ok(())
@@ -128,6 +134,8 @@ struct Walk<'a> {
     hint: f64,
     /// The tightest facets of the strip: up to where they let it reach, and what they allow.
     tightest: Vec<(f64, Reached)>,
+    /// The facets that bind the last strip most, those left out not among them.
+    binding: [Option<u32>; BINDING],
 }
 
 impl Walk<'_> {
@@ -180,14 +188,16 @@ impl Walk<'_> {
         // The area of a strip grows in proportion to its width, about.
         let left_out_per_width = self.spaced.left_out * area / width;
         let mut tighter = 0.0;
-        let is_full = self.tightest.len() == TIGHTEST;
-        for &(bound, reached) in &self.tightest {
+        let is_binding = |&(bound, reached): &(f64, Reached)| {
             tighter += reached.density * overlap(&reached.covered, at, bound);
-            if tighter > left_out_per_width * bound {
-                return bound.min(width);
-            }
-        }
-        if is_full { self.tightest.last().map_or(width, |&(bound, _)| bound.min(width)) } else { width }
+            tighter > left_out_per_width * bound
+        };
+        // Where all that are kept may be left out, those that were dropped may not: the widest of them binds.
+        let is_full = self.tightest.len() == TIGHTEST;
+        let first = self.tightest.iter().position(is_binding).or(is_full.then_some(TIGHTEST - 1));
+        let mut binding = self.tightest[first.unwrap_or(self.tightest.len())..].iter().map(|(_, reached)| reached.covered.facet);
+        self.binding = std::array::from_fn(|_| binding.next());
+        first.map_or(width, |first| self.tightest[first].0.min(width))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::candidate::FeedRange;
 use super::slopes::{SlopePlace, sines};
 use super::workpiece::Tangent;
-use crate::milling::{Contact, Cutter, CutterKind, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::milling::{Contact, Cutter, CutterKind, CuttingLimits, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::quantity::Length;
 use rayon::prelude::*;
 
@@ -87,7 +87,7 @@ impl CutterSpacing {
                 // A ball leaves the same at every slope and direction.
                 let best = best_step_over(cutter, Contact::from_degrees(0.0, 0.0).ok(), model, height, Some(range.largest), diameter);
                 let (step_over, feed) = best.map_or((0.0, range.largest), |best| (best.step_over, best.feed_per_tooth));
-                (Law::Constant { squared: step_over * step_over }, constant_or_table(range, vec![[feed, share(step_over, cutter, h)]], 1))
+                (Law::Constant { squared: step_over * step_over }, constant_or_table(range, vec![[feed, share(step_over, cutter, h)]]))
             }
             _ => tabulated(cutter, height, model, feeds, rows, feed_rate),
         };
@@ -146,7 +146,7 @@ impl CutterSpacing {
 }
 
 impl FeedLaw {
-    /// The feed rate in mm/s on a facet whose squared spacing may be `allowed` and is `taken`.
+    /// The feed rate in mm/s on a facet of whose squared spacing the share `taken_of_allowed` is taken.
     ///
     /// The height of step-over and feed marks together is taken for a sum of squares, h (s/s0)^2 + b f^2, with s0 the step-over
     /// without marks. What s leaves of h is the feed's.
@@ -202,13 +202,13 @@ fn tabulated(
     let squared = nodes.iter().map(|&(_, squared)| squared).collect();
     let feed_law = match feeds {
         None => FeedLaw::Constant { rate: feed_rate },
-        Some(range) => constant_or_table(range, nodes.into_iter().map(|(pair, _)| pair).collect(), COLUMNS + 1),
+        Some(range) => constant_or_table(range, nodes.into_iter().map(|(pair, _)| pair).collect()),
     };
     (Law::Table { squared }, feed_law)
 }
 
 /// One feed rate where every node has the largest feed, else the table.
-fn constant_or_table(range: FeedRange, nodes: Vec<[f64; 2]>, _columns: usize) -> FeedLaw {
+fn constant_or_table(range: FeedRange, nodes: Vec<[f64; 2]>) -> FeedLaw {
     if nodes.iter().all(|&[feed, _]| feed >= range.largest) {
         FeedLaw::Constant { rate: range.rate(range.largest) }
     } else {
@@ -232,7 +232,7 @@ fn best_step_over(
     largest_feed: Option<f64>,
     widest: f64,
 ) -> Option<Best> {
-    let pass = Pass { cutter, contact: contact?, surface: SurfaceCurvature::PLANE, runout: Runout::NONE };
+    let pass = Pass { cutter, contact: contact?, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
     let widest = widest.min(Length::LARGEST);
     let judged = match JudgedPass::new(model, pass) {
         Ok(judged) => judged,
@@ -255,23 +255,10 @@ fn best_step_over(
     if rate(&at_largest) > 0.0 && rate(&at_largest) >= rate(&at(0.97 * largest)) {
         return Some(at_largest);
     }
-    // The product has one maximum along h = t: golden sections, to a thousandth of the feed, where it is flat to a millionth.
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (0.0, largest);
-    let (mut left, mut right) = (at(high - golden * (high - low)), at(low + golden * (high - low)));
-    while high - low > 1e-3 * high && high > Length::SMALLEST {
-        if rate(&left) > rate(&right) || rate(&right) == 0.0 {
-            high = right.feed_per_tooth;
-            right = left;
-            left = at(high - golden * (high - low));
-        } else {
-            low = left.feed_per_tooth;
-            left = right;
-            right = at(low + golden * (high - low));
-        }
-    }
-    let best = if rate(&left) > rate(&right) { left } else { right };
-    (rate(&best) > 0.0).then_some(best)
+    // A smaller feed gains more by the step-over than it loses: search.
+    let limits = CuttingLimits::new(Some(Length::computed(largest)), None, Some(Length::computed(widest))).ok()?;
+    let best = judged.fastest(height, &limits).ok()?;
+    Some(Best { step_over: best.step_over.mm(), feed_per_tooth: best.feed_per_tooth.mm() })
 }
 
 /// The columns on both sides of cos(alpha) and the weight of the second.
