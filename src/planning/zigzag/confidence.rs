@@ -2,6 +2,7 @@
 
 use super::ranking::{SurfaceFigures, ZigzagPlan};
 use crate::planning::Level;
+use crate::quantity::Length;
 use std::fmt;
 
 /// What the mesh tells about the surface beside its facets.
@@ -26,8 +27,9 @@ impl Default for SurfaceEvidence {
 pub enum SurfaceWeakness {
     /// The fastest plan leads by less than 2 %, about what the simulation errs by; figure: the lead over the next plan as a share of its time.
     SmallLead,
-    /// Facets are wider than the median step-over, so that slopes and curvatures between passes are those of the tessellation; figure: the size of a
-    /// facet over the step-over. The limit of 1 gives each strip its own facets; at 4 one facet decides about four strips.
+    /// Facets are wide against the step-over although the surface is curved, so that slopes and curvatures between passes are those of the tessellation;
+    /// figure: the size of a facet over the median step-over. At 2 one facet decides about two strips, at 8 about eight. Facets that lie within a tenth of the
+    /// scallop height of the surface are fine whatever their size.
     CoarseTessellation,
     /// Some of the area is steeper than the largest slope and sets no spacing; figure: its share.
     SteepArea,
@@ -111,7 +113,7 @@ impl SurfaceConfidence {
     }
 
     /// Judges plans that are sorted by time; `None` without a plan.
-    pub(super) fn of(plans: &[ZigzagPlan], surface: &SurfaceFigures, evidence: SurfaceEvidence) -> Option<Self> {
+    pub(super) fn of(plans: &[ZigzagPlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
         let best = plans.first()?;
         let mut reasons = Vec::new();
         if let Some(next) = plans.get(1) {
@@ -123,9 +125,9 @@ impl SurfaceConfidence {
         let size = surface.facet_size.mm() / best.step_over.median.mm();
         #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
         let pieces = evidence.pieces as f64;
-        // A plane needs two facets only: the tessellation is coarse where the normals turn from facet to facet, which the curvature shows as
-        // heights that miss the tolerance. The size alone is the sign that costs nothing.
-        reasons.extend(over(SurfaceWeakness::CoarseTessellation, size, 1.0, 4.0));
+        if surface.sagitta.mm() > 0.1 * scallop_height.mm() {
+            reasons.extend(over(SurfaceWeakness::CoarseTessellation, size, 2.0, 8.0));
+        }
         reasons.extend(over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
         reasons.extend(over(SurfaceWeakness::HiddenArea, 1.0 - evidence.visible_area_share, 0.02, 0.2));
         reasons.extend(over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));

@@ -13,7 +13,8 @@ use super::spacing::{CutterSpacing, FeedLaw};
 use super::sweep::Sweep;
 use super::tour::TourFigures;
 use super::workpiece::Workpiece;
-use crate::milling::Model;
+use crate::milling::{Cutter, Model};
+use crate::planning::{RectanglePlan, plan_on_rectangle};
 use crate::quantity::{Angle, Area, Length, Speed, Time};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
@@ -46,6 +47,8 @@ pub struct ZigzagPlan {
     pub by_direction: Vec<(Angle, Option<Time>)>,
     /// What the cutter cannot reach.
     pub reach: Option<ReachFigures>,
+    /// The same cutter on the rectangle of the published method, for comparison; `None` without a shape or a step-over there.
+    pub rectangle: Option<RectanglePlan>,
     /// Whether the flutes are shorter than the surface is deep.
     pub flutes_too_short: bool,
     pub(super) passes: Vec<Plane>,
@@ -143,6 +146,8 @@ pub struct SurfaceFigures {
     pub steep_area_share: f64,
     /// The edge length of a square of the mean facet's area: two triangles to a square of it are as many facets.
     pub facet_size: Length,
+    /// How far facets of that size lie from the surface, by the mean of its curvature over the area: k size^2 / 8.
+    pub sagitta: Length,
 }
 
 /// All candidates on one surface.
@@ -198,7 +203,7 @@ pub fn rank(facets: &[FinishFacet], candidates: &[CandidateCutter], settings: &Z
     }
     plans.sort_by(|a, b| a.time.seconds().total_cmp(&b.time.seconds()));
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
-    let confidence = SurfaceConfidence::of(&plans, &surface, evidence);
+    let confidence = SurfaceConfidence::of(&plans, &surface, settings.scallop_height, evidence);
     Ranking { plans, not_ranked, surface, confidence }
 }
 
@@ -290,15 +295,24 @@ fn plan(
         least_time: Time::computed(least_seconds(workpiece, prepared)),
         by_direction: times.iter().map(|time| (time.direction, time.seconds.map(Time::computed))).collect(),
         reach: prepared.candidate.reach,
+        rectangle: on_rectangle(cutter, settings),
         flutes_too_short: prepared.candidate.flute_length.is_some_and(|flutes| flutes.mm() < depth),
         passes: simulated.planes,
     })
 }
 
+/// The published method with its own model; sides outside the bounds of lengths give none.
+fn on_rectangle(cutter: Cutter, settings: &ZigzagSettings) -> Option<RectanglePlan> {
+    let shape = settings.shape.as_ref()?;
+    plan_on_rectangle(cutter, shape, settings.scallop_height, settings.machine.limits, Model::Analytic).ok().flatten()
+}
+
 fn surface_figures(workpiece: &Workpiece) -> SurfaceFigures {
-    let (mut slopes, mut steep) = (0.0, 0.0);
+    let (mut slopes, mut steep, mut curvature) = (0.0, 0.0, 0.0);
     for (tangent, area) in workpiece.tangents.iter().zip(&workpiece.areas) {
         slopes += area * tangent.sin.atan2(tangent.cos);
+        let [steepest, twist, level] = tangent.curvature;
+        curvature += area * steepest.hypot(level).hypot(std::f64::consts::SQRT_2 * twist);
         steep += if tangent.is_steep { *area } else { 0.0 };
     }
     let area = workpiece.area;
@@ -310,5 +324,6 @@ fn surface_figures(workpiece: &Workpiece) -> SurfaceFigures {
         mean_slope: Angle::from_radians(of_area(slopes)),
         steep_area_share: of_area(steep),
         facet_size: Length::computed((2.0 * area / count).sqrt()),
+        sagitta: Length::computed(of_area(curvature) * 2.0 * area / count / 8.0),
     }
 }

@@ -4,6 +4,7 @@ use super::tour::Pattern;
 use crate::milling::Model;
 use crate::motion::Machine;
 use crate::quantity::{Angle, Length};
+use crate::surface::Shape;
 
 /// What is given for all candidates.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +25,8 @@ pub struct ZigzagSettings {
     pub left_out_share: f64,
     /// The share of the area up to which a cutter may leave the surface uncut and be ranked.
     pub max_uncut_share: f64,
+    /// The shape of the surface, for the comparison with the published method; `None` leaves it out.
+    pub shape: Option<Shape>,
 }
 
 impl ZigzagSettings {
@@ -40,6 +43,7 @@ impl ZigzagSettings {
             directions: Directions::All { beside: Vec::new() },
             left_out_share: 0.001,
             max_uncut_share: 0.005,
+            shape: None,
         }
     }
 }

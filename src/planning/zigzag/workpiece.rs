@@ -64,11 +64,6 @@ impl Tangent {
     pub(super) fn ratio_squared(&self, cos_alpha: f64) -> f64 {
         self.cos * self.cos + (self.sin * cos_alpha) * (self.sin * cos_alpha)
     }
-
-    /// The rise per length seen from above along a direction, negative down the slope.
-    pub(super) fn climb(&self, cos_alpha: f64) -> f64 {
-        -self.sin / self.cos * cos_alpha
-    }
 }
 
 impl Workpiece {
