@@ -20,7 +20,7 @@ pub struct ScallopFigures {
     pub p99: Length,
     /// The largest of all heights that were calculated.
     pub max: Length,
-    /// The share of the area whose height exceeds the scallop height by more than a thousandth.
+    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, to which spacings are found.
     pub over_tolerance_share: f64,
     /// The share of the area where the cutter gouges the surface beside the contact, or leaves uncut material between the passes: it has no
     /// height and is not in the percentiles.
@@ -38,8 +38,10 @@ const STRIPS: usize = 400;
 /// How often the spacing follows from a check.
 const ROUNDS: usize = 4;
 
-/// Heights from this share of the tolerance on count as tight.
+/// Heights from this share of the tolerance on count as tight, and over this one as too high; spacings are set to `AIM` of it.
 const TIGHT: f64 = 0.97;
+const AIM: f64 = 0.995;
+const OVER: f64 = 1.0033;
 
 /// What to check a plan with.
 #[derive(Debug, Clone, Copy)]
@@ -55,15 +57,15 @@ pub(super) struct Inspector<'a> {
 #[derive(Debug, Clone, Copy)]
 struct Judged {
     strip: usize,
+    facet: u32,
     height: Option<f64>,
 }
 
 /// Simulates with spacings as they come, or, where `follows` is set, with spacings that follow from the check of each strip.
 ///
-/// In each round the heights at the facets that bind the strips, and at places drawn by area, give each strip's highest; its spacing is
-/// multiplied by the square root of tolerance over height. In the first two rounds strips may widen as well, by a fifth at most; afterwards
-/// they only narrow, so that the rounds end. A round is the last when no strip is over the tolerance by more than a hundredth and, in
-/// the first two, none is under [`TIGHT`] of it.
+/// In each round the heights at the facets that bind the strips, and at places drawn by area, give each strip's highest; where that is over
+/// the tolerance, the strip's spacing becomes the one that keeps [`AIM`] of the tolerance at that place. In the first two rounds strips under [`TIGHT`] of it widen
+/// in the same way, by a fifth at most; afterwards they only narrow. There are [`ROUNDS`] rounds at most.
 ///
 /// # Errors
 /// [`TooManyPlanes`]
@@ -78,7 +80,7 @@ pub(super) fn checked(
     for round in 0..if follows { ROUNDS } else { 0 } {
         let judged = inspector.judge(&spaced, &simulated.planes, &drawn);
         let widens = round < 2;
-        let Some(next) = corrected(&spaced, &simulated.planes, &judged, inspector.tolerance, widens) else { break };
+        let Some(next) = corrected(&spaced, &simulated.planes, &judged, &inspector, widens) else { break };
         spaced.factors = next;
         simulated = simulate(&spaced, operation)?;
     }
@@ -101,7 +103,7 @@ impl Inspector<'_> {
         let places: Vec<(usize, u32)> = by_area.chain(binding).collect();
         let judge = |&(strip, facet): &(usize, u32)| {
             let spacing = planes[strip].after;
-            Judged { strip, height: self.height(spaced, facet, spacing) }
+            Judged { strip, facet, height: self.height(spaced, facet, spacing) }
         };
         places.par_iter().with_min_len(64).map(judge).collect()
     }
@@ -113,14 +115,32 @@ impl Inspector<'_> {
         if tangent.is_steep {
             return None;
         }
-        let e = spaced.sweep.heading.e;
-        let feed = self.teeth_per_second.map(|teeth| {
-            let taken = spacing * spacing / f64::from(spaced.squared[index]);
-            self.feeds.rate(tangent, tangent.alpha(e).0, taken) / teeth
-        });
-        match FacetContact::new(&self.facets[index], e).and_then(|contact| contact.height(self.cutter, Model::Envelope, spacing, feed)) {
+        let feed = self.feed(spaced, index, spacing);
+        match FacetContact::new(&self.facets[index], spaced.sweep.heading.e).and_then(|contact| contact.height(self.cutter, Model::Envelope, spacing, feed)) {
             Ok(height) => Some(height),
             Err(NoContact::Model(NoAnswer::PassesDoNotOverlap { .. } | NoAnswer::MarksDoNotOverlap { .. })) => Some(f64::INFINITY),
+            Err(_) => None,
+        }
+    }
+
+    /// The feed per tooth of the plan at a facet; `None` without a drive.
+    fn feed(&self, spaced: &Spaced, index: usize, spacing: f64) -> Option<f64> {
+        let tangent = &spaced.workpiece.tangents[index];
+        let (cos_alpha, _) = tangent.alpha(spaced.sweep.heading.e);
+        let taken = spacing * spacing / f64::from(spaced.squared[index]);
+        self.teeth_per_second.map(|teeth| self.feeds.rate(tangent, cos_alpha, taken) / teeth)
+    }
+
+    /// The widest spacing that keeps [`AIM`] of the tolerance at a facet, with the feed that belongs to `spacing`.
+    fn widest(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
+        let index = facet as usize;
+        let contact = FacetContact::new(&self.facets[index], spaced.sweep.heading.e).ok()?;
+        let judged = contact.judged(self.cutter, Model::Envelope).ok()?;
+        let feed = self.feed(spaced, index, spacing).map(Length::computed);
+        match judged.max_step_over(Length::computed(AIM * self.tolerance), feed) {
+            Ok(step_over) | Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: step_over }) => {
+                Some(step_over.mm() * contact.contact.spacing_ratio())
+            }
             Err(_) => None,
         }
     }
@@ -132,33 +152,42 @@ fn strip_of(planes: &[Plane], at: f64) -> usize {
 }
 
 /// The factors of the next round; `None` when the spacing may stay.
-fn corrected(spaced: &Spaced, planes: &[Plane], judged: &[Judged], tolerance: f64, widens: bool) -> Option<Vec<(f64, f64)>> {
-    let mut highest = vec![0.0_f64; planes.len()];
+fn corrected(spaced: &Spaced, planes: &[Plane], judged: &[Judged], inspector: &Inspector, widens: bool) -> Option<Vec<(f64, f64)>> {
+    let tolerance = inspector.tolerance;
+    let mut highest: Vec<Option<(f64, u32)>> = vec![None; planes.len()];
     for place in judged {
-        if let Some(height) = place.height {
-            highest[place.strip] = highest[place.strip].max(height);
+        if let Some(height) = place.height
+            && highest[place.strip].is_none_or(|(other, _)| height > other)
+        {
+            highest[place.strip] = Some((height, place.facet));
         }
     }
-    let mut changes = false;
-    let mut last: f64 = 1.0;
-    let factors = planes.iter().zip(&highest).enumerate().map(|(strip, (plane, &height))| {
-        let correction = if height > 1.01 * tolerance {
-            changes = true;
-            (tolerance / height).sqrt().max(0.5)
-        } else if widens && height > 0.0 && height < TIGHT * tolerance {
-            let correction = (0.99 * tolerance / height).sqrt().min(1.2);
-            // The last strip of a band is as wide as the band leaves it.
-            changes |= strip + 1 < planes.len();
-            correction
-        } else {
-            1.0
-        };
+    let correction = |(strip, highest): (usize, &Option<(f64, u32)>)| {
+        let &(height, facet) = highest.as_ref()?;
+        let is_over = height > OVER * tolerance;
+        // The last strip of a band is as wide as the band leaves it.
+        let is_loose = widens && height < TIGHT * tolerance && strip + 1 < planes.len();
+        if !is_over && !is_loose {
+            return Some(1.0);
+        }
+        let spacing = planes[strip].after;
+        let by_inverse = inspector.widest(spaced, facet, spacing).map(|widest| widest / spacing);
+        // Heights go about with the square of the spacing.
+        let correction = by_inverse.unwrap_or_else(|| if height.is_finite() { (AIM * tolerance / height).sqrt() } else { 0.5 });
+        Some(if is_over { correction.clamp(0.5, AIM) } else { correction.clamp(1.0, 1.2) })
+    };
+    let corrections: Vec<Option<f64>> = highest.par_iter().enumerate().with_min_len(8).map(correction).collect();
+    #[expect(clippy::float_cmp, reason = "1 where nothing is corrected")]
+    let changes = corrections.iter().flatten().any(|&correction| correction != 1.0);
+    let mut last = None;
+    let factors = planes.iter().zip(corrections).map(|(plane, correction)| {
+        let own = spaced.factor(plane.at);
         // Strips without a height follow their neighbour.
-        let factor = if height > 0.0 { spaced.factor(plane.at) * correction } else { last };
-        last = factor;
+        let factor = correction.map_or_else(|| last.unwrap_or(own), |correction| own * correction);
+        last = Some(factor);
         (plane.at, factor)
     });
-    let factors: Vec<(f64, f64)> = factors.collect();
+    let factors = factors.collect();
     changes.then_some(factors)
 }
 
@@ -175,7 +204,7 @@ fn figures(judged: &[Judged], drawn: usize, tolerance: f64) -> ScallopFigures {
         p90: percentile(90),
         p99: percentile(99),
         max: Length::computed(max),
-        over_tolerance_share: share(heights.iter().filter(|&&height| height > 1.001 * tolerance).count()),
+        over_tolerance_share: share(heights.iter().filter(|&&height| height > OVER * tolerance).count()),
         without_height_share: share(drawn - heights.len()),
         places: judged.len(),
     }

@@ -1,14 +1,14 @@
 //! Where the planes of the passes lie: as far apart as the worst point of each strip allows.
 
 use super::spacing::CutterSpacing;
-use super::sweep::{Covered, Sweep};
+use super::sweep::Sweep;
 use super::workpiece::Workpiece;
 
 /// The most planes that a plan may have; beyond it a direction counts as having no spacing.
 pub(super) const MOST_PLANES: usize = 50_000;
 
 /// How many of the tightest facets of a strip are looked at for the share that may be left out.
-const TIGHTEST: usize = 12;
+const TIGHTEST: usize = 8;
 
 /// Facets of one direction with the spacings that they allow one cutter.
 #[derive(Debug)]
@@ -52,7 +52,10 @@ impl<'a> Spaced<'a> {
 /// A facet that the planes have reached.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reached {
-    pub(super) covered: Covered,
+    /// Its place in the order of the sweep.
+    pub(super) place: u32,
+    pub(super) low: f64,
+    pub(super) high: f64,
     /// The spacing that it allows.
     allowed: f64,
     /// Its area over its width across the passes.
@@ -132,8 +135,8 @@ struct Walk<'a> {
     reached: Vec<Reached>,
     /// How far to look: somewhat more than the last spacing.
     hint: f64,
-    /// The tightest facets of the strip: up to where they let it reach, and what they allow.
-    tightest: Vec<(f64, Reached)>,
+    /// The tightest facets of the strip: the width that they allow it, and which of the reached facets they are.
+    tightest: Vec<(f64, usize)>,
     /// The facets that bind the last strip most, those left out not among them.
     binding: [Option<u32>; BINDING],
 }
@@ -141,7 +144,7 @@ struct Walk<'a> {
 impl Walk<'_> {
     /// Drops the facets that end before `at`.
     fn pass_by(&mut self, at: f64) {
-        self.reached.retain(|reached| reached.covered.high > at);
+        self.reached.retain(|reached| reached.high > at);
     }
 
     /// The largest d that all facets allow that meet the strip from `at` to `at` + d, but for the share of its area that may be left out.
@@ -155,7 +158,7 @@ impl Walk<'_> {
                 if found.is_nan() || found <= 1e-6 {
                     return Err(TooManyPlanes);
                 }
-                self.hint = 1.3 * found;
+                self.hint = 1.2 * found;
                 return Ok(found);
             }
             self.hint = 2.0 * width;
@@ -165,60 +168,60 @@ impl Walk<'_> {
     /// The same, not looking farther than `width`.
     fn widest_within(&mut self, at: f64, width: f64) -> f64 {
         let factor = self.spaced.factor(at);
-        let mut area = 0.0;
-        self.tightest.clear();
-        for index in 0..self.reached.len() {
-            let reached = self.reached[index];
-            area += consider(&mut self.tightest, reached, at, width, factor);
-        }
+        let end = at + width;
         while self.next < self.end {
             let covered = self.spaced.sweep.covered[self.next];
-            if covered.low >= at + width {
+            if covered.low >= end {
                 break;
             }
-            self.next += 1;
             let facet = covered.facet as usize;
-            let allowed = f64::from(self.spaced.squared[facet]).sqrt();
-            let reached = Reached { covered, allowed, density: self.spaced.workpiece.areas[facet] / (covered.high - covered.low) };
             if covered.high > at && covered.high > covered.low {
-                self.reached.push(reached);
-                area += consider(&mut self.tightest, reached, at, width, factor);
+                let allowed = f64::from(self.spaced.squared[facet]).sqrt();
+                let density = self.spaced.workpiece.areas[facet] / (covered.high - covered.low);
+                #[expect(clippy::cast_possible_truncation, reason = "as many as facets")]
+                let place = self.next as u32;
+                self.reached.push(Reached { place, low: covered.low, high: covered.high, allowed, density });
+            }
+            self.next += 1;
+        }
+        self.tightest.clear();
+        // Only facets with bounds under this one are among the tightest.
+        let mut limit = width;
+        let mut area = 0.0;
+        for (index, reached) in self.reached.iter().enumerate() {
+            // A strip that ends before the facet begins is not bound by it.
+            let bound = (reached.allowed * factor).max(reached.low - at);
+            area += reached.density * (reached.high.min(end) - reached.low.max(at)).max(0.0);
+            if bound < limit {
+                if self.tightest.len() == TIGHTEST {
+                    self.tightest.pop();
+                }
+                let place = self.tightest.iter().rposition(|&(other, _)| other <= bound).map_or(0, |place| place + 1);
+                self.tightest.insert(place, (bound, index));
+                if self.tightest.len() == TIGHTEST {
+                    limit = self.tightest[TIGHTEST - 1].0;
+                }
             }
         }
-        // The area of a strip grows in proportion to its width, about.
+        // The area of a strip grows in proportion to its width, about. A strip may be as wide as the bound of a facet if a wider one, up to the next bound,
+        // would hold more of tighter facets than may be left out.
         let left_out_per_width = self.spaced.left_out * area / width;
-        let mut tighter = 0.0;
-        let is_binding = |&(bound, reached): &(f64, Reached)| {
-            tighter += reached.density * overlap(&reached.covered, at, bound);
-            tighter > left_out_per_width * bound
+        let next_bound = |index: usize| self.tightest.get(index + 1).map_or(width, |&(bound, _)| bound);
+        let holds_too_much = |index: &usize| {
+            let wider = next_bound(*index);
+            let overlap = |&(_, at_index): &(f64, usize)| {
+                let reached = &self.reached[at_index];
+                reached.density * (reached.high.min(at + wider) - reached.low.max(at)).max(0.0)
+            };
+            self.tightest[..=*index].iter().map(overlap).sum::<f64>() > left_out_per_width * wider
         };
         // Where all that are kept may be left out, those that were dropped may not: the widest of them binds.
-        let is_full = self.tightest.len() == TIGHTEST;
-        let first = self.tightest.iter().position(is_binding).or(is_full.then_some(TIGHTEST - 1));
-        let mut binding = self.tightest[first.unwrap_or(self.tightest.len())..].iter().map(|(_, reached)| reached.covered.facet);
+        let first = (0..self.tightest.len()).find(holds_too_much).or((self.tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
+        let mut binding = self.tightest[first.unwrap_or(self.tightest.len())..].iter().map(|&(_, index)| {
+            let place = self.reached[index].place as usize;
+            self.spaced.sweep.covered[place].facet
+        });
         self.binding = std::array::from_fn(|_| binding.next());
-        first.map_or(width, |first| self.tightest[first].0.min(width))
+        first.map_or(width, |first| self.tightest[first].0)
     }
-}
-
-/// Notes a facet among the tightest of the strip of `width` from `at` if it is one; its area in the strip.
-fn consider(tightest: &mut Vec<(f64, Reached)>, reached: Reached, at: f64, width: f64, factor: f64) -> f64 {
-    if reached.covered.low >= at + width {
-        return 0.0;
-    }
-    // A strip that ends before the facet begins is not bound by it.
-    let bound = (reached.allowed * factor).max(reached.covered.low - at);
-    if bound < width && (tightest.len() < TIGHTEST || bound < tightest[TIGHTEST - 1].0) {
-        if tightest.len() == TIGHTEST {
-            tightest.pop();
-        }
-        let place = tightest.partition_point(|&(other, _)| other <= bound);
-        tightest.insert(place, (bound, reached));
-    }
-    reached.density * overlap(&reached.covered, at, width)
-}
-
-/// The width of what a facet covers of the strip.
-fn overlap(covered: &Covered, at: f64, width: f64) -> f64 {
-    (covered.high.min(at + width) - covered.low.max(at)).max(0.0)
 }

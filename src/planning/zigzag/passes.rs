@@ -4,7 +4,6 @@ use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
 use super::march::{Plane, Spaced};
 use super::ranking::{Prepared, ZigzagPlan, rows_of};
-use super::runs::{Cut, cut};
 use super::settings::ZigzagSettings;
 use super::sweep::Sweep;
 use super::tour::Pattern;
@@ -159,17 +158,26 @@ fn runs_in_order(
     ordered
 }
 
-/// The cuts of each plane, with their facets.
-fn cuts_by_plane(planes: &[Plane], spaced: &Spaced) -> Vec<Vec<(u32, Cut)>> {
+/// The cut of a facet: both ends, along the pass and in height.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    facet: u32,
+    ends: [[f64; 2]; 2],
+}
+
+/// The cuts of each plane.
+fn cuts_by_plane(planes: &[Plane], spaced: &Spaced) -> Vec<Vec<Cut>> {
     let mut by_plane = vec![Vec::new(); planes.len()];
-    for covered in &spaced.sweep.covered {
+    for (covered, slice) in spaced.sweep.covered.iter().zip(&spaced.sweep.slices) {
         let first = planes.partition_point(|plane| plane.at < covered.low);
         for (plane, cuts) in planes[first..].iter().zip(&mut by_plane[first..]) {
             if plane.at >= covered.high {
                 break;
             }
-            if let Some(cut) = cut(spaced, covered.facet as usize, plane.at) {
-                cuts.push((covered.facet, cut));
+            let [from, to] = slice.cut(plane.at);
+            if to > from {
+                let ends = [[from, slice.height(from, plane.at)], [to, slice.height(to, plane.at)]];
+                cuts.push(Cut { facet: covered.facet, ends });
             }
         }
     }
@@ -177,8 +185,8 @@ fn cuts_by_plane(planes: &[Plane], spaced: &Spaced) -> Vec<Vec<(u32, Cut)>> {
 }
 
 /// The runs of one plane: cuts in order along it, split at gaps wider than the cutter.
-fn runs_of(at: f64, mut cuts: Vec<(u32, Cut)>, facets: &[FinishFacet], spaced: &Spaced, cutter: Cutter) -> Vec<Vec<Place>> {
-    cuts.sort_by(|a, b| a.1.ends[0][0].total_cmp(&b.1.ends[0][0]));
+fn runs_of(at: f64, mut cuts: Vec<Cut>, facets: &[FinishFacet], spaced: &Spaced, cutter: Cutter) -> Vec<Vec<Place>> {
+    cuts.sort_by(|a, b| a.ends[0][0].total_cmp(&b.ends[0][0]));
     let place = |facet: u32, [along, height]: [f64; 2]| {
         let [e, origin] = [spaced.sweep.heading.e, [spaced.workpiece.origin[0], spaced.workpiece.origin[1]]];
         let contact =
@@ -187,8 +195,7 @@ fn runs_of(at: f64, mut cuts: Vec<(u32, Cut)>, facets: &[FinishFacet], spaced: &
     };
     let mut runs: Vec<Vec<Place>> = Vec::new();
     let mut last: Option<(u32, [f64; 2])> = None;
-    for &(facet, cut) in &cuts {
-        let [from, to] = cut.ends;
+    for &Cut { facet, ends: [from, to] } in &cuts {
         let continues = last.is_some_and(|(_, end)| from[0] - end[0] <= spaced.widest);
         if !continues {
             if let (Some((facet, end)), Some(run)) = (last, runs.last_mut()) {

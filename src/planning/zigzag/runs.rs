@@ -36,12 +36,6 @@ pub(super) struct RunFinder {
     pub(super) runs: Vec<Run>,
 }
 
-/// A cut of a facet: both ends along the pass and in height.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cut {
-    pub(super) ends: [[f64; 2]; 2],
-}
-
 impl RunFinder {
     /// For gaps up to `gap`.
     pub(super) fn new(spaced: &Spaced, gap: f64) -> Self {
@@ -58,27 +52,28 @@ impl RunFinder {
         let workpiece = spaced.workpiece;
         let constant_pace = if let FeedLaw::Constant { rate } = feeds { Some(rate.recip()) } else { None };
         for reached in reached {
-            if !(reached.covered.low <= at && at < reached.covered.high) {
+            if at < reached.low || at >= reached.high {
                 continue;
             }
-            let facet = reached.covered.facet as usize;
-            let Some(Cut { ends: [from, to] }) = cut(spaced, facet, at) else { continue };
-            let weight = workpiece.weights[facet];
-            let length = weight * (to[0] - from[0]).hypot(to[1] - from[1]);
+            let place = reached.place as usize;
+            let slice = &spaced.sweep.slices[place];
+            let [from, to] = slice.cut(at);
+            let facet = spaced.sweep.covered[place].facet as usize;
+            let length = workpiece.weights[facet] * (to - from) * slice.stretch();
             let pace = constant_pace.unwrap_or_else(|| {
                 let tangent = &workpiece.tangents[facet];
                 let taken = spacing * spacing / f64::from(spaced.squared[facet]);
                 feeds.rate(tangent, tangent.alpha(spaced.sweep.heading.e).0, taken).recip()
             });
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the cells")]
-            let cell = ((from[0] - self.origin) / self.gap) as usize;
+            let cell = ((from - self.origin) / self.gap) as usize;
             let last = self.cells.len() - 1;
             let cell = &mut self.cells[cell.min(last)];
-            if from[0] < cell.ends[0][0] {
-                cell.ends[0] = from;
+            if from < cell.ends[0][0] {
+                cell.ends[0] = [from, slice.height(from, at)];
             }
-            if to[0] > cell.ends[1][0] {
-                cell.ends[1] = to;
+            if to > cell.ends[1][0] {
+                cell.ends[1] = [to, slice.height(to, at)];
             }
             cell.length += length;
             cell.seconds += length * pace;
@@ -104,39 +99,17 @@ impl RunFinder {
                     run.seconds += cell.seconds;
                 }
                 _ => {
-                    self.runs.extend(run.replace(cell).map(finished));
+                    self.runs.extend(run.replace(cell).map(Run::from));
                 }
             }
         }
-        self.runs.extend(run.map(finished));
+        self.runs.extend(run.map(Run::from));
     }
 }
 
-/// The run of the cuts in a cell. Gaps over which it is joined add nothing to its length.
-fn finished(cell: Cell) -> Run {
-    Run { ends: cell.ends, length: cell.length, seconds: cell.seconds }
-}
-
-/// Where the plane at `at` cuts a facet; `None` where it touches a corner only.
-pub(super) fn cut(spaced: &Spaced, facet: usize, at: f64) -> Option<Cut> {
-    let heading = spaced.sweep.heading;
-    let mut corners = spaced.workpiece.corners[facet].map(|[x, y, z]| (heading.across(x, y), heading.along(x, y), z));
-    if corners[0].0 > corners[1].0 {
-        corners.swap(0, 1);
+impl From<Cell> for Run {
+    /// Gaps over which a run is joined add nothing to its length.
+    fn from(cell: Cell) -> Self {
+        Self { ends: cell.ends, length: cell.length, seconds: cell.seconds }
     }
-    if corners[1].0 > corners[2].0 {
-        corners.swap(1, 2);
-    }
-    if corners[0].0 > corners[1].0 {
-        corners.swap(0, 1);
-    }
-    let [low, middle, high] = corners;
-    let on = |a: (f64, f64, f64), b: (f64, f64, f64)| {
-        let share = (at - a.0) / (b.0 - a.0);
-        [a.1 + share * (b.1 - a.1), a.2 + share * (b.2 - a.2)]
-    };
-    let long = on(low, high);
-    let short = if at < middle.0 { on(low, middle) } else { on(middle, high) };
-    let ends = if long[0] <= short[0] { [long, short] } else { [short, long] };
-    (ends[1][0] > ends[0][0]).then_some(Cut { ends })
 }

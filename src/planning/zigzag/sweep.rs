@@ -33,11 +33,76 @@ pub(super) struct Covered {
     pub(super) facet: u32,
 }
 
+/// A facet as planes of one direction cut it: one cut costs a few multiplications.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slice {
+    low: f64,
+    middle: f64,
+    high: f64,
+    /// The coordinates along the passes of the corners that are first and last across them, and the height of the first.
+    first: f64,
+    last: f64,
+    height: f64,
+    /// How fast the edges run along the passes per length across them: from the first corner to the last, to the middle one, and from there on.
+    edges: [f64; 3],
+    /// The rise of the facet along and across the passes, per length seen from above.
+    rise: [f64; 2],
+    /// The length in space of a cut per length seen from above.
+    stretch: f64,
+}
+
+impl Slice {
+    fn new(corners: &[[f64; 3]; 3], heading: Heading) -> Self {
+        let mut corners = corners.map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
+        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+            if corners[i][0] > corners[j][0] {
+                corners.swap(i, j);
+            }
+        }
+        let [low, middle, high] = corners;
+        // Infinite where an edge lies along the passes; it is not cut then.
+        let edge = |a: [f64; 3], b: [f64; 3]| (b[1] - a[1]) / (b[0] - a[0]);
+        let (u, v) = ([middle[0] - low[0], middle[1] - low[1], middle[2] - low[2]], [high[0] - low[0], high[1] - low[1], high[2] - low[2]]);
+        let area = u[0] * v[1] - u[1] * v[0];
+        let rise = if area == 0.0 { [0.0; 2] } else { [(u[0] * v[2] - u[2] * v[0]) / area, (u[2] * v[1] - u[1] * v[2]) / area] };
+        Self {
+            low: low[0],
+            middle: middle[0],
+            high: high[0],
+            first: low[1],
+            last: high[1],
+            height: low[2],
+            edges: [edge(low, high), edge(low, middle), edge(middle, high)],
+            rise,
+            stretch: (1.0 + rise[0] * rise[0]).sqrt(),
+        }
+    }
+
+    /// Both ends of the cut at `at`, which must lie from `low` to before `high`, along the passes, the lower one first.
+    pub(super) fn cut(&self, at: f64) -> [f64; 2] {
+        let long = self.first + self.edges[0] * (at - self.low);
+        let short = if at < self.middle { self.first + self.edges[1] * (at - self.low) } else { self.last + self.edges[2] * (at - self.high) };
+        if long <= short { [long, short] } else { [short, long] }
+    }
+
+    /// The height of the facet at a place.
+    pub(super) fn height(&self, along: f64, at: f64) -> f64 {
+        self.height + self.rise[0] * (along - self.first) + self.rise[1] * (at - self.low)
+    }
+
+    /// The length in space of a cut per length seen from above.
+    pub(super) fn stretch(&self) -> f64 {
+        self.stretch
+    }
+}
+
 /// The facets in rising order of where they begin across the passes.
 #[derive(Debug)]
 pub(super) struct Sweep {
     pub(super) heading: Heading,
     pub(super) covered: Vec<Covered>,
+    /// The same facets in the same order.
+    pub(super) slices: Vec<Slice>,
     /// The least and largest coordinate along the passes.
     pub(super) along: [f64; 2],
 }
@@ -60,7 +125,9 @@ impl Sweep {
                 Covered { low, high, facet }
             })
             .collect();
-        Self { heading, covered: ordered(unordered, across), along }
+        let covered = ordered(unordered, across);
+        let slices = covered.iter().map(|covered| Slice::new(&workpiece.corners[covered.facet as usize], heading)).collect();
+        Self { heading, covered, slices, along }
     }
 
     /// The stretches across the passes that facets cover without a gap wider than `gap`, each as the facets in it and its two ends.

@@ -115,7 +115,8 @@ impl<'a> Tour<'a> {
     fn link(&mut self, end: End, to: [f64; 3], stretch: [f64; 2]) {
         let from = end.place;
         let across = (to[0] - from[0]).hypot(to[1] - from[1]);
-        let is_beside = self.passes == end.pass + 1 && stretch[0] < end.stretch[1] && end.stretch[0] < stretch[1];
+        let is_next = self.passes == end.pass + 1 && (to[1] - from[1]).abs() <= self.longest_link;
+        let is_beside = is_next && stretch[0] < end.stretch[1] && end.stretch[0] < stretch[1];
         self.figures.links += 1;
         if self.pattern == Pattern::Zigzag && (is_beside || across <= self.longest_link) {
             let length = across.hypot(to[2] - from[2]);

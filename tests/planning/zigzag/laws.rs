@@ -36,11 +36,11 @@ fn an_inclined_rectangle_takes_the_time_of_the_published_method() {
             #[expect(clippy::cast_precision_loss, reason = "hundreds")]
             let passes = plan.planes as f64;
             assert!((passes - expected.passes).abs() <= 1.0, "{passes} passes for {}", expected.passes);
-            // With the simulation's own number of passes nothing is left but the rounding of spacings, kept in single precision.
+            // With the simulation's own number of passes nothing is left but spacings, kept in single precision, and the last one, which the border cuts short.
             let pass = travel_time(mm(if candidate == 0 { h } else { w }), limits).seconds();
             let link = travel_time(step_over, limits).seconds();
             let own = passes * pass + (passes - 1.0) * link;
-            approx::assert_relative_eq!(plan.time.seconds(), own, max_relative = 2e-3);
+            assert!(plan.time.seconds() <= own * (1.0 + 1e-6) && plan.time.seconds() >= own - link, "{} s, {own}", plan.time.seconds());
         }
     }
 }
