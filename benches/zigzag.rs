@@ -48,7 +48,8 @@ fn facets(n: u32) -> Vec<FinishFacet> {
         let hessian = [[xx, xy, 0.0], [xy, yy, 0.0], [0.0; 3]];
         let project = |i: usize, j: usize| f64::from(u8::from(i == j)) - normal[i] * normal[j];
         let entry = |i: usize, j: usize| {
-            -(0..3).flat_map(|k| (0..3).map(move |l| (k, l))).map(|(k, l)| project(i, k) * hessian[k][l] * project(l, j)).sum::<f64>() / root
+            -(0..3).flat_map(|k| (0..3).map(move |l| (k, l))).map(|(k, l)| project(i, k) * hessian[k][l] * project(l, j)).sum::<f64>()
+                / root
         };
         FinishFacet {
             corners,
@@ -70,7 +71,8 @@ fn cutters(count: u32) -> Vec<CandidateCutter> {
     (0..count)
         .map(|index| {
             let diameter = mm(10.0 + 0.1 * f64::from(index));
-            let cutter = if index % 2 == 0 { Cutter::toroidal(diameter, mm(2.0)).expect("a corner under 5 mm") } else { Cutter::ball_end(diameter) };
+            let cutter =
+                if index % 2 == 0 { Cutter::toroidal(diameter, mm(2.0)).expect("a corner under 5 mm") } else { Cutter::ball_end(diameter) };
             CandidateCutter::new(cutter)
         })
         .collect()
@@ -81,7 +83,9 @@ fn zigzag(criterion: &mut Criterion) {
     let settings = ZigzagSettings::new(mm(0.01), machine);
     let mut group = criterion.benchmark_group("zigzag");
     group.sample_size(10).measurement_time(Duration::from_secs(8));
-    for (name, n, count) in [("12,000 facets, 2 cutters", 77, 2), ("12,000 facets, 50 cutters", 77, 50), ("a million facets, 2 cutters", 707, 2)] {
+    for (name, n, count) in
+        [("12,000 facets, 2 cutters", 77, 2), ("12,000 facets, 50 cutters", 77, 50), ("a million facets, 2 cutters", 707, 2)]
+    {
         let (facets, cutters) = (facets(n), cutters(count));
         group.bench_function(name, |b| b.iter(|| rank(black_box(&facets), &cutters, &settings, SurfaceEvidence::default())));
     }

@@ -10,6 +10,6 @@ pub mod zigzag;
 pub use confidence::Level;
 pub use rectangle::{
     Candidate, Confidence, CriticalFormFactor, CriticalSlope, CutterChoice, Evidence, HeightExceedsWidth, InclinedRectangle, Job, JobError,
-    Plan, PlanError, Reason, Recommendation, RectanglePlan, Weakness, Zigzag, critical_form_factor, critical_slope, plan, plan_on_rectangle,
-    recommend,
+    Plan, PlanError, Reason, Recommendation, RectanglePlan, Weakness, Zigzag, critical_form_factor, critical_slope, plan,
+    plan_on_rectangle, recommend,
 };

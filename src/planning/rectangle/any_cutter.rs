@@ -44,8 +44,7 @@ pub fn plan_on_rectangle(
 /// The largest step-over along the steepest line of a plane, at most the cutter's diameter.
 fn step_over(cutter: Cutter, slope: Angle, scallop_height: Length, model: Model) -> Option<Length> {
     let diameter = cutter.outer_radius() + cutter.outer_radius();
-    let pass =
-        Pass { cutter, contact: Contact::up_the_slope(slope), surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
+    let pass = Pass { cutter, contact: Contact::up_the_slope(slope), surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
     let step_over = match JudgedPass::new(model, pass).and_then(|judged| judged.max_step_over(scallop_height, None)) {
         Ok(step_over) => step_over,
         Err(NoAnswer::FlatFloor) => diameter,

@@ -4,8 +4,8 @@
 //! from.
 
 use super::{Candidate, CriticalSlope, CutterChoice, InclinedRectangle, Job, Plan};
-use crate::planning::Level;
 use crate::motion::TravelCase;
+use crate::planning::Level;
 use crate::quantity::{Angle, Area, Time};
 use crate::surface::Shape;
 use std::fmt;
@@ -487,5 +487,31 @@ mod tests {
         assert!(confidence.reasons().is_sorted_by_key(|reason| std::cmp::Reverse(reason.level)));
         let said = confidence.reasons()[0].to_string();
         assert!(said.contains("less than the 5 %"), "{said}");
+    }
+
+    #[test]
+    fn evidence_from_the_surface_weakens_the_answer_where_it_disagrees() {
+        let (job, shape) = (job(0.01, "five_axis_vmc"), plane(80.0, 40.0, 15.0, 0.0));
+        let recommendation = recommend(&job, &shape).unwrap();
+        let plan = recommendation.plan;
+        let times = [plan.toroidal.zigzag.time, plan.ball_end.zigzag.time];
+        let agreeing = Evidence { mean_slope: shape.slope, area: shape.characteristic_size, pieces: 1, simulated: Some(times) };
+        let with = |evidence: Evidence| {
+            let confidence = recommendation.confidence.clone().with_evidence(&plan, &shape, &evidence);
+            (confidence.level(), confidence.reasons().iter().map(|reason| reason.weakness).collect::<Vec<_>>())
+        };
+        assert_eq!(with(agreeing), (Level::High, vec![]));
+        let steeper = Evidence { mean_slope: Angle::from_degrees(22.0).unwrap(), ..agreeing };
+        assert_eq!(with(steeper), (Level::Moderate, vec![Weakness::MeanSlopeFarFromPlane]));
+        let larger = Evidence { area: Area::from_mm2(1.5 * shape.characteristic_size.mm2()).unwrap(), ..agreeing };
+        assert_eq!(with(larger), (Level::Low, vec![Weakness::AreaFarFromSize]));
+        assert_eq!(with(Evidence { pieces: 2, ..agreeing }), (Level::Low, vec![Weakness::SeveralPieces]));
+        let slower = times.map(|time| Time::computed(1.2 * time.seconds()));
+        assert_eq!(with(Evidence { simulated: Some(slower), ..agreeing }), (Level::Moderate, vec![Weakness::SimulationDisagrees]));
+        // The torus is recommended at 15 deg; simulated, it loses 10 %.
+        let other = [Time::computed(1.1 * times[1].seconds()), times[1]];
+        let (level, weaknesses) = with(Evidence { simulated: Some(other), ..agreeing });
+        assert_eq!(level, Level::Low);
+        assert!(weaknesses.contains(&Weakness::SimulationPrefersOther));
     }
 }

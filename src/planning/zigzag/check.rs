@@ -99,7 +99,11 @@ impl Inspector<'_> {
             corners.iter().map(|&[x, y, _]| heading.across(x, y)).sum::<f64>() / 3.0
         };
         let by_area = drawn.iter().map(|&facet| (strip_of(planes, middle(facet)), facet));
-        let binding = planes.iter().enumerate().step_by(stride).flat_map(|(strip, plane)| plane.binding.into_iter().flatten().map(move |facet| (strip, facet)));
+        let binding = planes
+            .iter()
+            .enumerate()
+            .step_by(stride)
+            .flat_map(|(strip, plane)| plane.binding.into_iter().flatten().map(move |facet| (strip, facet)));
         let places: Vec<(usize, u32)> = by_area.chain(binding).collect();
         let judge = |&(strip, facet): &(usize, u32)| {
             let spacing = planes[strip].after;
@@ -116,7 +120,9 @@ impl Inspector<'_> {
             return None;
         }
         let feed = self.feed(spaced, index, spacing);
-        match FacetContact::new(&self.facets[index], spaced.sweep.heading.e).and_then(|contact| contact.height(self.cutter, Model::Envelope, spacing, feed)) {
+        match FacetContact::new(&self.facets[index], spaced.sweep.heading.e)
+            .and_then(|contact| contact.height(self.cutter, Model::Envelope, spacing, feed))
+        {
             Ok(height) => Some(height),
             Err(NoContact::Model(NoAnswer::PassesDoNotOverlap { .. } | NoAnswer::MarksDoNotOverlap { .. })) => Some(f64::INFINITY),
             Err(_) => None,
@@ -197,7 +203,9 @@ fn figures(judged: &[Judged], drawn: usize, tolerance: f64) -> ScallopFigures {
     heights.sort_by(f64::total_cmp);
     #[expect(clippy::cast_precision_loss, reason = "at most 2,000")]
     let share = |count: usize| if drawn == 0 { 0.0 } else { count as f64 / drawn as f64 };
-    let percentile = |hundredths: usize| Length::computed(heights.get((heights.len() * hundredths / 100).min(heights.len().saturating_sub(1))).copied().unwrap_or(0.0));
+    let percentile = |hundredths: usize| {
+        Length::computed(heights.get((heights.len() * hundredths / 100).min(heights.len().saturating_sub(1))).copied().unwrap_or(0.0))
+    };
     let max = judged.iter().filter_map(|place| place.height).filter(|height| height.is_finite()).fold(0.0, f64::max);
     ScallopFigures {
         p50: percentile(50),

@@ -80,7 +80,10 @@ impl fmt::Display for SurfaceReason {
                 100.0 * threshold
             ),
             SurfaceWeakness::CoarseTessellation => {
-                write!(f, "facets are {figure:.2} times as wide as the step-over, over {threshold}: slope and curvature are those of the tessellation")
+                write!(
+                    f,
+                    "facets are {figure:.2} times as wide as the step-over, over {threshold}: slope and curvature are those of the tessellation"
+                )
             }
             SurfaceWeakness::SteepArea => write!(f, "{:.2} % of the area is too steep to set a spacing", 100.0 * figure),
             SurfaceWeakness::HiddenArea => write!(f, "{:.2} % of the area is hidden from above and not machined", 100.0 * figure),

@@ -1,6 +1,6 @@
 //! One facet under the models of `milling`: its contact, its curvature in the axes of the feed, heights and feeds there.
 
-use crate::milling::{Contact, ContactError, Cutter, CurvatureOutOfRange, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::milling::{Contact, ContactError, CurvatureOutOfRange, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::quantity::Length;
 use crate::surface::FinishFacet;
 
@@ -28,11 +28,8 @@ impl FacetContact {
         let feed = [e[0] / length, e[1] / length, climb / length];
         let across = [n[1] * feed[2] - n[2] * feed[1], n[2] * feed[0] - n[0] * feed[2], n[0] * feed[1] - n[1] * feed[0]];
         let contact = Contact::from_vectors(n, feed, None).map_err(NoContact::Contact)?;
-        let curvature = [
-            facet.curvature_between(feed, feed),
-            facet.curvature_between(across, across),
-            facet.curvature_between(feed, across),
-        ];
+        let curvature =
+            [facet.curvature_between(feed, feed), facet.curvature_between(across, across), facet.curvature_between(feed, across)];
         Ok(Self { contact, curvature })
     }
 

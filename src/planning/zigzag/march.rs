@@ -93,11 +93,24 @@ pub(super) struct TooManyPlanes;
 pub(super) fn march(spaced: &Spaced, mut visit: impl FnMut(Plane, &[Reached])) -> Result<(), TooManyPlanes> {
     let mut planes = 0;
     for band in spaced.sweep.bands(spaced.widest) {
-        let mut walk = Walk { spaced, next: band.start, end: band.end, reached: Vec::new(), hint: spaced.widest, tightest: Vec::new(), binding: [None; BINDING] };
+        let mut walk = Walk {
+            spaced,
+            next: band.start,
+            end: band.end,
+            reached: Vec::new(),
+            hint: spaced.widest,
+            tightest: Vec::new(),
+            binding: [None; BINDING],
+        };
         let first = walk.widest_from(band.low)?;
         let mut is_last = band.high - band.low < first;
         // As far from the border as from the next plane's half; in a band of less than one spacing in the middle.
-        let mut plane = Plane { at: if is_last { f64::midpoint(band.low, band.high) } else { band.low + first / 2.0 }, before: first, after: first, binding: [None; BINDING] };
+        let mut plane = Plane {
+            at: if is_last { f64::midpoint(band.low, band.high) } else { band.low + first / 2.0 },
+            before: first,
+            after: first,
+            binding: [None; BINDING],
+        };
         loop {
             planes += 1;
             if planes > MOST_PLANES {

@@ -8,7 +8,7 @@ use super::settings::ZigzagSettings;
 use super::sweep::Sweep;
 use super::tour::Pattern;
 use super::workpiece::Workpiece;
-use crate::milling::{Cutter, JudgedPass};
+use crate::milling::{Cutter, JudgedPass, NoAnswer, ScallopHeight};
 use crate::quantity::{Length, Speed};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
@@ -126,20 +126,10 @@ pub fn passes(
 }
 
 /// The runs of all planes with their places, in cutting order and sense.
-fn runs_in_order(
-    plan: &ZigzagPlan,
-    facets: &[FinishFacet],
-    spaced: &Spaced,
-    cutter: Cutter,
-    pattern: Pattern,
-) -> Vec<(Plane, Vec<Place>)> {
+fn runs_in_order(plan: &ZigzagPlan, facets: &[FinishFacet], spaced: &Spaced, cutter: Cutter, pattern: Pattern) -> Vec<(Plane, Vec<Place>)> {
     let by_plane = cuts_by_plane(&plan.passes, spaced);
-    let runs: Vec<Vec<Vec<Place>>> = plan
-        .passes
-        .par_iter()
-        .zip(by_plane)
-        .map(|(plane, cuts)| runs_of(plane.at, cuts, facets, spaced, cutter))
-        .collect();
+    let runs: Vec<Vec<Vec<Place>>> =
+        plan.passes.par_iter().zip(by_plane).map(|(plane, cuts)| runs_of(plane.at, cuts, facets, spaced, cutter)).collect();
     let mut forward = true;
     let mut ordered = Vec::new();
     for (plane, mut runs) in plan.passes.iter().zip(runs) {
@@ -148,7 +138,9 @@ fn runs_in_order(
         }
         if !forward {
             runs.reverse();
-            runs.iter_mut().for_each(|run| run.reverse());
+            for run in &mut runs {
+                run.reverse();
+            }
         }
         ordered.extend(runs.into_iter().map(|run| (*plane, run)));
         if pattern == Pattern::Zigzag {
@@ -189,8 +181,7 @@ fn runs_of(at: f64, mut cuts: Vec<Cut>, facets: &[FinishFacet], spaced: &Spaced,
     cuts.sort_by(|a, b| a.ends[0][0].total_cmp(&b.ends[0][0]));
     let place = |facet: u32, [along, height]: [f64; 2]| {
         let [e, origin] = [spaced.sweep.heading.e, [spaced.workpiece.origin[0], spaced.workpiece.origin[1]]];
-        let contact =
-            [origin[0] + e[0] * along - e[1] * at, origin[1] + e[1] * along + e[0] * at, spaced.workpiece.origin[2] + height];
+        let contact = [origin[0] + e[0] * along - e[1] * at, origin[1] + e[1] * along + e[0] * at, spaced.workpiece.origin[2] + height];
         Place { facet, contact, tip: tip_of(cutter, contact, facets[facet as usize].normal) }
     };
     let mut runs: Vec<Vec<Place>> = Vec::new();
@@ -224,11 +215,7 @@ fn tip_of(cutter: Cutter, contact: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
     let horizontal = normal[0].hypot(normal[1]);
     // On a floor the flat touches as a whole; its middle is over the contact.
     let out = if horizontal > 0.0 { core / horizontal } else { 0.0 };
-    [
-        contact[0] + (corner + out) * normal[0],
-        contact[1] + (corner + out) * normal[1],
-        contact[2] + corner * normal[2] - corner,
-    ]
+    [contact[0] + (corner + out) * normal[0], contact[1] + (corner + out) * normal[1], contact[2] + corner * normal[2] - corner]
 }
 
 /// Which places to keep so that none left out is farther from the line between its kept neighbours than `chord`: the two ends, and again and again the
@@ -295,7 +282,7 @@ impl Pointing<'_> {
             step_over = of_facet.step_over(spacing);
             if let Ok(judged) = of_facet.judged(self.prepared.candidate.cutter, self.settings.model) {
                 feed = range.and_then(|range| self.largest_feed(&judged, step_over, range)).or(feed);
-                height = judged.scallop_height(Length::computed(step_over), feed.map(Length::computed)).ok().map(|height| height.total());
+                height = judged.scallop_height(Length::computed(step_over), feed.map(Length::computed)).ok().map(ScallopHeight::total);
             }
         }
         let rate = range.zip(feed).map_or(planned, |(range, feed)| range.rate(feed));
@@ -313,7 +300,6 @@ impl Pointing<'_> {
 
     /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over alone uses it up.
     fn largest_feed(&self, judged: &JudgedPass, step_over: f64, range: FeedRange) -> Option<f64> {
-        use crate::milling::NoAnswer;
         // Most feeds are bound by the range, which one height shows.
         let tolerance = self.settings.scallop_height;
         let at_largest = judged.scallop_height(Length::computed(step_over), Some(Length::computed(range.largest)));

@@ -130,7 +130,9 @@ impl fmt::Display for NotRankedReason {
                 reach.uncut_height.mm()
             ),
             Self::NoStepOver => write!(f, "in no direction do {MOST_PLANES} passes or fewer keep the scallop height"),
-            Self::NoHeight { share } => write!(f, "the cutter gouges the surface beside its contacts on {:.1} % of the area", 100.0 * share),
+            Self::NoHeight { share } => {
+                write!(f, "the cutter gouges the surface beside its contacts on {:.1} % of the area", 100.0 * share)
+            }
         }
     }
 }
@@ -233,8 +235,7 @@ impl Prepared {
     }
 
     fn contender<'a>(&'a self, settings: &'a ZigzagSettings) -> Contender<'a> {
-        let operation =
-            Operation { machine: &settings.machine, pattern: settings.pattern, feeds: &self.feeds, link_rate: self.link_rate };
+        let operation = Operation { machine: &settings.machine, pattern: settings.pattern, feeds: &self.feeds, link_rate: self.link_rate };
         Contender { spacing: &self.spacing, operation, diameter: self.diameter() }
     }
 }
@@ -271,8 +272,7 @@ fn plan(
     let follows = settings.model == Model::Envelope;
     let sweep = Sweep::new(workpiece, best.direction);
     let spaced = Spaced::new(workpiece, &sweep, contender.spacing, contender.diameter, settings.left_out_share);
-    let (simulated, scallop_height) =
-        checked(spaced, contender.operation, inspector, follows).map_err(|_| NotRankedReason::NoStepOver)?;
+    let (simulated, scallop_height) = checked(spaced, contender.operation, inspector, follows).map_err(|_| NotRankedReason::NoStepOver)?;
     if scallop_height.without_height_share > LARGEST_SHARE_WITHOUT_HEIGHT {
         return Err(NotRankedReason::NoHeight { share: scallop_height.without_height_share });
     }

@@ -25,7 +25,10 @@ pub(super) struct TimeOfDirection {
     pub(super) seconds: Option<f64>,
 }
 
-/// Facets beyond this number are sampled in the search; the time of a direction then errs by some 0.3 %.
+/// Facets beyond this number are sampled in the first pass over all directions, whose times then err by about 1 %.
+const MOST_AT_FIRST: usize = 5_000;
+
+/// Facets beyond this number are sampled around the best direction as well, where times then err by some 0.3 %.
 const MOST_FACETS: usize = 60_000;
 
 /// The times of each contender in the directions that are asked for, in rising order of direction.
@@ -35,33 +38,36 @@ pub(super) fn times_by_direction(
     directions: &Directions,
     left_out: f64,
 ) -> Vec<Vec<TimeOfDirection>> {
-    let sampled;
-    let workpiece = if workpiece.len() > MOST_FACETS {
-        sampled = workpiece.sampled(MOST_FACETS);
-        &sampled
-    } else {
-        workpiece
-    };
+    let around = sampled(workpiece, MOST_FACETS);
+    let around = around.as_ref().unwrap_or(workpiece);
     let mut times: Vec<Vec<TimeOfDirection>> = vec![Vec::new(); contenders.len()];
-    let every = |found: &mut Vec<Vec<TimeOfDirection>>, wanted: Vec<(usize, Angle)>| simulate_all(workpiece, contenders, wanted, left_out, found);
+    let simulated = |facets: &Workpiece, wanted: Vec<(usize, Angle)>, found: &mut Vec<Vec<TimeOfDirection>>| {
+        simulate_all(facets, contenders, wanted, left_out, found);
+    };
     match directions {
-        Directions::Only(only) => every(&mut times, for_all(contenders, only)),
+        Directions::Only(only) => simulated(around, for_all(contenders, only), &mut times),
         Directions::All { beside } => {
             let mut coarse: Vec<Angle> = (0..36).map(|step| half_degrees(10 * step)).collect();
             coarse.extend(beside.iter().filter(|angle| !is_among(&coarse, **angle)).copied().collect::<Vec<_>>());
-            every(&mut times, for_all(contenders, &coarse));
+            let first = sampled(workpiece, MOST_AT_FIRST);
+            simulated(first.as_ref().unwrap_or(workpiece), for_all(contenders, &coarse), &mut times);
+            // The best are simulated again with the facets of those around them, so that they compare.
+            if first.is_some() {
+                let best = take_fastest(&mut times);
+                simulated(around, best, &mut times);
+            }
             // Every degree within 4 deg of the best, then half a degree on both sides of the best of those.
             for steps in [&[-8, -6, -4, -2, 2, 4, 6, 8][..], &[-1, 1][..]] {
-                let around = |(contender, found): (usize, &Vec<TimeOfDirection>)| {
+                let near = |(contender, found): (usize, &Vec<TimeOfDirection>)| {
                     let best = fastest(found);
                     steps.iter().filter_map(move |&step| best.map(|best| (contender, turned(best.direction, step)))).collect::<Vec<_>>()
                 };
-                let wanted = times.iter().enumerate().flat_map(around).filter(|&(contender, direction)| {
+                let wanted = times.iter().enumerate().flat_map(near).filter(|&(contender, direction)| {
                     let tried: Vec<Angle> = times[contender].iter().map(|time| time.direction).collect();
                     !is_among(&tried, direction)
                 });
                 let wanted = wanted.collect();
-                every(&mut times, wanted);
+                simulated(around, wanted, &mut times);
             }
         }
     }
@@ -73,7 +79,30 @@ pub(super) fn times_by_direction(
 
 /// The direction that takes least.
 pub(super) fn fastest(times: &[TimeOfDirection]) -> Option<TimeOfDirection> {
-    times.iter().filter(|time| time.seconds.is_some()).min_by(|a, b| a.seconds.unwrap_or(f64::INFINITY).total_cmp(&b.seconds.unwrap_or(f64::INFINITY))).copied()
+    times
+        .iter()
+        .filter(|time| time.seconds.is_some())
+        .min_by(|a, b| a.seconds.unwrap_or(f64::INFINITY).total_cmp(&b.seconds.unwrap_or(f64::INFINITY)))
+        .copied()
+}
+
+/// About `count` of the facets, where there are more.
+fn sampled(workpiece: &Workpiece, count: usize) -> Option<Workpiece> {
+    (workpiece.len() > count).then(|| workpiece.sampled(count))
+}
+
+/// Takes the two fastest directions of each contender out of the times, and returns them.
+fn take_fastest(times: &mut [Vec<TimeOfDirection>]) -> Vec<(usize, Angle)> {
+    let mut taken = Vec::new();
+    for (contender, times) in times.iter_mut().enumerate() {
+        for _ in 0..2 {
+            if let Some(best) = fastest(times) {
+                times.retain(|time| time.direction != best.direction);
+                taken.push((contender, best.direction));
+            }
+        }
+    }
+    taken
 }
 
 fn for_all(contenders: &[Contender], directions: &[Angle]) -> Vec<(usize, Angle)> {

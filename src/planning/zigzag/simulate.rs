@@ -29,7 +29,7 @@ pub(super) struct Simulated {
 /// [`TooManyPlanes`]
 pub(super) fn simulate(spaced: &Spaced, operation: Operation) -> Result<Simulated, TooManyPlanes> {
     let Operation { machine, pattern, feeds, link_rate } = operation;
-    let mut finder = RunFinder::new(spaced, spaced.widest);
+    let mut finder = RunFinder::new(spaced, spaced.widest.max(spaced.workpiece.sampling_gap));
     let mut tour = Tour::new(machine, pattern, link_rate, spaced.widest, spaced.workpiece.top);
     let mut planes = Vec::new();
     march(spaced, |plane, reached| {

@@ -167,14 +167,7 @@ impl FeedTable {
 }
 
 /// A table for the rows that are needed.
-fn tabulated(
-    cutter: Cutter,
-    height: Length,
-    model: Model,
-    feeds: Option<FeedRange>,
-    rows: &[bool],
-    feed_rate: f64,
-) -> (Law, FeedLaw) {
+fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRange>, rows: &[bool], feed_rate: f64) -> (Law, FeedLaw) {
     let diameter = 2.0 * cutter.outer_radius().mm();
     let limit = feeds.map(|range| range.largest);
     let row_of = |(row, &sin): (usize, &f64)| -> Vec<([f64; 2], f64)> {
@@ -189,7 +182,8 @@ fn tabulated(
             let Some(best) = best else { return ([limit.unwrap_or(0.0), 0.0], 0.0) };
             let seen_from_above = best.step_over * ratio;
             let share = if limit.is_some() {
-                let alone = best_step_over(cutter, contact, model, height, None, diameter / ratio).map_or(f64::INFINITY, |best| best.step_over);
+                let alone =
+                    best_step_over(cutter, contact, model, height, None, diameter / ratio).map_or(f64::INFINITY, |best| best.step_over);
                 (best.step_over / alone).powi(2).min(0.999)
             } else {
                 0.0
@@ -293,4 +287,67 @@ fn interpolated_pair(nodes: &[[f64; 2]], place: SlopePlace, cos_alpha: f64) -> [
         let (low, high) = (row(place.row as usize), row(place.row as usize + 1));
         low + place.weight * (high - low)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planning::zigzag::slopes::place_of;
+
+    /// Numbers that look random and are the same on each run.
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from(u32::try_from(*state >> 33).unwrap()) / f64::from(1_u32 << 31)
+    }
+
+    fn tangent(slope: f64) -> Tangent {
+        let (sin, cos) = slope.to_radians().sin_cos();
+        Tangent { down_hill: [1.0, 0.0], sin, cos, curvature: [0.0; 3], place: place_of(sin), is_steep: false }
+    }
+
+    /// Spacing by the law over that of the model, for random cutters, heights, slopes and directions: the least and the largest ratio.
+    fn compared(model: Model, feeds: Option<FeedRange>, slopes: impl Fn(f64) -> f64) -> [f64; 2] {
+        let mut state = 7;
+        let mut range = [f64::INFINITY, 0.0_f64];
+        let rows = vec![true; sines().len()];
+        for _ in 0..10 {
+            let diameter = 2.0 + 14.0 * random(&mut state);
+            let corner = (0.02 + 0.9 * random(&mut state)) * diameter / 2.0;
+            let cutter = Cutter::toroidal(Length::computed(diameter), Length::computed(corner)).unwrap();
+            let height = Length::computed(0.002 * 15.0_f64.powf(random(&mut state)));
+            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &rows, 80.0);
+            for _ in 0..100 {
+                let (slope, alpha) = (slopes(random(&mut state)), 90.0 * random(&mut state));
+                let contact = Contact::from_degrees(slope, alpha).unwrap();
+                let limit = feeds.map(|feeds| feeds.largest);
+                let best = best_step_over(cutter, Some(contact), model, height, limit, diameter / contact.spacing_ratio()).unwrap();
+                let exact = best.step_over * contact.spacing_ratio();
+                let (sin, cos) = alpha.to_radians().sin_cos();
+                let ratio = spacing.squared(&tangent(slope), cos, sin).sqrt() / exact.min(diameter);
+                range = [range[0].min(ratio), range[1].max(ratio)];
+            }
+        }
+        println!("{model:?} {feeds:?}: {range:?}");
+        range
+    }
+
+    #[test]
+    fn the_circles_closed_form_is_that_of_the_model() {
+        let [least, most] = compared(Model::Analytic, None, |unit| 85.0 * unit);
+        // The angle's cosine is squared and rooted again: some units of 2e-16, over ratios of 100.
+        approx::assert_relative_eq!(least, 1.0, max_relative = 1e-9);
+        approx::assert_relative_eq!(most, 1.0, max_relative = 1e-9);
+    }
+
+    #[test]
+    fn tables_never_exceed_the_envelope_and_stay_near_it() {
+        let feeds = Some(FeedRange { largest: 0.1, teeth_per_second: 300.0 });
+        for feeds in [None, feeds] {
+            let [least, most] = compared(Model::Envelope, feeds, |unit| 3.0 + 82.0 * unit);
+            assert!(most <= 1.0 && least > 0.985, "{least} {most}");
+            // Near the floor the groove turns from the corner's to the flat's.
+            let [least, most] = compared(Model::Envelope, feeds, |unit| 0.01 * 300.0_f64.powf(unit));
+            assert!(most <= 1.0 && least > 0.93, "{least} {most}");
+        }
+    }
 }

@@ -81,7 +81,8 @@ impl Slice {
     /// Both ends of the cut at `at`, which must lie from `low` to before `high`, along the passes, the lower one first.
     pub(super) fn cut(&self, at: f64) -> [f64; 2] {
         let long = self.first + self.edges[0] * (at - self.low);
-        let short = if at < self.middle { self.first + self.edges[1] * (at - self.low) } else { self.last + self.edges[2] * (at - self.high) };
+        let short =
+            if at < self.middle { self.first + self.edges[1] * (at - self.low) } else { self.last + self.edges[2] * (at - self.high) };
         if long <= short { [long, short] } else { [short, long] }
     }
 

@@ -89,9 +89,13 @@ impl<'a> Tour<'a> {
             return;
         }
         if self.forward {
-            runs.iter().for_each(|run| self.run(run, run.ends[0], run.ends[1], at));
+            for run in runs {
+                self.run(run, run.ends[0], run.ends[1], at);
+            }
         } else {
-            runs.iter().rev().for_each(|run| self.run(run, run.ends[1], run.ends[0], at));
+            for run in runs.iter().rev() {
+                self.run(run, run.ends[1], run.ends[0], at);
+            }
         }
         if self.pattern == Pattern::Zigzag {
             self.forward = !self.forward;

@@ -20,6 +20,8 @@ pub(super) struct Workpiece {
     pub(super) area: f64,
     /// The factor by which a facet's share of a length is multiplied: 1, or where facets were sampled what each one stands for.
     pub(super) weights: Vec<f64>,
+    /// The gap between cuts along a plane that sampling alone hardly ever makes; 0 where all facets are there.
+    pub(super) sampling_gap: f64,
 }
 
 /// Slope and curvature of one facet, in the axes of its steepest line.
@@ -46,11 +48,8 @@ impl Tangent {
         let down_hill = if horizontal > 0.0 { [x / horizontal, y / horizontal] } else { [1.0, 0.0] };
         let steepest = [down_hill[0] * cos, down_hill[1] * cos, -sin];
         let level = [-down_hill[1], down_hill[0], 0.0];
-        let curvature = [
-            facet.curvature_between(steepest, steepest),
-            facet.curvature_between(steepest, level),
-            facet.curvature_between(level, level),
-        ];
+        let curvature =
+            [facet.curvature_between(steepest, steepest), facet.curvature_between(steepest, level), facet.curvature_between(level, level)];
         Self { down_hill, sin, cos, curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
     }
 
@@ -77,7 +76,8 @@ impl Workpiece {
             }
         }
         let origin = [0, 1, 2].map(|axis| if facets.is_empty() { 0.0 } else { f64::midpoint(low[axis], high[axis]) });
-        let corners = facets.par_iter().with_min_len(4096).map(|facet| facet.corners.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]));
+        let corners =
+            facets.par_iter().with_min_len(4096).map(|facet| facet.corners.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]));
         let tangents = facets.par_iter().with_min_len(4096).map(|facet| Tangent::of(facet, cos_of_steepest));
         Self {
             corners: corners.collect(),
@@ -87,6 +87,7 @@ impl Workpiece {
             top: if facets.is_empty() { 0.0 } else { high[2] - origin[2] },
             area: facets.iter().map(|facet| facet.area).sum(),
             weights: vec![1.0; facets.len()],
+            sampling_gap: 0.0,
         }
     }
 
@@ -111,7 +112,12 @@ impl Workpiece {
                 drawn.push((index, (times * share / area).max(1.0)));
             }
         }
+        // A plane cuts as many facets per length as there are in a strip of their width. Gaps between random places 12 times as wide as the mean have a
+        // probability of e^-12, one in 100 planes of a thousand cuts; places drawn evenly have fewer.
+        let widths: f64 = drawn.iter().map(|&(index, _)| (2.0 * self.areas[index]).sqrt()).sum();
+        let sampling_gap = if widths > 0.0 { 12.0 * self.area / widths } else { 0.0 };
         Self {
+            sampling_gap,
             corners: drawn.iter().map(|&(index, _)| self.corners[index]).collect(),
             areas: drawn.iter().map(|&(index, weight)| self.areas[index] * weight).collect(),
             tangents: drawn.iter().map(|&(index, _)| self.tangents[index]).collect(),

@@ -10,7 +10,8 @@ use scallopd::quantity::{Length, Speed};
 /// The time of runs at their points' feeds, and of links from run to run at the feed rate, by section 5.
 fn timed(passes: &Passes, limits: MachineLimits, link_rate: Speed) -> f64 {
     let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt();
-    let time = |length: f64, feed_rate: Speed| travel_time(Length::from_mm(length).unwrap(), MachineLimits { feed_rate, ..limits }).seconds();
+    let time =
+        |length: f64, feed_rate: Speed| travel_time(Length::from_mm(length).unwrap(), MachineLimits { feed_rate, ..limits }).seconds();
     let ends = passes.run_starts[1..].iter().copied().chain([passes.points.len()]);
     let (mut seconds, mut last) = (0.0, None);
     for (start, end) in passes.run_starts.iter().copied().zip(ends) {
@@ -77,11 +78,7 @@ fn points_lie_in_the_planes_and_have_the_heights_of_the_model() {
             let height = JudgedPass::new(Model::Envelope, pass).unwrap().scallop_height(point.step_over, point.feed_per_tooth).unwrap();
             approx::assert_relative_eq!(height.total().mm(), point.scallop_height.unwrap().mm(), max_relative = 1e-9);
             over += usize::from(height.total().mm() > 1.001 * 0.01);
-            approx::assert_relative_eq!(
-                point.feed_rate.mm_min(),
-                point.feed_per_tooth.unwrap().mm() * 20_000.0,
-                max_relative = 1e-12
-            );
+            approx::assert_relative_eq!(point.feed_rate.mm_min(), point.feed_per_tooth.unwrap().mm() * 20_000.0, max_relative = 1e-12);
         }
     }
     // Feeds give way where step-overs leave room; where they leave none, it is for 1 in 100 points at the most.

@@ -18,7 +18,8 @@ fn by_the_papers_rules(plan: &ZigzagPlan, passes: &Passes) -> f64 {
     let mut planes: Vec<(f64, f64)> = Vec::new();
     for (start, end) in passes.run_starts.iter().copied().zip(ends) {
         let contacts: Vec<[f64; 3]> = passes.points[start..end].iter().filter_map(|point| point.contact).collect();
-        let length: f64 = contacts.windows(2).map(|pair| (0..3).map(|axis| (pair[1][axis] - pair[0][axis]).powi(2)).sum::<f64>().sqrt()).sum();
+        let length: f64 =
+            contacts.windows(2).map(|pair| (0..3).map(|axis| (pair[1][axis] - pair[0][axis]).powi(2)).sum::<f64>().sqrt()).sum();
         let across = cos * contacts[0][1] - sin * contacts[0][0];
         match planes.last_mut() {
             Some((at, sum)) if (*at - across).abs() < 1e-6 => *sum += length,

@@ -3,10 +3,10 @@
 use super::surfaces::{Height, facets, published};
 use super::{drive, in_direction, mm, published_cutters, ranked, settings};
 use scallopd::milling::{Cutter, Model};
+use scallopd::planning::Level;
 use scallopd::planning::zigzag::{
     CandidateCutter, NotRankedReason, Pattern, ReachFigures, SurfaceEvidence, SurfaceWeakness, ZigzagSettings, rank,
 };
-use scallopd::planning::Level;
 use scallopd::surface::FinishFacet;
 
 fn level(n: usize) -> Vec<FinishFacet> {

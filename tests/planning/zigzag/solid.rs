@@ -61,9 +61,7 @@ fn scallops_between_imprints_keep_the_tolerance_and_use_it() {
     let patch = Height { low: [0.0, 0.0], high: [60.0, 50.0], height: waves };
     let facets = facets(&patch, 80, 70);
     let settings = settings(Model::Envelope);
-    for (cutter, outer, corner) in
-        [(Cutter::toroidal(mm(10.0), mm(1.5)).unwrap(), 5.0, 1.5), (Cutter::ball_end(mm(8.0)), 4.0, 4.0)]
-    {
+    for (cutter, outer, corner) in [(Cutter::toroidal(mm(10.0), mm(1.5)).unwrap(), 5.0, 1.5), (Cutter::ball_end(mm(8.0)), 4.0, 4.0)] {
         let (solid, candidate) = (Solid { outer, corner }, CandidateCutter::new(cutter));
         let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
         let points = passes(&plan, &facets, &candidate, &settings, &|_, _| None, 200_000).unwrap();

@@ -144,7 +144,10 @@ pub(crate) fn placed(facets: &[FinishFacet], degrees: f64, [x, y, z]: [f64; 3]) 
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(turn);
         let columns = [0, 1, 2].map(|column| turn([rows[0][column], rows[1][column], rows[2][column]]));
         FinishFacet {
-            corners: facet.corners.map(|corner| { let p = turn(corner); [p[0] + x, p[1] + y, p[2] + z] }),
+            corners: facet.corners.map(|corner| {
+                let p = turn(corner);
+                [p[0] + x, p[1] + y, p[2] + z]
+            }),
             normal: turn(facet.normal),
             area: facet.area,
             curvature: [columns[0][0], columns[1][0], columns[2][0], columns[1][1], columns[2][1], columns[2][2]],
