@@ -5,6 +5,7 @@
 
 mod confidence;
 pub mod rectangle;
+mod root;
 pub mod zigzag;
 
 pub use confidence::Level;

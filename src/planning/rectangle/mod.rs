@@ -13,7 +13,8 @@ mod critical;
 mod inclined;
 mod job;
 mod recommendation;
-mod root;
+
+use super::root;
 
 pub use any_cutter::{RectanglePlan, plan_on_rectangle};
 pub use confidence::{Confidence, Evidence, Reason, Weakness};
