@@ -23,6 +23,8 @@ pub(super) struct Contender<'a> {
 pub(super) struct TimeOfDirection {
     pub(super) direction: Angle,
     pub(super) seconds: Option<f64>,
+    /// Whether it is from the first pass on sampled facets, and rougher than the others.
+    pub(super) is_rough: bool,
 }
 
 /// Facets beyond this number are sampled in the first pass over all directions, whose times then err by about 1 %.
@@ -42,7 +44,8 @@ pub(super) fn times_by_direction(
     let around = around.as_ref().unwrap_or(workpiece);
     let mut times: Vec<Vec<TimeOfDirection>> = vec![Vec::new(); contenders.len()];
     let simulated = |facets: &Workpiece, wanted: Vec<(usize, Angle)>, found: &mut Vec<Vec<TimeOfDirection>>| {
-        simulate_all(facets, contenders, wanted, left_out, found);
+        let is_rough = facets.len() < around.len();
+        simulate_all(facets, contenders, wanted, Fineness { left_out, is_rough }, found);
     };
     match directions {
         Directions::Only(only) => simulated(around, for_all(contenders, only), &mut times),
@@ -77,13 +80,13 @@ pub(super) fn times_by_direction(
     times
 }
 
-/// The direction that takes least.
+/// The direction that takes least, a rough time counting only where there are no others.
 pub(super) fn fastest(times: &[TimeOfDirection]) -> Option<TimeOfDirection> {
-    times
-        .iter()
-        .filter(|time| time.seconds.is_some())
-        .min_by(|a, b| a.seconds.unwrap_or(f64::INFINITY).total_cmp(&b.seconds.unwrap_or(f64::INFINITY)))
-        .copied()
+    let least = |is_rough: bool| {
+        let found = times.iter().filter(|time| time.is_rough == is_rough).filter_map(|time| time.seconds.map(|seconds| (seconds, time)));
+        found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, time)| *time)
+    };
+    least(false).or_else(|| least(true))
 }
 
 /// About `count` of the facets, where there are more.
@@ -109,12 +112,20 @@ fn for_all(contenders: &[Contender], directions: &[Angle]) -> Vec<(usize, Angle)
     directions.iter().flat_map(|&direction| (0..contenders.len()).map(move |contender| (contender, direction))).collect()
 }
 
+/// How exact simulated times are.
+#[derive(Debug, Clone, Copy)]
+struct Fineness {
+    /// The share of a strip's area that may allow less than its spacing.
+    left_out: f64,
+    is_rough: bool,
+}
+
 /// Simulates pairs of contender and direction; the order of the facets is shared by all contenders of a direction.
 fn simulate_all(
     workpiece: &Workpiece,
     contenders: &[Contender],
     mut wanted: Vec<(usize, Angle)>,
-    left_out: f64,
+    fineness: Fineness,
     found: &mut [Vec<TimeOfDirection>],
 ) {
     wanted.sort_by(|a, b| a.1.radians().total_cmp(&b.1.radians()));
@@ -126,9 +137,9 @@ fn simulate_all(
             let sweep = Sweep::new(workpiece, direction);
             let time = |&(contender, _): &(usize, Angle)| {
                 let Contender { spacing, operation, diameter } = contenders[contender];
-                let spaced = Spaced::new(workpiece, &sweep, spacing, diameter, left_out);
+                let spaced = Spaced::new(workpiece, &sweep, spacing, diameter, fineness.left_out);
                 let seconds = simulate(&spaced, operation).ok().map(|simulated| simulated.figures.seconds);
-                (contender, TimeOfDirection { direction, seconds })
+                (contender, TimeOfDirection { direction, seconds, is_rough: fineness.is_rough })
             };
             of_direction.par_iter().with_min_len(4).map(time).collect()
         })

@@ -12,7 +12,7 @@ use scallopd::surface::FinishFacet;
 fn rectangle(w: f64, h: f64, slope: f64, n: usize) -> Vec<FinishFacet> {
     let (sin, cos) = slope.to_radians().sin_cos();
     let tan = sin / cos;
-    facets(&Height { low: [0.0; 2], high: [w, h * cos], height: |_, y| [tan * y, 0.0, tan, 0.0, 0.0, 0.0] }, n, n)
+    facets(&Height { low: [0.0; 2], high: [w, h * cos], surface: |_, y| [tan * y, 0.0, tan, 0.0, 0.0, 0.0] }, n, n)
 }
 
 #[test]

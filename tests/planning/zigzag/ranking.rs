@@ -10,7 +10,7 @@ use scallopd::planning::zigzag::{
 use scallopd::surface::FinishFacet;
 
 fn level(n: usize) -> Vec<FinishFacet> {
-    facets(&Height { low: [0.0; 2], high: [50.0, 40.0], height: |_, _| [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }, n, n)
+    facets(&Height { low: [0.0; 2], high: [50.0, 40.0], surface: |_, _| [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }, n, n)
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn cutters_that_do_not_reach_are_not_ranked() {
 
 #[test]
 fn a_flat_end_along_the_level_line_has_no_step_over() {
-    let slope = facets(&Height { low: [0.0; 2], high: [50.0, 40.0], height: |_, y| [0.5 * y, 0.0, 0.5, 0.0, 0.0, 0.0] }, 4, 4);
+    let slope = facets(&Height { low: [0.0; 2], high: [50.0, 40.0], surface: |_, y| [0.5 * y, 0.0, 0.5, 0.0, 0.0, 0.0] }, 4, 4);
     let flat = [CandidateCutter::new(Cutter::flat_end(mm(10.0)))];
     let ranking = ranked(&slope, &flat, &in_direction(Model::Analytic, 0.0));
     assert_eq!(ranking.not_ranked[0].reason, NotRankedReason::NoStepOver);
@@ -91,7 +91,9 @@ fn feed_marks_narrow_the_spacing_and_slow_teeth_the_feed() {
     let facets = facets(&published(1), 30, 30);
     let settings = in_direction(Model::Envelope, 0.0);
     let mut driven = published_cutters();
-    driven.iter_mut().for_each(|candidate| candidate.drive = Some(drive(2, 10_000.0)));
+    for candidate in &mut driven {
+        candidate.drive = Some(drive(2, 10_000.0));
+    }
     let (alone, with_marks) = (ranked(&facets, &published_cutters(), &settings), ranked(&facets, &driven, &settings));
     for plan in &with_marks.plans {
         let other = alone.plans.iter().find(|other| other.candidate == plan.candidate).unwrap();
@@ -101,7 +103,9 @@ fn feed_marks_narrow_the_spacing_and_slow_teeth_the_feed() {
         assert!(plan.scallop_height.over_tolerance_share < 0.02, "{:?}", plan.scallop_height);
     }
     let mut slow = published_cutters();
-    slow.iter_mut().for_each(|candidate| candidate.drive = Some(drive(1, 1000.0)));
+    for candidate in &mut slow {
+        candidate.drive = Some(drive(1, 1000.0));
+    }
     for plan in ranked(&facets, &slow, &settings).plans {
         // The machine allows 5 mm per tooth; the scallop height allows about the step-over itself.
         let feed = plan.feed_per_tooth.unwrap().mm();

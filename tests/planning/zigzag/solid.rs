@@ -58,7 +58,7 @@ impl Solid {
 #[test]
 fn scallops_between_imprints_keep_the_tolerance_and_use_it() {
     let tolerance = 0.01;
-    let patch = Height { low: [0.0, 0.0], high: [60.0, 50.0], height: waves };
+    let patch = Height { low: [0.0, 0.0], high: [60.0, 50.0], surface: waves };
     let facets = facets(&patch, 80, 70);
     let settings = settings(Model::Envelope);
     for (cutter, outer, corner) in [(Cutter::toroidal(mm(10.0), mm(1.5)).unwrap(), 5.0, 1.5), (Cutter::ball_end(mm(8.0)), 4.0, 4.0)] {

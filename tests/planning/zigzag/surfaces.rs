@@ -58,14 +58,14 @@ impl Patch for BezierPatch {
 pub(crate) struct Height<F: Fn(f64, f64) -> [f64; 6]> {
     pub(crate) low: [f64; 2],
     pub(crate) high: [f64; 2],
-    pub(crate) height: F,
+    pub(crate) surface: F,
 }
 
 impl<F: Fn(f64, f64) -> [f64; 6]> Patch for Height<F> {
     fn at(&self, u: f64, v: f64) -> [[f64; 3]; 6] {
         let size = [self.high[0] - self.low[0], self.high[1] - self.low[1]];
         let (x, y) = (self.low[0] + u * size[0], self.low[1] + v * size[1]);
-        let [z, zx, zy, zxx, zxy, zyy] = (self.height)(x, y);
+        let [z, zx, zy, zxx, zxy, zyy] = (self.surface)(x, y);
         [
             [x, y, z],
             [size[0], 0.0, zx * size[0]],
