@@ -66,6 +66,10 @@ impl CutterSpacing {
     /// model's spacing by at most 0.5 %; it falls short of it by up to 2 %, under 3 deg of slope by up to 10 %, which the check of a plan makes good.
     pub(super) const MARGIN: f64 = 0.006;
 
+    /// The same with feed marks, where interpolation exceeds by at most 1.1 %: along the tolerance the area per time is flat around its maximum, and step-over and
+    /// feed are found to half a per cent.
+    pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
+
     /// The spacings of a cutter for the scallop height `height`, with feed marks where `feeds` is given, and its feeds. `rows` tells which
     /// rows of a table are needed; `feed_rate` is the machine's, in mm/s.
     pub(super) fn new(
@@ -112,7 +116,7 @@ impl CutterSpacing {
                     4.0 * radius * radius * ratio_squared
                 }
             }
-            Law::Table { squared } => (1.0 - Self::MARGIN) * (1.0 - Self::MARGIN) * interpolated(squared, tangent.place, cos_alpha),
+            Law::Table { squared } => interpolated(squared, tangent.place, cos_alpha),
         };
         let squared = if self.on_curved { self.on_curved_surface(on_plane, tangent, cos_alpha, sin_alpha) } else { on_plane };
         squared.min(self.diameter_squared)
@@ -193,7 +197,8 @@ fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRan
         if rows[row] { (0..=COLUMNS).map(node).collect() } else { vec![([limit.unwrap_or(0.0), 0.0], 0.0); COLUMNS + 1] }
     };
     let nodes: Vec<([f64; 2], f64)> = sines().par_iter().enumerate().flat_map_iter(row_of).collect();
-    let squared = nodes.iter().map(|&(_, squared)| squared).collect();
+    let kept = 1.0 - if feeds.is_some() { CutterSpacing::MARGIN_WITH_FEEDS } else { CutterSpacing::MARGIN };
+    let squared = nodes.iter().map(|&(_, squared)| kept * kept * squared).collect();
     let feed_law = match feeds {
         None => FeedLaw::Constant { rate: feed_rate },
         Some(range) => constant_or_table(range, nodes.into_iter().map(|(pair, _)| pair).collect()),
@@ -344,7 +349,7 @@ mod tests {
         let feeds = Some(FeedRange { largest: 0.1, teeth_per_second: 300.0 });
         for feeds in [None, feeds] {
             let [least, most] = compared(Model::Envelope, feeds, |unit| 3.0 + 82.0 * unit);
-            assert!(most <= 1.0 && least > 0.97, "{least} {most}");
+            assert!(most <= 1.0 && least > 0.96, "{least} {most}");
             // Near the floor the groove turns from the corner's to the flat's.
             let [least, most] = compared(Model::Envelope, feeds, |unit| 0.01 * 300.0_f64.powf(unit));
             assert!(most <= 1.0 && least > 0.88, "{least} {most}");
