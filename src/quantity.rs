@@ -178,9 +178,46 @@ impl Speed {
         }
     }
 
+    /// A speed that a formula yields, in mm/s. The formula's domain makes it finite and positive.
+    pub(crate) fn computed(mm_s: f64) -> Self {
+        debug_assert!(mm_s.is_finite() && mm_s > 0.0, "a computed speed must be finite and positive, got {mm_s}");
+        Self(mm_s)
+    }
+
     /// The speed in mm/s.
     #[must_use]
     pub fn mm_s(self) -> f64 {
+        self.0
+    }
+
+    /// The speed in mm/min.
+    #[must_use]
+    pub fn mm_min(self) -> f64 {
+        self.0 * 60.0
+    }
+}
+
+/// The rotational speed of a spindle: positive, in revolutions per minute.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct SpindleSpeed(f64);
+
+impl SpindleSpeed {
+    /// The smallest spindle speed that can be stated, in rev/min.
+    pub const SMALLEST: f64 = 1e-3;
+    /// The largest spindle speed that can be stated, in rev/min; air-bearing spindles reach 3e5.
+    pub const LARGEST: f64 = 1e6;
+
+    /// A spindle speed that somebody states, in rev/min.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] outside [`SpindleSpeed::SMALLEST`] to [`SpindleSpeed::LARGEST`].
+    pub fn from_rpm(rpm: f64) -> Result<Self, OutOfRange> {
+        OutOfRange::check(rpm, Self::SMALLEST, Self::LARGEST).map(Self)
+    }
+
+    /// The spindle speed in rev/min.
+    #[must_use]
+    pub fn rpm(self) -> f64 {
         self.0
     }
 }

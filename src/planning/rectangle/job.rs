@@ -1,6 +1,6 @@
 //! What is given whatever the surface: two cutters to choose from, the scallop they may leave, and the machine.
 
-use crate::milling::{Contact, Cutter, CutterKind, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::milling::{Contact, Cutter, CutterKind, EffectiveRadius, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::motion::MachineLimits;
 use crate::quantity::{Angle, Length};
 use std::fmt;
@@ -119,8 +119,21 @@ impl Job {
 }
 
 /// The largest step-over of a pass along the steepest slope of a plane.
+///
+/// In model `analytic` that is the published chord, which knows no cutter: near the floor it exceeds the cutter's diameter, and the confidence says so.
+/// Limited to the diameter, the times would not be those of the published critical slope.
 fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length) -> Result<Length, NoAnswer> {
-    let pass = Pass { cutter, contact: Contact::up_the_slope(slope), surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
+    let contact = Contact::up_the_slope(slope);
+    if model == Model::Analytic {
+        let radius = EffectiveRadius::across_feed(cutter, contact).finite().ok_or(NoAnswer::FlatFloor)?;
+        let (radius, height) = (radius.mm(), scallop_height.mm());
+        if height >= radius {
+            return Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(2.0 * radius) });
+        }
+        // The root of the product, factor by factor, because the product can leave the range of numbers.
+        return Ok(Length::computed(2.0 * height.sqrt() * (2.0 * radius - height).sqrt()));
+    }
+    let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
     JudgedPass::new(model, pass)?.max_step_over(scallop_height, None)
 }
 
