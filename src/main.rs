@@ -3,8 +3,7 @@
 use std::io::Write;
 use std::process::ExitCode;
 
-use scallopd::http::AppState;
-use scallopd::http::{layers, openapi_json, router};
+use scallopd::http::{self, AppState, openapi_json};
 use scallopd::settings::{Command, Refusal, Settings};
 use scallopd::telemetry::Telemetry;
 use scallopd::{health, server};
@@ -13,7 +12,7 @@ use scallopd::{health, server};
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// The settings cannot be used; other failures are 1.
+/// The exit code for invalid settings; other failures exit with 1.
 const EXIT_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -50,7 +49,7 @@ fn run(settings: &Settings) -> std::io::Result<bool> {
 
 async fn serve(settings: &Settings) -> std::io::Result<()> {
     let state = AppState::start(&settings.http)?;
-    let app = layers::apply(router(&state), &settings.http, &state);
+    let app = http::service(http::routes(), &settings.http, &state);
     let signal = server::stop_signal()?;
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
     tracing::info!(address = %listener.local_addr()?, version = env!("CARGO_PKG_VERSION"), "listening");

@@ -3,8 +3,8 @@
 //! A handler or layer that fails returns a [`Problem`], or any response with an error status and no body that matters;
 //! [`describe_error`] turns both into `application/problem+json` on the way out, where path and request id are known.
 
-use super::layers::RequestId;
 use super::reading::{Fault, Faults};
+use super::request_id::RequestId;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;

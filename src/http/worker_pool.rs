@@ -1,82 +1,58 @@
-//! Computations that take more than about a millisecond: they run on threads of their own, so that probes and single calculations
-//! stay fast, and only so many requests have one at a time.
+//! The worker pool: threads for computations of more than about a millisecond, so that probes and single calculations stay fast, and
+//! permits that bound how many requests use them at once.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 
-use axum::extract::{FromRef, FromRequestParts};
+use axum::extract::FromRequestParts;
+use axum::http::StatusCode;
 use axum::http::request::Parts;
+use axum::response::{IntoResponse, Response};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 
-use super::layers::overloaded;
-use super::metrics::{Metrics, ShedReason};
+use super::metrics::Metrics;
+use super::overload::Overload;
 
-/// The threads for heavy work, one a core, and the places of the requests that may use them. Clones share both.
+/// The worker threads, one for each core, and the permits to use them. Clones share both.
 #[derive(Clone)]
 pub struct WorkerPool {
     threads: Arc<rayon::ThreadPool>,
-    places: Arc<Semaphore>,
+    permits: Arc<Semaphore>,
     metrics: Metrics,
 }
 
 impl std::fmt::Debug for WorkerPool {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("WorkerPool").field("places", &self.places.available_permits()).finish_non_exhaustive()
-    }
-}
-
-/// Every permit is taken: the request is to come back later.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shed;
-
-impl std::fmt::Display for Shed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "as many uploads and batches as are accepted at once are being worked on")
-    }
-}
-
-impl std::error::Error for Shed {}
-
-impl axum::response::IntoResponse for Shed {
-    fn into_response(self) -> axum::response::Response {
-        overloaded(self.to_string())
+        f.debug_struct("WorkerPool").field("free_permits", &self.permits.available_permits()).finish_non_exhaustive()
     }
 }
 
 impl WorkerPool {
-    /// Threads for as many cores as the process may use, and `places` requests at once.
+    /// Threads for as many cores as the process may use, and permits for `most` requests at once.
     ///
     /// # Errors
-    /// Where the system gives no threads.
-    pub fn start(places: usize, metrics: &Metrics) -> std::io::Result<Self> {
+    /// The system starts no threads.
+    pub fn start(most: usize, metrics: &Metrics) -> std::io::Result<Self> {
         let threads =
-            rayon::ThreadPoolBuilder::new().thread_name(|index| format!("heavy-{index}")).build().map_err(std::io::Error::other)?;
-        Ok(Self { threads: Arc::new(threads), places: Arc::new(Semaphore::new(places)), metrics: metrics.clone() })
+            rayon::ThreadPoolBuilder::new().thread_name(|index| format!("worker-{index}")).build().map_err(std::io::Error::other)?;
+        Ok(Self { threads: Arc::new(threads), permits: Arc::new(Semaphore::new(most)), metrics: metrics.clone() })
     }
 
     /// A permit for one request.
     ///
     /// # Errors
-    /// [`Shed`] at once where none is free.
-    pub fn admit(&self) -> Result<WorkPermit, Shed> {
-        let Ok(permit) = Arc::clone(&self.places).try_acquire_owned() else {
-            self.metrics.shed(ShedReason::Heavy);
-            return Err(Shed);
+    /// [`Overload::Workers`], at once, when none is free.
+    pub fn admit(&self) -> Result<WorkPermit, Overload> {
+        let Ok(permit) = Arc::clone(&self.permits).try_acquire_owned() else {
+            self.metrics.shed(Overload::Workers);
+            return Err(Overload::Workers);
         };
         Ok(WorkPermit { threads: Arc::clone(&self.threads), permit: Arc::new(permit) })
     }
-
-    /// What `work` returns, done in a permit of its own.
-    ///
-    /// # Errors
-    /// [`Shed`] at once where no permit is free.
-    pub async fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Shed> {
-        Ok(self.admit()?.run(work).await)
-    }
 }
 
-/// One request's permit. As an argument of a handler, before the body, it is taken before the body is read; it is free again when the
-/// request and all the work that it began have ended.
+/// One request's permit. As a handler's argument before the body it is taken before the body is read. It is free again when the request
+/// and all the work that it began have ended.
 pub struct WorkPermit {
     threads: Arc<rayon::ThreadPool>,
     permit: Arc<OwnedSemaphorePermit>,
@@ -89,9 +65,8 @@ impl std::fmt::Debug for WorkPermit {
 }
 
 impl WorkPermit {
-    /// What `work` returns, done on a thread for heavy work; parallel iterators in it use the other such threads. When the future is
-    /// dropped, work that has not begun is not begun, and work that has ends first and keeps the permit until then. A panic in `work` goes
-    /// on in the caller.
+    /// Runs `work` on a worker thread; parallel iterators in it use the other worker threads. Dropping the future cancels queued work;
+    /// running work completes and keeps the permit until then. A panic in `work` continues in the caller.
     pub async fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> T {
         let (sender, receiver) = oneshot::channel();
         let permit = Arc::clone(&self.permit);
@@ -101,9 +76,9 @@ impl WorkPermit {
                 return;
             }
             let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
-            // Before the result is there, or the permit of an answered request would still be taken.
+            // Before the result is sent: the permit of an answered request must be free.
             drop(permit);
-            // A receiver that is gone wants no result.
+            // Without a receiver there is nobody to answer.
             let _ = sender.send(done);
         });
         match receiver.await {
@@ -114,14 +89,16 @@ impl WorkPermit {
     }
 }
 
-impl<S: Send + Sync> FromRequestParts<S> for WorkPermit
-where
-    WorkerPool: FromRef<S>,
-{
-    type Rejection = Shed;
+impl<S: Send + Sync> FromRequestParts<S> for WorkPermit {
+    type Rejection = Response;
 
-    async fn from_request_parts(_: &mut Parts, state: &S) -> Result<Self, Shed> {
-        WorkerPool::from_ref(state).admit()
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Response> {
+        // The middleware adds the pool to requests for routes whose class allows its use.
+        let Some(workers) = parts.extensions.get::<WorkerPool>() else {
+            tracing::error!("the route's class does not include the worker pool");
+            return Err(StatusCode::INTERNAL_SERVER_ERROR.into_response());
+        };
+        workers.admit().map_err(IntoResponse::into_response)
     }
 }
 
@@ -132,28 +109,28 @@ mod tests {
 
     use super::*;
 
-    fn heavy(places: usize) -> WorkerPool {
-        WorkerPool::start(places, &Metrics::new()).unwrap()
+    fn workers(permits: usize) -> WorkerPool {
+        WorkerPool::start(permits, &Metrics::new()).unwrap()
     }
 
     #[tokio::test]
-    async fn work_is_done_on_other_threads_and_its_result_comes_back() {
+    async fn work_runs_on_other_threads_and_returns_its_result() {
         let here = std::thread::current().id();
-        assert_ne!(heavy(1).run(move || std::thread::current().id()).await.unwrap(), here);
+        assert_ne!(workers(1).admit().unwrap().run(move || std::thread::current().id()).await, here);
     }
 
     #[tokio::test]
-    async fn a_request_without_a_place_is_shed_at_once_and_a_place_comes_free() {
-        let heavy = heavy(1);
-        let permit = heavy.admit().unwrap();
-        assert_eq!(heavy.run(|| ()).await, Err(Shed));
+    async fn a_request_without_a_permit_is_shed_at_once_and_a_dropped_permit_is_free() {
+        let workers = workers(1);
+        let permit = workers.admit().unwrap();
+        assert_eq!(workers.admit().unwrap_err(), Overload::Workers);
         drop(permit);
-        assert_eq!(heavy.run(|| 7).await, Ok(7));
+        assert_eq!(workers.admit().unwrap().run(|| 7).await, 7);
     }
 
     #[tokio::test]
-    async fn work_that_nobody_waits_for_keeps_its_place_until_it_ends() {
-        let heavy = heavy(1);
+    async fn work_of_a_dropped_future_keeps_its_permit_until_it_ends() {
+        let workers = workers(1);
         let (begin, begun) = mpsc::channel();
         let (release, wait) = mpsc::channel::<()>();
         let work = move || {
@@ -161,16 +138,16 @@ mod tests {
             wait.recv().unwrap();
         };
         let task = tokio::spawn({
-            let heavy = heavy.clone();
-            async move { heavy.run(work).await }
+            let permit = workers.admit().unwrap();
+            async move { permit.run(work).await }
         });
         tokio::task::spawn_blocking(move || begun.recv().unwrap()).await.unwrap();
         task.abort();
         assert!(task.await.unwrap_err().is_cancelled());
-        assert_eq!(heavy.admit().unwrap_err(), Shed);
+        assert_eq!(workers.admit().unwrap_err(), Overload::Workers);
         release.send(()).unwrap();
         let mut waited = 0;
-        while heavy.admit().is_err() {
+        while workers.admit().is_err() {
             tokio::time::sleep(Duration::from_millis(5)).await;
             waited += 1;
             assert!(waited < 2000, "the permit did not come free in ten seconds");
@@ -178,13 +155,13 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_panic_goes_on_in_the_caller_and_leaves_the_threads_alive() {
-        let heavy = heavy(1);
+    async fn a_panic_continues_in_the_caller_and_leaves_the_threads_alive() {
+        let workers = workers(1);
         let panicked = tokio::spawn({
-            let heavy = heavy.clone();
-            async move { heavy.run(|| panic!("on purpose")).await }
+            let permit = workers.admit().unwrap();
+            async move { permit.run(|| panic!("on purpose")).await }
         });
         assert!(panicked.await.unwrap_err().is_panic());
-        assert_eq!(heavy.run(|| 7).await, Ok(7));
+        assert_eq!(workers.admit().unwrap().run(|| 7).await, 7);
     }
 }

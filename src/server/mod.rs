@@ -1,5 +1,4 @@
-//! Connections: accepting them, minding the slow ones, and ending them in good order. It serves any router; which, and when to
-//! stop, is the caller's.
+//! The server: accepts connections, bounds slow clients, and shuts down gracefully. It serves any router until the caller's stop signal.
 
 mod signal;
 mod stream;

@@ -1,4 +1,4 @@
-//! The signals by which a server is asked to stop.
+//! The signals that stop the server.
 
 use std::io;
 

@@ -4,19 +4,19 @@ use std::ffi::OsString;
 use std::fmt;
 use std::net::SocketAddr;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser};
 
 use super::fault::{address, take};
 use super::{Faults, Settings};
 
-/// What the program was asked to do.
+/// What the command line asks for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// Serve.
     Serve(Box<Settings>),
     /// Print the OpenAPI document.
     OpenApi,
-    /// Ask the server that listens there whether it is ready.
+    /// Ask the server that listens at this address whether it is ready.
     Healthcheck(SocketAddr),
 }
 
@@ -47,10 +47,10 @@ impl Command {
     /// [`Refusal`], with every fault of every value.
     pub fn read(arguments: impl IntoIterator<Item: Into<OsString> + Clone>) -> Result<Self, Refusal> {
         let line = CommandLine::try_parse_from(arguments).map_err(Refusal::Usage)?;
-        match line.errand {
+        match line.subcommand {
             None => Settings::read(&line.given).map(Box::new).map(Self::Serve).map_err(Refusal::Faults),
-            Some(Errand::Openapi) => Ok(Self::OpenApi),
-            Some(Errand::Healthcheck) => {
+            Some(Subcommand::Openapi) => Ok(Self::OpenApi),
+            Some(Subcommand::Healthcheck) => {
                 let mut faults = Vec::new();
                 let listen = take(&mut faults, "SCALLOPD_LISTEN", &line.given.listen, address);
                 listen.map(Self::Healthcheck).ok_or(Refusal::Faults(Faults(faults)))
@@ -66,11 +66,11 @@ struct CommandLine {
     #[command(flatten)]
     given: Given,
     #[command(subcommand)]
-    errand: Option<Errand>,
+    subcommand: Option<Subcommand>,
 }
 
-#[derive(Subcommand)]
-enum Errand {
+#[derive(clap::Subcommand)]
+enum Subcommand {
     /// Print the OpenAPI document
     Openapi,
     /// Ask the running server's /readyz; exit 0 when it is ready, 1 otherwise
@@ -80,10 +80,10 @@ enum Errand {
 /// The settings as given.
 #[derive(Args)]
 pub(super) struct Given {
-    /// Where to listen, IP address and port; port 0 picks a free one and the log says which
+    /// IP address and port to listen on; port 0 picks a free one, which the log names
     #[arg(long, env = "SCALLOPD_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:8080", global = true)]
     pub(super) listen: String,
-    /// Form of the log lines on standard output: pretty or json
+    /// Format of the log lines on standard output: pretty or json
     #[arg(long, env = "SCALLOPD_LOG_FORMAT", value_name = "FORMAT", default_value = "json")]
     pub(super) log_format: String,
     /// Least severe log line that is written: off, error, warn, info, debug or trace
@@ -95,7 +95,7 @@ pub(super) struct Given {
     /// Largest upload, decompressed
     #[arg(long, env = "SCALLOPD_MAX_UPLOAD_BYTES", value_name = "BYTES", default_value = "1073741824")]
     pub(super) max_upload_bytes: String,
-    /// Longest time for a request's head to arrive, and for a connection to idle before one
+    /// Longest time for a request's head to arrive, idle time before it included
     #[arg(long, env = "SCALLOPD_HEADER_TIMEOUT_S", value_name = "SECONDS", default_value = "10")]
     pub(super) header_timeout_s: String,
     /// Longest time from a request's last byte to its answer
@@ -113,9 +113,9 @@ pub(super) struct Given {
     /// Requests in flight at once, probes and metrics aside; more are shed with 503
     #[arg(long, env = "SCALLOPD_MAX_IN_FLIGHT", value_name = "COUNT", default_value = "1024")]
     pub(super) max_in_flight: String,
-    /// Uploads and batches at once; more are shed with 503
-    #[arg(long, env = "SCALLOPD_MAX_HEAVY", value_name = "COUNT", default_value = "16")]
-    pub(super) max_heavy: String,
+    /// Uploads and batches worked on at once; more are shed with 503
+    #[arg(long, env = "SCALLOPD_MAX_CONCURRENT_WORK", value_name = "COUNT", default_value = "16")]
+    pub(super) max_concurrent_work: String,
     /// Connections open at once; more wait in the system's queue
     #[arg(long, env = "SCALLOPD_MAX_CONNECTIONS", value_name = "COUNT", default_value = "4096")]
     pub(super) max_connections: String,
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_setting_has_a_flag_a_variable_named_alike_a_default_and_a_help_line() {
+    fn every_setting_has_a_flag_a_variable_of_the_same_name_a_default_and_a_help_line() {
         let command = CommandLine::command();
         command.clone().debug_assert();
         for argument in command.get_arguments() {
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn defaults_can_be_used() {
+    fn defaults_are_valid() {
         let Ok(Command::Serve(settings)) = Command::read(["scallopd"]) else { panic!("the defaults are refused") };
         assert_eq!(settings.listen.to_string(), "127.0.0.1:8080");
         assert_eq!(settings.http.max_json_bytes, 64 << 20);
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn all_faults_are_found_at_once() {
+    fn all_faults_are_reported_together() {
         let line = ["scallopd", "--listen", "here", "--max-in-flight", "0", "--log-format", "xml", "--otlp-endpoint", "nowhere"];
         let Err(Refusal::Faults(faults)) = Command::read(line) else { panic!("faults are accepted") };
         let flags: Vec<_> = faults.0.iter().map(super::super::Fault::flag).collect();
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_health_check_takes_the_address_and_minds_no_other_setting() {
+    fn a_health_check_reads_the_address_and_no_other_setting() {
         let checked = Command::read(["scallopd", "healthcheck", "--listen", "127.0.0.1:9"]);
         assert!(matches!(checked, Ok(Command::Healthcheck(address)) if address.port() == 9));
         assert!(matches!(Command::read(["scallopd", "healthcheck", "--listen", "x"]), Err(Refusal::Faults(_))));

@@ -1,6 +1,5 @@
-//! What an operator can set: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help
-//! (`command_line`). Values are read leniently and checked together, so that one start names every fault. Nothing here knows
-//! the layers that are set.
+//! The settings: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help (`command_line`). Values are
+//! read leniently and checked together, so that one start reports every fault.
 
 mod command_line;
 mod fault;
@@ -17,11 +16,11 @@ use fault::{address, collector, count, level, log_format, origins, seconds, take
 pub struct Settings {
     /// Where to listen.
     pub listen: SocketAddr,
-    /// What is told, and how.
+    /// Logs and traces.
     pub telemetry: TelemetrySettings,
-    /// Connections, from the first byte to the last.
+    /// Connections.
     pub server: ServerSettings,
-    /// Requests on those connections.
+    /// Requests.
     pub http: HttpSettings,
 }
 
@@ -33,7 +32,7 @@ pub struct TelemetrySettings {
     /// The least severe line that is written.
     pub log_level: tracing::level_filters::LevelFilter,
     /// The collector's base address for OTLP over HTTP; no traces without one.
-    pub otlp_endpoint: Option<axum::http::Uri>,
+    pub otlp_endpoint: Option<http::Uri>,
 }
 
 /// The form of a log line.
@@ -75,29 +74,29 @@ pub struct HttpSettings {
     pub min_body_rate: u64,
     /// Requests in flight at once, probes aside; more are shed.
     pub max_in_flight: usize,
-    /// Uploads and batches at once; more are shed.
-    pub max_heavy: usize,
-    /// Whose pages may call the service.
+    /// Uploads and batches worked on at once; more are shed.
+    pub max_concurrent_work: usize,
+    /// The origins whose pages may call the service.
     pub cors_origins: CorsOrigins,
 }
 
 impl HttpSettings {
     /// The largest body of a single calculation, in bytes: some thousand times what one needs. It is not
     /// [`max_json_bytes`](Self::max_json_bytes), because as many of these as may be in flight are in memory together.
-    pub const LARGEST_SINGLE: u64 = 64 * 1024;
+    pub const MAX_SINGLE_BYTES: u64 = 64 * 1024;
 }
 
-/// Whose pages may call the service.
+/// The origins whose pages may call the service.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CorsOrigins {
     /// Any page.
     Any,
     /// Pages of these origins; none in an empty list.
-    Listed(Vec<axum::http::HeaderValue>),
+    Listed(Vec<http::HeaderValue>),
 }
 
 impl Settings {
-    /// Checks what was given, all of it.
+    /// Checks all values that were given.
     ///
     /// # Errors
     /// Every fault, each with its flag and variable.
@@ -146,7 +145,7 @@ impl HttpSettings {
         let body_idle_timeout = take(faults, "SCALLOPD_BODY_IDLE_TIMEOUT_S", &given.body_idle_timeout_s, seconds(1));
         let min_body_rate = take(faults, "SCALLOPD_MIN_BODY_BYTES_S", &given.min_body_bytes_s, fault::rate);
         let max_in_flight = take(faults, "SCALLOPD_MAX_IN_FLIGHT", &given.max_in_flight, count);
-        let max_heavy = take(faults, "SCALLOPD_MAX_HEAVY", &given.max_heavy, count);
+        let max_concurrent_work = take(faults, "SCALLOPD_MAX_CONCURRENT_WORK", &given.max_concurrent_work, count);
         let cors_origins = take(faults, "SCALLOPD_CORS_ORIGINS", &given.cors_origins, origins);
         Some(Self {
             max_json_bytes: max_json_bytes?,
@@ -155,7 +154,7 @@ impl HttpSettings {
             body_idle_timeout: body_idle_timeout?,
             min_body_rate: min_body_rate?,
             max_in_flight: max_in_flight?,
-            max_heavy: max_heavy?,
+            max_concurrent_work: max_concurrent_work?,
             cors_origins: cors_origins?,
         })
     }

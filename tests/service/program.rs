@@ -27,10 +27,14 @@ fn ask(address: SocketAddr) -> Option<String> {
 
 #[test]
 fn all_faults_of_flags_and_variables_are_reported_at_once_with_both_names() {
-    let output = scallopd().args(["--listen", "nowhere", "--max-heavy", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
+    let output = scallopd().args(["--listen", "nowhere", "--max-concurrent-work", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let text = text(&output);
-    for part in ["--listen or SCALLOPD_LISTEN: \"nowhere\"", "--max-heavy or SCALLOPD_MAX_HEAVY: \"0\"", "SCALLOPD_LOG_LEVEL: \"loud\""] {
+    for part in [
+        "--listen or SCALLOPD_LISTEN: \"nowhere\"",
+        "--max-concurrent-work or SCALLOPD_MAX_CONCURRENT_WORK: \"0\"",
+        "SCALLOPD_LOG_LEVEL: \"loud\"",
+    ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
 }

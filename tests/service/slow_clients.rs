@@ -2,18 +2,17 @@
 
 use std::time::{Duration, Instant};
 
-use axum::Router;
 use axum::routing::{get, post};
-use scallopd::http::AppState;
+use scallopd::http::{RouteClass, Routes};
 use tokio::io::AsyncWriteExt;
 
 use crate::service::server::{PATIENCE, TestServer, defaults, read_all, send};
 
-fn routes() -> Router<AppState> {
-    Router::new()
-        .route("/length", post(|body: axum::body::Bytes| async move { body.len().to_string() }))
-        .route("/large", get(|| async { vec![b'x'; 64 << 20] }))
-        .route("/never", get(std::future::pending::<()>))
+fn routes() -> Routes {
+    Routes::new()
+        .undocumented(RouteClass::Single, "/length", post(|body: axum::body::Bytes| async move { body.len().to_string() }))
+        .undocumented(RouteClass::Single, "/large", get(|| async { vec![b'x'; 64 << 20] }))
+        .undocumented(RouteClass::Single, "/never", get(std::future::pending::<()>))
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -1,4 +1,4 @@
-//! What can be wrong with a body as it arrives, before anybody looks at what it says.
+//! The rules that a body can break as it arrives, before its content is looked at.
 
 use std::fmt;
 use std::time::Duration;
@@ -14,7 +14,7 @@ pub(super) enum BodyFault {
     /// More bytes than are accepted, decompressed.
     TooLarge {
         /// How many are accepted.
-        largest: u64,
+        max_bytes: u64,
     },
     /// Nothing came for too long.
     Stalled {
@@ -24,7 +24,7 @@ pub(super) enum BodyFault {
     /// It came too slowly on average.
     TooSlow {
         /// The slowest average that is accepted.
-        slowest_bytes_s: u64,
+        min_bytes_s: u64,
     },
     /// It could not be read or decompressed.
     Unreadable(String),
@@ -33,9 +33,9 @@ pub(super) enum BodyFault {
 impl fmt::Display for BodyFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooLarge { largest } => write!(f, "the body, counted decompressed, is larger than {largest} bytes"),
+            Self::TooLarge { max_bytes } => write!(f, "the body, counted decompressed, is larger than {max_bytes} bytes"),
             Self::Stalled { longest } => write!(f, "nothing of the body came for {} s", longest.as_secs()),
-            Self::TooSlow { slowest_bytes_s } => write!(f, "the body came at less than {slowest_bytes_s} bytes a second"),
+            Self::TooSlow { min_bytes_s } => write!(f, "the body came at less than {min_bytes_s} bytes a second"),
             Self::Unreadable(cause) => write!(f, "the body could not be read: {cause}"),
         }
     }
@@ -43,14 +43,13 @@ impl fmt::Display for BodyFault {
 
 impl std::error::Error for BodyFault {}
 
-impl BodyFault {
-    /// The problem that the client is told.
-    pub(super) fn answer(&self) -> Response {
-        let (status, slug, title) = match self {
+impl IntoResponse for BodyFault {
+    fn into_response(self) -> Response {
+        let (status, kind, title) = match self {
             Self::TooLarge { .. } => (StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large"),
             Self::Stalled { .. } | Self::TooSlow { .. } => (StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long"),
             Self::Unreadable(_) => (StatusCode::BAD_REQUEST, "unreadable-body", "The body could not be read"),
         };
-        Problem::new(status, slug, title, self.to_string()).into_response()
+        Problem::new(status, kind, title, self.to_string()).into_response()
     }
 }

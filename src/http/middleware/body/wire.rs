@@ -1,5 +1,5 @@
-//! A body that ends with an error where it stalls or trickles. Only the time spent waiting for the client counts, not the time that
-//! the server takes over what came.
+//! A body as it comes over the wire: counted, and ended with an error where it stalls or trickles. Only the time spent waiting for
+//! the client counts, not the time that the server takes over what came.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -11,23 +11,22 @@ use http_body::{Frame, SizeHint};
 use tokio::time::{Instant, Sleep, sleep};
 
 use super::fault::BodyFault;
-use super::reception::Reception;
+use super::progress::BodyProgress;
 
 /// How slowly a body may come.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pace {
+pub(in super::super) struct Pace {
     /// How long nothing may come.
     pub(super) longest_stall: Duration,
     /// The slowest average, once the waits together are longer than `longest_stall`.
-    pub(super) slowest_bytes_s: u64,
+    pub(super) min_bytes_s: u64,
 }
 
-/// A body as it comes over the wire, at no less than a pace.
-pub(super) struct Paced {
+/// A body whose arrival is recorded and paced.
+pub(in super::super) struct WireBody {
     body: Body,
     pace: Pace,
-    reception: Arc<Reception>,
-    bytes: u64,
+    progress: Arc<BodyProgress>,
     waited: Duration,
     wait: Option<Wait>,
 }
@@ -38,49 +37,53 @@ struct Wait {
     end: Pin<Box<Sleep>>,
 }
 
-impl Paced {
-    pub(super) fn new(body: Body, pace: Pace, reception: Arc<Reception>) -> Self {
-        Self { body, pace, reception, bytes: 0, waited: Duration::ZERO, wait: None }
+impl WireBody {
+    pub(in super::super) fn new(body: Body, pace: Pace, progress: Arc<BodyProgress>) -> Self {
+        Self { body, pace, progress, waited: Duration::ZERO, wait: None }
     }
 
-    fn came(&mut self, bytes: u64) -> Result<(), BodyFault> {
-        self.reception.note_bytes();
-        self.bytes += bytes;
+    /// Records that `bytes` came, and checks the average since the body's beginning.
+    fn note_bytes(&mut self, bytes: u64) -> Result<(), BodyFault> {
+        let all = self.progress.add_wire_bytes(bytes);
         if let Some(wait) = self.wait.take() {
             self.waited += wait.since.elapsed();
         }
-        let slowest = self.pace.slowest_bytes_s;
+        let min_bytes_s = self.pace.min_bytes_s;
         // 2^53 bytes are 8 PiB.
         #[expect(clippy::cast_precision_loss, reason = "rates need no more than a double's digits")]
-        let too_slow = (self.bytes as f64) < slowest as f64 * self.waited.as_secs_f64();
-        if self.waited > self.pace.longest_stall && too_slow {
-            return Err(self.reception.note_fault(BodyFault::TooSlow { slowest_bytes_s: slowest }));
+        let is_too_slow = (all as f64) < min_bytes_s as f64 * self.waited.as_secs_f64();
+        if self.waited > self.pace.longest_stall && is_too_slow {
+            return Err(self.progress.note_fault(BodyFault::TooSlow { min_bytes_s }));
         }
         Ok(())
     }
+
+    fn poll_wait(&mut self, context: &mut Context<'_>) -> Poll<BodyFault> {
+        let longest = self.pace.longest_stall;
+        let wait = self.wait.get_or_insert_with(|| Wait { since: Instant::now(), end: Box::pin(sleep(longest)) });
+        wait.end.as_mut().poll(context).map(|()| self.progress.note_fault(BodyFault::Stalled { longest }))
+    }
 }
 
-impl HttpBody for Paced {
+impl HttpBody for WireBody {
     type Data = Bytes;
     type Error = axum::BoxError;
 
     fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::BoxError>>> {
-        let paced = &mut *self;
-        match Pin::new(&mut paced.body).poll_frame(context) {
+        match Pin::new(&mut self.body).poll_frame(context) {
             Poll::Ready(Some(Ok(frame))) => {
-                let came = paced.came(frame.data_ref().map_or(0, |data| data.len() as u64));
-                Poll::Ready(Some(came.map(|()| frame).map_err(Into::into)))
+                let paced = self.note_bytes(frame.data_ref().map_or(0, |data| data.len() as u64));
+                if self.body.is_end_stream() {
+                    self.progress.note_end();
+                }
+                Poll::Ready(Some(paced.map(|()| frame).map_err(Into::into)))
             }
             Poll::Ready(Some(Err(error))) => Poll::Ready(Some(Err(error.into()))),
-            Poll::Ready(None) => Poll::Ready(None),
-            Poll::Pending => {
-                let longest = paced.pace.longest_stall;
-                let wait = paced.wait.get_or_insert_with(|| Wait { since: Instant::now(), end: Box::pin(sleep(longest)) });
-                match wait.end.as_mut().poll(context) {
-                    Poll::Ready(()) => Poll::Ready(Some(Err(paced.reception.note_fault(BodyFault::Stalled { longest }).into()))),
-                    Poll::Pending => Poll::Pending,
-                }
+            Poll::Ready(None) => {
+                self.progress.note_end();
+                Poll::Ready(None)
             }
+            Poll::Pending => self.poll_wait(context).map(|fault| Some(Err(fault.into()))),
         }
     }
 
@@ -100,7 +103,7 @@ mod tests {
 
     use super::*;
 
-    const PACE: Pace = Pace { longest_stall: Duration::from_secs(15), slowest_bytes_s: 100 };
+    const PACE: Pace = Pace { longest_stall: Duration::from_secs(15), min_bytes_s: 100 };
 
     /// What becomes of a body of `pieces` of so many bytes, each sent after such a pause. The clock is tokio's paused one.
     async fn receive(pieces: u32, bytes: usize, pause: Duration) -> Option<BodyFault> {
@@ -113,10 +116,10 @@ mod tests {
                 }
             }
         });
-        let reception = Arc::new(Reception::begin());
-        let outcome = Paced::new(Body::new(body), PACE, Arc::clone(&reception)).collect().await;
-        assert_eq!(outcome.is_err(), reception.fault().is_some());
-        reception.fault().cloned()
+        let progress = Arc::new(BodyProgress::begin(true));
+        let outcome = WireBody::new(Body::new(body), PACE, Arc::clone(&progress)).collect().await;
+        assert_eq!(outcome.is_err(), progress.fault().is_some());
+        progress.fault().cloned()
     }
 
     #[tokio::test(start_paused = true)]
@@ -132,7 +135,7 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn a_trickling_body_ends() {
-        assert_eq!(receive(1000, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { slowest_bytes_s: 100 }));
+        assert_eq!(receive(1000, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { min_bytes_s: 100 }));
     }
 
     #[tokio::test(start_paused = true)]
