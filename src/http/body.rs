@@ -1,5 +1,6 @@
 //! The JSON body of a request.
 
+use super::codes::ServiceProblem;
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object};
 use axum::body::{Body, Bytes, HttpBody};
@@ -21,19 +22,13 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
         if !is_json(request.headers()) {
-            return Err(Problem::new(
-                StatusCode::UNSUPPORTED_MEDIA_TYPE,
-                "unsupported-media-type",
-                "The media type is not supported",
-                "send JSON with the header content-type: application/json",
-            ));
+            let detail = "send JSON with the header content-type: application/json";
+            return Err(Problem::new(ServiceProblem::UnsupportedMediaType, detail));
         }
         match Bytes::from_request(request, state).await {
             Ok(bytes) => Ok(Self(bytes)),
             // A body over its limit, too slow or damaged has its answer from the layers around; this one is for what they do not know.
-            Err(rejection) => {
-                Err(Problem::new(StatusCode::BAD_REQUEST, "unreadable-body", "The body could not be read", rejection.body_text()))
-            }
+            Err(rejection) => Err(Problem::new(ServiceProblem::UnreadableBody, rejection.body_text())),
         }
     }
 }
@@ -100,9 +95,8 @@ impl JsonBody {
 /// [`JsonBody::read`] for JSON that came another way.
 pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
     let mut faults = Faults::default();
-    let object = Object::open_body(json, &mut faults).map_err(|error| {
-        Problem::new(StatusCode::BAD_REQUEST, "malformed-json", "The body is not JSON", format!("the JSON cannot be read: {error}"))
-    })?;
+    let object = Object::open_body(json, &mut faults)
+        .map_err(|error| Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}")))?;
     let result = object.and_then(|mut object| {
         let result = read(&mut object, &mut faults);
         object.close(&mut faults)?;

@@ -1,7 +1,8 @@
 //! The OpenAPI document: what the routes say of themselves, put together, with an example for each request and answer.
 
+use super::problem;
 use serde_json::Value;
-use utoipa::openapi::{InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
+use utoipa::openapi::{Components, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
 
 /// Declares a type that stands for a request in the document: its schema is the first of `$schemas`, and the others are those it refers to.
 macro_rules! described {
@@ -32,8 +33,10 @@ pub(super) fn outline() -> OpenApi {
         .license(Some(License::builder().name("MIT OR Apache-2.0").identifier(Some("MIT OR Apache-2.0")).build()))
         .build();
     let tag = |name: &str, about: &str| Tag::builder().name(name).description(Some(about)).build();
+    let components = problem::schemas().into_iter().fold(Components::builder(), |all, (name, schema)| all.schema(name, schema));
     OpenApiBuilder::new()
         .info(info)
+        .components(Some(components.build()))
         .servers(Some([ServerBuilder::new().url("/").description(Some("this server")).build()]))
         .tags(Some([
             tag("calculations", "scallop height, largest feed and largest step-over at contacts"),

@@ -4,6 +4,7 @@
 mod app_state;
 mod body;
 mod calculation;
+mod codes;
 mod document;
 pub mod metrics;
 mod middleware;

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 
+use super::codes::ServiceProblem;
 use super::problem::Problem;
 
 /// Resources come free within milliseconds unless the load lasts.
@@ -45,7 +45,7 @@ impl std::error::Error for Overload {}
 
 impl From<Overload> for Problem {
     fn from(overload: Overload) -> Self {
-        Self::new(StatusCode::SERVICE_UNAVAILABLE, "overloaded", "The server is busy", overload.to_string()).retry_after(RETRY_AFTER_S)
+        Self::new(ServiceProblem::Overloaded, overload.to_string()).retry_after(RETRY_AFTER_S)
     }
 }
 

@@ -3,6 +3,7 @@
 //! A handler or layer that fails returns a [`Problem`], or any response with an error status and no body that matters;
 //! [`describe_error`] turns both into `application/problem+json` on the way out, where path and request id are known.
 
+use super::codes::{Code, FaultCode, Figure, FileFault, NoAnswerCode, ProblemType, ServiceProblem};
 use super::reading::{Fault, Faults};
 use super::request_id::RequestId;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -11,11 +12,9 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder};
-use utoipa::{IntoResponses, ToSchema};
-
-const INVALID: &str = "invalid-request";
-const INVALID_TITLE: &str = "The request cannot be answered";
+use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Type};
+use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder, Schema};
+use utoipa::{IntoResponses, PartialSchema, ToSchema};
 
 /// A request that failed, before it is written. Boxed, because results carry it that nearly always succeed.
 #[derive(Debug, Clone)]
@@ -24,38 +23,37 @@ pub(crate) struct Problem(Box<Content>);
 #[derive(Debug, Clone)]
 struct Content {
     status: StatusCode,
-    kind: &'static str,
-    title: &'static str,
+    kind: ProblemType,
     detail: Cow<'static, str>,
     errors: Vec<Fault>,
-    members: Map<String, Value>,
+    figures: Vec<(Figure, f64)>,
     retry_after_s: Option<u32>,
 }
 
 impl Problem {
-    pub(crate) fn new(status: StatusCode, kind: &'static str, title: &'static str, detail: impl Into<Cow<'static, str>>) -> Self {
-        Self(Box::new(Content { status, kind, title, detail: detail.into(), errors: Vec::new(), members: Map::new(), retry_after_s: None }))
+    pub(crate) fn new(kind: ServiceProblem, detail: impl Into<Cow<'static, str>>) -> Self {
+        Self::under(kind.status().unwrap_or(StatusCode::INTERNAL_SERVER_ERROR), kind.into(), detail)
     }
 
-    /// The request is well-formed and cannot be answered, for all the reasons in `faults`. A single reason that has a title of its own
-    /// gives the problem its name.
+    fn under(status: StatusCode, kind: ProblemType, detail: impl Into<Cow<'static, str>>) -> Self {
+        Self(Box::new(Content { status, kind, detail: detail.into(), errors: Vec::new(), figures: Vec::new(), retry_after_s: None }))
+    }
+
+    /// The request is well-formed and cannot be answered, for all the reasons in `faults`. A single reason that is a problem type of its
+    /// own gives the problem its type and figures. A faulty file decides on the status.
     pub(crate) fn faulty_request(faults: Faults) -> Self {
-        let errors = faults.into_listed();
-        let (kind, title, detail) = match errors.as_slice() {
-            [only] => (only.title.map_or(INVALID, |_| only.code), only.title.unwrap_or(INVALID_TITLE), only.detail.clone()),
-            several => (INVALID, INVALID_TITLE, format!("{} faults, listed in errors", several.len())),
+        let mut errors = faults.into_listed();
+        let (kind, detail, figures) = match errors.as_mut_slice() {
+            [only] => (type_of(only.code), only.detail.clone(), std::mem::take(&mut only.figures)),
+            several => (ServiceProblem::InvalidRequest.into(), format!("{} faults, listed in errors", several.len()), Vec::new()),
         };
-        let members =
-            errors.iter().flat_map(|fault| fault.figures.iter().map(|(name, value)| ((*name).to_owned(), (*value).into()))).collect();
-        let mut problem = Self::new(StatusCode::UNPROCESSABLE_ENTITY, kind, title, detail);
-        (problem.0.errors, problem.0.members) = (errors, members);
+        let of_file = errors.iter().find_map(|fault| match fault.code {
+            FaultCode::FileFault(fault) => Some(fault.status()),
+            FaultCode::RequestFault(_) | FaultCode::NoAnswerCode(_) => None,
+        });
+        let mut problem = Self::under(of_file.unwrap_or(StatusCode::UNPROCESSABLE_ENTITY), kind, detail);
+        (problem.0.errors, problem.0.figures) = (errors, figures);
         problem
-    }
-
-    /// The same under another status.
-    pub(crate) fn with_status(mut self, status: StatusCode) -> Self {
-        self.0.status = status;
-        self
     }
 
     /// The same, for the client to try again after `seconds`.
@@ -66,28 +64,33 @@ impl Problem {
 
     /// The problem that a bare status stands for.
     pub(crate) fn of_status(status: StatusCode) -> Self {
-        let (kind, title, detail) = match status {
-            StatusCode::BAD_REQUEST => ("malformed-request", "The request is malformed", "the request could not be read"),
-            StatusCode::NOT_FOUND => ("not-found", "There is nothing here", "no such path; /docs lists what there is"),
-            StatusCode::METHOD_NOT_ALLOWED => {
-                ("method-not-allowed", "The method is not allowed here", "the header Allow lists the methods of this path")
-            }
-            StatusCode::REQUEST_TIMEOUT => ("timeout", "The request took too long", "the request was not complete in time"),
-            StatusCode::PAYLOAD_TOO_LARGE => {
-                ("too-large", "The body is too large", "the body, counted decompressed, exceeds the limit of this server")
-            }
+        let (kind, detail) = match status {
+            StatusCode::BAD_REQUEST => (ServiceProblem::MalformedRequest, "the request could not be read"),
+            StatusCode::NOT_FOUND => (ServiceProblem::NotFound, "no such path; /docs lists what there is"),
+            StatusCode::METHOD_NOT_ALLOWED => (ServiceProblem::MethodNotAllowed, "the header Allow lists the methods of this path"),
+            StatusCode::REQUEST_TIMEOUT => (ServiceProblem::Timeout, "the request was not complete in time"),
+            StatusCode::PAYLOAD_TOO_LARGE => (ServiceProblem::TooLarge, "the body, counted decompressed, exceeds the limit of this server"),
             StatusCode::UNSUPPORTED_MEDIA_TYPE => {
-                ("unsupported-media-type", "The media type is not supported", "send application/json, plain or with content-encoding gzip")
+                (ServiceProblem::UnsupportedMediaType, "send application/json, plain or with content-encoding gzip")
             }
             StatusCode::SERVICE_UNAVAILABLE => {
-                ("overloaded", "The server is busy", "the server is at its limit; try again after the seconds in Retry-After")
+                (ServiceProblem::Overloaded, "the server is at its limit; try again after the seconds in Retry-After")
             }
             StatusCode::INTERNAL_SERVER_ERROR => {
-                ("internal", "The server failed", "the fault is the server's; its log holds the cause under the request id")
+                (ServiceProblem::Internal, "the fault is the server's; its log holds the cause under the request id")
             }
-            _ => ("failed", status.canonical_reason().unwrap_or("The request failed"), "the request failed"),
+            _ => (ServiceProblem::Failed, "the request failed"),
         };
-        Self::new(status, kind, title, detail)
+        Self::under(status, kind.into(), detail)
+    }
+}
+
+/// The type of a problem with a single fault.
+fn type_of(code: FaultCode) -> ProblemType {
+    match code {
+        FaultCode::RequestFault(_) => ServiceProblem::InvalidRequest.into(),
+        FaultCode::FileFault(code) => code.into(),
+        FaultCode::NoAnswerCode(code) => code.into(),
     }
 }
 
@@ -104,8 +107,8 @@ impl IntoResponse for Problem {
 
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
-/// Writes an error response as a problem; others stay. Client errors keep what the framework said in its body only as a status, because
-/// its texts are not this API's; server errors tell nothing but the request id.
+/// Writes an error response as a problem and leaves others as they are. Of an error that the framework answers only the status is kept:
+/// its texts are not part of this API.
 pub(crate) fn describe_error(mut response: Response, instance: &str, request_id: &RequestId) -> Response {
     let status = response.status();
     if !status.is_client_error() && !status.is_server_error() {
@@ -113,14 +116,14 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
     }
     let Problem(problem) = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
     let body = ProblemBody {
-        kind: problem.kind.into(),
-        title: problem.title.into(),
+        kind: problem.kind,
+        title: problem.kind.title(),
         status: status.as_u16(),
         detail: problem.detail.into_owned(),
         instance: instance.to_owned(),
         request_id: Some(request_id.as_str().to_owned()),
         errors: problem.errors.into_iter().map(FaultBody::from).collect(),
-        members: problem.members,
+        figures: problem.figures.into_iter().map(|(figure, value)| (figure.name().to_owned(), value.into())).collect(),
     };
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
@@ -139,12 +142,10 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Problem)]
 pub(crate) struct ProblemBody {
-    /// Which problem: a stable name to decide by.
     #[serde(rename = "type")]
-    #[schema(example = "invalid-request")]
-    kind: Cow<'static, str>,
+    kind: ProblemType,
     /// The problem in a few words, the same for every occurrence.
-    title: Cow<'static, str>,
+    title: &'static str,
     /// The HTTP status.
     #[schema(minimum = 400, maximum = 599)]
     status: u16,
@@ -160,10 +161,10 @@ pub(crate) struct ProblemBody {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(required = false)]
     errors: Vec<FaultBody>,
-    /// Figures of some problems: `step_over_height_mm` and `max_step_over_mm` of `tolerance-exceeded`.
+    /// The figures that the problem's type has, described by the schemas of these types.
     #[serde(flatten)]
     #[schema(ignore)]
-    members: Map<String, Value>,
+    figures: Map<String, Value>,
 }
 
 /// One fault of an invalid request.
@@ -173,16 +174,14 @@ struct FaultBody {
     /// Where: a JSON pointer (RFC 6901) into the request; for an uploaded file the line or byte is in `detail`.
     #[schema(example = "/cutter/corner_radius_mm")]
     pointer: String,
-    /// Which: a stable name to decide by.
-    #[schema(example = "out-of-range")]
-    code: Cow<'static, str>,
+    code: FaultCode,
     /// What is wrong and what would be right, for a person.
     detail: String,
 }
 
 impl From<Fault> for FaultBody {
     fn from(fault: Fault) -> Self {
-        Self { pointer: fault.pointer, code: fault.code.into(), detail: fault.detail }
+        Self { pointer: fault.pointer, code: fault.code, detail: fault.detail }
     }
 }
 
@@ -209,20 +208,64 @@ impl IntoResponses for UploadProblems {
 
 fn responses(malformed: &str, unsupported: &str) -> BTreeMap<String, RefOr<utoipa::openapi::Response>> {
     [
-        ("400", malformed),
-        ("408", "The request was not complete in time"),
-        ("413", "The body, counted decompressed, exceeds the server's limit"),
-        ("415", unsupported),
-        ("422", "The request is well-formed and cannot be answered; `errors` lists every fault with its place"),
-        ("500", "The server failed; its log holds the cause under the request id"),
-        ("503", "The server is busy; try again after the seconds in Retry-After"),
+        ("400", malformed, PROBLEM),
+        ("408", "The request was not complete in time", PROBLEM),
+        ("413", "The body, counted decompressed, exceeds the server's limit", PROBLEM),
+        ("415", unsupported, PROBLEM),
+        ("422", "The request is well-formed and cannot be answered; `errors` lists every fault with its place", UNPROCESSABLE),
+        ("500", "The server failed; its log holds the cause under the request id", PROBLEM),
+        ("503", "The server is busy; try again after the seconds in Retry-After", PROBLEM),
     ]
     .into_iter()
-    .map(|(status, description)| (status.to_owned(), problem_response(description)))
+    .map(|(status, description, schema)| (status.to_owned(), problem_response(description, schema)))
     .collect()
 }
 
-fn problem_response(description: &str) -> RefOr<utoipa::openapi::Response> {
-    let content = openapi::Content::new(Some(RefOr::Ref(Ref::from_schema_name("Problem"))));
+fn problem_response(description: &str, schema: &str) -> RefOr<utoipa::openapi::Response> {
+    let content = openapi::Content::new(Some(RefOr::Ref(Ref::from_schema_name(schema))));
     ResponseBuilder::new().description(description).content("application/problem+json", content).build().into()
+}
+
+const PROBLEM: &str = "Problem";
+const UNPROCESSABLE: &str = "UnprocessableProblem";
+
+/// The schemas of problems with status 422, by name: one for each type that has figures, one for all other types, and their union.
+pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
+    let mut schemas: Vec<(String, RefOr<Schema>)> = Vec::new();
+    let mut any = OneOfBuilder::new().description(Some("Why a well-formed request has no answer, discriminated by `type`."));
+    let mut mapping = Vec::new();
+    let mut add = |name: String, types: &[&'static str], figures: (&[Figure], &[Figure])| {
+        any = std::mem::take(&mut any).item(Ref::from_schema_name(&name));
+        mapping.extend(types.iter().map(|of_type| (*of_type, format!("#/components/schemas/{name}"))));
+        schemas.push((name, schema_of_types(types, figures)));
+    };
+    let of_files = FileFault::ALL.iter().filter(|fault| fault.status() == StatusCode::UNPROCESSABLE_ENTITY).map(|fault| fault.name());
+    let mut plain: Vec<_> = std::iter::once(ServiceProblem::InvalidRequest.name()).chain(of_files).collect();
+    for code in NoAnswerCode::ALL {
+        match code.figures() {
+            (&[], &[]) => plain.push(code.name()),
+            figures => add(format!("{}Problem", pascal_case(code.name())), &[code.name()], figures),
+        }
+    }
+    add("ProblemWithoutFigures".to_owned(), &plain, (&[], &[]));
+    let any = any.discriminator(Some(Discriminator::with_mapping("type", mapping)));
+    schemas.push((UNPROCESSABLE.to_owned(), any.into()));
+    schemas
+}
+
+/// The schema of a problem of one of `types`, with figures that are always there and figures that may be absent.
+fn schema_of_types(types: &[&'static str], (always, sometimes): (&[Figure], &[Figure])) -> RefOr<Schema> {
+    let RefOr::T(Schema::Object(problem)) = ProblemBody::schema() else { unreachable!("a struct is described as an object") };
+    let kind = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(types.iter().copied()));
+    let mut schema = ObjectBuilder::from(problem).property("type", kind);
+    for figure in always.iter().chain(sometimes) {
+        let (name, about) = figure.entry();
+        let number = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0.0)).description(Some(about));
+        schema = schema.property(name, number);
+    }
+    always.iter().fold(schema, |schema, figure| schema.required(figure.name())).into()
+}
+
+fn pascal_case(name: &str) -> String {
+    name.split('-').map(|word| word[..1].to_ascii_uppercase() + &word[1..]).collect()
 }

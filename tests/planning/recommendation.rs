@@ -68,7 +68,7 @@ async fn surface_1_is_for_the_ball_end_cutter_along_it() {
     let reasons = answer["confidence"]["reasons"].as_array().unwrap();
     let reason = |index: usize| (reasons[index]["code"].as_str().unwrap(), reasons[index]["level"].as_str().unwrap());
     assert_eq!((&answer["confidence"]["level"], reasons.len()), (&json!("low"), 2));
-    assert_eq!((reason(0), reason(1)), (("times_nearly_equal", "low"), ("slope_near_critical", "moderate")));
+    assert_eq!((reason(0), reason(1)), (("times-nearly-equal", "low"), ("slope-near-critical", "moderate")));
     let [one, other] = [0, 1].map(|index| figure(&answer, &format!("/candidates/{index}/machining_time_s")));
     assert_abs_diff_eq!(figure(&reasons[0], "/value"), (one - other) / one, epsilon = 1e-12);
     assert_abs_diff_eq!(

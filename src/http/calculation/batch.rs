@@ -6,6 +6,7 @@ use super::terms::{Setup, Stated, Terms};
 use super::warning::{Strain, Warning};
 use super::{Calculation, cutter, plain, refusal, single};
 use crate::http::body::{JsonBody, WrittenJson};
+use crate::http::codes::RequestFault;
 use crate::http::problem::Problem;
 use crate::http::reading::member::{for_runs_of_items, items};
 use crate::http::reading::{Fault, Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
@@ -34,7 +35,7 @@ pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Pro
         let place = object.place();
         let place = place.member(CONTACTS);
         let Some(contacts) = object.take(CONTACTS, faults) else {
-            return Err(faults.add(&place, "missing-field", "the field is missing: the contacts to work out"));
+            return Err(faults.add(&place, RequestFault::MissingField, "the field is missing: the contacts to work out"));
         };
         if !faults.is_empty() {
             // Nothing is worked out, but what is wrong with the array as a whole is told, too.

@@ -1,5 +1,6 @@
 //! The wire form of a contact: angles, or vectors.
 
+use crate::http::codes::RequestFault;
 use crate::http::reading::member::{Number, Vector};
 use crate::http::reading::{Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
 use crate::milling::{Contact, ContactError};
@@ -87,9 +88,15 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
             // Both forms are read for the faults in them.
             let _ = (object.optional(&SLOPE, faults), object.optional(&FEED_ANGLE, faults));
             let _ = (object.optional(&NORMAL, faults), object.optional(&FEED, faults));
-            Err(faults.add(&object.place(), "conflicting-fields", "give slope_deg and feed_angle_deg, or normal and feed, not both"))
+            Err(faults.add(
+                &object.place(),
+                RequestFault::ConflictingFields,
+                "give slope_deg and feed_angle_deg, or normal and feed, not both",
+            ))
         }
-        (false, false) => Err(faults.add(&object.place(), "missing-field", "give slope_deg and feed_angle_deg, or normal and feed")),
+        (false, false) => {
+            Err(faults.add(&object.place(), RequestFault::MissingField, "give slope_deg and feed_angle_deg, or normal and feed"))
+        }
     }
 }
 
@@ -100,7 +107,7 @@ fn fault(object: &Object<'_, '_>, error: ContactError, faults: &mut Faults) -> F
         ContactError::NormalWithoutDirection | ContactError::NormalPointsDown => NORMAL.name,
         ContactError::FeedWithoutDirection | ContactError::FeedAlongNormal => FEED.name,
     };
-    faults.add(&object.place().member(member), "no-direction", error)
+    faults.add(&object.place().member(member), RequestFault::NoDirection, error)
 }
 
 /// The two forms, each with what else an object of this form may hold.

@@ -1,5 +1,6 @@
 //! The wire form of a cutter.
 
+use crate::http::codes::RequestFault;
 use crate::http::reading::member::{Choice, StatedLength, Whole};
 use crate::http::reading::{Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
 use crate::milling::Cutter;
@@ -122,7 +123,7 @@ impl Kind for BallEndCutter {
 fn toroidal(object: &mut Object<'_, '_>, diameter: Result<Length, Faulted>, faults: &mut Faults) -> Result<Cutter, Faulted> {
     let corner_radius = object.required(&CORNER_RADIUS, faults);
     Cutter::toroidal(diameter?, corner_radius?)
-        .map_err(|error| faults.add(&object.place().member(CORNER_RADIUS.name), "corner-radius-too-large", error))
+        .map_err(|error| faults.add(&object.place().member(CORNER_RADIUS.name), RequestFault::CornerRadiusTooLarge, error))
 }
 
 /// The schemas of the cutters, by name.

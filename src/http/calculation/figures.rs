@@ -2,6 +2,7 @@
 
 use super::warning::Warning;
 use crate::http::body::WrittenJson;
+use crate::http::codes::FaultCode;
 use crate::http::reading::Fault;
 use crate::milling::{JudgedPass, Model, NoAnswer, ScallopHeight};
 use crate::quantity::Length;
@@ -65,9 +66,7 @@ pub(crate) struct Failure {
     /// Where: a JSON pointer (RFC 6901) into the request.
     #[schema(example = "/contacts/17/slope_deg")]
     pub(crate) pointer: String,
-    /// Which fault: a stable name to decide by.
-    #[schema(example = "flat-floor")]
-    pub(crate) code: String,
+    pub(crate) code: FaultCode,
     /// What is wrong and what would be right, for a person; further faults of the contact follow the first, each after its pointer.
     pub(crate) detail: String,
 }
@@ -78,7 +77,7 @@ impl Failure {
         let (first, further) = faults.split_first()?;
         let further = further.iter().map(|fault| format!("; {}: {}", fault.pointer, fault.detail));
         let detail = std::iter::once(first.detail.clone()).chain(further).collect();
-        Some(Self { index, pointer: first.pointer.clone(), code: first.code.to_owned(), detail })
+        Some(Self { index, pointer: first.pointer.clone(), code: first.code, detail })
     }
 }
 

@@ -5,6 +5,7 @@ use super::figures::{Check, Columns, Common, Failure, Figures, Summary, answers,
 use super::terms::{Setup, Stated, TOLERANCE};
 use super::{Calculation, Warning, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
+use crate::http::codes::RequestFault;
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::member::{Number, StatedLength};
@@ -94,7 +95,7 @@ impl Calculation for MaxFeed {
             if speed.is_none() {
                 faults.add(
                     &place.member(SPINDLE_SPEED.name),
-                    "missing-field",
+                    RequestFault::MissingField,
                     "a largest feed rate limits the feed per tooth only with a spindle speed",
                 );
             }
@@ -102,7 +103,7 @@ impl Calculation for MaxFeed {
                 let cutter = place.member("cutter");
                 faults.add(
                     &cutter.member("teeth"),
-                    "missing-field",
+                    RequestFault::MissingField,
                     "a largest feed rate limits the feed per tooth only with a number of teeth",
                 );
             }

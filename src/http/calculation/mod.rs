@@ -23,7 +23,6 @@ use figures::Figures;
 
 use super::reading::{Faulted, Faults, Object, ObjectSchema};
 pub(crate) use cutter::{BALL_END, TOROIDAL};
-pub(crate) use refusal::name as no_answer_name;
 pub(crate) use terms::MODEL;
 use terms::Setup;
 pub(crate) use warning::Warning;

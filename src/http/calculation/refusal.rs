@@ -2,6 +2,7 @@
 
 use super::contact::StatedContact;
 use super::terms::{names, step_over_member};
+use crate::http::codes::NoAnswerCode;
 use crate::http::reading::{Fault, Place};
 use crate::milling::{NoAnswer, StepOver};
 
@@ -17,36 +18,8 @@ pub(super) fn fault(cause: NoAnswer, place: &Place<'_>, contact: StatedContact, 
         NoAnswer::Gouges { .. } | NoAnswer::FlatGouges | NoAnswer::SharpEdgeOnCurve => place.member(names::SURFACE_RADIUS),
         NoAnswer::SharpEdge => place.member("cutter"),
         NoAnswer::RunoutUsesUpTolerance => place.member(names::RUNOUT),
-        _ => place.member(names::TOLERANCE),
+        NoAnswer::ToleranceLimitsNoStepOver { .. } | NoAnswer::ToleranceLimitsNoFeed { .. } => place.member(names::TOLERANCE),
     };
-    let (code, title) = name(cause);
-    let figures = match cause {
-        NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over } => {
-            vec![("step_over_height_mm", step_over_height.mm()), ("max_step_over_mm", max_step_over.mm())]
-        }
-        NoAnswer::PassesDoNotOverlap { largest_step_over } | NoAnswer::ToleranceLimitsNoStepOver { largest_step_over } => {
-            vec![("largest_step_over_mm", largest_step_over.mm())]
-        }
-        NoAnswer::Gouges { effective_radius } => vec![("effective_radius_mm", effective_radius.mm())],
-        NoAnswer::FeedUsesUpTolerance { feed_height } => vec![("feed_height_mm", feed_height.mm())],
-        _ => Vec::new(),
-    };
-    Fault { title: Some(title), figures, ..Fault::new(&place, code, cause) }
-}
-
-/// The stable name and the title of a cause.
-pub(crate) fn name(cause: NoAnswer) -> (&'static str, &'static str) {
-    match cause {
-        NoAnswer::FlatFloor => ("flat-floor", "The analytic model has no answer on a floor"),
-        NoAnswer::PassesDoNotOverlap { .. } => ("passes-do-not-overlap", "The passes do not overlap"),
-        NoAnswer::MarksDoNotOverlap { .. } => ("marks-do-not-overlap", "The tooth marks do not overlap"),
-        NoAnswer::Gouges { .. } | NoAnswer::FlatGouges => ("gouging", "The cutter gouges"),
-        NoAnswer::SharpEdgeOnCurve => ("sharp-edge", "The curvature's correction has no answer for a sharp edge"),
-        NoAnswer::SharpEdge => ("sharp-edge", "The analytic model has no answer for a sharp edge"),
-        NoAnswer::PassesCoincideFromAbove => ("passes-coincide-from-above", "The passes lie above each other"),
-        NoAnswer::StepOverUsesUpTolerance { .. } => ("tolerance-exceeded", "The step-over alone uses up the tolerance"),
-        NoAnswer::FeedUsesUpTolerance { .. } => ("tolerance-exceeded-by-feed", "The feed alone uses up the tolerance"),
-        NoAnswer::RunoutUsesUpTolerance => ("tolerance-exceeded-by-runout", "Runout alone uses up the tolerance"),
-        _ => ("tolerance-sets-no-limit", "The tolerance sets no limit"),
-    }
+    let (code, figures) = NoAnswerCode::of(cause);
+    Fault { figures, ..Fault::new(&place, code, cause) }
 }

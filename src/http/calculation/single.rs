@@ -7,6 +7,7 @@ use super::terms::{Setup, Terms};
 use super::warning::{Strain, Warning};
 use super::{Calculation, contact, cutter};
 use crate::http::body::JsonBody;
+use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, ObjectSchema, Place};
 use crate::milling::{Envelope, JudgedPass, Model, NoAnswer, Pass, StepOver};
@@ -83,7 +84,7 @@ const OUTSIDE_RANGE: f64 = -0.05;
 
 /// The analytic height beside the envelope's, and the warning that it is far under it.
 fn check(pass: &JudgedPass, common: &Common, warnings: &mut Vec<Warning>) -> Option<Check> {
-    const CODE: &str = "outside-analytic-range";
+    const CODE: WarningCode = WarningCode::OutsideAnalyticRange;
     if pass.model() != Model::Analytic {
         return None;
     }

@@ -2,6 +2,7 @@
 //! contact to contact.
 
 use super::cutter::{CUTTER, StatedCutter};
+use crate::http::codes::RequestFault;
 use crate::http::reading::member::{Choice, Kind, Number, StatedLength, in_range, number};
 use crate::http::reading::{Faulted, Faults, Member, Object, ObjectSchema, Place};
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
@@ -106,7 +107,7 @@ impl Kind for SurfaceRadius {
         SurfaceCurvature::from_radius_mm(radius).map_err(|bounds| {
             faults.add(
                 &place,
-                "out-of-range",
+                RequestFault::OutOfRange,
                 format_args!("the radius without its sign {bounds}, found {raw}; leave the field out for a plane"),
             )
         })
@@ -182,7 +183,7 @@ impl Terms {
         match self.step_over? {
             None if stated.step_over => Err(faults.add(
                 &place.member(STEP_OVER.name),
-                "missing-field",
+                RequestFault::MissingField,
                 "give step_over_mm (along the surface) or step_over_xy_mm (seen from above)",
             )),
             step_over => Ok(step_over),
@@ -212,7 +213,7 @@ fn read_step_over(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Op
     match (along?, above?) {
         (Some(_), Some(_)) => Err(faults.add(
             &object.place().member(STEP_OVER_XY.name),
-            "conflicting-fields",
+            RequestFault::ConflictingFields,
             "give step_over_mm or step_over_xy_mm, not both",
         )),
         (Some(s), None) => Ok(Some(StepOver::AlongSurface(s))),

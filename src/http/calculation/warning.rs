@@ -1,17 +1,15 @@
 //! Warnings: what is answered but must be looked at.
 
+use crate::http::codes::WarningCode;
 use crate::milling::{Concern, JudgedPass, Model, circle_concerns, concerns};
 use crate::quantity::Length;
 use serde::Serialize;
-use std::borrow::Cow;
 use utoipa::ToSchema;
 
 /// What must be looked at although the answer stands.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub(crate) struct Warning {
-    /// Which: a stable name to decide by.
-    #[schema(example = "step-over-wide")]
-    pub(crate) code: Cow<'static, str>,
+    pub(crate) code: WarningCode,
     /// What it is about, for a person; of the first contact where there are many.
     pub(crate) detail: String,
     /// How many contacts of a batch it concerns.
@@ -25,8 +23,8 @@ pub(crate) struct Warning {
 }
 
 impl Warning {
-    pub(crate) fn new(code: &'static str, detail: impl Into<String>) -> Self {
-        Self { code: code.into(), detail: detail.into(), contacts: None, first_index: None }
+    pub(crate) fn new(code: WarningCode, detail: impl Into<String>) -> Self {
+        Self { code, detail: detail.into(), contacts: None, first_index: None }
     }
 }
 
@@ -48,15 +46,15 @@ impl Strain {
         concerns(pass.pass(), feed_per_tooth).chain(circle).map(Self::Concern).chain(curved)
     }
 
-    /// Its stable name.
-    pub(super) fn code(self) -> &'static str {
+    /// Its code.
+    pub(super) fn code(self) -> WarningCode {
         match self {
-            Self::Concern(Concern::RunoutNotSmall { .. }) => "runout-not-small",
-            Self::Concern(Concern::StepOverWide { .. }) => "step-over-wide",
-            Self::Concern(Concern::FeedLong { .. }) => "feed-per-tooth-long",
-            Self::Concern(Concern::RadiusBeyondCutter { .. }) => "effective-radius-beyond-cutter",
-            Self::Concern(Concern::SharpMarks) => "sharp-marks",
-            Self::CurvatureApproximate => "curvature-approximate",
+            Self::Concern(Concern::RunoutNotSmall { .. }) => WarningCode::RunoutNotSmall,
+            Self::Concern(Concern::StepOverWide { .. }) => WarningCode::StepOverWide,
+            Self::Concern(Concern::FeedLong { .. }) => WarningCode::FeedPerToothLong,
+            Self::Concern(Concern::RadiusBeyondCutter { .. }) => WarningCode::EffectiveRadiusBeyondCutter,
+            Self::Concern(Concern::SharpMarks) => WarningCode::SharpMarks,
+            Self::CurvatureApproximate => WarningCode::CurvatureApproximate,
         }
     }
 }

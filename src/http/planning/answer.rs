@@ -3,6 +3,7 @@
 use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster, candidates, line_degrees};
 use super::source::{Source, Sourced};
 use crate::http::calculation::Warning;
+use crate::http::codes::ConfidenceCode;
 use crate::planning::{Confidence, Level, Reason, Recommendation};
 use crate::quantity::{Angle, Area};
 use crate::surface::{Basis, Bounds, Shape};
@@ -126,9 +127,7 @@ enum LevelName {
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = ConfidenceReason)]
 struct ReasonAnswer {
-    /// Which: a stable name to decide by.
-    #[schema(example = "not_flat")]
-    code: &'static str,
+    code: ConfidenceCode,
     /// To which level it lowers the confidence.
     level: LevelName,
     /// What it is about, for a person.
@@ -203,7 +202,7 @@ impl From<Level> for LevelName {
 impl From<&Reason> for ReasonAnswer {
     fn from(reason: &Reason) -> Self {
         Self {
-            code: reason.weakness.code(),
+            code: reason.weakness.into(),
             level: reason.level.into(),
             detail: reason.to_string(),
             value: reason.figure,

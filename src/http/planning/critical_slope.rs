@@ -5,6 +5,7 @@ use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_fas
 use super::job;
 use crate::http::body::JsonBody;
 use crate::http::calculation::Warning;
+use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::member::StatedLength;
@@ -103,7 +104,7 @@ fn wide_step_over(plan: &Plan, job: &Job) -> Option<Warning> {
     let (step_over, diameter) = (plan.toroidal.zigzag.step_over.mm(), 2.0 * job.toroidal().outer_radius().mm());
     (step_over > diameter).then(|| {
         Warning::new(
-            "step-over-exceeds-cutter",
+            WarningCode::StepOverExceedsCutter,
             format!(
                 "the toroidal cutter's step-over, {step_over:.3} mm, exceeds its diameter, {diameter} mm: the model's circle is wider than the cutter; model \"envelope\" knows its width"
             ),
@@ -159,13 +160,13 @@ fn rectangle(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Incline
         (true, false) => {
             let (width, height) = (object.required(&WIDTH, faults), object.required(&HEIGHT, faults));
             InclinedRectangle::from_sides(width?, height?)
-                .map_err(|error| faults.add(&object.place().member(HEIGHT.name), "height-exceeds-width", error))
+                .map_err(|error| faults.add(&object.place().member(HEIGHT.name), RequestFault::HeightExceedsWidth, error))
         }
         (false, true) => {
             let (mu, chi) = (object.required(&FORM_FACTOR, faults), object.required(&CHARACTERISTIC_SIZE, faults));
             InclinedRectangle::from_form(mu?, chi?).map_err(|bounds| {
                 let detail = format_args!("each side, sqrt(mu chi) and sqrt(chi/mu), {bounds} mm");
-                faults.add(&object.place().member(CHARACTERISTIC_SIZE.name), "out-of-range", detail)
+                faults.add(&object.place().member(CHARACTERISTIC_SIZE.name), RequestFault::OutOfRange, detail)
             })
         }
         (true, true) => {
@@ -173,10 +174,12 @@ fn rectangle(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Incline
             let _ = (object.optional(&WIDTH, faults), object.optional(&HEIGHT, faults));
             let _ = (object.optional(&FORM_FACTOR, faults), object.optional(&CHARACTERISTIC_SIZE, faults));
             let detail = "give width_mm and height_mm, or form_factor and characteristic_size_mm2, not both";
-            Err(faults.add(&object.place(), "conflicting-fields", detail))
+            Err(faults.add(&object.place(), RequestFault::ConflictingFields, detail))
         }
-        (false, false) => {
-            Err(faults.add(&object.place(), "missing-field", "give width_mm and height_mm, or form_factor and characteristic_size_mm2"))
-        }
+        (false, false) => Err(faults.add(
+            &object.place(),
+            RequestFault::MissingField,
+            "give width_mm and height_mm, or form_factor and characteristic_size_mm2",
+        )),
     }
 }

@@ -1,7 +1,8 @@
 //! The wire form of a job: two cutters to compare, the scallop height that they may leave, the machine, and the model.
 
 use super::machine::MACHINE;
-use crate::http::calculation::{BALL_END, MODEL, TOROIDAL, no_answer_name};
+use crate::http::calculation::{BALL_END, MODEL, TOROIDAL};
+use crate::http::codes::{NoAnswerCode, RequestFault};
 use crate::http::reading::member::StatedLength;
 use crate::http::reading::{Fault, Faulted, Faults, Member, Object, ObjectSchema, Place};
 use crate::milling::NoAnswer;
@@ -32,15 +33,15 @@ pub(super) fn describe(schema: ObjectSchema) -> ObjectSchema {
 
 fn fault(error: JobError, place: &Place<'_>) -> Fault {
     match error {
-        JobError::NotToroidal => Fault::new(&place.member(TOROIDAL.name), "not-toroidal", error),
-        JobError::NotBallEnd => Fault::new(&place.member(BALL_END.name), "not-ball-end", error),
-        JobError::ScallopTooHigh { .. } => Fault::new(&place.member(SCALLOP_HEIGHT.name), "scallop-too-high", error),
+        JobError::NotToroidal => Fault::new(&place.member(TOROIDAL.name), RequestFault::NotToroidal, error),
+        JobError::NotBallEnd => Fault::new(&place.member(BALL_END.name), RequestFault::NotBallEnd, error),
+        JobError::ScallopTooHigh { .. } => Fault::new(&place.member(SCALLOP_HEIGHT.name), RequestFault::ScallopTooHigh, error),
         JobError::BallEnd(cause) => no_answer(cause, error, &place.member(SCALLOP_HEIGHT.name)),
     }
 }
 
-/// The fault that a cutter has no step-over, told by `detail`.
+/// The fault that a cutter has no step-over, described by `detail`.
 pub(super) fn no_answer(cause: NoAnswer, detail: impl std::fmt::Display, place: &Place<'_>) -> Fault {
-    let (code, title) = no_answer_name(cause);
-    Fault { title: Some(title), ..Fault::new(place, code, detail) }
+    let (code, figures) = NoAnswerCode::of(cause);
+    Fault { figures, ..Fault::new(place, code, detail) }
 }

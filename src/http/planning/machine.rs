@@ -1,6 +1,7 @@
 //! The wire form of a machine: a preset's name, its three limits, or a preset with some of them overridden.
 
 use super::bounded::Bounded;
+use crate::http::codes::RequestFault;
 use crate::http::reading::member::text;
 use crate::http::reading::{Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
 use crate::motion::{MachineLimits, PRESETS, Preset};
@@ -67,7 +68,7 @@ fn limit<T>(
     }
     of_preset?.ok_or_else(|| {
         let detail = format_args!("the field is missing: {}; or name a preset, which has a value for it", member.about);
-        faults.add(&object.place().member(member.name), "missing-field", detail)
+        faults.add(&object.place().member(member.name), RequestFault::MissingField, detail)
     })
 }
 
@@ -81,7 +82,7 @@ impl Kind for PresetName {
         let name = text(raw, place, faults)?;
         Preset::named(&name).ok_or_else(|| {
             let known = PRESETS.map(|preset| preset.name).join(", ");
-            faults.add(&place, "unknown-value", format_args!("there is no such preset; known are {known}"))
+            faults.add(&place, RequestFault::UnknownValue, format_args!("there is no such preset; known are {known}"))
         })
     }
 

@@ -2,10 +2,11 @@
 //! that a compressed body unfolds whole into memory, and bounds neither a part's head nor what stands before the first part. This
 //! one holds what the connection gave last, and hands data on as they came, without copying them.
 
+use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
 use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{HeaderMap, header};
 use bytes::Buf;
 use http_body_util::BodyExt;
 use memchr::memmem::{self, Finder};
@@ -149,10 +150,7 @@ impl Form {
                     }
                 }
                 // A body over its limit, too slow or damaged has its answer from the layers around; this one is for what they do not know.
-                Some(Err(error)) => {
-                    let (status, detail) = (StatusCode::BAD_REQUEST, error.to_string());
-                    return Err(Problem::new(status, "unreadable-body", "The body could not be read", detail));
-                }
+                Some(Err(error)) => return Err(Problem::new(ServiceProblem::UnreadableBody, error.to_string())),
             }
         }
     }
@@ -220,24 +218,21 @@ fn boundary(headers: &HeaderMap) -> Result<String, Problem> {
     let media_type = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     let essence = media_type.split(';').next().unwrap_or_default().trim();
     if !essence.eq_ignore_ascii_case("multipart/form-data") {
-        return Err(Problem::new(
-            StatusCode::UNSUPPORTED_MEDIA_TYPE,
-            "unsupported-media-type",
-            "The media type is not supported",
-            "send a form with the header content-type: multipart/form-data; boundary=...",
-        ));
+        let detail = "send a form with the header content-type: multipart/form-data; boundary=...";
+        return Err(Problem::new(ServiceProblem::UnsupportedMediaType, detail));
     }
     let boundary = parameter(media_type, "boundary").filter(|boundary| (1..=LONGEST_BOUNDARY).contains(&boundary.len()));
     boundary.ok_or_else(|| malformed(format!("the header content-type must name a boundary of 1 to {LONGEST_BOUNDARY} characters")))
 }
 
 fn malformed(detail: String) -> Problem {
-    Problem::new(StatusCode::BAD_REQUEST, "malformed-form", "The form is malformed", detail)
+    Problem::new(ServiceProblem::MalformedForm, detail)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use axum::http::StatusCode;
     use proptest::prelude::*;
 
     type Part = (Head, Vec<u8>);

@@ -1,5 +1,6 @@
 //! Arrays of points in a JSON body, handed on point by point: a body of a million points is never built up as a document.
 
+use crate::http::codes::RequestFault;
 use crate::http::reading::member::number;
 use crate::http::reading::{Faulted, Faults, Kind, Place, describe};
 use crate::surface::LARGEST_COORDINATE;
@@ -39,7 +40,11 @@ pub(super) fn point(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Re
         count += 1;
     })?;
     if count != 3 {
-        return Err(faults.add(&place, "wrong-type", format_args!("expected the three coordinates of a point, found {count} items")));
+        return Err(faults.add(
+            &place,
+            RequestFault::WrongType,
+            format_args!("expected the three coordinates of a point, found {count} items"),
+        ));
     }
     let [x, y, z] = coordinates;
     Ok([x?, y?, z?])
@@ -51,7 +56,7 @@ fn bounded(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<f64,
         return Ok(coordinate);
     }
     let detail = format_args!("a coordinate must be at most {LARGEST_COORDINATE:e} in magnitude, found {}", describe(raw));
-    Err(faults.add(&place, "out-of-range", detail))
+    Err(faults.add(&place, RequestFault::OutOfRange, detail))
 }
 
 fn is_in_bounds(point: [f64; 3]) -> bool {
@@ -66,7 +71,7 @@ pub(super) fn each_raw<'a>(
     mut take: impl FnMut(&'a RawValue, &mut Faults),
 ) -> Result<(), Faulted> {
     each(raw, |item: &'a RawValue| take(item, faults))
-        .map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))
+        .map_err(|_| faults.add(&place, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))))
 }
 
 /// Hands every item of the array `raw` to `take`, until one is no `T`.
@@ -118,7 +123,7 @@ mod tests {
         let (mut points, mut faults) = (Vec::new(), Faults::default());
         let raw: &RawValue = serde_json::from_str(json).unwrap();
         let result = each_point(raw, Place::Root.member("points"), &mut faults, |point| points.push(point));
-        let faults: Vec<_> = faults.into_listed().into_iter().map(|fault| (fault.pointer, fault.code)).collect();
+        let faults: Vec<_> = faults.into_listed().into_iter().map(|fault| (fault.pointer, fault.code.name())).collect();
         assert_eq!(result.is_err(), !faults.is_empty());
         (points, faults)
     }

@@ -6,6 +6,7 @@ use super::job;
 use super::source::Sourced;
 use super::stated_surface::{self, SURFACE};
 use crate::http::body::{JsonBody, WrittenJson};
+use crate::http::codes::RequestFault;
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::member::Choice;
@@ -57,19 +58,19 @@ impl Parameters {
     }
 }
 
-fn shape_code(error: ShapeError) -> &'static str {
+fn shape_code(error: ShapeError) -> RequestFault {
     match error {
-        ShapeError::TooFewPoints { .. } => "too-few-points",
-        ShapeError::OnlyDegenerateFacets { .. } => "only-degenerate-facets",
-        ShapeError::AllPointsEqual => "all-points-equal",
-        ShapeError::Collinear => "collinear",
-        ShapeError::CoordinateOutOfRange => "out-of-range",
+        ShapeError::TooFewPoints { .. } => RequestFault::TooFewPoints,
+        ShapeError::OnlyDegenerateFacets { .. } => RequestFault::OnlyDegenerateFacets,
+        ShapeError::AllPointsEqual => RequestFault::AllPointsEqual,
+        ShapeError::Collinear => RequestFault::Collinear,
+        ShapeError::CoordinateOutOfRange => RequestFault::OutOfRange,
     }
 }
 
 fn plan_fault(error: PlanError, place: &Place<'_>) -> Fault {
     match error {
-        PlanError::Size(_) => Fault::new(place, "size-out-of-range", error),
+        PlanError::Size(_) => Fault::new(place, RequestFault::SizeOutOfRange, error),
         PlanError::Toroidal(cause @ NoAnswer::FlatFloor) => job::no_answer(cause, error, place),
         PlanError::Toroidal(cause) => job::no_answer(cause, error, &Place::Root.member(job::SCALLOP_HEIGHT.name)),
     }

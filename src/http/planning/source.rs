@@ -1,6 +1,7 @@
 //! Where a surface came from, and what must be said of how it was read.
 
 use crate::http::calculation::Warning;
+use crate::http::codes::WarningCode;
 use crate::surface::read::{Format, Notes};
 use crate::surface::{Basis, SampledSurface, Shape};
 use serde::Serialize;
@@ -69,7 +70,7 @@ impl Sourced {
 
     fn degenerate_facets(&self) -> Option<Warning> {
         let count = self.surface.degenerate_facets();
-        (count > 0).then(|| Warning::new("degenerate-facets", format!("{count} facets have no area and were left out")))
+        (count > 0).then(|| Warning::new(WarningCode::DegenerateFacets, format!("{count} facets have no area and were left out")))
     }
 
     fn left_out_facets(&self, shape: &Shape) -> Option<Warning> {
@@ -78,30 +79,37 @@ impl Sourced {
         (left_out > 0).then(|| {
             let detail =
                 format!("{left_out} of {all} facets face another way than the surface and were left out; facing \"any\" takes all");
-            Warning::new("facets-left-out", detail)
+            Warning::new(WarningCode::FacetsLeftOut, detail)
         })
     }
 }
 
 fn of_basis(basis: Basis) -> Option<Warning> {
     match basis {
-        Basis::FacetsTurnedOver => {
-            Some(Warning::new("turned-over", "no facet points up, so those that point down were taken for the outer side of the surface"))
+        Basis::FacetsTurnedOver => Some(Warning::new(
+            WarningCode::TurnedOver,
+            "no facet points up, so those that point down were taken for the outer side of the surface",
+        )),
+        Basis::Walls => {
+            Some(Warning::new(WarningCode::WallsOnly, "all facets are vertical; a cutter from above reaches them with its side only"))
         }
-        Basis::Walls => Some(Warning::new("walls-only", "all facets are vertical; a cutter from above reaches them with its side only")),
         Basis::Points | Basis::FacetsUp | Basis::AllFacets => None,
     }
 }
 
 fn of_notes(notes: Notes) -> impl Iterator<Item = Warning> {
     let counted = [
-        (notes.further_columns, "further-columns", "columns beside x, y and z were left out"),
-        (notes.trailing_bytes, "trailing-bytes", "bytes after the end that the file's counts give were left out"),
-        (notes.other_elements, "other-elements", "elements other than vertices and faces were left out"),
-        (notes.crossed_polygons, "crossed-polygons", "polygons have an outline that crosses itself, and an area that is uncertain"),
+        (notes.further_columns, WarningCode::FurtherColumns, "columns beside x, y and z were left out"),
+        (notes.trailing_bytes, WarningCode::TrailingBytes, "bytes after the end that the file's counts give were left out"),
+        (notes.other_elements, WarningCode::OtherElements, "elements other than vertices and faces were left out"),
+        (
+            notes.crossed_polygons,
+            WarningCode::CrossedPolygons,
+            "polygons have an outline that crosses itself, and an area that is uncertain",
+        ),
     ];
     let counted = counted.into_iter().filter(|(count, ..)| *count > 0);
     let missing_end = "the file ends inside a solid, after a whole facet; it may have been cut off";
-    let missing_end = notes.missing_end.then(|| Warning::new("missing-end", missing_end));
+    let missing_end = notes.missing_end.then(|| Warning::new(WarningCode::MissingEnd, missing_end));
     counted.map(|(count, code, what)| Warning::new(code, format!("{count} {what}"))).chain(missing_end)
 }

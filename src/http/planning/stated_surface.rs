@@ -2,6 +2,7 @@
 
 use super::points::{Points, each_point, each_raw, point, point_schema};
 use super::source::{Source, Sourced};
+use crate::http::codes::RequestFault;
 use crate::http::reading::member::Whole;
 use crate::http::reading::{Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
 use crate::surface::{Bezier, BezierError, Grid, GridError, SampledSurface, Sink};
@@ -46,12 +47,12 @@ impl Kind for StatedSurface {
             [true, false, false] => points(&mut object, faults),
             [false, true, false] => object.required(&GRID, faults).map(|surface| Sourced::stated(surface, Source::Grid)),
             [false, false, true] => bezier(&mut object, faults),
-            [false, false, false] => Err(faults.add(&place, "missing-field", "give points, grid, or bezier with samples")),
+            [false, false, false] => Err(faults.add(&place, RequestFault::MissingField, "give points, grid, or bezier with samples")),
             _ => {
                 // All forms are read for the faults in them.
                 let _ = (object.optional(&POINTS, faults), object.optional(&GRID, faults), object.optional(&BEZIER, faults));
                 let _ = object.optional(&SAMPLES, faults);
-                Err(faults.add(&place, "conflicting-fields", "give one of points, grid, and bezier with samples"))
+                Err(faults.add(&place, RequestFault::ConflictingFields, "give one of points, grid, and bezier with samples"))
             }
         };
         object.close(faults)?;
@@ -74,7 +75,7 @@ fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, F
 fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let surface = patch?.sampled(samples? as usize).map_err(|bounds| {
-        faults.add(&object.place().member(SAMPLES.name), "out-of-range", format_args!("the number of samples each way {bounds}"))
+        faults.add(&object.place().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
     })?;
     Ok(Sourced::stated(surface, Source::Bezier))
 }
@@ -102,13 +103,13 @@ impl Kind for GridKind {
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<SampledSurface, Faulted> {
     let place = object.place();
-    let mut grid = Grid::new(rows, columns).map_err(|error| faults.add(&place, "out-of-range", error))?;
+    let mut grid = Grid::new(rows, columns).map_err(|error| faults.add(&place, RequestFault::OutOfRange, error))?;
     let Some(raw) = object.take(GRID_POINTS.name, faults) else {
         return object.required(&GRID_POINTS, faults).and(Err(Faulted));
     };
     let place = place.member(GRID_POINTS.name);
     each_point(raw, place, faults, |point| grid.point(point))?;
-    grid.finish().map_err(|error: GridError| faults.add(&place, "wrong-count", error))
+    grid.finish().map_err(|error: GridError| faults.add(&place, RequestFault::WrongCount, error))
 }
 
 struct BezierKind;
@@ -122,10 +123,10 @@ impl Kind for BezierKind {
         object.close(faults)?;
         let place = place.member(CONTROL_POINTS.name);
         Bezier::new(&net?).map_err(|error| match error {
-            BezierError::RaggedRow { row, .. } => faults.add(&place.item(row), "wrong-count", error),
-            BezierError::Columns(_) => faults.add(&place.item(0), "wrong-count", error),
-            BezierError::Rows(_) => faults.add(&place, "wrong-count", error),
-            BezierError::Coordinate { row, column } => faults.add(&place.item(row).item(column), "out-of-range", error),
+            BezierError::RaggedRow { row, .. } => faults.add(&place.item(row), RequestFault::WrongCount, error),
+            BezierError::Columns(_) => faults.add(&place.item(0), RequestFault::WrongCount, error),
+            BezierError::Rows(_) => faults.add(&place, RequestFault::WrongCount, error),
+            BezierError::Coordinate { row, column } => faults.add(&place.item(row).item(column), RequestFault::OutOfRange, error),
         })
     }
 

@@ -7,16 +7,16 @@ use super::recommendation::Parameters;
 use super::source::Sourced;
 use super::stated_surface::SURFACE;
 use crate::http::body::{WrittenJson, read_text};
+use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Fault, Faulted, Faults, ObjectSchema, Place};
 use crate::http::worker_pool::WorkPermit;
 use crate::surface::SampledSurface;
-use crate::surface::read::{self, FaultKind, Format, Hint, Lot, Reader};
+use crate::surface::read::{self, Format, Hint, Lot, Reader};
 use axum::body::Bytes;
 use axum::extract::State;
-use axum::http::StatusCode;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use utoipa::openapi::schema::{AdditionalProperties, KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{Ref, RefOr, Schema};
@@ -86,59 +86,42 @@ impl Received {
         let root = Place::Root;
         let fault = match name {
             Some(name) if name == SURFACE.name || name == PARAMETERS => {
-                Fault::new(&root.member(name), "repeated-field", "the part is given more than once")
+                Fault::new(&root.member(name), RequestFault::RepeatedField, "the part is given more than once")
             }
-            Some(name) => Fault::new(&root.member(name), "unknown-field", "unknown part; known here: surface, parameters"),
-            None => Fault::new(&root, "unknown-field", "a part has no name; known here: surface, parameters"),
+            Some(name) => Fault::new(&root.member(name), RequestFault::UnknownField, "unknown part; known here: surface, parameters"),
+            None => Fault::new(&root, RequestFault::UnknownField, "a part has no name; known here: surface, parameters"),
         };
         self.faults.push(fault);
     }
 
     fn answer(self) -> Result<WrittenJson, Problem> {
-        let mut status = StatusCode::UNPROCESSABLE_ENTITY;
         let Some(parameters) = &self.parameters else {
             let mut faults = Faults::default();
-            let _ = self.surface(&mut faults, &mut status);
-            faults.add(&Place::Root.member(PARAMETERS), "missing-field", "the part is missing: the job and the machine, as JSON");
-            return Err(Problem::faulty_request(faults).with_status(status));
+            let _ = self.surface(&mut faults);
+            let place = Place::Root.member(PARAMETERS);
+            faults.add(&place, RequestFault::MissingField, "the part is missing: the job and the machine, as JSON");
+            return Err(Problem::faulty_request(faults));
         };
         let answer = read_text(parameters, |object, faults| {
             let parameters = Parameters::read(object, faults);
-            let surface = self.surface(faults, &mut status);
+            let surface = self.surface(faults);
             parameters?.answer(surface?, &Place::Root.member(SURFACE.name), faults)
         });
-        let is_faulty_file = status != StatusCode::UNPROCESSABLE_ENTITY;
-        WrittenJson::of(&answer.map_err(|problem| if is_faulty_file { problem.with_status(status) } else { problem })?)
+        WrittenJson::of(&answer?)
     }
 
     /// The surface, with the faults of the form and the file recorded.
-    fn surface(&self, faults: &mut Faults, status: &mut StatusCode) -> Result<&Sourced, Faulted> {
+    fn surface(&self, faults: &mut Faults) -> Result<&Sourced, Faulted> {
         for fault in &self.faults {
             faults.push(fault.clone());
         }
+        let place = Place::Root.member(SURFACE.name);
         match &self.surface {
             Some(Ok(surface)) => Ok(surface),
-            Some(Err(fault)) => {
-                let (file_status, fault) = file_fault(fault);
-                *status = file_status;
-                Err(faults.push(fault))
-            }
-            None => Err(faults.add(&Place::Root.member(SURFACE.name), "missing-field", "the part is missing: the file with the surface")),
+            Some(Err(fault)) => Err(faults.add(&place, FileFault::from(fault.kind()), fault)),
+            None => Err(faults.add(&place, RequestFault::MissingField, "the part is missing: the file with the surface")),
         }
     }
-}
-
-/// A file's fault as a fault of the request, and the status for it.
-fn file_fault(fault: &read::Fault) -> (StatusCode, Fault) {
-    let (status, code, title) = match fault.kind() {
-        FaultKind::UnknownFormat => (StatusCode::UNSUPPORTED_MEDIA_TYPE, "unknown-format", "The file's format is not supported"),
-        FaultKind::Malformed => (StatusCode::BAD_REQUEST, "malformed-file", "The file is malformed"),
-        FaultKind::Truncated => (StatusCode::BAD_REQUEST, "truncated-file", "The file is cut off"),
-        FaultKind::TooLarge => (StatusCode::PAYLOAD_TOO_LARGE, "file-too-large", "The file exceeds a limit of its reader"),
-        FaultKind::OutOfRange => (StatusCode::UNPROCESSABLE_ENTITY, "out-of-range", "A number in the file is out of range"),
-        FaultKind::Empty => (StatusCode::UNPROCESSABLE_ENTITY, "empty-file", "The file has no surface"),
-    };
-    (status, Fault { title: Some(title), ..Fault::new(&Place::Root.member(SURFACE.name), code, fault) })
 }
 
 /// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
@@ -231,7 +214,7 @@ async fn read_parameters(form: &mut Form) -> Result<Vec<u8>, Problem> {
         parameters.extend(chunk);
         if parameters.len() > LARGEST_PARAMETERS {
             let detail = format!("the part parameters is larger than {LARGEST_PARAMETERS} bytes");
-            return Err(Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail));
+            return Err(Problem::new(ServiceProblem::TooLarge, detail));
         }
     }
     Ok(parameters)

@@ -1,5 +1,6 @@
 //! Faults of a request and the places where they are.
 
+use crate::http::codes::{FaultCode, Figure, RequestFault};
 use std::fmt;
 
 /// The place of a value in a request, shown as a JSON pointer (RFC 6901). It lives on the stack of the reader and is spelt out only
@@ -39,19 +40,17 @@ impl fmt::Display for Place<'_> {
 pub(crate) struct Fault {
     /// Where: a JSON pointer into the request.
     pub(crate) pointer: String,
-    /// Which: a stable name.
-    pub(crate) code: &'static str,
+    /// Which.
+    pub(crate) code: FaultCode,
     /// What is wrong and what would be right, for a person.
     pub(crate) detail: String,
-    /// The title of a problem of its own, for a request that is read and has no answer.
-    pub(crate) title: Option<&'static str>,
-    /// Figures that a program can use to find the way out, with their wire names.
-    pub(crate) figures: Vec<(&'static str, f64)>,
+    /// Figures that show a way out, in mm.
+    pub(crate) figures: Vec<(Figure, f64)>,
 }
 
 impl Fault {
-    pub(crate) fn new(place: &Place<'_>, code: &'static str, detail: impl fmt::Display) -> Self {
-        Self { pointer: place.to_string(), code, detail: detail.to_string(), title: None, figures: Vec::new() }
+    pub(crate) fn new(place: &Place<'_>, code: impl Into<FaultCode>, detail: impl fmt::Display) -> Self {
+        Self { pointer: place.to_string(), code: code.into(), detail: detail.to_string(), figures: Vec::new() }
     }
 }
 
@@ -71,7 +70,7 @@ impl Faults {
     const MOST_LISTED: usize = 1000;
 
     /// Records a fault and returns the proof.
-    pub(crate) fn add(&mut self, place: &Place<'_>, code: &'static str, detail: impl fmt::Display) -> Faulted {
+    pub(crate) fn add(&mut self, place: &Place<'_>, code: impl Into<FaultCode>, detail: impl fmt::Display) -> Faulted {
         self.push(Fault::new(place, code, detail))
     }
 
@@ -89,7 +88,7 @@ impl Faults {
     pub(crate) fn into_listed(mut self) -> Vec<Fault> {
         if self.unlisted > 0 {
             let detail = format!("{} further faults are not listed", self.unlisted);
-            self.listed.push(Fault::new(&Place::Root, "further-faults", detail));
+            self.listed.push(Fault::new(&Place::Root, RequestFault::FurtherFaults, detail));
         }
         self.listed
     }
@@ -116,7 +115,7 @@ mod tests {
     fn a_flood_of_faults_is_counted_not_kept() {
         let mut faults = Faults::default();
         for _ in 0..Faults::MOST_LISTED + 7 {
-            faults.add(&Place::Root, "x", "y");
+            faults.add(&Place::Root, RequestFault::WrongType, "y");
         }
         let listed = faults.into_listed();
         assert_eq!(listed.len(), Faults::MOST_LISTED + 1);

@@ -3,6 +3,7 @@
 
 use super::object::describe;
 use super::{Faulted, Faults, Place};
+use crate::http::codes::RequestFault;
 use crate::quantity::{Length, OutOfRange};
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, IgnoredAny, SeqAccess, Visitor};
@@ -85,7 +86,7 @@ impl Kind for Whole {
         let value = number(raw, place, faults)?;
         let value = in_range(OutOfRange::check(value, self.minimum.into(), self.maximum.into()), raw, place, faults)?;
         if value.fract() != 0.0 {
-            return Err(faults.add(&place, "wrong-type", format_args!("expected a whole number, found {}", describe(raw))));
+            return Err(faults.add(&place, RequestFault::WrongType, format_args!("expected a whole number, found {}", describe(raw))));
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and between two u32 bounds")]
         Ok(value as u32)
@@ -108,7 +109,7 @@ impl Kind for Vector {
     fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
         let items = items(raw, 16, place, faults)?;
         let [x, y, z] = items.as_slice() else {
-            return Err(faults.add(&place, "wrong-type", format_args!("expected three numbers, found {} items", items.len())));
+            return Err(faults.add(&place, RequestFault::WrongType, format_args!("expected three numbers, found {} items", items.len())));
         };
         let [x, y, z] = [(0, x), (1, y), (2, z)].map(|(index, raw)| number(raw, place.item(index), faults));
         Ok([x?, y?, z?])
@@ -134,7 +135,7 @@ impl<T: Copy> Kind for Choice<T> {
         let known = self.words.iter().find(|(known, _)| *known == word);
         known.map(|(_, value)| *value).ok_or_else(|| {
             let known: Vec<_> = self.words.iter().map(|(known, _)| *known).collect();
-            faults.add(&place, "unknown-value", format_args!("expected one of {}, found {}", known.join(", "), describe(raw)))
+            faults.add(&place, RequestFault::UnknownValue, format_args!("expected one of {}, found {}", known.join(", "), describe(raw)))
         })
     }
 
@@ -148,18 +149,18 @@ impl<T: Copy> Kind for Choice<T> {
 pub(crate) fn number(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let text = raw.get();
     if !matches!(text.as_bytes()[0], b'-' | b'0'..=b'9') {
-        return Err(faults.add(&place, "wrong-type", format_args!("expected a number, found {}", describe(raw))));
+        return Err(faults.add(&place, RequestFault::WrongType, format_args!("expected a number, found {}", describe(raw))));
     }
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(faults.add(&place, "out-of-range", format_args!("the number must be finite, found {}", describe(raw)))),
+        _ => Err(faults.add(&place, RequestFault::OutOfRange, format_args!("the number must be finite, found {}", describe(raw)))),
     }
 }
 
 /// The text that `raw` is.
 pub(crate) fn text(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<String, Faulted> {
     serde_json::from_str(raw.get())
-        .map_err(|_| faults.add(&place, "wrong-type", format_args!("expected a string, found {}", describe(raw))))
+        .map_err(|_| faults.add(&place, RequestFault::WrongType, format_args!("expected a string, found {}", describe(raw))))
 }
 
 /// The items of the array that `raw` is, unread. More than `most` are a fault and are counted, not kept.
@@ -180,9 +181,10 @@ pub(crate) fn for_runs_of_items<'a>(
     take: impl FnMut(usize, Vec<&'a RawValue>),
 ) -> Result<usize, Faulted> {
     let count = Items { most, run, take }.deserialize(&mut serde_json::Deserializer::from_str(raw.get()));
-    let count = count.map_err(|_| faults.add(&place, "wrong-type", format_args!("expected an array, found {}", describe(raw))))?;
+    let count =
+        count.map_err(|_| faults.add(&place, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))))?;
     if count > most {
-        return Err(faults.add(&place, "too-many-items", format_args!("must have at most {most} items, found {count}")));
+        return Err(faults.add(&place, RequestFault::TooManyItems, format_args!("must have at most {most} items, found {count}")));
     }
     Ok(count)
 }
@@ -232,5 +234,5 @@ impl<'de, F: FnMut(usize, Vec<&'de RawValue>)> Visitor<'de> for Items<F> {
 
 /// The checked value, or the fault with the bounds that it broke.
 pub(crate) fn in_range<T>(checked: Result<T, OutOfRange>, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<T, Faulted> {
-    checked.map_err(|bounds| faults.add(&place, "out-of-range", format_args!("{bounds}, found {}", describe(raw))))
+    checked.map_err(|bounds| faults.add(&place, RequestFault::OutOfRange, format_args!("{bounds}, found {}", describe(raw))))
 }

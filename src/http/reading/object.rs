@@ -2,6 +2,7 @@
 
 use super::member::{Kind, Member};
 use super::{Faulted, Faults, Place};
+use crate::http::codes::RequestFault;
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde_json::value::RawValue;
 use std::borrow::Cow;
@@ -19,11 +20,11 @@ impl<'a, 'p> Object<'a, 'p> {
     /// Opens `raw`, at `place`, as an object.
     pub(crate) fn open(raw: &'a RawValue, place: Place<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
         if !raw.get().starts_with('{') {
-            return Err(faults.add(&place, "wrong-type", format_args!("expected an object, found {}", describe(raw))));
+            return Err(faults.add(&place, RequestFault::WrongType, format_args!("expected an object, found {}", describe(raw))));
         }
         match serde_json::from_str::<Members<'a>>(raw.get()) {
             Ok(members) => Ok(Self::of(members, place)),
-            Err(error) => Err(faults.add(&place, "unreadable", error)),
+            Err(error) => Err(faults.add(&place, RequestFault::Unreadable, error)),
         }
     }
 
@@ -56,7 +57,7 @@ impl<'a, 'p> Object<'a, 'p> {
         let found = self.members.iter().position(|(key, _)| key == name).map(|index| self.members.remove(index).1);
         while let Some(again) = self.members.iter().position(|(key, _)| key == name) {
             self.members.remove(again);
-            faults.add(&self.place.member(name), "repeated-field", "the field is given more than once");
+            faults.add(&self.place.member(name), RequestFault::RepeatedField, "the field is given more than once");
         }
         found
     }
@@ -65,9 +66,11 @@ impl<'a, 'p> Object<'a, 'p> {
     pub(crate) fn required<K: Kind>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<K::Value, Faulted> {
         match self.optional(member, faults)? {
             Some(value) => Ok(value),
-            None => {
-                Err(faults.add(&self.place.member(member.name), "missing-field", format_args!("the field is missing: {}", member.about)))
-            }
+            None => Err(faults.add(
+                &self.place.member(member.name),
+                RequestFault::MissingField,
+                format_args!("the field is missing: {}", member.about),
+            )),
         }
     }
 
@@ -84,11 +87,11 @@ impl<'a, 'p> Object<'a, 'p> {
         let mut result = Ok(());
         if self.unkept > 0 {
             let detail = format!("the object has {} fields more than the {} that are looked at", self.unkept, Members::MOST);
-            result = Err(faults.add(&self.place, "too-many-fields", detail));
+            result = Err(faults.add(&self.place, RequestFault::TooManyFields, detail));
         }
         for (name, _) in &self.members {
             let detail = format_args!("unknown field; known here: {}", self.known.join(", ")).to_string();
-            result = Err(faults.add(&self.place.member(name), "unknown-field", detail));
+            result = Err(faults.add(&self.place.member(name), RequestFault::UnknownField, detail));
         }
         result
     }

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::time::Duration;
 
-use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 
+use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
 
 /// The rule that a body broke.
@@ -45,11 +45,11 @@ impl std::error::Error for BodyFault {}
 
 impl IntoResponse for BodyFault {
     fn into_response(self) -> Response {
-        let (status, kind, title) = match self {
-            Self::TooLarge { .. } => (StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large"),
-            Self::Stalled { .. } | Self::TooSlow { .. } => (StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long"),
-            Self::Unreadable(_) => (StatusCode::BAD_REQUEST, "unreadable-body", "The body could not be read"),
+        let kind = match self {
+            Self::TooLarge { .. } => ServiceProblem::TooLarge,
+            Self::Stalled { .. } | Self::TooSlow { .. } => ServiceProblem::Timeout,
+            Self::Unreadable(_) => ServiceProblem::UnreadableBody,
         };
-        Problem::new(status, kind, title, self.to_string()).into_response()
+        Problem::new(kind, self.to_string()).into_response()
     }
 }

@@ -12,10 +12,11 @@ use std::time::Duration;
 
 use axum::body::Body;
 use axum::extract::Request;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use tokio::time::{Instant, timeout_at};
 
+use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
 use crate::http::routes::RouteClass;
 use crate::settings::HttpSettings;
@@ -98,14 +99,13 @@ fn stated_length(headers: &HeaderMap) -> Option<u64> {
 }
 
 fn unsupported_encoding() -> Response {
-    let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
     let detail = "send the body plain or with the header content-encoding: gzip".to_owned();
-    let mut response = Problem::new(status, "unsupported-encoding", "The content encoding is not supported", detail).into_response();
+    let mut response = Problem::new(ServiceProblem::UnsupportedEncoding, detail).into_response();
     response.headers_mut().insert(header::ACCEPT_ENCODING, HeaderValue::from_static("gzip"));
     response
 }
 
 fn took_too_long(longest: Duration) -> Response {
     let detail = format!("no answer within {} s of the request's last byte", longest.as_secs());
-    Problem::new(StatusCode::REQUEST_TIMEOUT, "timeout", "The request took too long", detail).into_response()
+    Problem::new(ServiceProblem::Timeout, detail).into_response()
 }

@@ -1,0 +1,43 @@
+//! The codes of reasons for less confidence in a recommendation.
+
+use super::codes;
+use crate::planning::Weakness;
+
+codes! {
+    /// Which weakness of the method: a code for programs to decide by, listed with meanings and remedies in docs/codes.md.
+    ConfidenceCode {
+        DirectionsNotPerpendicular = "directions-not-perpendicular": "Steepest and principal direction are not perpendicular", "Simulate both candidates: the rectangle has its long side level.";
+        FormFactorNearOne = "form-factor-near-one": "The surface is nearly as wide as long", "Choose the ball-end cutter's direction freely.";
+        NoPrincipalDirection = "no-principal-direction": "The surface has no principal direction", "Choose the ball-end cutter's direction freely.";
+        SlopeNearZero = "slope-near-zero": "The surface is almost level", "Use model \"envelope\"; choose the direction freely.";
+        NotFlat = "not-flat": "The surface is not flat", "Divide the surface, or simulate both candidates.";
+        SlopeNearCritical = "slope-near-critical": "The slope is near the critical slope", "Simulate both candidates.";
+        TimesNearlyEqual = "times-nearly-equal": "Both candidates take nearly the same time", "Decide by other reasons, such as tool wear.";
+        MeanSlopeDisagrees = "mean-slope-disagrees": "Mean slope and best plane lie on either side of the critical slope", "Simulate both candidates.";
+        ShortPasses = "short-passes": "Passes are too short to reach the feed rate", "Treat the times as estimates.";
+        LongSteps = "long-steps": "Steps between passes are not limited by the jerk alone", "Treat the times as estimates.";
+        SmallSurface = "small-surface": "The surface is smaller than the method was proved for", "Treat the critical slope as an estimate.";
+        FewPasses = "few-passes": "The passes are few", "Count whole passes: the number is not rounded.";
+        StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";
+    }
+}
+
+impl From<Weakness> for ConfidenceCode {
+    fn from(weakness: Weakness) -> Self {
+        match weakness {
+            Weakness::DirectionsNotPerpendicular => Self::DirectionsNotPerpendicular,
+            Weakness::FormFactorNearOne => Self::FormFactorNearOne,
+            Weakness::NoPrincipalDirection => Self::NoPrincipalDirection,
+            Weakness::SlopeNearZero => Self::SlopeNearZero,
+            Weakness::NotFlat => Self::NotFlat,
+            Weakness::SlopeNearCritical => Self::SlopeNearCritical,
+            Weakness::TimesNearlyEqual => Self::TimesNearlyEqual,
+            Weakness::MeanSlopeDisagrees => Self::MeanSlopeDisagrees,
+            Weakness::ShortPasses => Self::ShortPasses,
+            Weakness::LongSteps => Self::LongSteps,
+            Weakness::SmallSurface => Self::SmallSurface,
+            Weakness::FewPasses => Self::FewPasses,
+            Weakness::StepOverExceedsCutter => Self::StepOverExceedsCutter,
+        }
+    }
+}

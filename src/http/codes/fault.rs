@@ -1,0 +1,37 @@
+//! The codes of faults: what can be wrong with a request, member by member.
+
+use super::{FileFault, NoAnswerCode, codes, joined_codes};
+
+codes! {
+    /// A fault of a request's JSON, form or query.
+    RequestFault {
+        MissingField = "missing-field": "A required field is missing", "Add the field; the detail says what it is.";
+        UnknownField = "unknown-field": "A field is not known here", "Remove the field or correct its name; the detail lists the known ones.";
+        RepeatedField = "repeated-field": "A field is given more than once", "Give it once.";
+        ConflictingFields = "conflicting-fields": "Fields exclude each other", "Give one of the forms that the detail names.";
+        WrongType = "wrong-type": "A value has the wrong JSON type", "Send the type that the detail names; numbers are not quoted.";
+        OutOfRange = "out-of-range": "A number is outside its bounds", "Choose a value within the bounds in the detail; check the unit.";
+        UnknownValue = "unknown-value": "A word is none of those allowed", "Use one of the words in the detail.";
+        WrongCount = "wrong-count": "An array has the wrong number of items", "Send as many items as the detail names.";
+        TooManyFields = "too-many-fields": "An object has more fields than are read", "Remove the fields that the API does not know.";
+        TooManyItems = "too-many-items": "An array has more items than are accepted", "Split the request.";
+        Unreadable = "unreadable": "A value is JSON that cannot be read", "Correct the value, for example a text with a lone surrogate.";
+        FurtherFaults = "further-faults": "The request has more faults than are listed", "Correct the listed ones first.";
+        NoDirection = "no-direction": "Vectors or angles do not describe a contact", "Give a normal that points out of the part and a feed that follows the surface.";
+        CornerRadiusTooLarge = "corner-radius-too-large": "The corner radius does not fit into the cutter", "Give a corner radius under half the diameter, or a ball-end cutter.";
+        NotToroidal = "not-toroidal": "The cutter to compare is not toroidal", "Give a cutter with 0 < corner radius < half the diameter.";
+        NotBallEnd = "not-ball-end": "The cutter to compare is not a ball-end cutter", "Give a ball-end cutter.";
+        ScallopTooHigh = "scallop-too-high": "The scallop height exceeds what a cutter can leave", "Give a height of at most the corner radius and under the ball's radius.";
+        HeightExceedsWidth = "height-exceeds-width": "The rectangle's side up the slope is its long side", "Give the long side, which is level, as the width.";
+        SizeOutOfRange = "size-out-of-range": "The surface's size or form is outside the method's bounds", "Check the surface's unit and its points.";
+        TooFewPoints = "too-few-points": "The surface has too few points", "Send at least as many points as the detail names.";
+        OnlyDegenerateFacets = "only-degenerate-facets": "No facet of the surface has an area", "Check the mesh and its unit.";
+        AllPointsEqual = "all-points-equal": "All points of the surface are equal", "Check the file or the points.";
+        Collinear = "collinear": "All points of the surface lie on a line", "Send points that spread over the surface.";
+    }
+}
+
+joined_codes! {
+    /// Which fault: a code for programs to decide by, listed with meanings and remedies in docs/codes.md.
+    FaultCode { RequestFault, FileFault, NoAnswerCode }
+}

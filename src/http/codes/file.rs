@@ -1,0 +1,42 @@
+//! The codes of faults of an uploaded file, each also the type of a problem.
+
+use super::codes;
+use crate::surface::read::FaultKind;
+use axum::http::StatusCode;
+
+codes! {
+    /// A fault of an uploaded file.
+    FileFault {
+        UnknownFormat = "unknown-format": "The file's format is not supported", "Send points in text, STL, OBJ or PLY; name the file or its media type.";
+        MalformedFile = "malformed-file": "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
+        TruncatedFile = "truncated-file": "The file is cut off", "Send the whole file.";
+        FileTooLarge = "file-too-large": "The file exceeds a limit of its reader", "Reduce what the detail names.";
+        OutOfRange = "out-of-range": "A number in the file is out of range", "Check the line or byte that the detail names, and the unit.";
+        EmptyFile = "empty-file": "The file has no surface", "Export the surface again; check that it is selected.";
+    }
+}
+
+impl FileFault {
+    /// The status of a request with such a file.
+    pub(crate) fn status(self) -> StatusCode {
+        match self {
+            Self::UnknownFormat => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Self::MalformedFile | Self::TruncatedFile => StatusCode::BAD_REQUEST,
+            Self::FileTooLarge => StatusCode::PAYLOAD_TOO_LARGE,
+            Self::OutOfRange | Self::EmptyFile => StatusCode::UNPROCESSABLE_ENTITY,
+        }
+    }
+}
+
+impl From<FaultKind> for FileFault {
+    fn from(kind: FaultKind) -> Self {
+        match kind {
+            FaultKind::UnknownFormat => Self::UnknownFormat,
+            FaultKind::Malformed => Self::MalformedFile,
+            FaultKind::Truncated => Self::TruncatedFile,
+            FaultKind::TooLarge => Self::FileTooLarge,
+            FaultKind::OutOfRange => Self::OutOfRange,
+            FaultKind::Empty => Self::EmptyFile,
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! The codes on the wire, one enumeration for each family: faults of a request, faults of a file, reasons without an answer, problem types,
+//! warnings, and reasons for less confidence. Each code has its name, its meaning and a remedy in one place; `docs/codes.md` is generated
+//! from them.
+
+mod confidence;
+mod fault;
+mod file;
+mod no_answer;
+mod problem;
+#[cfg(test)]
+mod table;
+mod warning;
+
+pub(crate) use confidence::ConfidenceCode;
+pub(crate) use fault::{FaultCode, RequestFault};
+pub(crate) use file::FileFault;
+pub(crate) use no_answer::{Figure, NoAnswerCode};
+pub(crate) use problem::{ProblemType, ServiceProblem};
+pub(crate) use warning::WarningCode;
+
+/// What is known of a code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Entry {
+    /// The name on the wire, in kebab-case. It never changes.
+    pub(crate) name: &'static str,
+    /// What the code means; the title of a problem of this type.
+    pub(crate) meaning: &'static str,
+    /// What a caller can do about it.
+    pub(crate) remedy: &'static str,
+}
+
+/// A family of codes.
+pub(crate) trait Code: Copy + 'static {
+    /// All codes of the family.
+    const ALL: &'static [Self];
+
+    /// The code's name, meaning and remedy.
+    fn entry(self) -> Entry;
+
+    /// The name on the wire.
+    fn name(self) -> &'static str {
+        self.entry().name
+    }
+
+    /// The names of all codes of the family.
+    fn names() -> Vec<&'static str> {
+        Self::ALL.iter().map(|code| code.name()).collect()
+    }
+}
+
+/// Declares a family: for each code the variant, the name on the wire, the meaning and the remedy.
+macro_rules! codes {
+    ($(#[doc = $about:literal])+ $family:ident { $( $variant:ident = $name:literal: $meaning:literal, $remedy:literal; )+ }) => {
+        $(#[doc = $about])+
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(crate) enum $family {
+            $( #[doc = $meaning] $variant, )+
+        }
+
+        impl $crate::http::codes::Code for $family {
+            const ALL: &'static [Self] = &[$( Self::$variant ),+];
+
+            fn entry(self) -> $crate::http::codes::Entry {
+                match self {
+                    $( Self::$variant => $crate::http::codes::Entry { name: $name, meaning: $meaning, remedy: $remedy }, )+
+                }
+            }
+        }
+
+        $crate::http::codes::on_the_wire! { $family, concat!($( $about ),+) }
+    };
+}
+use codes;
+
+/// Declares a set that joins several families.
+macro_rules! joined_codes {
+    ($(#[doc = $about:literal])+ $set:ident { $( $family:ident ),+ $(,)? }) => {
+        $(#[doc = $about])+
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(crate) enum $set {
+            $( #[doc = concat!("A code of the family `", stringify!($family), "`.")] $family($family), )+
+        }
+
+        impl $set {
+            pub(crate) fn name(self) -> &'static str {
+                match self {
+                    $( Self::$family(code) => $crate::http::codes::Code::name(code), )+
+                }
+            }
+
+            /// The names of all codes of the set, each once.
+            pub(crate) fn names() -> Vec<&'static str> {
+                let mut names = Vec::new();
+                for name in [$( <$family as $crate::http::codes::Code>::names() ),+].concat() {
+                    if !names.contains(&name) {
+                        names.push(name);
+                    }
+                }
+                names
+            }
+        }
+
+        $(
+            impl From<$family> for $set {
+                fn from(code: $family) -> Self {
+                    Self::$family(code)
+                }
+            }
+        )+
+
+        $crate::http::codes::on_the_wire! { $set, concat!($( $about ),+) }
+    };
+}
+use joined_codes;
+
+/// Writes a code as its name, and describes it to the API document as an enumeration.
+macro_rules! on_the_wire {
+    ($codes:ident, $about:expr) => {
+        impl serde::Serialize for $codes {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                #[allow(unused_imports, reason = "a joined set has the method itself")]
+                use $crate::http::codes::Code as _;
+                serializer.serialize_str(self.name())
+            }
+        }
+
+        impl utoipa::PartialSchema for $codes {
+            fn schema() -> utoipa::openapi::RefOr<utoipa::openapi::Schema> {
+                #[allow(unused_imports, reason = "a joined set has the method itself")]
+                use $crate::http::codes::Code as _;
+                utoipa::openapi::ObjectBuilder::new()
+                    .schema_type(utoipa::openapi::Type::String)
+                    .description(Some($about.trim()))
+                    .enum_values(Some(Self::names()))
+                    .into()
+            }
+        }
+
+        impl utoipa::ToSchema for $codes {}
+    };
+}
+use on_the_wire;

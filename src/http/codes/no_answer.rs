@@ -1,0 +1,131 @@
+//! The codes of reasons why a valid request has no answer, each also the type of a problem, with the figures that show the way out.
+
+use super::codes;
+use crate::milling::NoAnswer;
+
+codes! {
+    /// A reason why a contact or a surface has no answer.
+    NoAnswerCode {
+        FlatFloor = "flat-floor": "The analytic model has no answer on a floor", "Use model \"envelope\", or a ball-end cutter.";
+        PassesDoNotOverlap = "passes-do-not-overlap": "The passes do not overlap", "Reduce the step-over to at most largest_step_over_mm.";
+        MarksDoNotOverlap = "marks-do-not-overlap": "The tooth marks do not overlap", "Reduce the feed per tooth.";
+        Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, or another feed direction.";
+        SharpEdge = "sharp-edge": "The model has no answer where a sharp edge makes the cut", "Use model \"envelope\" on a plane, a cutter with a corner radius, or another feed direction.";
+        PassesCoincideFromAbove = "passes-coincide-from-above": "The passes lie above each other", "State the step-over along the surface, step_over_mm.";
+        ToleranceExceeded = "tolerance-exceeded": "The step-over alone uses up the tolerance", "Reduce the step-over to under max_step_over_mm, or allow more height.";
+        ToleranceExceededByFeed = "tolerance-exceeded-by-feed": "The feed alone uses up the tolerance", "Reduce the feed per tooth or the runout, or allow more height than feed_height_mm.";
+        ToleranceExceededByRunout = "tolerance-exceeded-by-runout": "Runout alone uses up the tolerance", "Reduce the runout or the step-over, or allow more height.";
+        ToleranceSetsNoLimit = "tolerance-sets-no-limit": "The tolerance sets no limit", "State a lower tolerance; for a feed, state max_feed_per_tooth_mm.";
+    }
+}
+
+/// A figure beside a problem: a member of its own, in mm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Figure {
+    /// What the step-over alone leaves.
+    StepOverHeight,
+    /// The step-over that leaves just the tolerance.
+    MaxStepOver,
+    /// The step-over at which the passes just meet.
+    LargestStepOver,
+    /// The effective radius of the contact.
+    EffectiveRadius,
+    /// What the feed alone leaves.
+    FeedHeight,
+}
+
+impl Figure {
+    /// The member's name on the wire, and what it is.
+    pub(crate) fn entry(self) -> (&'static str, &'static str) {
+        match self {
+            Self::StepOverHeight => ("step_over_height_mm", "h1, the height that the step-over alone leaves"),
+            Self::MaxStepOver => ("max_step_over_mm", "the step-over that leaves just the tolerance; a smaller one leaves room for a feed"),
+            Self::LargestStepOver => {
+                ("largest_step_over_mm", "the step-over at which the passes just meet; absent where the feed is what has no limit")
+            }
+            Self::EffectiveRadius => {
+                ("effective_radius_mm", "R_eff, which a concave surface radius must exceed; absent where the cutter gouges at any radius")
+            }
+            Self::FeedHeight => ("feed_height_mm", "the height that the feed's marks alone leave"),
+        }
+    }
+
+    /// The member's name on the wire.
+    pub(crate) fn name(self) -> &'static str {
+        self.entry().0
+    }
+}
+
+impl NoAnswerCode {
+    /// The figures beside a problem of this type: those that are always there, and those that may be absent.
+    pub(crate) fn figures(self) -> (&'static [Figure], &'static [Figure]) {
+        match self {
+            Self::ToleranceExceeded => (&[Figure::StepOverHeight, Figure::MaxStepOver], &[]),
+            Self::PassesDoNotOverlap => (&[Figure::LargestStepOver], &[]),
+            Self::ToleranceSetsNoLimit => (&[], &[Figure::LargestStepOver]),
+            Self::Gouging => (&[], &[Figure::EffectiveRadius]),
+            Self::ToleranceExceededByFeed => (&[Figure::FeedHeight], &[]),
+            Self::FlatFloor
+            | Self::MarksDoNotOverlap
+            | Self::SharpEdge
+            | Self::PassesCoincideFromAbove
+            | Self::ToleranceExceededByRunout => (&[], &[]),
+        }
+    }
+
+    /// The code of a cause, with its figures in mm.
+    pub(crate) fn of(cause: NoAnswer) -> (Self, Vec<(Figure, f64)>) {
+        match cause {
+            NoAnswer::FlatFloor => (Self::FlatFloor, Vec::new()),
+            NoAnswer::PassesDoNotOverlap { largest_step_over } => {
+                (Self::PassesDoNotOverlap, vec![(Figure::LargestStepOver, largest_step_over.mm())])
+            }
+            NoAnswer::MarksDoNotOverlap { largest_mark_spacing: _ } => (Self::MarksDoNotOverlap, Vec::new()),
+            NoAnswer::Gouges { effective_radius } => (Self::Gouging, vec![(Figure::EffectiveRadius, effective_radius.mm())]),
+            NoAnswer::FlatGouges => (Self::Gouging, Vec::new()),
+            NoAnswer::SharpEdge | NoAnswer::SharpEdgeOnCurve => (Self::SharpEdge, Vec::new()),
+            NoAnswer::PassesCoincideFromAbove => (Self::PassesCoincideFromAbove, Vec::new()),
+            NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over } => {
+                (Self::ToleranceExceeded, vec![(Figure::StepOverHeight, step_over_height.mm()), (Figure::MaxStepOver, max_step_over.mm())])
+            }
+            NoAnswer::FeedUsesUpTolerance { feed_height } => (Self::ToleranceExceededByFeed, vec![(Figure::FeedHeight, feed_height.mm())]),
+            NoAnswer::RunoutUsesUpTolerance => (Self::ToleranceExceededByRunout, Vec::new()),
+            NoAnswer::ToleranceLimitsNoStepOver { largest_step_over } => {
+                (Self::ToleranceSetsNoLimit, vec![(Figure::LargestStepOver, largest_step_over.mm())])
+            }
+            NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: _ } => (Self::ToleranceSetsNoLimit, Vec::new()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::Length;
+
+    #[test]
+    fn every_cause_carries_the_figures_that_its_code_documents() {
+        let length = Length::from_mm(1.0).unwrap();
+        for cause in [
+            NoAnswer::FlatFloor,
+            NoAnswer::PassesDoNotOverlap { largest_step_over: length },
+            NoAnswer::MarksDoNotOverlap { largest_mark_spacing: length },
+            NoAnswer::Gouges { effective_radius: length },
+            NoAnswer::FlatGouges,
+            NoAnswer::SharpEdge,
+            NoAnswer::SharpEdgeOnCurve,
+            NoAnswer::PassesCoincideFromAbove,
+            NoAnswer::StepOverUsesUpTolerance { step_over_height: length, max_step_over: length },
+            NoAnswer::FeedUsesUpTolerance { feed_height: length },
+            NoAnswer::RunoutUsesUpTolerance,
+            NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: length },
+            NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: length },
+        ] {
+            let (code, figures) = NoAnswerCode::of(cause);
+            let (always, sometimes) = code.figures();
+            let has = |figure: &Figure| figures.iter().any(|(found, _)| found == figure);
+            assert!(always.iter().all(has), "{cause:?}");
+            assert!(figures.iter().all(|(figure, _)| always.contains(figure) || sometimes.contains(figure)), "{cause:?}");
+        }
+    }
+}

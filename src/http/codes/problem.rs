@@ -1,0 +1,58 @@
+//! The types of problems: the codes under which a request as a whole fails, each with its status.
+
+use super::{Code, FileFault, NoAnswerCode, codes, joined_codes};
+use axum::http::StatusCode;
+
+codes! {
+    /// A problem that no member of the request or file stands for.
+    ServiceProblem {
+        InvalidRequest = "invalid-request": "The request cannot be answered", "Correct the faults listed in errors.";
+        MalformedJson = "malformed-json": "The body is not JSON", "Correct the syntax at the line and column in the detail; NaN and Infinity are not JSON.";
+        MalformedForm = "malformed-form": "The form is malformed", "Send multipart/form-data as RFC 7578 describes it.";
+        MalformedRequest = "malformed-request": "The request is malformed", "Correct the request.";
+        UnreadableBody = "unreadable-body": "The body could not be read", "Send the body again; if it is compressed, check that it is valid gzip.";
+        NotFound = "not-found": "There is nothing here", "Correct the path; /docs lists all of them.";
+        MethodNotAllowed = "method-not-allowed": "The method is not allowed here", "Use a method that the header Allow lists.";
+        Timeout = "timeout": "The request took too long", "Send the body faster, or a smaller request.";
+        TooLarge = "too-large": "The body is too large", "Send less, or raise the server's limit.";
+        UnsupportedMediaType = "unsupported-media-type": "The media type is not supported", "Send application/json; to the upload, multipart/form-data.";
+        UnsupportedEncoding = "unsupported-encoding": "The content encoding is not supported", "Send the body plain or with gzip.";
+        Internal = "internal": "The server failed", "Report the request id to the server's operator.";
+        Overloaded = "overloaded": "The server is busy", "Try again after the seconds in Retry-After.";
+        Failed = "failed": "The request failed", "The HTTP status says more.";
+    }
+}
+
+impl ServiceProblem {
+    /// The status of such a problem; `None` where it takes whatever status the framework gave.
+    pub(crate) fn status(self) -> Option<StatusCode> {
+        Some(match self {
+            Self::InvalidRequest => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::MalformedJson | Self::MalformedForm | Self::MalformedRequest | Self::UnreadableBody => StatusCode::BAD_REQUEST,
+            Self::NotFound => StatusCode::NOT_FOUND,
+            Self::MethodNotAllowed => StatusCode::METHOD_NOT_ALLOWED,
+            Self::Timeout => StatusCode::REQUEST_TIMEOUT,
+            Self::TooLarge => StatusCode::PAYLOAD_TOO_LARGE,
+            Self::UnsupportedMediaType | Self::UnsupportedEncoding => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Self::Internal => StatusCode::INTERNAL_SERVER_ERROR,
+            Self::Overloaded => StatusCode::SERVICE_UNAVAILABLE,
+            Self::Failed => return None,
+        })
+    }
+}
+
+joined_codes! {
+    /// Which problem: a code for programs to decide by, listed with meanings and remedies in docs/codes.md.
+    ProblemType { ServiceProblem, FileFault, NoAnswerCode }
+}
+
+impl ProblemType {
+    /// The problem in a few words, the same for every occurrence.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::ServiceProblem(code) => code.entry().meaning,
+            Self::FileFault(code) => code.entry().meaning,
+            Self::NoAnswerCode(code) => code.entry().meaning,
+        }
+    }
+}

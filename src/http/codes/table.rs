@@ -1,0 +1,80 @@
+//! The table of all codes, `docs/codes.md`, held against the enumerations.
+
+use super::{Code, ConfidenceCode, Entry, FileFault, NoAnswerCode, RequestFault, ServiceProblem, WarningCode};
+use axum::http::StatusCode;
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+const INTRODUCTION: &str = "# Codes
+
+Programs decide by these names; they never change. Texts (`title`, `detail`) are for people and may. The table is generated from the
+enumerations in `src/http/codes`: `SCALLOPD_WRITE_DOCS=1 cargo test --lib codes::table` writes it.
+";
+
+fn table<C: Code>(heading: &str, about: &str, status: Option<fn(C) -> Option<StatusCode>>) -> String {
+    let mut text = format!("\n## {heading}\n\n{about}\n\n");
+    text += if status.is_some() {
+        "| code | status | meaning | remedy |\n|---|---|---|---|\n"
+    } else {
+        "| code | meaning | remedy |\n|---|---|---|\n"
+    };
+    for code in C::ALL {
+        let Entry { name, meaning, remedy } = code.entry();
+        let status = status
+            .map_or(String::new(), |status| format!(" {} |", status(*code).map_or("any".to_owned(), |status| status.as_str().to_owned())));
+        let _ = writeln!(text, "| `{name}` |{status} {meaning} | {remedy} |");
+    }
+    text
+}
+
+fn all_tables() -> String {
+    [
+        INTRODUCTION.to_owned(),
+        table::<ServiceProblem>(
+            "Problems",
+            "The `type` of a problem (RFC 9457) that concerns a request as a whole.",
+            Some(ServiceProblem::status),
+        ),
+        table::<FileFault>(
+            "Files",
+            "Faults of an uploaded file: the `code` in `errors`, and the `type` of the problem where it is the only fault.",
+            Some(|code| Some(code.status())),
+        ),
+        table::<NoAnswerCode>(
+            "Reasons without an answer",
+            "The `code` in `errors` or, in a batch, in `failures`; the `type` of the problem where it is the only fault.",
+            Some(|_| Some(StatusCode::UNPROCESSABLE_ENTITY)),
+        ),
+        table::<RequestFault>("Faults", "The `code` in `errors` of a problem, and in `failures` of a batch.", None),
+        table::<WarningCode>("Warnings", "The `code` in `warnings` of an answer.", None),
+        table::<ConfidenceCode>("Confidence", "The `code` in `confidence.reasons` of a recommendation.", None),
+    ]
+    .concat()
+}
+
+#[test]
+fn the_committed_table_lists_every_code() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/codes.md");
+    if std::env::var_os("SCALLOPD_WRITE_DOCS").is_some() {
+        std::fs::write(path, all_tables()).unwrap();
+    }
+    let committed = std::fs::read_to_string(path).unwrap();
+    assert!(committed == all_tables(), "docs/codes.md is stale: SCALLOPD_WRITE_DOCS=1 cargo test --lib codes::table");
+}
+
+#[test]
+fn every_name_is_in_kebab_case_and_stands_once_in_its_family() {
+    for names in [
+        RequestFault::names(),
+        FileFault::names(),
+        NoAnswerCode::names(),
+        ServiceProblem::names(),
+        WarningCode::names(),
+        ConfidenceCode::names(),
+    ] {
+        for name in &names {
+            assert!(name.split('-').all(|word| !word.is_empty() && word.bytes().all(|letter| letter.is_ascii_lowercase())), "{name}");
+        }
+        assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "{names:?}");
+    }
+}
