@@ -9,7 +9,7 @@ use axum::http::header;
 use axum::routing::post;
 use http_body_util::BodyExt;
 use scallopd::http::{self, AppState, RouteClass, Routes};
-use scallopd::server;
+use scallopd::server::{self, App};
 use scallopd::settings::{Command, Settings};
 use scallopd::telemetry::Telemetry;
 use std::hint::black_box;
@@ -35,7 +35,7 @@ async fn serve(settings: &Settings) -> Result<()> {
         "/v1/cutter-recommendation",
         post(drain),
     );
-    let app = http::service(routes, &settings.http, &state);
+    let app = App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
     // Lines of other programs than scallopd are filtered out.
     tracing::info!(target: "scallopd", address = %listener.local_addr()?, "listening");

@@ -5,6 +5,7 @@ use axum::extract::FromRef;
 use super::metrics::Metrics;
 use super::readiness::Readiness;
 use super::worker_pool::WorkerPool;
+use crate::memory_budget::MemoryBudget;
 use crate::settings::HttpSettings;
 
 /// Handles shared by all requests; clones refer to the same objects.
@@ -16,6 +17,8 @@ pub struct AppState {
     pub readiness: Readiness,
     /// The threads for uploads and batches.
     pub workers: WorkerPool,
+    /// The memory for everything whose size clients determine.
+    pub budget: MemoryBudget,
 }
 
 impl AppState {
@@ -24,9 +27,10 @@ impl AppState {
     /// # Errors
     /// The system starts no threads.
     pub fn start(settings: &HttpSettings) -> std::io::Result<Self> {
-        let metrics = Metrics::new();
+        let budget = MemoryBudget::new(settings.memory_budget_bytes);
+        let metrics = Metrics::new(&budget);
         let workers = WorkerPool::start(settings.max_concurrent_work, &metrics)?;
-        Ok(Self { metrics, readiness: Readiness::default(), workers })
+        Ok(Self { metrics, readiness: Readiness::default(), workers, budget })
     }
 }
 

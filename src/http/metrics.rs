@@ -6,15 +6,18 @@ use std::time::Duration;
 use axum::extract::State;
 use axum::http::{Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use prometheus_client::encoding::{EncodeLabelSet, text};
-use prometheus_client::metrics::counter::Counter;
+use prometheus_client::collector::Collector;
+use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, EncodeMetric, text};
+use prometheus_client::metrics::MetricType;
+use prometheus_client::metrics::counter::{ConstCounter, Counter};
 use prometheus_client::metrics::family::Family;
-use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::metrics::gauge::{ConstGauge, Gauge};
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
-use prometheus_client::registry::Registry;
+use prometheus_client::registry::{Registry, Unit};
 
 use super::overload::Overload;
+use crate::memory_budget::MemoryBudget;
 
 /// Upper bounds of the histogram's buckets, in s: from a single calculation to the request time-out.
 const DURATIONS: [f64; 18] =
@@ -64,9 +67,9 @@ struct Counters {
 }
 
 impl Metrics {
-    /// Counters at zero.
+    /// Counters at zero, and the state of `budget`.
     #[must_use]
-    pub fn new() -> Self {
+    pub fn new(budget: &MemoryBudget) -> Self {
         let requests = Family::default();
         let durations = Durations::new_with_constructor(|| Histogram::new(DURATIONS));
         let in_flight = Gauge::default();
@@ -91,6 +94,7 @@ impl Metrics {
             "Version and revision of the program",
             Info::new([("version", version), ("revision", revision)]),
         );
+        registry.register_collector(Box::new(BudgetMetrics(budget.clone())));
         #[cfg(target_os = "linux")]
         registry.register_collector(Box::new(super::process_metrics::ProcessMetrics));
         Self(Arc::new(Counters { registry, requests, durations, in_flight, shed, upload_bytes, upload_facets }))
@@ -131,9 +135,17 @@ impl Metrics {
     }
 }
 
-impl Default for Metrics {
-    fn default() -> Self {
-        Self::new()
+/// The state of the memory budget at each scrape.
+#[derive(Debug)]
+struct BudgetMetrics(MemoryBudget);
+
+impl Collector for BudgetMetrics {
+    fn encode(&self, mut encoder: DescriptorEncoder) -> Result<(), std::fmt::Error> {
+        let reserved =
+            encoder.encode_descriptor("scallopd_memory_reserved", "Memory reserved for requests", Some(&Unit::Bytes), MetricType::Gauge)?;
+        ConstGauge::new(self.0.reserved()).encode(reserved)?;
+        let refusals = encoder.encode_descriptor("scallopd_memory_refusals", "Reservations refused", None, MetricType::Counter)?;
+        ConstCounter::new(self.0.refusals()).encode(refusals)
     }
 }
 
@@ -174,7 +186,7 @@ mod tests {
 
     #[test]
     fn the_text_has_what_was_counted() {
-        let metrics = Metrics::new();
+        let metrics = Metrics::new(&MemoryBudget::new(1000));
         let route: Arc<str> = Arc::from("/v1/max-feed");
         metrics.began();
         metrics.ended("POST", &route, 200, Duration::from_millis(2));
@@ -190,6 +202,7 @@ mod tests {
             "scallopd_http_requests_in_flight 1",
             "scallopd_http_requests_shed_total{reason=\"workers\"} 1",
             "scallopd_http_requests_shed_total{reason=\"in_flight\"} 0",
+            "scallopd_memory_reserved_bytes 0",
             "scallopd_upload_bytes_total 84",
             "scallopd_upload_facets_total{format=\"stl\"} 2",
             concat!("scallopd_build_info{version=\"", env!("CARGO_PKG_VERSION"), "\""),

@@ -5,6 +5,7 @@ mod app_state;
 mod body;
 mod calculation;
 mod codes;
+mod collected_body;
 mod document;
 pub mod metrics;
 mod middleware;
@@ -16,12 +17,15 @@ mod problem;
 mod process_metrics;
 pub mod readiness;
 mod reading;
+mod refusal;
 mod request_id;
 mod routes;
 pub mod worker_pool;
 
 pub use app_state::AppState;
 pub use routes::{RouteClass, Routes};
+
+use std::sync::Arc;
 
 use axum::Router;
 use axum::http::StatusCode;
@@ -34,7 +38,7 @@ use planning::{critical_slope, machines, recommendation, upload};
 /// All routes, each with its class and its documentation.
 #[must_use]
 pub fn routes() -> Routes {
-    use RouteClass::{Batch, Probe, Single, Upload};
+    use RouteClass::{Batch, Single, Upload};
     Routes::new()
         .documented(Single, routes!(scallop_height::answer))
         .documented(Batch, routes!(scallop_height::answer_batch))
@@ -46,9 +50,7 @@ pub fn routes() -> Routes {
         .documented(Single, routes!(machines::list))
         .documented(Batch, routes!(recommendation::answer))
         .documented(Upload, routes!(upload::answer))
-        .documented(Probe, routes!(readiness::livez))
-        .documented(Probe, routes!(readiness::readyz))
-        .documented(Probe, routes!(metrics::show))
+        .merge(health_routes())
         .documented(Single, routes!(pages::openapi))
         .nested(Single, pages::routes())
 }
@@ -59,10 +61,33 @@ pub fn openapi_json() -> String {
     format!("{:#}\n", document::with_examples(&routes().openapi(document::outline())))
 }
 
+/// The routes without `/metrics`, for a service whose probes and metrics have an address of their own.
+#[must_use]
+pub fn public_routes() -> Routes {
+    routes().without("/metrics")
+}
+
+/// The probes and the metrics.
+#[must_use]
+pub fn health_routes() -> Routes {
+    use RouteClass::Probe;
+    Routes::new()
+        .documented(Probe, routes!(readiness::livez))
+        .documented(Probe, routes!(readiness::readyz))
+        .documented(Probe, routes!(metrics::show))
+}
+
+/// Writes the answers to heads that are no requests, for the server.
+#[must_use]
+pub fn refusals(state: &AppState) -> Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + Sync> {
+    let metrics = state.metrics.clone();
+    Arc::new(move |status| refusal::refuse(status, &metrics))
+}
+
 /// A service of `routes` inside the middleware.
 pub fn service(routes: Routes, settings: &HttpSettings, state: &AppState) -> Router {
-    let AppState { metrics, readiness, workers } = state.clone();
-    let stack = middleware::Stack::new(middleware::Shared { settings, metrics, readiness, workers });
+    let AppState { metrics, readiness, workers, budget } = state.clone();
+    let stack = middleware::Stack::new(middleware::Shared { settings, metrics, readiness, workers, budget });
     let surround = |class, router| stack.surround(class, router);
     let no_such_path = surround(RouteClass::Single, Router::new().fallback(async || StatusCode::NOT_FOUND));
     routes.into_router(surround).merge(no_such_path).with_state(state.clone())

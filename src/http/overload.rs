@@ -6,6 +6,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::codes::ServiceProblem;
 use super::problem::Problem;
+use crate::memory_budget::BudgetExceeded;
 
 /// Resources come free within milliseconds unless the load lasts.
 const RETRY_AFTER_S: u32 = 1;
@@ -17,10 +18,12 @@ pub enum Overload {
     InFlight,
     /// As many requests as are accepted at once use the worker pool.
     Workers,
+    /// Requests hold all memory of the budget.
+    Memory,
 }
 
 impl Overload {
-    /// All bounds.
+    /// The bounds whose refusals are counted here; the budget counts its own.
     pub(crate) const ALL: [Self; 2] = [Self::InFlight, Self::Workers];
 
     /// The value of the label `reason` in the metrics.
@@ -28,6 +31,7 @@ impl Overload {
         match self {
             Self::InFlight => "in_flight",
             Self::Workers => "workers",
+            Self::Memory => "memory",
         }
     }
 }
@@ -36,6 +40,7 @@ impl fmt::Display for Overload {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::InFlight => write!(f, "as many requests as are accepted at once are in flight"),
+            Self::Memory => write!(f, "{}", BudgetExceeded::Now),
             Self::Workers => write!(f, "as many uploads and batches as are accepted at once are being worked on"),
         }
     }
@@ -46,6 +51,15 @@ impl std::error::Error for Overload {}
 impl From<Overload> for Problem {
     fn from(overload: Overload) -> Self {
         Self::new(ServiceProblem::Overloaded, overload.to_string()).retry_after(RETRY_AFTER_S)
+    }
+}
+
+impl From<BudgetExceeded> for Problem {
+    fn from(exceeded: BudgetExceeded) -> Self {
+        match exceeded {
+            BudgetExceeded::Now => Overload::Memory.into(),
+            BudgetExceeded::Always => Self::new(ServiceProblem::TooLarge, exceeded.to_string()),
+        }
     }
 }
 

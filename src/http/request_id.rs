@@ -29,7 +29,7 @@ impl RequestId {
 
     /// An id that no other request of this or another process has: a random number drawn at the start, and a counter. It is a
     /// name, not a secret.
-    fn create() -> Self {
+    pub(super) fn create() -> Self {
         static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().hash_one(std::process::id()));
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let id = format!("{:016x}-{:08x}", *PROCESS, COUNT.fetch_add(1, Ordering::Relaxed));

@@ -90,6 +90,16 @@ impl Routes {
         self
     }
 
+    /// The same without the operations of one path.
+    pub(crate) fn without(mut self, path: &str) -> Self {
+        self.0.retain(|(_, addition)| match addition {
+            Addition::Documented((_, paths, _)) => !paths.paths.contains_key(path),
+            Addition::Undocumented(added, _) => added != path,
+            Addition::Nested(_) => true,
+        });
+        self
+    }
+
     fn add(mut self, class: RouteClass, addition: Addition) -> Self {
         self.0.push((class, addition));
         self

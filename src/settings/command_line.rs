@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 
 use clap::{Args, Parser};
 
-use super::fault::{address, take};
+use super::fault::{address, optional_address, take};
 use super::{Faults, Settings};
 
 /// What the command line asks for.
@@ -53,7 +53,9 @@ impl Command {
             Some(Subcommand::Healthcheck) => {
                 let mut faults = Vec::new();
                 let listen = take(&mut faults, "SCALLOPD_LISTEN", &line.given.listen, address);
-                listen.map(Self::Healthcheck).ok_or(Refusal::Faults(Faults(faults)))
+                let health = take(&mut faults, "SCALLOPD_HEALTH_LISTEN", &line.given.health_listen, optional_address);
+                let asked = listen.zip(health).map(|(listen, health)| health.unwrap_or(listen));
+                asked.map(Self::Healthcheck).ok_or(Refusal::Faults(Faults(faults)))
             }
         }
     }
@@ -83,6 +85,9 @@ pub(super) struct Given {
     /// IP address and port to listen on; port 0 picks a free one, which the log names
     #[arg(long, env = "SCALLOPD_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:8080", global = true)]
     pub(super) listen: String,
+    /// IP address and port for probes and metrics alone; empty to serve them on the listening address
+    #[arg(long, env = "SCALLOPD_HEALTH_LISTEN", value_name = "ADDR", default_value = "", global = true)]
+    pub(super) health_listen: String,
     /// Format of the log lines on standard output: pretty or json
     #[arg(long, env = "SCALLOPD_LOG_FORMAT", value_name = "FORMAT", default_value = "json")]
     pub(super) log_format: String,
@@ -95,16 +100,19 @@ pub(super) struct Given {
     /// Largest upload, decompressed
     #[arg(long, env = "SCALLOPD_MAX_UPLOAD_BYTES", value_name = "BYTES", default_value = "1073741824")]
     pub(super) max_upload_bytes: String,
-    /// Longest time for a request's head to arrive, idle time before it included
+    /// Longest time for a request's head to arrive, and for a new connection to send one
     #[arg(long, env = "SCALLOPD_HEADER_TIMEOUT_S", value_name = "SECONDS", default_value = "10")]
     pub(super) header_timeout_s: String,
+    /// Longest time for a connection to idle between requests
+    #[arg(long, env = "SCALLOPD_IDLE_TIMEOUT_S", value_name = "SECONDS", default_value = "75")]
+    pub(super) idle_timeout_s: String,
     /// Longest time from a request's last byte to its answer
     #[arg(long, env = "SCALLOPD_REQUEST_TIMEOUT_S", value_name = "SECONDS", default_value = "60")]
     pub(super) request_timeout_s: String,
     /// Longest stall of a request's body
     #[arg(long, env = "SCALLOPD_BODY_IDLE_TIMEOUT_S", value_name = "SECONDS", default_value = "15")]
     pub(super) body_idle_timeout_s: String,
-    /// Slowest average at which a request's body may arrive, once it took as long as it may stall; 0 for any
+    /// Slowest average at which a request's body may arrive, from its first byte; 0 for any
     #[arg(long, env = "SCALLOPD_MIN_BODY_BYTES_S", value_name = "BYTES", default_value = "1024")]
     pub(super) min_body_bytes_s: String,
     /// Longest time that a client may leave an answer unread
@@ -116,7 +124,10 @@ pub(super) struct Given {
     /// Uploads and batches worked on at once; more are shed with 503
     #[arg(long, env = "SCALLOPD_MAX_CONCURRENT_WORK", value_name = "COUNT", default_value = "16")]
     pub(super) max_concurrent_work: String,
-    /// Connections open at once; more wait in the system's queue
+    /// Memory for everything whose size clients determine: bodies, vertices, answers not yet sent; requests beyond it get 503
+    #[arg(long, env = "SCALLOPD_MEMORY_BUDGET_BYTES", value_name = "BYTES", default_value = "536870912")]
+    pub(super) memory_budget_bytes: String,
+    /// Connections open at once; further ones close idle ones
     #[arg(long, env = "SCALLOPD_MAX_CONNECTIONS", value_name = "COUNT", default_value = "4096")]
     pub(super) max_connections: String,
     /// After SIGTERM, time of /readyz at 503 before the server stops accepting

@@ -100,7 +100,12 @@ pub(super) fn address(given: &str) -> Result<SocketAddr, Reason> {
     given.parse().map_err(|_| Reason::Address)
 }
 
-/// Body limits, up to a tebibyte.
+/// An address; an empty text sets none.
+pub(super) fn optional_address(given: &str) -> Result<Option<SocketAddr>, Reason> {
+    if given.is_empty() { Ok(None) } else { address(given).map(Some) }
+}
+
+/// Sizes in bytes, up to a tebibyte.
 pub(super) fn bytes(given: &str) -> Result<u64, Reason> {
     whole(given, 1, 1 << 40)
 }

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use scallopd::http::{self, AppState, Routes};
-use scallopd::server;
+use scallopd::server::{self, App};
 use scallopd::settings::{Command, Settings};
 use serde_json::Value;
 use tokio::net::TcpListener;
@@ -31,7 +31,8 @@ impl TestApp {
         let Ok(Command::Serve(mut settings)) = Command::read(["scallopd"]) else { panic!("the defaults cannot be used") };
         set(&mut settings);
         let state = AppState::start(&settings.http).unwrap();
-        let app = http::service(routes, &settings.http, &state);
+        let app =
+            App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel();

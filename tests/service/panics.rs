@@ -1,7 +1,8 @@
 //! Handlers that panic.
 
 use axum::routing::get;
-use scallopd::http::worker_pool::WorkPermit;
+use scallopd::http::overload::Overload;
+use scallopd::http::worker_pool::Work;
 use scallopd::http::{RouteClass, Routes};
 
 use crate::service::server::{TestServer, defaults};
@@ -10,8 +11,8 @@ async fn fail() -> &'static str {
     panic!("on purpose: a secret of the server")
 }
 
-async fn fail_on_a_worker(permit: WorkPermit) -> &'static str {
-    permit.run(|| panic!("on purpose: a secret of the server")).await
+async fn fail_on_a_worker(work: Work) -> Result<&'static str, Overload> {
+    work.run(|_| panic!("on purpose: a secret of the server")).await
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -70,6 +70,28 @@ fn an_address_in_use_ends_the_program_with_a_reason() {
 }
 
 #[test]
+fn a_hangup_drains_like_a_termination() {
+    let program = Program::start(&[]);
+    program.signal("HUP");
+    let (code, log) = program.wait();
+    assert_eq!(code, Some(0));
+    assert!(log.iter().any(|line| line["message"] == "draining" && line["signal"] == "SIGHUP"), "{log:?}");
+}
+
+#[test]
+fn probes_and_metrics_have_an_address_of_their_own_where_one_is_set() {
+    // A port that was free a moment ago.
+    let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let program = Program::start(&["--health-listen", &free.to_string()]);
+    assert!(ask(program.address).expect("an answer").starts_with("HTTP/1.1 404"));
+    assert!(ask(free).expect("an answer").starts_with("HTTP/1.1 200"));
+    let check = scallopd().args(["healthcheck", "--health-listen", &free.to_string(), "--listen", "127.0.0.1:1"]).status().unwrap();
+    assert_eq!(check.code(), Some(0));
+    program.signal("TERM");
+    assert_eq!(program.wait().0, Some(0));
+}
+
+#[test]
 fn a_draining_program_still_answers_and_a_health_check_fails() {
     let program = Program::start(&["--drain-delay-s", "3"]);
     program.signal("TERM");

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::routing::get;
 use scallopd::http::{self, AppState, RouteClass, Routes, metrics, readiness};
-use scallopd::server;
+use scallopd::server::{self, App};
 use scallopd::settings::{Command, Settings};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
@@ -36,7 +36,8 @@ impl TestServer {
             .undocumented(RouteClass::Probe, "/livez", get(readiness::livez))
             .undocumented(RouteClass::Probe, "/readyz", get(readiness::readyz))
             .undocumented(RouteClass::Probe, "/metrics", get(metrics::show));
-        let app = http::service(routes, &settings.http, &state);
+        let app =
+            App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel();

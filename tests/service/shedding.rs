@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use axum::routing::{get, post};
-use scallopd::http::worker_pool::WorkPermit;
+use scallopd::http::worker_pool::Work;
 use scallopd::http::{RouteClass, Routes};
 use tokio::sync::Semaphore;
 
@@ -13,10 +13,8 @@ use crate::service::server::{TestServer, defaults, until};
 fn waiting(release: &Arc<Semaphore>) -> Routes {
     let (single, batch) = (Arc::clone(release), Arc::clone(release));
     let single = move || async move { single.acquire().await.map(|_| "done").unwrap() };
-    let batch = move |permit: WorkPermit| async move {
-        let _released = batch.acquire().await.unwrap();
-        permit.run(|| "done").await
-    };
+    let handle = tokio::runtime::Handle::current();
+    let batch = move |work: Work| async move { work.run(move |_| handle.block_on(batch.acquire()).map(|_| "done").unwrap()).await };
     Routes::new()
         .undocumented(RouteClass::Single, "/single", get(single))
         .undocumented(RouteClass::Batch, "/batch", post(batch))
@@ -79,7 +77,7 @@ async fn batches_past_their_limit_are_shed_while_single_requests_answer() {
 
 #[tokio::test]
 async fn only_routes_of_a_class_with_workers_get_a_permit() {
-    let work = |permit: WorkPermit| async move { permit.run(|| "done").await };
+    let work = |work: Work| async move { work.run(|_| "done").await };
     let routes =
         Routes::new().undocumented(RouteClass::Single, "/single", get(work)).undocumented(RouteClass::Upload, "/upload", get(work));
     let server = TestServer::start(defaults(), routes).await;

@@ -94,18 +94,3 @@ async fn a_client_that_leaves_its_answer_unread_is_dropped() {
     assert!(began.elapsed() < PATIENCE / 2, "{:?}", began.elapsed());
     drop(stream);
 }
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn connections_past_the_limit_wait_until_one_ends() {
-    let mut settings = defaults();
-    settings.server.max_connections = 2;
-    let server = TestServer::start(settings, routes()).await;
-    let idle = (server.connect().await, server.connect().await);
-    let mut waiting = server.connect().await;
-    send(&mut waiting, "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n\r\n").await;
-    let answer = read_all(&mut waiting);
-    tokio::pin!(answer);
-    assert!(tokio::time::timeout(Duration::from_millis(300), &mut answer).await.is_err());
-    drop(idle);
-    assert!(answer.await.starts_with("HTTP/1.1 200"));
-}

@@ -10,7 +10,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::member::{Number, StatedLength};
 use crate::http::reading::{Faulted, Faults, Member, Object, ObjectSchema};
-use crate::http::worker_pool::WorkPermit;
+use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, Model, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
@@ -164,6 +164,6 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<MaxFeedAnswer>, Proble
     request_body = MaxFeedBatchRequest,
     responses((status = 200, description = "A column for each figure", body = MaxFeedBatchAnswer), Problems),
 )]
-pub(crate) async fn answer_batch(permit: WorkPermit, body: JsonBody) -> Result<WrittenJson, Problem> {
-    permit.run(move || batch::answer::<MaxFeed>(&body)).await
+pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    batch::answer::<MaxFeed>(work, body).await
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use axum::Router;
 use axum::body::Body;
 use axum::extract::{DefaultBodyLimit, Request};
-use axum::http::StatusCode;
+use axum::http::{StatusCode, Version, header};
 use axum::response::{IntoResponse, Response};
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
@@ -21,10 +21,13 @@ use tower_http::compression::predicate::{DefaultPredicate, Predicate, SizeAbove}
 use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::map_request_body::MapRequestBodyLayer;
 
+use super::codes::ServiceProblem;
 use super::metrics::Metrics;
+use super::problem::Problem;
 use super::readiness::Readiness;
 use super::routes::RouteClass;
-use super::worker_pool::WorkerPool;
+use super::worker_pool::{Work, WorkerPool};
+use crate::memory_budget::MemoryBudget;
 use crate::settings::HttpSettings;
 use body::{BodyProgress, BodyRules};
 use in_flight::InFlight;
@@ -34,6 +37,11 @@ use observe::Observe;
 /// Answers up to this size fit one packet: compressing them costs time and saves nothing.
 const MIN_COMPRESSED_BYTES: u16 = 1024;
 
+/// The budget for what a handler holds of `request`.
+pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
+    BodyProgress::of(request).budget().clone()
+}
+
 /// What the middleware of all routes shares.
 #[derive(Debug, Clone)]
 pub(super) struct Shared<'a> {
@@ -41,6 +49,7 @@ pub(super) struct Shared<'a> {
     pub(super) metrics: Metrics,
     pub(super) readiness: Readiness,
     pub(super) workers: WorkerPool,
+    pub(super) budget: MemoryBudget,
 }
 
 /// The middleware of one service.
@@ -68,12 +77,12 @@ impl<'a> Stack<'a> {
     /// They are one stack without boxes in it: the router makes a boxed service of each separate layer, and copies it with all that is
     /// inside for every request.
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
-        let Shared { settings, metrics, readiness, workers } = self.shared.clone();
+        let Shared { settings, metrics, readiness, workers, budget } = self.shared.clone();
         let rules = Arc::new(BodyRules::new(class, settings));
-        let observe = Observe { class, metrics, readiness, pace: rules.pace };
+        let observe = Observe { class, metrics, readiness, pace: rules.pace, budget: budget.clone() };
         let admit = Admit {
             in_flight: class.is_shed().then(|| self.in_flight.clone()),
-            workers: class.uses_workers().then_some(workers),
+            work: class.uses_workers().then(|| Work::new(workers, budget.clone())),
             rules: Arc::clone(&rules),
         };
         let compression =
@@ -100,7 +109,7 @@ struct Admit {
     /// Absent for routes that are answered under any load.
     in_flight: Option<InFlight>,
     /// Present for routes that may use the worker pool.
-    workers: Option<WorkerPool>,
+    work: Option<Work>,
     rules: Arc<BodyRules>,
 }
 
@@ -108,6 +117,7 @@ impl Admit {
     #[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
     fn admit(&self, request: &Request) -> Result<Option<tokio::sync::OwnedSemaphorePermit>, Response> {
         let permit = self.in_flight.as_ref().map(InFlight::admit).transpose().map_err(IntoResponse::into_response)?;
+        check_host(request)?;
         self.rules.check_head(request.headers())?;
         Ok(permit)
     }
@@ -119,8 +129,8 @@ impl Middleware for Admit {
         F: Future<Output = Response> + Send + 'static,
     {
         let admitted = self.admit(&request).map(|permit| {
-            if let Some(workers) = &self.workers {
-                request.extensions_mut().insert(workers.clone());
+            if let Some(work) = &self.work {
+                request.extensions_mut().insert(work.clone());
             }
             let progress = BodyProgress::of(&request);
             (permit, body::answer_in_time(self.rules.request_timeout, progress, inner(request)))
@@ -132,6 +142,17 @@ impl Middleware for Admit {
             }
         }
     }
+}
+
+/// HTTP/1.1 requests name their host once (RFC 9112, section 3.2).
+#[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
+fn check_host(request: &Request) -> Result<(), Response> {
+    let hosts = request.headers().get_all(header::HOST).iter().count();
+    if hosts == 1 || (hosts == 0 && request.version() < Version::HTTP_11) {
+        return Ok(());
+    }
+    let detail = format!("a request has one header host; this one has {hosts}");
+    Err(Problem::new(ServiceProblem::MalformedRequest, detail).into_response())
 }
 
 /// The panic hook that the program sets at its start has logged the panic with its location; the client is told nothing of it.

@@ -19,6 +19,7 @@ use crate::http::problem::describe_error;
 use crate::http::readiness::Readiness;
 use crate::http::request_id::{self, RequestId};
 use crate::http::routes::RouteClass;
+use crate::memory_budget::MemoryBudget;
 
 /// The status of a request whose client left before the answer, as nginx counts it.
 const CLIENT_LEFT: u16 = 499;
@@ -30,13 +31,14 @@ pub(super) struct Observe {
     pub(super) metrics: Metrics,
     pub(super) readiness: Readiness,
     pub(super) pace: Pace,
+    pub(super) budget: MemoryBudget,
 }
 
 impl Observe {
     /// The request with its body recorded and paced.
     fn receive(&self, mut request: Request) -> (Request, Arc<BodyProgress>) {
         let has_body = !request.body().is_end_stream();
-        let progress = Arc::new(BodyProgress::begin(has_body));
+        let progress = Arc::new(BodyProgress::begin(has_body, self.budget.clone()));
         request.extensions_mut().insert(Arc::clone(&progress));
         if !has_body {
             return (request, progress);

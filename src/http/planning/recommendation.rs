@@ -11,7 +11,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::member::Choice;
 use crate::http::reading::{Fault, Faulted, Faults, Member, Object, ObjectSchema, Place};
-use crate::http::worker_pool::WorkPermit;
+use crate::http::worker_pool::Work;
 use crate::milling::NoAnswer;
 use crate::planning::{Job, PlanError, recommend};
 use crate::surface::{Facing, ShapeError, Unit};
@@ -94,8 +94,8 @@ fn schemas() -> Vec<(String, RefOr<Schema>)> {
     request_body = RecommendationRequest,
     responses((status = 200, description = "The recommendation, with both candidates", body = RecommendationAnswer), Problems),
 )]
-pub(crate) async fn answer(place: WorkPermit, body: JsonBody) -> Result<WrittenJson, Problem> {
-    place.run(move || work_out(&body)).await
+pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    work.run(move |_| work_out(&body)).await?
 }
 
 fn work_out(body: &JsonBody) -> Result<WrittenJson, Problem> {

@@ -7,6 +7,7 @@ use axum::response::{IntoResponse, Response};
 
 use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
+use crate::memory_budget::BudgetExceeded;
 
 /// The rule that a body broke.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,6 +27,10 @@ pub(super) enum BodyFault {
         /// The slowest average that is accepted.
         min_bytes_s: u64,
     },
+    /// It came in very many tiny pieces.
+    Fragmented,
+    /// There is no memory to hold it.
+    Memory(BudgetExceeded),
     /// It could not be read or decompressed.
     Unreadable(String),
 }
@@ -36,6 +41,8 @@ impl fmt::Display for BodyFault {
             Self::TooLarge { max_bytes } => write!(f, "the body, counted decompressed, is larger than {max_bytes} bytes"),
             Self::Stalled { longest } => write!(f, "nothing of the body came for {} s", longest.as_secs()),
             Self::TooSlow { min_bytes_s } => write!(f, "the body came at less than {min_bytes_s} bytes a second"),
+            Self::Fragmented => write!(f, "the body came in too many chunks of a few bytes"),
+            Self::Memory(exceeded) => write!(f, "{exceeded}"),
             Self::Unreadable(cause) => write!(f, "the body could not be read: {cause}"),
         }
     }
@@ -48,7 +55,8 @@ impl IntoResponse for BodyFault {
         let kind = match self {
             Self::TooLarge { .. } => ServiceProblem::TooLarge,
             Self::Stalled { .. } | Self::TooSlow { .. } => ServiceProblem::Timeout,
-            Self::Unreadable(_) => ServiceProblem::UnreadableBody,
+            Self::Unreadable(_) | Self::Fragmented => ServiceProblem::UnreadableBody,
+            Self::Memory(exceeded) => return Problem::from(exceeded).into_response(),
         };
         Problem::new(kind, self.to_string()).into_response()
     }

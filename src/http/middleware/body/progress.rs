@@ -8,6 +8,7 @@ use axum::extract::Request;
 use tokio::time::Instant;
 
 use super::fault::BodyFault;
+use crate::memory_budget::MemoryBudget;
 
 /// The arrival of one request's body. The layer that identifies requests adds it to the request's extensions.
 #[derive(Debug)]
@@ -21,11 +22,13 @@ pub(in super::super) struct BodyProgress {
     /// Whether a part of the body has not been read.
     is_unread: AtomicBool,
     fault: OnceLock<BodyFault>,
+    /// What the body's bytes are reserved from while they are held.
+    budget: MemoryBudget,
 }
 
 impl BodyProgress {
     /// The start of a request whose body has not been read.
-    pub(in super::super) fn begin(is_unread: bool) -> Self {
+    pub(in super::super) fn begin(is_unread: bool, budget: MemoryBudget) -> Self {
         Self {
             began: Instant::now(),
             wire_bytes: AtomicU64::new(0),
@@ -33,6 +36,7 @@ impl BodyProgress {
             last_byte_ms: AtomicU64::new(0),
             is_unread: AtomicBool::new(is_unread),
             fault: OnceLock::new(),
+            budget,
         }
     }
 
@@ -53,6 +57,10 @@ impl BodyProgress {
     /// Adds bytes that were decompressed, or came as they are; all so far.
     pub(super) fn add_decompressed_bytes(&self, bytes: u64) -> u64 {
         self.decompressed_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes
+    }
+
+    pub(in super::super) fn budget(&self) -> &MemoryBudget {
+        &self.budget
     }
 
     pub(in super::super) fn wire_bytes(&self) -> u64 {
