@@ -1,30 +1,32 @@
-//! The OpenAPI document: what the routes say of themselves, put together, with an example for each request and answer.
+//! The OpenAPI document: the descriptions of all routes, with an example for each request and answer.
 
 use super::problem;
 use serde_json::Value;
 use utoipa::openapi::{Components, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
 
-/// Declares a type that stands for a request in the document: its schema is the first of `$schemas`, and the others are those it refers to.
+/// Declares a type that stands for a request or an answer in the document, described by the function `$describe`.
 macro_rules! described {
-    ($name:ident, $schemas:expr) => {
+    ($name:ident, $describe:expr) => {
         pub(crate) struct $name;
 
         impl utoipa::PartialSchema for $name {
             fn schema() -> utoipa::openapi::RefOr<utoipa::openapi::Schema> {
-                $schemas.swap_remove(0).1
+                $describe(&mut $crate::http::reading::Components::default())
             }
         }
 
         impl utoipa::ToSchema for $name {
             fn schemas(schemas: &mut Vec<(String, utoipa::openapi::RefOr<utoipa::openapi::Schema>)>) {
-                schemas.extend($schemas.into_iter().skip(1));
+                let mut components = $crate::http::reading::Components::default();
+                let _ = $describe(&mut components);
+                schemas.extend(components.into_named());
             }
         }
     };
 }
 pub(crate) use described;
 
-/// What the document says of the service as a whole; the routes add themselves.
+/// The document of the service as a whole, to which the routes are added.
 pub(super) fn outline() -> OpenApi {
     let info = InfoBuilder::new()
         .title("scallopd")

@@ -20,6 +20,7 @@ mod reading;
 mod refusal;
 mod request_id;
 mod routes;
+mod wire;
 pub mod worker_pool;
 
 pub use app_state::AppState;

@@ -3,7 +3,7 @@
 //! A handler or layer that fails returns a [`Problem`], or any response with an error status and no body that matters;
 //! [`describe_error`] turns both into `application/problem+json` on the way out, where path and request id are known.
 
-use super::codes::{Code, FaultCode, Figure, FileFault, NoAnswerCode, ProblemType, ServiceProblem};
+use super::codes::{Code, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
 use super::reading::{Fault, Faults};
 use super::request_id::RequestId;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -26,7 +26,7 @@ struct Content {
     kind: ProblemType,
     detail: Cow<'static, str>,
     errors: Vec<Fault>,
-    figures: Vec<(Figure, f64)>,
+    figures: Vec<(ProblemFigure, f64)>,
     retry_after_s: Option<u32>,
 }
 
@@ -234,7 +234,7 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
     let mut schemas: Vec<(String, RefOr<Schema>)> = Vec::new();
     let mut any = OneOfBuilder::new().description(Some("Why a well-formed request has no answer, discriminated by `type`."));
     let mut mapping = Vec::new();
-    let mut add = |name: String, types: &[&'static str], figures: (&[Figure], &[Figure])| {
+    let mut add = |name: String, types: &[&'static str], figures: (&[ProblemFigure], &[ProblemFigure])| {
         any = std::mem::take(&mut any).item(Ref::from_schema_name(&name));
         mapping.extend(types.iter().map(|of_type| (*of_type, format!("#/components/schemas/{name}"))));
         schemas.push((name, schema_of_types(types, figures)));
@@ -254,7 +254,7 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
 }
 
 /// The schema of a problem of one of `types`, with figures that are always there and figures that may be absent.
-fn schema_of_types(types: &[&'static str], (always, sometimes): (&[Figure], &[Figure])) -> RefOr<Schema> {
+fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure], &[ProblemFigure])) -> RefOr<Schema> {
     let RefOr::T(Schema::Object(problem)) = ProblemBody::schema() else { unreachable!("a struct is described as an object") };
     let kind = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(types.iter().copied()));
     let mut schema = ObjectBuilder::from(problem).property("type", kind);

@@ -202,7 +202,11 @@ async fn the_members_of_each_schema_are_those_that_the_service_knows() {
     for single in SINGLES {
         let top = schema(&document, &document["paths"][single]["post"]);
         assert_eq!(knows(single, longest(single), "").await, properties(top), "{single}");
-        assert_eq!(knows(single, longest(single), "/runout").await, properties(&top["properties"]["runout"]), "{single}");
+        assert_eq!(
+            knows(single, longest(single), "/runout").await,
+            properties(component(&document, &top["properties"]["runout"])),
+            "{single}"
+        );
         let vectors = with(shortest(single), "/contact", json!({"normal": [0, 0.5, 1], "feed": [1, 0, 0]}));
         let components = &document["components"]["schemas"];
         assert_eq!(knows(single, shortest(single), "/contact").await, properties(&components["AngleContact"]));
@@ -241,4 +245,49 @@ async fn the_members_that_each_schema_requires_are_those_that_the_service_misses
         assert_eq!(either, [SCALLOP_HEIGHT, MAX_FEED, "/v1/critical-slope"].contains(&path), "{path}");
         assert_eq!(missed, required, "{path}");
     }
+}
+
+/// A refused request for each type of problem that has figures, and for two that have none.
+fn refused() -> Vec<(&'static str, &'static str, Value)> {
+    let wide = with(shortest(SCALLOP_HEIGHT), "/step_over_mm", 14);
+    vec![
+        (MAX_FEED, "tolerance-exceeded", with(shortest(MAX_FEED), "/step_over_mm", 1)),
+        (SCALLOP_HEIGHT, "passes-do-not-overlap", wide.clone()),
+        (SCALLOP_HEIGHT, "gouging", with(shortest(SCALLOP_HEIGHT), "/surface_radius_mm", -2)),
+        (STEP_OVER, "tolerance-exceeded-by-feed", with(shortest(STEP_OVER), "/feed_per_tooth_mm", 1)),
+        (STEP_OVER, "tolerance-sets-no-limit", with(shortest(STEP_OVER), "/scallop_tolerance_mm", 100)),
+        (MAX_FEED, "tolerance-sets-no-limit", with(shortest(MAX_FEED), "/scallop_tolerance_mm", 100)),
+        (SCALLOP_HEIGHT, "flat-floor", with(shortest(SCALLOP_HEIGHT), "/contact/slope_deg", 0)),
+        // A figure belongs to a problem of its type; beside other faults there is none.
+        (SCALLOP_HEIGHT, "invalid-request", with(wide, "/note", "x")),
+    ]
+}
+
+#[tokio::test]
+async fn a_problem_has_the_members_that_the_schema_of_its_type_names_and_no_others() {
+    let (app, document) = (TestApp::start().await, document());
+    for (path, kind, body) in refused() {
+        let problem = app.refusal(path, &body).await;
+        assert_eq!(problem["type"], kind, "{problem}");
+        let union = component(&document, problem_of(&document["paths"][path]["post"], "422"));
+        let schema = component(&document, &json!({"$ref": union["discriminator"]["mapping"][kind]}));
+        assert_valid(&validator(&document, schema), &problem);
+        let members: BTreeSet<String> = problem.as_object().unwrap().keys().cloned().collect();
+        assert!(members.is_subset(&properties(schema)), "{problem}");
+    }
+}
+
+#[test]
+fn each_type_of_refusal_has_one_schema() {
+    let document = document();
+    let schemas = &document["components"]["schemas"];
+    let mut seen = BTreeSet::new();
+    for item in schemas["UnprocessableProblem"]["oneOf"].as_array().unwrap() {
+        for kind in component(&document, item)["properties"]["type"]["enum"].as_array().unwrap() {
+            assert!(seen.insert(kind.as_str().unwrap().to_owned()), "{kind} has two schemas");
+            assert!(schemas["ProblemType"]["enum"].as_array().unwrap().contains(kind), "{kind} is no problem type");
+        }
+    }
+    let mapping = schemas["UnprocessableProblem"]["discriminator"]["mapping"].as_object().unwrap();
+    assert_eq!(seen, mapping.keys().cloned().collect());
 }

@@ -124,8 +124,8 @@ async fn machines_are_presets_values_or_both() {
     let refused = critical(json!({"feed_rate_mm_min": 0, "jerk_m_s3": 1e99, "accel": 1})).await.unwrap_err();
     let expected = [
         ("/machine/feed_rate_mm_min", "out-of-range"),
-        ("/machine/acceleration_m_s2", "missing-field"),
         ("/machine/jerk_m_s3", "out-of-range"),
+        ("/machine/acceleration_m_s2", "missing-field"),
         ("/machine/accel", "unknown-field"),
     ];
     assert_eq!(refused.faults(), (422, expected.to_vec()));

@@ -1,31 +1,44 @@
-//! The answer for many contacts as it is written: each column is JSON text from the start, so that its parts are written on all cores
-//! and no column of numbers is held beside its text.
+//! The columns of a batch's answer, written as JSON text from the start: parts are written on all cores, and no column of numbers is held
+//! beside its text.
 
 use crate::http::body::WrittenJson;
+use crate::http::wire::{Extreme, FigureValue};
 use serde::Serialize;
 
-/// A column of figures: the JSON of its rows, in pieces that follow each other.
+/// A column of figures: the JSON of its rows in pieces that follow each other, and the extremes of its numbers.
 #[derive(Debug, Default)]
 pub(crate) struct Column {
     pieces: Vec<Vec<u8>>,
-    says_something: bool,
+    has_value: bool,
+    minimum: Option<Extreme>,
+    maximum: Option<Extreme>,
 }
 
 impl Column {
-    /// A column without a row, to which rows can be added one by one, about so many.
-    pub(crate) fn open(rows: usize) -> Self {
+    /// A column without rows that has space for about so many.
+    pub(crate) fn with_capacity(rows: usize) -> Self {
         // 17 digits, a point, a digit before it and a comma.
-        Self { pieces: vec![Vec::with_capacity(20 * rows)], says_something: false }
+        Self { pieces: vec![Vec::with_capacity(20 * rows)], ..Self::default() }
     }
 
-    /// Adds a row to an open column; `None` is null.
-    pub(crate) fn push(&mut self, figure: Option<impl Serialize + Copy>) {
-        let Some(rows) = self.pieces.last_mut() else { unreachable!("an open column has a piece that grows") };
+    /// Adds the row of the contact `index`; `None` is null.
+    pub(crate) fn push(&mut self, index: usize, figure: Option<FigureValue>) {
+        let Some(rows) = self.pieces.last_mut() else { unreachable!("a column with rows has a piece") };
         if !rows.is_empty() {
             rows.push(b',');
         }
-        self.says_something |= figure.is_some();
+        self.has_value |= figure.is_some();
         write(rows, &figure);
+        if let Some(FigureValue::Number(value_mm)) = figure {
+            let found = Some(Extreme { index, value_mm });
+            self.minimum = lower(self.minimum, found);
+            self.maximum = higher(self.maximum, found);
+        }
+    }
+
+    /// The contacts with the smallest and the largest number.
+    pub(crate) fn extremes(&self) -> [Option<Extreme>; 2] {
+        [self.minimum, self.maximum]
     }
 
     /// Adds the rows of `next` below these.
@@ -36,11 +49,29 @@ impl Column {
             }
             self.pieces.push(rows);
         }
-        self.says_something |= next.says_something;
+        self.has_value |= next.has_value;
+        self.minimum = lower(self.minimum, next.minimum);
+        self.maximum = higher(self.maximum, next.maximum);
     }
 }
 
-/// An object of columns and a few other members, as it is being put together.
+/// The extreme with the smaller value, the first of equals.
+fn lower(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
+    match (first, second) {
+        (Some(a), Some(b)) => Some(if b.value_mm < a.value_mm { b } else { a }),
+        (one, other) => one.or(other),
+    }
+}
+
+/// The extreme with the larger value, the first of equals.
+fn higher(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
+    match (first, second) {
+        (Some(a), Some(b)) => Some(if b.value_mm > a.value_mm { b } else { a }),
+        (one, other) => one.or(other),
+    }
+}
+
+/// An object of columns and a few other members, written member by member.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     pieces: Vec<Vec<u8>>,
@@ -64,9 +95,9 @@ impl Table {
         self.text.push(b']');
     }
 
-    /// Adds a column unless no row of it says anything.
+    /// Adds a column unless all its rows are null.
     pub(crate) fn optional_column(&mut self, name: &'static str, column: Column) {
-        if column.says_something {
+        if column.has_value {
             self.column(name, column);
         }
     }
@@ -99,38 +130,37 @@ mod tests {
         String::from_utf8(table.written().collect().await.unwrap().to_bytes().into()).unwrap()
     }
 
+    fn column(first: usize, rows: &[Option<f64>]) -> Column {
+        let mut column = Column::with_capacity(rows.len());
+        for (index, row) in (first..).zip(rows) {
+            column.push(index, row.map(FigureValue::Number));
+        }
+        column
+    }
+
     #[tokio::test]
     async fn parts_make_one_array_however_they_are_cut() {
-        let rows = [Some(0.5), None, Some(1e-7)];
+        let rows = [Some(0.5), None, Some(1e-7), Some(0.5)];
         for cut in 0..=rows.len() {
             let mut whole = Column::default();
-            for rows in [&rows[..cut], &rows[cut..]] {
-                let mut part = Column::open(2);
-                for row in rows {
-                    part.push(*row);
-                }
-                whole.append(part);
-            }
+            whole.append(column(0, &rows[..cut]));
+            whole.append(column(cut, &rows[cut..]));
+            assert_eq!(whole.extremes().map(|extreme| extreme.unwrap().index), [2, 0], "cut at {cut}");
             let mut table = Table::default();
             table.value("model", &"analytic");
             table.column("height_mm", whole);
-            assert_eq!(text(table).await, r#"{"model":"analytic","height_mm":[0.5,null,1e-7]}"#, "cut at {cut}");
+            assert_eq!(text(table).await, r#"{"model":"analytic","height_mm":[0.5,null,1e-7,0.5]}"#, "cut at {cut}");
         }
     }
 
     #[tokio::test]
-    async fn an_optional_column_that_says_nothing_is_absent() {
-        let (empty, mut silent) = (Column::default(), Column::open(1));
-        silent.push(None::<f64>);
+    async fn an_optional_column_of_nulls_is_absent() {
         let mut table = Table::default();
-        table.optional_column("feed_rate_mm_min", silent);
-        table.column("heights", empty);
+        table.optional_column("feed_rate_mm_min", column(0, &[None]));
+        table.column("heights", Column::default());
         assert_eq!(text(table).await, r#"{"heights":[]}"#);
-        let mut speaking = Column::open(2);
-        speaking.push(None::<f64>);
-        speaking.push(Some(2.0));
         table = Table::default();
-        table.optional_column("feed_rate_mm_min", speaking);
+        table.optional_column("feed_rate_mm_min", column(0, &[None, Some(2.0)]));
         assert_eq!(text(table).await, r#"{"feed_rate_mm_min":[null,2.0]}"#);
     }
 }

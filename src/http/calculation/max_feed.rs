@@ -1,37 +1,31 @@
 //! `POST /v1/max-feed` and its batch: the largest feed that keeps a tolerance.
 
-use super::column::{Column, Table};
-use super::figures::{Check, Columns, Common, Failure, Figures, Summary, answers, model_name};
-use super::terms::{Setup, Stated, TOLERANCE};
-use super::{Calculation, Warning, batch, single};
+use super::single::Answer;
+use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::member::{Number, StatedLength};
-use crate::http::reading::{Faulted, Faults, Member, Object, ObjectSchema};
+use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::wire::{COMMON_FIGURES, CUTTER, Figure, FigureValue, Figures, SharedParameters, States, TEETH, TOLERANCE};
 use crate::http::worker_pool::Work;
-use crate::milling::{JudgedPass, Model, NoAnswer};
-use crate::quantity::Length;
+use crate::milling::{JudgedPass, NoAnswer};
+use crate::quantity::{Length, OutOfRange};
 use axum::Json;
-use serde::Serialize;
-use utoipa::ToSchema;
+use utoipa::openapi::{RefOr, Schema};
 
-const SPINDLE_SPEED: Member<Number> = Member {
-    name: "spindle_speed_rpm",
-    about: "spindle speed n; with the cutter's teeth it gives the feed rate",
-    kind: Number { minimum: 1.0, maximum: 1e6, example: 10_000.0 },
-};
-const MAX_FEED_PER_TOOTH: Member<StatedLength> = Member {
-    name: "max_feed_per_tooth_mm",
-    about: "the largest feed per tooth that the cutter's maker allows",
-    kind: StatedLength { example: 0.35 },
-};
-const MAX_FEED_RATE: Member<Number> = Member {
-    name: "max_feed_rate_mm_min",
-    about: "the largest feed rate of the machine; needs spindle_speed_rpm and the cutter's teeth",
-    kind: Number { minimum: 1e-3, maximum: 1e7, example: 15_000.0 },
-};
+members! {
+    /// The tolerance to keep, and the limits of cutter and machine.
+    pub(crate) struct MaxFeedMembers {
+        tolerance: required TOLERANCE: Quantity<Length>,
+        spindle_speed_rpm: optional SPINDLE_SPEED: Quantity<f64> = ("spindle_speed_rpm", Quantity::new(|rpm| OutOfRange::check(rpm, 1.0, 1e6), 10_000.0),
+            "spindle speed n; with the cutter's teeth it gives the feed rate"),
+        per_tooth_limit: optional MAX_FEED_PER_TOOTH: Quantity<Length> = ("max_feed_per_tooth_mm", Quantity::length(0.35),
+            "the largest feed per tooth that the cutter's maker allows"),
+        rate_limit_mm_min: optional MAX_FEED_RATE: Quantity<f64> = ("max_feed_rate_mm_min", Quantity::new(|mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), 15_000.0),
+            "the largest feed rate of the machine; needs spindle_speed_rpm and the cutter's teeth"),
+    }
+}
 
 /// The largest feed at a contact.
 pub(crate) struct MaxFeed {
@@ -42,8 +36,7 @@ pub(crate) struct MaxFeed {
 }
 
 /// What keeps the feed from being larger.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LimitedBy {
     /// The scallop height reaches its tolerance.
     ScallopTolerance,
@@ -53,77 +46,73 @@ enum LimitedBy {
     MaxFeedRate,
 }
 
-pub(crate) struct FeedFigures {
-    feed_per_tooth: Length,
-    feed_rate_mm_min: Option<f64>,
-    limited_by: LimitedBy,
-    common: Common,
+const LIMITED_BY: Choice<LimitedBy> = Choice {
+    name: Some("LimitedBy"),
+    words: &[
+        ("scallop_tolerance", LimitedBy::ScallopTolerance),
+        ("max_feed_per_tooth", LimitedBy::MaxFeedPerTooth),
+        ("max_feed_rate", LimitedBy::MaxFeedRate),
+    ],
+};
+
+fn limited_by_schema(about: &str, components: &mut Components) -> RefOr<Schema> {
+    LIMITED_BY.schema(about, components)
 }
 
-impl FeedFigures {
-    fn found_mm(&self) -> f64 {
-        self.feed_per_tooth.mm()
-    }
-}
-
-answers! {
-    FeedFigures => MaxFeedAnswer, MaxFeedBatchAnswer;
-    required {
-        /// The largest feed per tooth.
-        feed_per_tooth_mm: f64 = |figures: &FeedFigures| figures.feed_per_tooth.mm(),
-        /// What keeps the feed from being larger.
-        limited_by: LimitedBy = |figures: &FeedFigures| figures.limited_by,
-    }
-    optional {
-        /// The feed rate f_z z n; where the cutter's teeth and the spindle speed are given.
-        feed_rate_mm_min: f64 = |figures: &FeedFigures| figures.feed_rate_mm_min,
-    }
-}
+const FIGURES: &[Figure] = &[
+    Figure::number("feed_per_tooth_mm", "the largest feed per tooth", |figures| {
+        figures.feed_per_tooth.map(|feed| FigureValue::Number(feed.mm()))
+    }),
+    Figure::word("limited_by", "what keeps the feed from being larger", limited_by_schema, |figures| {
+        figures.limited_by.map(FigureValue::Word)
+    }),
+    Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min.map(FigureValue::Number))
+        .only("where the cutter's teeth and the spindle speed are given"),
+];
 
 impl Calculation for MaxFeed {
-    const STATES: Stated = Stated { step_over: true, feed_per_tooth: false };
-    const SCHEMAS: [&'static str; 2] = ["MaxFeedRequest", "MaxFeedBatchRequest"];
-    type Figures = FeedFigures;
+    const STATES: States = States { step_over: true, feed_per_tooth: false };
+    type Members = MaxFeedMembers;
+    const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
+    const SOUGHT: &'static str = "feed_per_tooth_mm";
 
-    fn read(object: &mut Object<'_, '_>, setup: Result<&Setup, Faulted>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let tolerance = object.required(&TOLERANCE, faults);
-        let spindle_speed = object.optional(&SPINDLE_SPEED, faults);
-        let per_tooth_limit = object.optional(&MAX_FEED_PER_TOOTH, faults);
-        let rate_limit = object.optional(&MAX_FEED_RATE, faults);
-        if let (Ok(Some(_)), Ok(speed), Ok(setup)) = (rate_limit, spindle_speed, setup) {
-            let place = object.place();
+    fn new(
+        members: MaxFeedMembers,
+        shared: Result<&SharedParameters, Faulted>,
+        path: &JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
+        let MaxFeedMembers { tolerance, spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min } = members;
+        if let (Ok(Some(_)), Ok(speed), Ok(shared)) = (rate_limit_mm_min, spindle_speed_rpm, shared) {
+            let mut need = |path: &JsonPath<'_>, what: &str| {
+                let detail = format_args!("a largest feed rate limits the feed per tooth only with {what}");
+                faults.add(path, RequestFault::MissingField, detail);
+            };
             if speed.is_none() {
-                faults.add(
-                    &place.member(SPINDLE_SPEED.name),
-                    RequestFault::MissingField,
-                    "a largest feed rate limits the feed per tooth only with a spindle speed",
-                );
+                need(&path.member(SPINDLE_SPEED.name), "a spindle speed");
             }
-            if setup.tool.teeth.is_none() {
-                let cutter = place.member("cutter");
-                faults.add(
-                    &cutter.member("teeth"),
-                    RequestFault::MissingField,
-                    "a largest feed rate limits the feed per tooth only with a number of teeth",
-                );
+            if shared.tool.teeth.is_none() {
+                need(&path.member(CUTTER.name).member(TEETH.name), "a number of teeth");
             }
         }
         Ok(Self {
             tolerance: tolerance?,
-            spindle_speed_rpm: spindle_speed?,
+            spindle_speed_rpm: spindle_speed_rpm?,
             per_tooth_limit: per_tooth_limit?,
-            rate_limit_mm_min: rate_limit?,
+            rate_limit_mm_min: rate_limit_mm_min?,
         })
     }
 
-    fn describe(schema: ObjectSchema) -> ObjectSchema {
-        schema.required(&TOLERANCE).optional(&SPINDLE_SPEED).optional(&MAX_FEED_PER_TOOTH).optional(&MAX_FEED_RATE)
-    }
-
-    fn work_out(&self, setup: &Setup, pass: &JudgedPass, step_over: Option<Length>, _: Option<Length>) -> Result<FeedFigures, NoAnswer> {
+    fn work_out(
+        &self,
+        shared: &SharedParameters,
+        pass: &JudgedPass,
+        step_over: Option<Length>,
+        _: Option<Length>,
+    ) -> Result<Figures, NoAnswer> {
         let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
         // A feed rate is f_z z n, so z n is a feed rate for each mm of feed per tooth.
-        let teeth_per_min = setup.tool.teeth.zip(self.spindle_speed_rpm).map(|(teeth, speed)| f64::from(teeth) * speed);
+        let teeth_per_min = shared.tool.teeth.zip(self.spindle_speed_rpm).map(|(teeth, speed)| f64::from(teeth) * speed);
         let by_machine = self.rate_limit_mm_min.zip(teeth_per_min).map(|(rate, teeth_per_min)| Length::computed(rate / teeth_per_min));
         let stated = [(self.per_tooth_limit, LimitedBy::MaxFeedPerTooth), (by_machine, LimitedBy::MaxFeedRate)];
         let stated = stated.into_iter().filter_map(|(limit, by)| Some((limit?, by))).reduce(|a, b| if b.0 < a.0 { b } else { a });
@@ -134,14 +123,18 @@ impl Calculation for MaxFeed {
             (Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }), Some(stated)) if stated.0 <= largest_feed_per_tooth => stated,
             (Err(cause), _) => return Err(cause),
         };
-        let common = Common::at(pass, step_over, Some(feed_per_tooth))?;
         let feed_rate_mm_min = teeth_per_min.map(|teeth_per_min| feed_per_tooth.mm() * teeth_per_min);
-        Ok(FeedFigures { feed_per_tooth, feed_rate_mm_min, limited_by, common })
+        let mut figures = Figures::at(pass, step_over, Some(feed_per_tooth))?;
+        figures.feed_rate_mm_min = feed_rate_mm_min;
+        figures.limited_by = Some(LIMITED_BY.word(&limited_by));
+        Ok(figures)
     }
 }
 
-described!(MaxFeedRequest, single::schemas::<MaxFeed>());
-described!(MaxFeedBatchRequest, batch::schemas::<MaxFeed>());
+described!(MaxFeedRequest, single::describe_request::<MaxFeed>);
+described!(MaxFeedAnswer, single::describe_answer::<MaxFeed>);
+described!(MaxFeedBatchRequest, batch::describe_request::<MaxFeed>);
+described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
 
 /// The largest feed at one contact
 ///
@@ -152,7 +145,7 @@ described!(MaxFeedBatchRequest, batch::schemas::<MaxFeed>());
     request_body = MaxFeedRequest,
     responses((status = 200, description = "The feed, what limits it, and the heights at it", body = MaxFeedAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<MaxFeedAnswer>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxFeed>>, Problem> {
     single::answer::<MaxFeed>(&body)
 }
 

@@ -1,53 +1,48 @@
-//! The calculations at contacts: scallop height, maximum feed, maximum step-over, each for one contact and for many.
-//!
-//! One file per endpoint holds what is particular to it; the rest is what they share: the wire forms of cutter, contact and terms,
-//! the figures of the answers, and how a request with one contact and one with many is answered.
+//! The calculations at contacts: scallop height, largest feed and largest step-over, each for one contact and for many. One file for each
+//! endpoint holds what is particular to it; requests and answers are read and written alike.
 
 mod batch;
 mod column;
-mod contact;
-mod cutter;
-mod figures;
 pub(crate) mod max_feed;
-mod plain;
-mod refusal;
 pub(crate) mod scallop_height;
 mod single;
 pub(crate) mod step_over;
-mod terms;
-mod warning;
 
+use super::reading::{Faulted, Faults, JsonPath, Members};
+use super::wire::{Figure, Figures, SharedParameters, States};
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
-use figures::Figures;
 
-use super::reading::{Faulted, Faults, Object, ObjectSchema};
-pub(crate) use cutter::{BALL_END, TOROIDAL};
-pub(crate) use terms::MODEL;
-use terms::Setup;
-pub(crate) use warning::Warning;
-
-/// What tells one calculation from the others.
+/// What differs between the calculations.
 pub(crate) trait Calculation: Sized + Send + Sync {
-    /// Whether a request states a step-over, and a feed per tooth; what is sought is not stated.
-    const STATES: terms::Stated;
-    /// The names of the request's schemas in the API document, for one contact and for many.
-    const SCHEMAS: [&'static str; 2];
-    /// The figures of an answer.
-    type Figures: Figures;
+    /// Which parameters of a contact are given.
+    const STATES: States;
+    /// The members that only requests of this calculation have.
+    type Members: Members;
+    /// The figures of an answer, in their order.
+    const FIGURES: &'static [&'static [Figure]];
+    /// The name of the figure that is sought, whose extremes a batch's summary has.
+    const SOUGHT: &'static str;
 
-    /// Takes the members of a request that only this calculation has; the setup is for faults that show only beside it.
-    fn read(object: &mut Object<'_, '_>, setup: Result<&Setup, Faulted>, faults: &mut Faults) -> Result<Self, Faulted>;
+    /// The calculation that a request at `path` describes.
+    fn new(
+        members: Self::Members,
+        shared: Result<&SharedParameters, Faulted>,
+        path: &JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted>;
 
-    /// Adds these members to a request's schema.
-    fn describe(schema: ObjectSchema) -> ObjectSchema;
-
-    /// Works out one contact. `step_over` is along the surface, and there where the calculation states one.
+    /// The figures at a contact. `step_over` is along the surface, and `None` where the calculation is given none.
     fn work_out(
         &self,
-        setup: &Setup,
+        shared: &SharedParameters,
         pass: &JudgedPass,
         step_over: Option<Length>,
         feed_per_tooth: Option<Length>,
-    ) -> Result<Self::Figures, NoAnswer>;
+    ) -> Result<Figures, NoAnswer>;
+
+    /// The figures of an answer.
+    fn figures() -> impl Iterator<Item = &'static Figure> {
+        Self::FIGURES.iter().copied().flatten()
+    }
 }

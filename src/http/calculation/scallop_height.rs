@@ -1,56 +1,51 @@
 //! `POST /v1/scallop-height` and its batch: the height that a step-over and a feed leave.
 
-use super::column::{Column, Table};
-use super::figures::{Check, Columns, Common, Failure, Figures, Summary, answers, model_name};
-use super::terms::{Setup, Stated};
-use super::{Calculation, Warning, batch, single};
+use super::single::Answer;
+use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Faulted, Faults, Object, ObjectSchema};
+use crate::http::reading::{Faulted, Faults, JsonPath, members};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, States};
 use crate::http::worker_pool::Work;
-use crate::milling::{JudgedPass, Model, NoAnswer};
+use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
-use serde::Serialize;
-use utoipa::ToSchema;
+
+members! {
+    /// No members but those of every calculation.
+    pub(crate) struct NoMembers {}
+}
 
 /// The height at a contact.
 pub(crate) struct ScallopHeight;
 
-pub(crate) struct HeightFigures {
-    common: Common,
-}
-
-impl HeightFigures {
-    fn found_mm(&self) -> f64 {
-        self.common.height.total().mm()
-    }
-}
-
-answers! { HeightFigures => ScallopHeightAnswer, ScallopHeightBatchAnswer; }
-
 impl Calculation for ScallopHeight {
-    const STATES: Stated = Stated { step_over: true, feed_per_tooth: true };
-    const SCHEMAS: [&'static str; 2] = ["ScallopHeightRequest", "ScallopHeightBatchRequest"];
-    type Figures = HeightFigures;
+    const STATES: States = States { step_over: true, feed_per_tooth: true };
+    type Members = NoMembers;
+    const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
+    const SOUGHT: &'static str = "scallop_height_mm";
 
-    fn read(_: &mut Object<'_, '_>, _: Result<&Setup, Faulted>, _: &mut Faults) -> Result<Self, Faulted> {
+    fn new(_: NoMembers, _: Result<&SharedParameters, Faulted>, _: &JsonPath<'_>, _: &mut Faults) -> Result<Self, Faulted> {
         Ok(Self)
     }
 
-    fn describe(schema: ObjectSchema) -> ObjectSchema {
-        schema
-    }
-
-    fn work_out(&self, _: &Setup, pass: &JudgedPass, step_over: Option<Length>, feed: Option<Length>) -> Result<HeightFigures, NoAnswer> {
+    fn work_out(
+        &self,
+        _: &SharedParameters,
+        pass: &JudgedPass,
+        step_over: Option<Length>,
+        feed: Option<Length>,
+    ) -> Result<Figures, NoAnswer> {
         let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
-        Ok(HeightFigures { common: Common::at(pass, step_over, feed)? })
+        Figures::at(pass, step_over, feed)
     }
 }
 
-described!(ScallopHeightRequest, single::schemas::<ScallopHeight>());
-described!(ScallopHeightBatchRequest, batch::schemas::<ScallopHeight>());
+described!(ScallopHeightRequest, single::describe_request::<ScallopHeight>);
+described!(ScallopHeightAnswer, single::describe_answer::<ScallopHeight>);
+described!(ScallopHeightBatchRequest, batch::describe_request::<ScallopHeight>);
+described!(ScallopHeightBatchAnswer, batch::describe_answer::<ScallopHeight>);
 
 /// The scallop height at one contact
 ///
@@ -60,7 +55,7 @@ described!(ScallopHeightBatchRequest, batch::schemas::<ScallopHeight>());
     request_body = ScallopHeightRequest,
     responses((status = 200, description = "The height, its shares and radii", body = ScallopHeightAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<ScallopHeightAnswer>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<ScallopHeight>>, Problem> {
     single::answer::<ScallopHeight>(&body)
 }
 

@@ -1,94 +1,144 @@
 //! One contact, one answer.
 
-use super::contact::{CONTACT, StatedContact};
-use super::figures::{Check, Common, Figures};
-use super::refusal;
-use super::terms::{Setup, Terms};
-use super::warning::{Strain, Warning};
-use super::{Calculation, contact, cutter};
+use super::Calculation;
 use crate::http::body::JsonBody;
 use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
-use crate::http::reading::{Faulted, Faults, ObjectSchema, Place};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, ObjectSchema};
+use crate::http::wire::{
+    CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, model_warnings, no_answer,
+};
 use crate::milling::{Envelope, JudgedPass, Model, NoAnswer, Pass, StepOver};
 use axum::Json;
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use std::marker::PhantomData;
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
+/// The answer for one contact.
+pub(crate) struct Answer<C> {
+    model: Model,
+    figures: Figures,
+    check: Option<Check>,
+    warnings: Vec<Warning>,
+    calculation: PhantomData<C>,
+}
+
+impl<C: Calculation> Serialize for Answer<C> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("model", model_name(self.model))?;
+        for figure in C::figures() {
+            let value = (figure.get)(&self.figures);
+            if value.is_some() || figure.is_required() {
+                map.serialize_entry(figure.name, &value)?;
+            }
+        }
+        if let Some(check) = &self.check {
+            map.serialize_entry("check", check)?;
+        }
+        map.serialize_entry("warnings", &self.warnings)?;
+        map.end()
+    }
+}
+
+/// The schema of an answer for one contact.
+pub(super) fn describe_answer<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
+    let mut schema = ObjectBuilder::new().schema_type(Type::Object).description(Some("The answer for one contact"));
+    schema = schema.property("model", MODEL.kind.schema("the model that answered", components)).required("model");
+    for figure in C::figures() {
+        schema = schema.property(figure.name, figure.schema(components));
+        schema = if figure.is_required() { schema.required(figure.name) } else { schema };
+    }
+    schema = schema.property("check", components.refer_type::<Check>());
+    schema.property("warnings", warnings_schema(components)).required("warnings").into()
+}
+
+/// The schema of an answer's warnings.
+pub(super) fn warnings_schema(components: &mut Components) -> ArrayBuilder {
+    ArrayBuilder::new().items(components.refer_type::<Warning>()).description(Some("what must be looked at"))
+}
+
+/// The schema of a request with one contact.
+pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
+    let schema = SharedParameters::describe(ObjectSchema::new("A calculation at one contact", components)).required(&CONTACT);
+    ContactParameters::describe(schema, C::STATES).with::<C::Members>().build()
+}
+
 /// Answers a request with one contact.
-pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<Json<<C::Figures as Figures>::Answer>, Problem> {
+pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<Json<Answer<C>>, Problem> {
     body.read(|object, faults| {
-        let setup = Setup::read(object, faults);
+        let path = object.path();
+        let shared = SharedParameters::read(object, faults);
         let contact = object.required(&CONTACT, faults);
-        let terms = Terms::read(object, C::STATES, faults);
-        let calculation = C::read(object, setup.as_ref().map_err(|faulted| *faulted), faults);
-        let request = Request { setup, contact, terms, calculation };
-        request.answer(&object.place(), faults)
+        let parameters = ContactParameters::read(object, C::STATES, faults);
+        let members = C::Members::read(object, faults);
+        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
+        Request { shared, contact, parameters, calculation }.answer(&path, faults)
     })
     .map(Json)
 }
 
-/// The schemas of a request with one contact, by name.
-pub(super) fn schemas<C: Calculation>() -> Vec<(String, RefOr<Schema>)> {
-    let schema = Setup::describe(ObjectSchema::new("a calculation at one contact")).required(&CONTACT);
-    let schema = C::describe(Terms::describe(schema, C::STATES));
-    let mut schemas = vec![(C::SCHEMAS[0].to_owned(), schema.build())];
-    schemas.extend(cutter::schemas());
-    schemas.extend(contact::schemas());
-    schemas
-}
-
-/// A request in which any part may have been faulty. As much as can be judged is judged, for the faults that show only then.
+/// A request in which any part may have been faulty. As much as possible is judged, for the faults that show only then.
 struct Request<C> {
-    setup: Result<Setup, Faulted>,
+    shared: Result<SharedParameters, Faulted>,
     contact: Result<StatedContact, Faulted>,
-    terms: Terms,
+    parameters: ContactParameters,
     calculation: Result<C, Faulted>,
 }
 
 impl<C: Calculation> Request<C> {
-    fn answer(self, place: &Place<'_>, faults: &mut Faults) -> Result<<C::Figures as Figures>::Answer, Faulted> {
-        let step_over = self.terms.step_over(C::STATES, place, faults);
-        let pass = self.judge(place, faults);
-        let (setup, contact, pass) = (self.setup?, self.contact?, pass?);
-        let figures = work_out(&self.calculation?, &setup, &pass, step_over?, &self.terms)?;
-        let figures = figures.map_err(|cause| faults.push(refusal::fault(cause, place, contact, step_over.ok().flatten())))?;
-        let common = figures.common();
-        let mut warnings: Vec<Warning> = Strain::of(&pass, common.step_over, common.feed_per_tooth).map(Warning::from).collect();
-        let check = check(&pass, common, &mut warnings);
-        Ok(figures.into_answer(setup.model, check, warnings))
+    fn answer(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {
+        let step_over = self.parameters.step_over(C::STATES, path, faults);
+        let pass = self.judge(path, faults);
+        let (shared, contact, pass) = (self.shared?, self.contact?, pass?);
+        let figures = work_out(&self.calculation?, &shared, &pass, step_over?, &self.parameters)?;
+        let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, step_over.ok().flatten())))?;
+        let mut warnings: Vec<Warning> = model_warnings(&pass, figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
+        let check = check(&pass, &figures, &mut warnings);
+        Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
     }
 
     /// The pass under its model, as soon as cutter, contact and surface are known, whatever else is faulty.
-    fn judge(&self, place: &Place<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
-        let (setup, contact, surface) = (self.setup?, self.contact?, self.terms.surface()?);
-        let pass = Pass { cutter: setup.tool.cutter, contact: contact.contact, surface, runout: setup.runout };
-        JudgedPass::new(setup.model, pass).map_err(|cause| faults.push(refusal::fault(cause, place, contact, None)))
+    fn judge(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
+        let (shared, contact) = (self.shared?, self.contact?);
+        judge(&shared, contact, &self.parameters)?.map_err(|cause| faults.push(no_answer(cause, path, contact, None)))
     }
 }
 
-/// Works out one contact: the outer error is a fault that is recorded already, the inner one a cause that is not.
+/// Puts a contact under the request's model: the outer error is a fault that is recorded already, the inner one a cause that is not.
+pub(super) fn judge(
+    shared: &SharedParameters,
+    contact: StatedContact,
+    parameters: &ContactParameters,
+) -> Result<Result<JudgedPass, NoAnswer>, Faulted> {
+    let pass = Pass { cutter: shared.tool.cutter, contact: contact.contact, surface: parameters.curvature()?, runout: shared.runout };
+    Ok(JudgedPass::new(shared.model, pass))
+}
+
+/// The figures at a contact: the outer error is a fault that is recorded already, the inner one a cause that is not.
 pub(super) fn work_out<C: Calculation>(
     calculation: &C,
-    setup: &Setup,
+    shared: &SharedParameters,
     pass: &JudgedPass,
     step_over: Option<StepOver>,
-    terms: &Terms,
-) -> Result<Result<C::Figures, NoAnswer>, Faulted> {
-    let feed_per_tooth = terms.feed_per_tooth()?;
+    parameters: &ContactParameters,
+) -> Result<Result<Figures, NoAnswer>, Faulted> {
+    let feed_per_tooth = parameters.feed_per_tooth()?;
     let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
-    Ok(along.and_then(|along| calculation.work_out(setup, pass, along, feed_per_tooth)))
+    Ok(along.and_then(|along| calculation.work_out(shared, pass, along, feed_per_tooth)))
 }
 
 /// A deviation beyond which the analytic model is outside its range: 5 % under what the cutter leaves.
 const OUTSIDE_RANGE: f64 = -0.05;
 
 /// The analytic height beside the envelope's, and the warning that it is far under it.
-fn check(pass: &JudgedPass, common: &Common, warnings: &mut Vec<Warning>) -> Option<Check> {
+fn check(pass: &JudgedPass, figures: &Figures, warnings: &mut Vec<Warning>) -> Option<Check> {
     const CODE: WarningCode = WarningCode::OutsideAnalyticRange;
     if pass.model() != Model::Analytic {
         return None;
     }
-    let envelope = Envelope::new(*pass.pass()).and_then(|envelope| envelope.scallop_height(common.step_over, common.feed_per_tooth));
+    let envelope = Envelope::new(*pass.pass()).and_then(|envelope| envelope.scallop_height(figures.step_over, figures.feed_per_tooth));
     let envelope = match envelope {
         Ok(height) => height.total().mm(),
         Err(cause) => {
@@ -96,7 +146,7 @@ fn check(pass: &JudgedPass, common: &Common, warnings: &mut Vec<Warning>) -> Opt
             return None;
         }
     };
-    let deviation = (envelope > 0.0).then(|| (common.height.total().mm() - envelope) / envelope);
+    let deviation = (envelope > 0.0).then(|| (figures.height.total().mm() - envelope) / envelope);
     if let Some(deviation) = deviation.filter(|deviation| *deviation < OUTSIDE_RANGE) {
         let detail = format!(
             "the analytic height is {:.1} % under the {envelope:.6} mm that the cutter's exact shape leaves; model \"envelope\" keeps the tolerance",

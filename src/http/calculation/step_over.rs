@@ -1,58 +1,48 @@
 //! `POST /v1/step-over` and its batch: the largest step-over that keeps a tolerance.
 
-use super::column::{Column, Table};
-use super::figures::{Check, Columns, Common, Failure, Figures, Summary, answers, model_name};
-use super::terms::{Setup, Stated, TOLERANCE};
-use super::{Calculation, Warning, batch, single};
+use super::single::Answer;
+use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Faulted, Faults, Object, ObjectSchema};
+use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, States, TOLERANCE};
 use crate::http::worker_pool::Work;
-use crate::milling::{JudgedPass, Model, NoAnswer};
+use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
-use serde::Serialize;
-use utoipa::ToSchema;
+
+members! {
+    /// The tolerance to keep.
+    pub(crate) struct ToleranceMembers {
+        tolerance: required TOLERANCE: Quantity<Length>,
+    }
+}
 
 /// The largest step-over at a contact.
 pub(crate) struct MaxStepOver {
     tolerance: Length,
 }
 
-pub(crate) struct StepOverFigures {
-    common: Common,
-}
-
-impl StepOverFigures {
-    fn found_mm(&self) -> f64 {
-        self.common.step_over.mm()
-    }
-}
-
-answers! { StepOverFigures => StepOverAnswer, StepOverBatchAnswer; }
-
 impl Calculation for MaxStepOver {
-    const STATES: Stated = Stated { step_over: false, feed_per_tooth: true };
-    const SCHEMAS: [&'static str; 2] = ["StepOverRequest", "StepOverBatchRequest"];
-    type Figures = StepOverFigures;
+    const STATES: States = States { step_over: false, feed_per_tooth: true };
+    type Members = ToleranceMembers;
+    const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
+    const SOUGHT: &'static str = "step_over_mm";
 
-    fn read(object: &mut Object<'_, '_>, _: Result<&Setup, Faulted>, faults: &mut Faults) -> Result<Self, Faulted> {
-        Ok(Self { tolerance: object.required(&TOLERANCE, faults)? })
+    fn new(members: ToleranceMembers, _: Result<&SharedParameters, Faulted>, _: &JsonPath<'_>, _: &mut Faults) -> Result<Self, Faulted> {
+        Ok(Self { tolerance: members.tolerance? })
     }
 
-    fn describe(schema: ObjectSchema) -> ObjectSchema {
-        schema.required(&TOLERANCE)
-    }
-
-    fn work_out(&self, _: &Setup, pass: &JudgedPass, _: Option<Length>, feed: Option<Length>) -> Result<StepOverFigures, NoAnswer> {
-        let step_over = pass.max_step_over(self.tolerance, feed)?;
-        Ok(StepOverFigures { common: Common::at(pass, step_over, feed)? })
+    fn work_out(&self, _: &SharedParameters, pass: &JudgedPass, _: Option<Length>, feed: Option<Length>) -> Result<Figures, NoAnswer> {
+        Figures::at(pass, pass.max_step_over(self.tolerance, feed)?, feed)
     }
 }
 
-described!(StepOverRequest, single::schemas::<MaxStepOver>());
-described!(StepOverBatchRequest, batch::schemas::<MaxStepOver>());
+described!(StepOverRequest, single::describe_request::<MaxStepOver>);
+described!(StepOverAnswer, single::describe_answer::<MaxStepOver>);
+described!(StepOverBatchRequest, batch::describe_request::<MaxStepOver>);
+described!(StepOverBatchAnswer, batch::describe_answer::<MaxStepOver>);
 
 /// The largest step-over at one contact
 ///
@@ -63,7 +53,7 @@ described!(StepOverBatchRequest, batch::schemas::<MaxStepOver>());
     request_body = StepOverRequest,
     responses((status = 200, description = "The step-over, and the heights at it", body = StepOverAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<StepOverAnswer>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxStepOver>>, Problem> {
     single::answer::<MaxStepOver>(&body)
 }
 

@@ -14,7 +14,7 @@ mod warning;
 pub(crate) use confidence::ConfidenceCode;
 pub(crate) use fault::{FaultCode, RequestFault};
 pub(crate) use file::FileFault;
-pub(crate) use no_answer::{Figure, NoAnswerCode};
+pub(crate) use no_answer::{NoAnswerCode, ProblemFigure};
 pub(crate) use problem::{ProblemType, ServiceProblem};
 pub(crate) use warning::WarningCode;
 

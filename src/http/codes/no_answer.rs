@@ -21,7 +21,7 @@ codes! {
 
 /// A figure beside a problem: a member of its own, in mm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Figure {
+pub(crate) enum ProblemFigure {
     /// What the step-over alone leaves.
     StepOverHeight,
     /// The step-over that leaves just the tolerance.
@@ -34,7 +34,7 @@ pub(crate) enum Figure {
     FeedHeight,
 }
 
-impl Figure {
+impl ProblemFigure {
     /// The member's name on the wire, and what it is.
     pub(crate) fn entry(self) -> (&'static str, &'static str) {
         match self {
@@ -58,13 +58,13 @@ impl Figure {
 
 impl NoAnswerCode {
     /// The figures beside a problem of this type: those that are always there, and those that may be absent.
-    pub(crate) fn figures(self) -> (&'static [Figure], &'static [Figure]) {
+    pub(crate) fn figures(self) -> (&'static [ProblemFigure], &'static [ProblemFigure]) {
         match self {
-            Self::ToleranceExceeded => (&[Figure::StepOverHeight, Figure::MaxStepOver], &[]),
-            Self::PassesDoNotOverlap => (&[Figure::LargestStepOver], &[]),
-            Self::ToleranceSetsNoLimit => (&[], &[Figure::LargestStepOver]),
-            Self::Gouging => (&[], &[Figure::EffectiveRadius]),
-            Self::ToleranceExceededByFeed => (&[Figure::FeedHeight], &[]),
+            Self::ToleranceExceeded => (&[ProblemFigure::StepOverHeight, ProblemFigure::MaxStepOver], &[]),
+            Self::PassesDoNotOverlap => (&[ProblemFigure::LargestStepOver], &[]),
+            Self::ToleranceSetsNoLimit => (&[], &[ProblemFigure::LargestStepOver]),
+            Self::Gouging => (&[], &[ProblemFigure::EffectiveRadius]),
+            Self::ToleranceExceededByFeed => (&[ProblemFigure::FeedHeight], &[]),
             Self::FlatFloor
             | Self::MarksDoNotOverlap
             | Self::SharpEdge
@@ -74,24 +74,27 @@ impl NoAnswerCode {
     }
 
     /// The code of a cause, with its figures in mm.
-    pub(crate) fn of(cause: NoAnswer) -> (Self, Vec<(Figure, f64)>) {
+    pub(crate) fn of(cause: NoAnswer) -> (Self, Vec<(ProblemFigure, f64)>) {
         match cause {
             NoAnswer::FlatFloor => (Self::FlatFloor, Vec::new()),
             NoAnswer::PassesDoNotOverlap { largest_step_over } => {
-                (Self::PassesDoNotOverlap, vec![(Figure::LargestStepOver, largest_step_over.mm())])
+                (Self::PassesDoNotOverlap, vec![(ProblemFigure::LargestStepOver, largest_step_over.mm())])
             }
             NoAnswer::MarksDoNotOverlap { largest_mark_spacing: _ } => (Self::MarksDoNotOverlap, Vec::new()),
-            NoAnswer::Gouges { effective_radius } => (Self::Gouging, vec![(Figure::EffectiveRadius, effective_radius.mm())]),
+            NoAnswer::Gouges { effective_radius } => (Self::Gouging, vec![(ProblemFigure::EffectiveRadius, effective_radius.mm())]),
             NoAnswer::FlatGouges => (Self::Gouging, Vec::new()),
             NoAnswer::SharpEdge | NoAnswer::SharpEdgeOnCurve => (Self::SharpEdge, Vec::new()),
             NoAnswer::PassesCoincideFromAbove => (Self::PassesCoincideFromAbove, Vec::new()),
-            NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over } => {
-                (Self::ToleranceExceeded, vec![(Figure::StepOverHeight, step_over_height.mm()), (Figure::MaxStepOver, max_step_over.mm())])
+            NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over } => (
+                Self::ToleranceExceeded,
+                vec![(ProblemFigure::StepOverHeight, step_over_height.mm()), (ProblemFigure::MaxStepOver, max_step_over.mm())],
+            ),
+            NoAnswer::FeedUsesUpTolerance { feed_height } => {
+                (Self::ToleranceExceededByFeed, vec![(ProblemFigure::FeedHeight, feed_height.mm())])
             }
-            NoAnswer::FeedUsesUpTolerance { feed_height } => (Self::ToleranceExceededByFeed, vec![(Figure::FeedHeight, feed_height.mm())]),
             NoAnswer::RunoutUsesUpTolerance => (Self::ToleranceExceededByRunout, Vec::new()),
             NoAnswer::ToleranceLimitsNoStepOver { largest_step_over } => {
-                (Self::ToleranceSetsNoLimit, vec![(Figure::LargestStepOver, largest_step_over.mm())])
+                (Self::ToleranceSetsNoLimit, vec![(ProblemFigure::LargestStepOver, largest_step_over.mm())])
             }
             NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: _ } => (Self::ToleranceSetsNoLimit, Vec::new()),
         }
@@ -123,7 +126,7 @@ mod tests {
         ] {
             let (code, figures) = NoAnswerCode::of(cause);
             let (always, sometimes) = code.figures();
-            let has = |figure: &Figure| figures.iter().any(|(found, _)| found == figure);
+            let has = |figure: &ProblemFigure| figures.iter().any(|(found, _)| found == figure);
             assert!(always.iter().all(has), "{cause:?}");
             assert!(figures.iter().all(|(figure, _)| always.contains(figure) || sometimes.contains(figure)), "{cause:?}");
         }

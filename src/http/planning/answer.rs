@@ -1,9 +1,8 @@
 //! The answer of a cutter recommendation.
 
 use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster, candidates, line_degrees};
-use super::source::{Source, Sourced};
-use crate::http::calculation::Warning;
 use crate::http::codes::ConfidenceCode;
+use crate::http::wire::{Source, Sourced, Warning};
 use crate::planning::{Confidence, Level, Reason, Recommendation};
 use crate::quantity::{Angle, Area};
 use crate::surface::{Basis, Bounds, Shape};

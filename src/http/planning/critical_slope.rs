@@ -1,51 +1,49 @@
 //! `POST /v1/critical-slope`: the inclined rectangle, on which slope decides between the cutters.
 
-use super::bounded::Bounded;
 use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster, candidates};
-use super::job;
+use super::job::{self, JobMembers};
 use crate::http::body::JsonBody;
-use crate::http::calculation::Warning;
 use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::member::StatedLength;
-use crate::http::reading::{Faulted, Faults, Member, Object, ObjectSchema};
+use crate::http::reading::{Components, Faulted, Faults, Form, Members, Object, ObjectSchema, Quantity, members};
+use crate::http::wire::Warning;
 use crate::milling::NoAnswer;
 use crate::planning::{CriticalSlope, InclinedRectangle, Job, Plan, critical_slope, plan};
-use crate::quantity::{Angle, Area, FormFactor, OutOfRange};
+use crate::quantity::{Angle, Area, FormFactor, Length, OutOfRange};
 use axum::Json;
 use serde::Serialize;
 use utoipa::ToSchema;
 use utoipa::openapi::{RefOr, Schema};
 
-const WIDTH: Member<StatedLength> = Member {
-    name: "width_mm",
-    about: "w, the rectangle's long side, which is level; with height_mm, or give form_factor and characteristic_size_mm2",
-    kind: StatedLength { example: 56.0 },
-};
-const HEIGHT: Member<StatedLength> = Member {
-    name: "height_mm",
-    about: "h, the side up the slope, at most the width; with width_mm, or give form_factor and characteristic_size_mm2",
-    kind: StatedLength { example: 28.0 },
-};
-const FORM_FACTOR: Member<Bounded<FormFactor>> = Member {
-    name: "form_factor",
-    about: "mu = w/h; with characteristic_size_mm2, or give width_mm and height_mm",
-    kind: Bounded { minimum: 1.0, maximum: FormFactor::LARGEST, example: 2.0, of: FormFactor::new },
-};
-const CHARACTERISTIC_SIZE: Member<Bounded<Area>> = Member {
-    name: "characteristic_size_mm2",
-    about: "chi = w h; with form_factor, or give width_mm and height_mm",
-    kind: Bounded { minimum: Area::SMALLEST, maximum: Area::LARGEST, example: 1568.0, of: Area::from_mm2 },
-};
-const SLOPE: Member<Bounded<Angle>> = Member {
-    name: "slope_deg",
-    about: "s, the rectangle's slope, 0 (floor) to 90 (wall); with it the answer has the candidates, too",
-    kind: Bounded { minimum: 0.0, maximum: 90.0, example: 60.0, of: slope },
-};
-
 fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
     Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?)
+}
+
+members! {
+    /// A rectangle by its sides.
+    struct Sides {
+        width: required WIDTH: Quantity<Length> = ("width_mm", Quantity::length(56.0),
+            "w, the rectangle's long side, which is level; with height_mm, or give form_factor and characteristic_size_mm2"),
+        height: required HEIGHT: Quantity<Length> = ("height_mm", Quantity::length(28.0),
+            "h, the side up the slope, at most the width; with width_mm, or give form_factor and characteristic_size_mm2"),
+    }
+}
+members! {
+    /// A rectangle by its form and size.
+    struct FormAndSize {
+        form_factor: required FORM_FACTOR: Quantity<FormFactor> = ("form_factor", Quantity::new(FormFactor::new, 2.0),
+            "mu = w/h; with characteristic_size_mm2, or give width_mm and height_mm"),
+        size: required CHARACTERISTIC_SIZE: Quantity<Area> = ("characteristic_size_mm2", Quantity::new(Area::from_mm2, 1568.0),
+            "chi = w h; with form_factor, or give width_mm and height_mm"),
+    }
+}
+members! {
+    /// The slope at which the candidates are compared.
+    struct SlopeMembers {
+        slope: optional SLOPE: Quantity<Angle> = ("slope_deg", Quantity::new(slope, 60.0),
+            "s, the rectangle's slope, 0 (floor) to 90 (wall); with it the answer has the candidates, too"),
+    }
 }
 
 /// The slope at which both cutters finish an inclined rectangle in the same time.
@@ -112,12 +110,11 @@ fn wide_step_over(plan: &Plan, job: &Job) -> Option<Warning> {
     })
 }
 
-described!(CriticalSlopeRequest, schemas());
+described!(CriticalSlopeRequest, describe_request);
 
-fn schemas() -> Vec<(String, RefOr<Schema>)> {
-    let schema = job::describe(ObjectSchema::new("an inclined rectangle, by its sides or by its form, and the job"));
-    let schema = schema.optional(&WIDTH).optional(&HEIGHT).optional(&FORM_FACTOR).optional(&CHARACTERISTIC_SIZE).optional(&SLOPE);
-    vec![("CriticalSlopeRequest".to_owned(), schema.build())]
+fn describe_request(components: &mut Components) -> RefOr<Schema> {
+    let schema = ObjectSchema::new("An inclined rectangle, by its sides or by its form, and the job", components).with::<JobMembers>();
+    schema.with_form::<Sides>().with_form::<FormAndSize>().with::<SlopeMembers>().build()
 }
 
 /// The critical slope of an inclined rectangle
@@ -133,7 +130,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
     body.read(|object, faults| {
         let job = job::read(object, faults);
         let rectangle = rectangle(object, faults);
-        let slope = object.optional(&SLOPE, faults);
+        let SlopeMembers { slope } = SlopeMembers::read(object, faults);
         let (job, rectangle) = (job?, rectangle?);
         let answer = match slope? {
             None => critical_slope(&job, rectangle).map(CriticalSlopeAnswer::without_slope),
@@ -141,7 +138,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
         };
         answer.map_err(|cause| {
             let detail = format_args!("the toroidal cutter up the slope: {cause}");
-            faults.push(job::no_answer(cause, detail, &object.place().member(to_blame(cause))))
+            faults.push(job::no_answer(cause, detail, &object.path().member(to_blame(cause))))
         })
     })
     .map(Json)
@@ -154,32 +151,13 @@ fn to_blame(cause: NoAnswer) -> &'static str {
 
 /// Takes the rectangle, by its sides or by its form.
 fn rectangle(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<InclinedRectangle, Faulted> {
-    let by_sides = object.has(WIDTH.name) || object.has(HEIGHT.name);
-    let by_form = object.has(FORM_FACTOR.name) || object.has(CHARACTERISTIC_SIZE.name);
-    match (by_sides, by_form) {
-        (true, false) => {
-            let (width, height) = (object.required(&WIDTH, faults), object.required(&HEIGHT, faults));
-            InclinedRectangle::from_sides(width?, height?)
-                .map_err(|error| faults.add(&object.place().member(HEIGHT.name), RequestFault::HeightExceedsWidth, error))
-        }
-        (false, true) => {
-            let (mu, chi) = (object.required(&FORM_FACTOR, faults), object.required(&CHARACTERISTIC_SIZE, faults));
-            InclinedRectangle::from_form(mu?, chi?).map_err(|bounds| {
-                let detail = format_args!("each side, sqrt(mu chi) and sqrt(chi/mu), {bounds} mm");
-                faults.add(&object.place().member(CHARACTERISTIC_SIZE.name), RequestFault::OutOfRange, detail)
-            })
-        }
-        (true, true) => {
-            // Both forms are read for the faults in them.
-            let _ = (object.optional(&WIDTH, faults), object.optional(&HEIGHT, faults));
-            let _ = (object.optional(&FORM_FACTOR, faults), object.optional(&CHARACTERISTIC_SIZE, faults));
-            let detail = "give width_mm and height_mm, or form_factor and characteristic_size_mm2, not both";
-            Err(faults.add(&object.place(), RequestFault::ConflictingFields, detail))
-        }
-        (false, false) => Err(faults.add(
-            &object.place(),
-            RequestFault::MissingField,
-            "give width_mm and height_mm, or form_factor and characteristic_size_mm2",
-        )),
+    let path = object.path();
+    match object.one_of("give width_mm and height_mm, or form_factor and characteristic_size_mm2", faults)? {
+        Form::First(Sides { width, height }) => InclinedRectangle::from_sides(width?, height?)
+            .map_err(|error| faults.add(&path.member(HEIGHT.name), RequestFault::HeightExceedsWidth, error)),
+        Form::Second(FormAndSize { form_factor, size }) => InclinedRectangle::from_form(form_factor?, size?).map_err(|bounds| {
+            let detail = format_args!("each side, sqrt(mu chi) and sqrt(chi/mu), {bounds} mm");
+            faults.add(&path.member(CHARACTERISTIC_SIZE.name), RequestFault::OutOfRange, detail)
+        }),
     }
 }

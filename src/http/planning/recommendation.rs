@@ -2,31 +2,28 @@
 //! surface, and the way from a surface to an answer.
 
 use super::answer::RecommendationAnswer;
-use super::job;
-use super::source::Sourced;
-use super::stated_surface::{self, SURFACE};
+use super::job::{self, JobMembers};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::member::Choice;
-use crate::http::reading::{Fault, Faulted, Faults, Member, Object, ObjectSchema, Place};
+use crate::http::reading::{Choice, Components, Fault, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, members};
+use crate::http::wire::{SURFACE, Sourced};
 use crate::http::worker_pool::Work;
 use crate::milling::NoAnswer;
 use crate::planning::{Job, PlanError, recommend};
 use crate::surface::{Facing, ShapeError, Unit};
 use utoipa::openapi::{RefOr, Schema};
 
-const UNIT: Member<Choice<Unit>> = Member {
-    name: "unit",
-    about: "the unit of the surface's coordinates; absent = mm",
-    kind: Choice { words: &[("mm", Unit::Millimetre), ("cm", Unit::Centimetre), ("m", Unit::Metre), ("inch", Unit::Inch)] },
-};
-const FACING: Member<Choice<Facing>> = Member {
-    name: "facing",
-    about: "which facets count: up (default), those whose normal points up, which a cutter from above reaches; any, all of them. Points and patches have no sides",
-    kind: Choice { words: &[("up", Facing::Up), ("any", Facing::Any)] },
-};
+members! {
+    /// How the surface is taken.
+    struct SurfaceOptions {
+        unit: optional UNIT: Choice<Unit> = ("unit", Choice { name: Some("Unit"), words: &[("mm", Unit::Millimetre), ("cm", Unit::Centimetre), ("m", Unit::Metre), ("inch", Unit::Inch)] },
+            "the unit of the surface's coordinates; absent = mm"),
+        facing: optional FACING: Choice<Facing> = ("facing", Choice { name: Some("Facing"), words: &[("up", Facing::Up), ("any", Facing::Any)] },
+            "which facets count: up (default), those whose normal points up, which a cutter from above reaches; any, all of them. Points and patches have no sides"),
+    }
+}
 
 /// What is asked beside the surface.
 #[derive(Debug, Clone, Copy)]
@@ -40,20 +37,20 @@ impl Parameters {
     /// Takes the parameters out of `object`, which may have the surface, too.
     pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let job = job::read(object, faults);
-        let (unit, facing) = (object.optional(&UNIT, faults), object.optional(&FACING, faults));
+        let SurfaceOptions { unit, facing } = SurfaceOptions::read(object, faults);
         Ok(Self { job: job?, unit: unit?.unwrap_or_default(), facing: facing?.unwrap_or_default() })
     }
 
     /// Adds these members to a request's schema.
-    pub(super) fn describe(schema: ObjectSchema) -> ObjectSchema {
-        job::describe(schema).optional(&UNIT).optional(&FACING)
+    pub(super) fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+        schema.with::<JobMembers>().with::<SurfaceOptions>()
     }
 
-    /// The answer for a surface that was sent at `place`.
-    pub(super) fn answer(&self, sourced: &Sourced, place: &Place<'_>, faults: &mut Faults) -> Result<RecommendationAnswer, Faulted> {
+    /// The answer for a surface that was sent at `path`.
+    pub(super) fn answer(&self, sourced: &Sourced, path: &JsonPath<'_>, faults: &mut Faults) -> Result<RecommendationAnswer, Faulted> {
         let shape = sourced.surface.shape(self.unit, self.facing);
-        let shape = shape.map_err(|error| faults.add(place, shape_code(error), error))?;
-        let recommendation = recommend(&self.job, &shape).map_err(|error| faults.push(plan_fault(error, place)))?;
+        let shape = shape.map_err(|error| faults.add(path, shape_code(error), error))?;
+        let recommendation = recommend(&self.job, &shape).map_err(|error| faults.push(plan_fault(error, path)))?;
         Ok(RecommendationAnswer::new(&recommendation, &shape, sourced))
     }
 }
@@ -68,21 +65,19 @@ fn shape_code(error: ShapeError) -> RequestFault {
     }
 }
 
-fn plan_fault(error: PlanError, place: &Place<'_>) -> Fault {
+fn plan_fault(error: PlanError, path: &JsonPath<'_>) -> Fault {
     match error {
-        PlanError::Size(_) => Fault::new(place, RequestFault::SizeOutOfRange, error),
-        PlanError::Toroidal(cause @ NoAnswer::FlatFloor) => job::no_answer(cause, error, place),
-        PlanError::Toroidal(cause) => job::no_answer(cause, error, &Place::Root.member(job::SCALLOP_HEIGHT.name)),
+        PlanError::Size(_) => Fault::new(path, RequestFault::SizeOutOfRange, error),
+        PlanError::Toroidal(cause @ NoAnswer::FlatFloor) => job::no_answer(cause, error, path),
+        PlanError::Toroidal(cause) => job::no_answer(cause, error, &JsonPath::Root.member(job::SCALLOP_HEIGHT.name)),
     }
 }
 
-described!(RecommendationRequest, schemas());
+described!(RecommendationRequest, describe_request);
 
-fn schemas() -> Vec<(String, RefOr<Schema>)> {
-    let schema = ObjectSchema::new("a surface, two cutters to compare on it, and the machine").required(&SURFACE);
-    let mut schemas = vec![("RecommendationRequest".to_owned(), Parameters::describe(schema).build())];
-    schemas.extend(stated_surface::schemas());
-    schemas
+fn describe_request(components: &mut Components) -> RefOr<Schema> {
+    let schema = ObjectSchema::new("A surface, two cutters to compare on it, and the machine", components);
+    Parameters::describe(schema.required(&SURFACE)).build()
 }
 
 /// The cutter for a surface
@@ -102,7 +97,7 @@ fn work_out(body: &JsonBody) -> Result<WrittenJson, Problem> {
     let answer = body.read(|object, faults| {
         let parameters = Parameters::read(object, faults);
         let surface = object.required(&SURFACE, faults);
-        parameters?.answer(&surface?, &object.place().member(SURFACE.name), faults)
+        parameters?.answer(&surface?, &object.path().member(SURFACE.name), faults)
     })?;
     WrittenJson::of(&answer)
 }

@@ -4,44 +4,38 @@
 use super::answer::RecommendationAnswer;
 use super::multipart::{Form, Head};
 use super::recommendation::Parameters;
-use super::source::Sourced;
-use super::stated_surface::SURFACE;
 use crate::http::body::{WrittenJson, read_text};
 use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
-use crate::http::reading::{Fault, Faulted, Faults, ObjectSchema, Place};
+use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
+use crate::http::wire::{SURFACE, Sourced};
 use crate::http::worker_pool::Work;
 use crate::surface::SampledSurface;
 use crate::surface::read::{self, Format, Hint, Lot, Reader};
 use axum::body::Bytes;
 use axum::extract::State;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use utoipa::openapi::schema::{AdditionalProperties, KnownFormat, ObjectBuilder, SchemaFormat, Type};
-use utoipa::openapi::{Ref, RefOr, Schema};
+use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, SchemaFormat, Type};
+use utoipa::openapi::{RefOr, Schema};
 
 const PARAMETERS: &str = "parameters";
 
 /// Parameters are some hundred bytes; a part of this size holds something else.
 const LARGEST_PARAMETERS: usize = 1 << 16;
 
-described!(UploadRequest, schemas());
+described!(UploadRequest, describe_request);
 
-fn schemas() -> Vec<(String, RefOr<Schema>)> {
+fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
         "the file: points in text (CSV, TSV, XYZ), STL, OBJ or PLY. Its content shows the format; the part's type and file name help where it does not",
     ));
-    let form = ObjectBuilder::new()
-        .schema_type(Type::Object)
-        .description(Some("a surface file and the parameters, in either order"))
-        .property(SURFACE.name, file)
-        .required(SURFACE.name)
-        .property(PARAMETERS, Ref::from_schema_name("RecommendationParameters"))
-        .required(PARAMETERS)
-        .additional_properties(Some(AdditionalProperties::FreeForm(false)));
-    let parameters = Parameters::describe(ObjectSchema::new("two cutters to compare on a surface, and the machine")).build();
-    vec![("UploadRequest".to_owned(), Schema::Object(form.build()).into()), ("RecommendationParameters".to_owned(), parameters)]
+    let parameters = components.refer("RecommendationParameters", "", |components| {
+        Parameters::describe(ObjectSchema::new("Two cutters to compare on a surface, and the machine", components)).build()
+    });
+    let form = ObjectSchema::new("A surface file and the parameters, in either order", components);
+    form.required_property(SURFACE.name, file).required_property(PARAMETERS, parameters).build()
 }
 
 /// The cutter for a surface in a file
@@ -83,7 +77,7 @@ impl Received {
     }
 
     fn refuse_part(&mut self, name: Option<&str>) {
-        let root = Place::Root;
+        let root = JsonPath::Root;
         let fault = match name {
             Some(name) if name == SURFACE.name || name == PARAMETERS => {
                 Fault::new(&root.member(name), RequestFault::RepeatedField, "the part is given more than once")
@@ -98,14 +92,14 @@ impl Received {
         let Some(parameters) = &self.parameters else {
             let mut faults = Faults::default();
             let _ = self.surface(&mut faults);
-            let place = Place::Root.member(PARAMETERS);
-            faults.add(&place, RequestFault::MissingField, "the part is missing: the job and the machine, as JSON");
+            let path = JsonPath::Root.member(PARAMETERS);
+            faults.add(&path, RequestFault::MissingField, "the part is missing: the job and the machine, as JSON");
             return Err(Problem::faulty_request(faults));
         };
         let answer = read_text(parameters, |object, faults| {
             let parameters = Parameters::read(object, faults);
             let surface = self.surface(faults);
-            parameters?.answer(surface?, &Place::Root.member(SURFACE.name), faults)
+            parameters?.answer(surface?, &JsonPath::Root.member(SURFACE.name), faults)
         });
         WrittenJson::of(&answer?)
     }
@@ -115,11 +109,11 @@ impl Received {
         for fault in &self.faults {
             faults.push(fault.clone());
         }
-        let place = Place::Root.member(SURFACE.name);
+        let path = JsonPath::Root.member(SURFACE.name);
         match &self.surface {
             Some(Ok(surface)) => Ok(surface),
-            Some(Err(fault)) => Err(faults.add(&place, FileFault::from(fault.kind()), fault)),
-            None => Err(faults.add(&place, RequestFault::MissingField, "the part is missing: the file with the surface")),
+            Some(Err(fault)) => Err(faults.add(&path, FileFault::from(fault.kind()), fault)),
+            None => Err(faults.add(&path, RequestFault::MissingField, "the part is missing: the file with the surface")),
         }
     }
 }

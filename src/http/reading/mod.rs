@@ -1,12 +1,20 @@
-//! Reads the JSON of requests. Every fault of a request is found and placed in one go, so nothing here stops at the first; and
-//! what is read is described to the API document by the same constants.
+//! Reads the JSON of requests and collects all faults with their places. What is read is described to the API document by the same
+//! constants.
 
-mod fault;
-pub(crate) mod member;
+mod array;
+mod faults;
+mod json_path;
+mod kinds;
+mod member;
+mod members;
 mod object;
 mod schema;
 
-pub(crate) use fault::{Fault, Faulted, Faults, Place};
-pub(crate) use member::{Kind, Member};
+pub(crate) use array::{each, each_raw, for_runs_of_items, items};
+pub(crate) use faults::{Fault, Faulted, Faults};
+pub(crate) use json_path::JsonPath;
+pub(crate) use kinds::{Choice, Quantity, Vector, Whole, number, text};
+pub(crate) use member::{Kind, Member, PlainKind, WireObject};
+pub(crate) use members::{Form, Members, PlainMembers, members};
 pub(crate) use object::{Object, describe};
-pub(crate) use schema::ObjectSchema;
+pub(crate) use schema::{AddMembers, Components, ObjectSchema};

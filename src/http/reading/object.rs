@@ -1,16 +1,15 @@
-//! Reads a JSON object member by member, with all its faults and their places.
+//! A JSON object, read member by member with all its faults.
 
-use super::member::{Kind, Member};
-use super::{Faulted, Faults, Place};
+use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members};
 use crate::http::codes::RequestFault;
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde_json::value::RawValue;
 use std::borrow::Cow;
 use std::fmt;
 
-/// A JSON object whose members are taken out one by one. What is left at the end is unknown.
+/// A JSON object whose members are taken one by one. Those that are left at the end are unknown.
 pub(crate) struct Object<'a, 'p> {
-    place: Place<'p>,
+    path: JsonPath<'p>,
     members: Vec<(Cow<'a, str>, &'a RawValue)>,
     unkept: usize,
     known: Vec<&'static str>,
@@ -18,32 +17,32 @@ pub(crate) struct Object<'a, 'p> {
 
 impl<'a, 'p> Object<'a, 'p> {
     /// Opens `raw`, at `place`, as an object.
-    pub(crate) fn open(raw: &'a RawValue, place: Place<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
+    pub(crate) fn open(raw: &'a RawValue, path: JsonPath<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
         if !raw.get().starts_with('{') {
-            return Err(faults.add(&place, RequestFault::WrongType, format_args!("expected an object, found {}", describe(raw))));
+            return Err(faults.add(&path, RequestFault::WrongType, format_args!("expected an object, found {}", describe(raw))));
         }
-        match serde_json::from_str::<Members<'a>>(raw.get()) {
-            Ok(members) => Ok(Self::of(members, place)),
-            Err(error) => Err(faults.add(&place, RequestFault::Unreadable, error)),
+        match serde_json::from_str::<RawMembers<'a>>(raw.get()) {
+            Ok(members) => Ok(Self::of(members, path)),
+            Err(error) => Err(faults.add(&path, RequestFault::Unreadable, error)),
         }
     }
 
     /// Opens a whole body as an object; the outer error is that it is not JSON.
     pub(crate) fn open_body(json: &'a [u8], faults: &mut Faults) -> Result<Result<Self, Faulted>, serde_json::Error> {
         // To read the members is to check the syntax of the whole; only what cannot be read so is gone through again.
-        match serde_json::from_slice::<Members<'a>>(json) {
-            Ok(members) => Ok(Ok(Self::of(members, Place::Root))),
-            Err(_) => Ok(Self::open(serde_json::from_slice(json)?, Place::Root, faults)),
+        match serde_json::from_slice::<RawMembers<'a>>(json) {
+            Ok(members) => Ok(Ok(Self::of(members, JsonPath::Root))),
+            Err(_) => Ok(Self::open(serde_json::from_slice(json)?, JsonPath::Root, faults)),
         }
     }
 
-    fn of(members: Members<'a>, place: Place<'p>) -> Self {
-        Self { place, members: members.kept, unkept: members.unkept, known: Vec::with_capacity(12) }
+    fn of(members: RawMembers<'a>, path: JsonPath<'p>) -> Self {
+        Self { path, members: members.kept, unkept: members.unkept, known: Vec::with_capacity(12) }
     }
 
-    /// Where the object is.
-    pub(crate) fn place(&self) -> Place<'p> {
-        self.place
+    /// The path to the object.
+    pub(crate) fn path(&self) -> JsonPath<'p> {
+        self.path
     }
 
     /// Whether a member is there and not yet taken.
@@ -57,7 +56,7 @@ impl<'a, 'p> Object<'a, 'p> {
         let found = self.members.iter().position(|(key, _)| key == name).map(|index| self.members.remove(index).1);
         while let Some(again) = self.members.iter().position(|(key, _)| key == name) {
             self.members.remove(again);
-            faults.add(&self.place.member(name), RequestFault::RepeatedField, "the field is given more than once");
+            faults.add(&self.path.member(name), RequestFault::RepeatedField, "the field is given more than once");
         }
         found
     }
@@ -67,7 +66,7 @@ impl<'a, 'p> Object<'a, 'p> {
         match self.optional(member, faults)? {
             Some(value) => Ok(value),
             None => Err(faults.add(
-                &self.place.member(member.name),
+                &self.path.member(member.name),
                 RequestFault::MissingField,
                 format_args!("the field is missing: {}", member.about),
             )),
@@ -79,25 +78,41 @@ impl<'a, 'p> Object<'a, 'p> {
         let Some(raw) = self.take(member.name, faults) else {
             return Ok(None);
         };
-        member.kind.read(raw, self.place.member(member.name), faults).map(Some)
+        member.kind.read(raw, self.path.member(member.name), faults).map(Some)
     }
 
-    /// Ends the reading: what was not taken is unknown.
+    /// Takes the members of one of two forms of an object. `forms` names the members of both, for the fault that none or both are there.
+    pub(crate) fn one_of<A: Members, B: Members>(&mut self, forms: &str, faults: &mut Faults) -> Result<Form<A, B>, Faulted> {
+        let [first, second] = [A::NAMES, B::NAMES].map(|names| names.iter().any(|name| self.has(name)));
+        match (first, second) {
+            (true, false) => Ok(Form::First(A::read(self, faults))),
+            (false, true) => Ok(Form::Second(B::read(self, faults))),
+            (true, true) => {
+                // Both forms are read for the faults in them.
+                A::check(self, faults);
+                B::check(self, faults);
+                Err(faults.add(&self.path, RequestFault::ConflictingFields, format_args!("{forms}, not both")))
+            }
+            (false, false) => Err(faults.add(&self.path, RequestFault::MissingField, forms)),
+        }
+    }
+
+    /// Ends the reading: members that were not taken are unknown.
     pub(crate) fn close(self, faults: &mut Faults) -> Result<(), Faulted> {
         let mut result = Ok(());
         if self.unkept > 0 {
-            let detail = format!("the object has {} fields more than the {} that are looked at", self.unkept, Members::MOST);
-            result = Err(faults.add(&self.place, RequestFault::TooManyFields, detail));
+            let detail = format!("the object has {} fields more than the {} that are looked at", self.unkept, RawMembers::MOST);
+            result = Err(faults.add(&self.path, RequestFault::TooManyFields, detail));
         }
         for (name, _) in &self.members {
             let detail = format_args!("unknown field; known here: {}", self.known.join(", ")).to_string();
-            result = Err(faults.add(&self.place.member(name), RequestFault::UnknownField, detail));
+            result = Err(faults.add(&self.path.member(name), RequestFault::UnknownField, detail));
         }
         result
     }
 }
 
-/// What a JSON text is, for a person who expected something else.
+/// Describes a JSON text to a person who expected another.
 pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
     const SHOWN: usize = 40;
     let text = raw.get();
@@ -116,35 +131,35 @@ pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
 }
 
 /// The members of an object in the order sent, their values unread.
-struct Members<'a> {
+struct RawMembers<'a> {
     kept: Vec<(Cow<'a, str>, &'a RawValue)>,
     unkept: usize,
 }
 
-impl Members<'_> {
+impl RawMembers<'_> {
     /// No object has a tenth of this many known members; beyond it they are counted, so that a hostile body takes no more memory than it is long.
     const MOST: usize = 256;
 }
 
-impl<'de> Deserialize<'de> for Members<'de> {
+impl<'de> Deserialize<'de> for RawMembers<'de> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Collect;
         impl<'de> Visitor<'de> for Collect {
-            type Value = Members<'de>;
+            type Value = RawMembers<'de>;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("an object")
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let mut kept = Vec::with_capacity(8);
-                while kept.len() < Members::MOST {
-                    let Some((Name(name), value)) = map.next_entry()? else { return Ok(Members { kept, unkept: 0 }) };
+                while kept.len() < RawMembers::MOST {
+                    let Some((Name(name), value)) = map.next_entry()? else { return Ok(RawMembers { kept, unkept: 0 }) };
                     kept.push((name, value));
                 }
                 let mut unkept = 0;
                 while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {
                     unkept += 1;
                 }
-                Ok(Members { kept, unkept })
+                Ok(RawMembers { kept, unkept })
             }
         }
         deserializer.deserialize_map(Collect)
@@ -182,11 +197,11 @@ mod tests {
         let body = format!("{{{}}}", (0..1000).map(|index| format!("\"m{index}\":{index}")).collect::<Vec<_>>().join(","));
         let raw: &RawValue = serde_json::from_str(&body).unwrap();
         let mut faults = Faults::default();
-        let object = Object::open(raw, Place::Root, &mut faults).unwrap();
-        assert_eq!(object.members.len(), Members::MOST);
+        let object = Object::open(raw, JsonPath::Root, &mut faults).unwrap();
+        assert_eq!(object.members.len(), RawMembers::MOST);
         assert_eq!(object.close(&mut faults), Err(Faulted));
         let listed = faults.into_listed();
-        assert_eq!(listed.len(), 1 + Members::MOST);
+        assert_eq!(listed.len(), 1 + RawMembers::MOST);
         assert!(listed[0].detail.contains("744 fields more"), "{}", listed[0].detail);
     }
 }

@@ -1,33 +1,87 @@
-//! Schemas of request objects, put together from the members that the readers take.
+//! Schemas of request objects, built from the members that the readers take, and the named schemas to which they refer.
 
-use super::{Kind, Member};
-use utoipa::openapi::schema::{AdditionalProperties, Object, ObjectBuilder, Type};
+use super::{Kind, Member, Members};
+use utoipa::ToSchema;
+use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, RefBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// The schema of an object that takes its members and no others.
-pub(crate) struct ObjectSchema(ObjectBuilder);
+/// Schemas with names, each added where it is first referred to.
+#[derive(Default)]
+pub(crate) struct Components(Vec<(String, RefOr<Schema>)>);
 
-impl ObjectSchema {
-    pub(crate) fn new(about: &str) -> Self {
-        Self(
-            ObjectBuilder::new()
-                .schema_type(Type::Object)
-                .description(Some(about))
-                .additional_properties(Some(AdditionalProperties::FreeForm(false))),
-        )
+impl Components {
+    /// A reference to the schema `name`, which `build` describes; `about` describes the place of use.
+    pub(crate) fn refer(&mut self, name: &str, about: &str, build: impl FnOnce(&mut Self) -> RefOr<Schema>) -> RefOr<Schema> {
+        if !self.0.iter().any(|(known, _)| known == name) {
+            let schema = build(self);
+            self.0.push((name.to_owned(), schema));
+        }
+        RefBuilder::new().ref_location_from_schema_name(name).description((!about.is_empty()).then_some(about)).build().into()
+    }
+
+    /// A reference to the schema of a type that derives it.
+    pub(crate) fn refer_type<T: ToSchema>(&mut self) -> RefOr<Schema> {
+        let name = T::name();
+        self.refer(&name, "", |components| {
+            T::schemas(&mut components.0);
+            T::schema()
+        })
+    }
+
+    pub(crate) fn into_named(self) -> Vec<(String, RefOr<Schema>)> {
+        self.0
+    }
+}
+
+/// Adds members to a schema.
+pub(crate) type AddMembers = fn(ObjectSchema<'_>) -> ObjectSchema<'_>;
+
+/// The schema of an object that takes its members and no others.
+pub(crate) struct ObjectSchema<'c> {
+    builder: ObjectBuilder,
+    components: &'c mut Components,
+}
+
+impl<'c> ObjectSchema<'c> {
+    pub(crate) fn new(about: &str, components: &'c mut Components) -> Self {
+        let builder = ObjectBuilder::new().schema_type(Type::Object).description(Some(about));
+        Self { builder: builder.additional_properties(Some(AdditionalProperties::FreeForm(false))), components }
     }
 
     /// With a member that must be there.
     pub(crate) fn required<K: Kind>(self, member: &Member<K>) -> Self {
-        Self(self.0.property(member.name, member.kind.schema(member.about)).required(member.name))
+        let Self { builder, components } = self.optional(member);
+        Self { builder: builder.required(member.name), components }
     }
 
     /// With a member that may be absent.
     pub(crate) fn optional<K: Kind>(self, member: &Member<K>) -> Self {
-        Self(self.0.property(member.name, member.kind.schema(member.about)))
+        let schema = member.kind.schema(member.about, self.components);
+        self.property(member.name, schema)
+    }
+
+    /// With a member of the schema `schema` that may be absent.
+    pub(crate) fn property(self, name: &str, schema: impl Into<RefOr<Schema>>) -> Self {
+        Self { builder: self.builder.property(name, schema), components: self.components }
+    }
+
+    /// With a member of the schema `schema` that must be there.
+    pub(crate) fn required_property(self, name: &str, schema: impl Into<RefOr<Schema>>) -> Self {
+        let Self { builder, components } = self.property(name, schema);
+        Self { builder: builder.required(name), components }
+    }
+
+    /// With the members `M`.
+    pub(crate) fn with<M: Members>(self) -> Self {
+        M::describe(self)
+    }
+
+    /// With the members `M`, all of which may be absent: a form beside another.
+    pub(crate) fn with_form<M: Members>(self) -> Self {
+        M::describe_form(self)
     }
 
     pub(crate) fn build(self) -> RefOr<Schema> {
-        RefOr::T(Schema::Object(Object::from(self.0)))
+        self.builder.into()
     }
 }

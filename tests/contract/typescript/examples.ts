@@ -31,8 +31,27 @@ export function share(answer: Answer<"/v1/scallop-height">): number | undefined 
   return answer.feed_share;
 }
 
+type Refusal<Path extends keyof paths> = paths[Path] extends { post: { responses: { 422: { content: { "application/problem+json": infer Body } } } } } ? Body : never;
+
 export function firstFault(problem: components["schemas"]["Problem"]): string | undefined {
   return problem.errors?.[0]?.pointer;
 }
+
+// Codes are closed sets: the compiler knows the names, and the figures of each type of problem.
+export function wayOut(problem: Refusal<"/v1/max-feed">): number | undefined {
+  return problem.type === "tolerance-exceeded" ? problem.max_step_over_mm : undefined;
+}
+
+export function isFloor(answer: Answer<"/v1/max-feed/batch">): boolean {
+  return answer.failures.some((failure) => failure.code === "flat-floor");
+}
+
+// @ts-expect-error: no warning has this code
+export const unknown: components["schemas"]["WarningCode"] = "feed-too-funny";
+
+// Operations share the types of their objects.
+export const runout: components["schemas"]["Runout"] = { radial_mm: 0.005 };
+export const machine: components["schemas"]["Machine"] = { preset: "five_axis_vmc" };
+export const withRunout: Request<"/v1/step-over"> = { ...stepOver, runout, model: height.model };
 
 export { batch, height, incomplete, stepOver };

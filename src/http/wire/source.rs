@@ -1,6 +1,6 @@
-//! Where a surface came from, and what must be said of how it was read.
+//! A surface with the form in which it was sent, and the warnings about how it was read.
 
-use crate::http::calculation::Warning;
+use super::Warning;
 use crate::http::codes::WarningCode;
 use crate::surface::read::{Format, Notes};
 use crate::surface::{Basis, SampledSurface, Shape};
@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 /// In which form a surface was sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Source {
+pub(crate) enum Source {
     /// JSON points.
     Points,
     /// A JSON grid.
@@ -49,21 +49,21 @@ impl From<Format> for Source {
 
 /// A surface with its source.
 #[derive(Debug)]
-pub(super) struct Sourced {
-    pub(super) surface: SampledSurface,
-    pub(super) source: Source,
+pub(crate) struct Sourced {
+    pub(crate) surface: SampledSurface,
+    pub(crate) source: Source,
     /// What the reader of a file left out, or took although it looks odd.
-    pub(super) notes: Notes,
+    pub(crate) notes: Notes,
 }
 
 impl Sourced {
     /// A surface out of a JSON request, of which nothing is left out.
-    pub(super) fn stated(surface: SampledSurface, source: Source) -> Self {
+    pub(crate) fn stated(surface: SampledSurface, source: Source) -> Self {
         Self { surface, source, notes: Notes::default() }
     }
 
     /// What must be looked at in how the surface was taken.
-    pub(super) fn warnings(&self, shape: &Shape) -> Vec<Warning> {
+    pub(crate) fn warnings(&self, shape: &Shape) -> Vec<Warning> {
         let of_facets = [self.degenerate_facets(), self.left_out_facets(shape), of_basis(shape.basis)];
         of_facets.into_iter().flatten().chain(of_notes(self.notes)).collect()
     }

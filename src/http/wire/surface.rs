@@ -1,17 +1,18 @@
-//! The wire form of a surface: points, a grid, or a Bezier patch.
+//! Surfaces in JSON: points, a grid, or a Bezier patch.
 
-use super::points::{Points, each_point, each_raw, point, point_schema};
+use super::points::{Points, each_point, point, point_schema};
 use super::source::{Source, Sourced};
 use crate::http::codes::RequestFault;
-use crate::http::reading::member::Whole;
-use crate::http::reading::{Faulted, Faults, Kind, Member, Object, ObjectSchema, Place};
+use crate::http::reading::{
+    AddMembers, Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
+};
 use crate::surface::{Bezier, BezierError, Grid, GridError, SampledSurface, Sink};
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
-use utoipa::openapi::{Ref, RefOr, Schema};
+use utoipa::openapi::{RefOr, Schema};
 
 /// The member `surface`.
-pub(super) const SURFACE: Member<StatedSurface> =
+pub(crate) const SURFACE: Member<StatedSurface> =
     Member { name: "surface", about: "the surface: points, a grid of them, or a Bezier patch", kind: StatedSurface };
 const POINTS: Member<Points> =
     Member { name: "points", about: "sample points [x, y, z] spread evenly over the surface, in any order", kind: Points };
@@ -23,11 +24,6 @@ const COLUMNS: Member<Whole> =
 const GRID_POINTS: Member<Points> =
     Member { name: "points", about: "the points [x, y, z], row after row; rows times columns of them", kind: Points };
 const BEZIER: Member<BezierKind> = Member { name: "bezier", about: "a tensor-product Bezier patch", kind: BezierKind };
-const CONTROL_POINTS: Member<Net> = Member {
-    name: "control_points",
-    about: "the control points [x, y, z], row after row: 2 to 20 rows of 2 to 20 points, all rows alike",
-    kind: Net,
-};
 const SAMPLES: Member<Whole> = Member {
     name: "samples",
     about: "how many samples each way: the patch is taken at the centres of samples x samples quads that divide its parameters evenly",
@@ -35,58 +31,69 @@ const SAMPLES: Member<Whole> = Member {
 };
 
 /// A surface in one of its three forms.
-pub(super) struct StatedSurface;
+pub(crate) struct StatedSurface;
 
 impl Kind for StatedSurface {
     type Value = Sourced;
 
-    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
-        let mut object = Object::open(raw, place, faults)?;
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
         let forms = [POINTS.name, GRID.name, BEZIER.name].map(|form| object.has(form));
         let surface = match forms {
             [true, false, false] => points(&mut object, faults),
             [false, true, false] => object.required(&GRID, faults).map(|surface| Sourced::stated(surface, Source::Grid)),
             [false, false, true] => bezier(&mut object, faults),
-            [false, false, false] => Err(faults.add(&place, RequestFault::MissingField, "give points, grid, or bezier with samples")),
+            [false, false, false] => Err(faults.add(&path, RequestFault::MissingField, "give points, grid, or bezier with samples")),
             _ => {
                 // All forms are read for the faults in them.
                 let _ = (object.optional(&POINTS, faults), object.optional(&GRID, faults), object.optional(&BEZIER, faults));
                 let _ = object.optional(&SAMPLES, faults);
-                Err(faults.add(&place, RequestFault::ConflictingFields, "give one of points, grid, and bezier with samples"))
+                Err(faults.add(&path, RequestFault::ConflictingFields, "give one of points, grid, and bezier with samples"))
             }
         };
         object.close(faults)?;
         surface
     }
 
-    fn schema(&self, _: &str) -> RefOr<Schema> {
-        RefOr::Ref(Ref::from_schema_name("Surface"))
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        components.refer("Surface", about, |components| {
+            let forms: [(_, _, AddMembers); 3] = [
+                ("PointsSurface", "Sample points", |schema| schema.required(&POINTS)),
+                ("GridSurface", "A grid of points", |schema| schema.required(&GRID)),
+                ("BezierSurface", "A sampled Bezier patch", |schema| schema.required(&BEZIER).required(&SAMPLES)),
+            ];
+            let mut any = OneOfBuilder::new().description(Some(SURFACE.about));
+            for (name, about, with) in forms {
+                any = any.item(components.refer(name, "", |components| with(ObjectSchema::new(about, components)).build()));
+            }
+            any.into()
+        })
     }
 }
 
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
-    let place = object.place();
+    let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
     let mut surface = SampledSurface::new();
-    each_point(raw, place.member(POINTS.name), faults, |point| surface.point(point))?;
+    each_point(raw, path.member(POINTS.name), faults, |point| surface.point(point))?;
     Ok(Sourced::stated(surface, Source::Points))
 }
 
 fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let surface = patch?.sampled(samples? as usize).map_err(|bounds| {
-        faults.add(&object.place().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
+        faults.add(&object.path().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
     })?;
     Ok(Sourced::stated(surface, Source::Bezier))
 }
 
-struct GridKind;
+pub(crate) struct GridKind;
 
 impl Kind for GridKind {
     type Value = SampledSurface;
 
-    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<SampledSurface, Faulted> {
-        let mut object = Object::open(raw, place, faults)?;
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SampledSurface, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
         let (rows, columns) = (object.required(&ROWS, faults), object.required(&COLUMNS, faults));
         let surface = match (rows, columns) {
             (Ok(rows), Ok(columns)) => grid(&mut object, rows as usize, columns as usize, faults),
@@ -96,95 +103,86 @@ impl Kind for GridKind {
         surface
     }
 
-    fn schema(&self, about: &str) -> RefOr<Schema> {
-        ObjectSchema::new(about).required(&ROWS).required(&COLUMNS).required(&GRID_POINTS).build()
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        components.refer("Grid", about, |components| {
+            let schema = ObjectSchema::new("Points in rows and columns", components);
+            schema.required(&ROWS).required(&COLUMNS).required(&GRID_POINTS).build()
+        })
     }
 }
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<SampledSurface, Faulted> {
-    let place = object.place();
-    let mut grid = Grid::new(rows, columns).map_err(|error| faults.add(&place, RequestFault::OutOfRange, error))?;
+    let path = object.path();
+    let mut grid = Grid::new(rows, columns).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let Some(raw) = object.take(GRID_POINTS.name, faults) else {
         return object.required(&GRID_POINTS, faults).and(Err(Faulted));
     };
-    let place = place.member(GRID_POINTS.name);
-    each_point(raw, place, faults, |point| grid.point(point))?;
-    grid.finish().map_err(|error: GridError| faults.add(&place, RequestFault::WrongCount, error))
+    let path = path.member(GRID_POINTS.name);
+    each_point(raw, path, faults, |point| grid.point(point))?;
+    grid.finish().map_err(|error: GridError| faults.add(&path, RequestFault::WrongCount, error))
 }
 
-struct BezierKind;
+members! {
+    /// The members of a Bezier patch.
+    pub(crate) struct BezierMembers {
+        control_points: required CONTROL_POINTS: Net = ("control_points", Net,
+            "the control points [x, y, z], row after row: 2 to 20 rows of 2 to 20 points, all rows alike"),
+    }
+}
 
-impl Kind for BezierKind {
+/// The control points of a patch.
+pub(crate) struct BezierKind;
+
+impl WireObject for BezierKind {
+    const NAME: &'static str = "BezierPatch";
+    const ABOUT: &'static str = "A tensor-product Bezier patch";
+    type Members = BezierMembers;
     type Value = Bezier;
 
-    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Bezier, Faulted> {
-        let mut object = Object::open(raw, place, faults)?;
-        let net = object.required(&CONTROL_POINTS, faults);
-        object.close(faults)?;
-        let place = place.member(CONTROL_POINTS.name);
-        Bezier::new(&net?).map_err(|error| match error {
-            BezierError::RaggedRow { row, .. } => faults.add(&place.item(row), RequestFault::WrongCount, error),
-            BezierError::Columns(_) => faults.add(&place.item(0), RequestFault::WrongCount, error),
-            BezierError::Rows(_) => faults.add(&place, RequestFault::WrongCount, error),
-            BezierError::Coordinate { row, column } => faults.add(&place.item(row).item(column), RequestFault::OutOfRange, error),
+    fn build(members: BezierMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Bezier, Faulted> {
+        let path = path.member(CONTROL_POINTS.name);
+        Bezier::new(&members.control_points?).map_err(|error| match error {
+            BezierError::RaggedRow { row, .. } => faults.add(&path.item(row), RequestFault::WrongCount, error),
+            BezierError::Columns(_) => faults.add(&path.item(0), RequestFault::WrongCount, error),
+            BezierError::Rows(_) => faults.add(&path, RequestFault::WrongCount, error),
+            BezierError::Coordinate { row, column } => faults.add(&path.item(row).item(column), RequestFault::OutOfRange, error),
         })
-    }
-
-    fn schema(&self, about: &str) -> RefOr<Schema> {
-        ObjectSchema::new(about).required(&CONTROL_POINTS).build()
     }
 }
 
 /// Rows of control points. Of each kind at most one more than a patch can have is kept, which is enough to refuse it.
-struct Net;
+pub(crate) struct Net;
 
 const MOST_KEPT: usize = Bezier::LARGEST_ORDER + 1;
 
 impl Kind for Net {
     type Value = Vec<Vec<[f64; 3]>>;
 
-    fn read(&self, raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let (mut rows, mut index) = (Vec::new(), 0);
-        each_raw(raw, place, faults, |item, faults| {
+        each_raw(raw, path, faults, |item, faults| {
             if rows.len() < MOST_KEPT {
-                rows.push(row(item, place.item(index), faults));
+                rows.push(row(item, path.item(index), faults));
             }
             index += 1;
         })?;
         rows.into_iter().collect()
     }
 
-    fn schema(&self, about: &str) -> RefOr<Schema> {
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
         let row = ArrayBuilder::new().items(point_schema()).min_items(Some(2)).max_items(Some(Bezier::LARGEST_ORDER));
         let net = ArrayBuilder::new().items(row).min_items(Some(2)).max_items(Some(Bezier::LARGEST_ORDER));
         net.description(Some(about)).into()
     }
 }
 
-fn row(raw: &RawValue, place: Place<'_>, faults: &mut Faults) -> Result<Vec<[f64; 3]>, Faulted> {
+fn row(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<[f64; 3]>, Faulted> {
     let (mut points, mut index) = (Vec::new(), 0);
-    each_raw(raw, place, faults, |item, faults| {
+    each_raw(raw, path, faults, |item, faults| {
         if points.len() < MOST_KEPT {
-            points.push(point(item, place.item(index), faults));
+            points.push(point(item, path.item(index), faults));
         }
         index += 1;
     })?;
     points.into_iter().collect()
-}
-
-/// The schemas of the surfaces, by name.
-pub(super) fn schemas() -> Vec<(String, RefOr<Schema>)> {
-    let forms = [
-        ("PointsSurface", ObjectSchema::new("sample points").required(&POINTS)),
-        ("GridSurface", ObjectSchema::new("a grid of points").required(&GRID)),
-        ("BezierSurface", ObjectSchema::new("a sampled Bezier patch").required(&BEZIER).required(&SAMPLES)),
-    ];
-    let mut any = OneOfBuilder::new().description(Some(SURFACE.about));
-    let mut schemas = Vec::new();
-    for (name, schema) in forms {
-        any = any.item(Ref::from_schema_name(name));
-        schemas.push((name.to_owned(), schema.build()));
-    }
-    schemas.push(("Surface".to_owned(), Schema::OneOf(any.build()).into()));
-    schemas
 }

@@ -1,0 +1,189 @@
+//! The kinds of values that members take: quantities, whole numbers, vectors and words.
+
+use super::array::items;
+use super::object::describe;
+use super::{Components, Faulted, Faults, JsonPath, Kind, PlainKind};
+use crate::http::codes::RequestFault;
+use crate::quantity::{Length, OutOfRange};
+use serde_json::value::RawValue;
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
+use utoipa::openapi::{RefOr, Schema};
+
+/// A number that becomes a quantity, which alone knows its bounds.
+pub(crate) struct Quantity<T> {
+    /// The quantity of a number in the member's unit. NaN must be refused, with the bounds.
+    of: fn(f64) -> Result<T, OutOfRange>,
+    example: f64,
+    /// The smallest number, where it is under the quantity's own bound.
+    minimum: Option<f64>,
+    /// What to add to the fault that the number is out of its bounds.
+    hint: &'static str,
+}
+
+impl<T> Quantity<T> {
+    pub(crate) const fn new(of: fn(f64) -> Result<T, OutOfRange>, example: f64) -> Self {
+        Self { of, example, minimum: None, hint: "" }
+    }
+
+    /// The same for a quantity that also takes numbers from `minimum` to its own bound, as `hint` says.
+    pub(crate) const fn down_to(self, minimum: f64, hint: &'static str) -> Self {
+        Self { minimum: Some(minimum), hint, ..self }
+    }
+}
+
+impl Quantity<Length> {
+    /// A length in mm.
+    pub(crate) const fn length(example: f64) -> Self {
+        Self::new(Length::from_mm, example)
+    }
+}
+
+impl<T> Kind for Quantity<T> {
+    type Value = T;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+        let hint = self.hint;
+        (self.of)(number(raw, path, faults)?)
+            .map_err(|bounds| faults.add(&path, RequestFault::OutOfRange, format_args!("{bounds}, found {}{hint}", describe(raw))))
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        let Err(OutOfRange { minimum, maximum }) = (self.of)(f64::NAN) else { unreachable!("NaN is no quantity") };
+        // The bounds of double precision are no bounds of the quantity.
+        let bound = |bound: f64| (bound.abs() < f64::MAX).then_some(bound);
+        let schema = ObjectBuilder::new().schema_type(Type::Number).description(Some(about)).examples([self.example]);
+        schema.minimum(self.minimum.or(bound(minimum))).maximum(bound(maximum)).into()
+    }
+}
+
+impl<T> PlainKind for Quantity<T> {
+    type Plain = f64;
+
+    fn accept(&self, plain: f64) -> Option<T> {
+        (self.of)(plain).ok()
+    }
+}
+
+/// A whole number within bounds.
+pub(crate) struct Whole {
+    pub(crate) minimum: u32,
+    pub(crate) maximum: u32,
+    pub(crate) example: u32,
+}
+
+impl Kind for Whole {
+    type Value = u32;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<u32, Faulted> {
+        let value = number(raw, path, faults)?;
+        let checked = OutOfRange::check(value, self.minimum.into(), self.maximum.into());
+        let value =
+            checked.map_err(|bounds| faults.add(&path, RequestFault::OutOfRange, format_args!("{bounds}, found {}", describe(raw))))?;
+        if value.fract() != 0.0 {
+            return Err(faults.add(&path, RequestFault::WrongType, format_args!("expected a whole number, found {}", describe(raw))));
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and between two u32 bounds")]
+        Ok(value as u32)
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        let schema = ObjectBuilder::new().schema_type(Type::Integer).description(Some(about)).examples([self.example]);
+        schema.minimum(Some(f64::from(self.minimum))).maximum(Some(f64::from(self.maximum))).into()
+    }
+}
+
+/// A vector of any length but zero.
+pub(crate) struct Vector {
+    pub(crate) example: [f64; 3],
+}
+
+impl Kind for Vector {
+    type Value = [f64; 3];
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
+        const MOST_COUNTED: usize = 16;
+        let items = items(raw, MOST_COUNTED, path, faults)?;
+        let [x, y, z] = items.as_slice() else {
+            let detail = format_args!("expected three numbers, found {} items", items.len());
+            return Err(faults.add(&path, RequestFault::WrongType, detail));
+        };
+        let [x, y, z] = [(0, x), (1, y), (2, z)].map(|(index, raw)| number(raw, path.item(index), faults));
+        Ok([x?, y?, z?])
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        let component = ObjectBuilder::new().schema_type(Type::Number);
+        let schema = ArrayBuilder::new().items(component).min_items(Some(3)).max_items(Some(3));
+        schema.description(Some(about)).examples([serde_json::json!(self.example)]).into()
+    }
+}
+
+impl PlainKind for Vector {
+    type Plain = [f64; 3];
+
+    fn accept(&self, plain: [f64; 3]) -> Option<[f64; 3]> {
+        Some(plain)
+    }
+}
+
+/// One of several words.
+pub(crate) struct Choice<T: 'static> {
+    /// The name of the words' schema in the document, where other members share it.
+    pub(crate) name: Option<&'static str>,
+    pub(crate) words: &'static [(&'static str, T)],
+}
+
+impl<T> Choice<T> {
+    /// The word of a value.
+    pub(crate) fn word(&self, value: &T) -> &'static str
+    where
+        T: PartialEq,
+    {
+        let Some((word, _)) = self.words.iter().find(|(_, of_word)| of_word == value) else { unreachable!("every value has a word") };
+        word
+    }
+
+    /// The schema of the words themselves.
+    fn words_schema(&self) -> ObjectBuilder {
+        ObjectBuilder::new().schema_type(Type::String).enum_values(Some(self.words.iter().map(|(word, _)| *word)))
+    }
+}
+
+impl<T: Copy> Kind for Choice<T> {
+    type Value = T;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+        let word = text(raw, path, faults)?;
+        let known = self.words.iter().find(|(known, _)| *known == word);
+        known.map(|(_, value)| *value).ok_or_else(|| {
+            let known: Vec<_> = self.words.iter().map(|(known, _)| *known).collect();
+            let detail = format_args!("expected one of {}, found {}", known.join(", "), describe(raw));
+            faults.add(&path, RequestFault::UnknownValue, detail)
+        })
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        match self.name {
+            Some(name) => components.refer(name, about, |_| self.words_schema().into()),
+            None => self.words_schema().description(Some(about)).into(),
+        }
+    }
+}
+
+/// The finite number that `raw` is. A number too large for double precision, such as 1e999, is out of range, not infinite.
+pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+    let text = raw.get();
+    if !matches!(text.as_bytes()[0], b'-' | b'0'..=b'9') {
+        return Err(faults.add(&path, RequestFault::WrongType, format_args!("expected a number, found {}", describe(raw))));
+    }
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(faults.add(&path, RequestFault::OutOfRange, format_args!("the number must be finite, found {}", describe(raw)))),
+    }
+}
+
+/// The text that `raw` is.
+pub(crate) fn text(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
+    serde_json::from_str(raw.get())
+        .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected a string, found {}", describe(raw))))
+}

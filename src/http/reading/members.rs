@@ -1,0 +1,134 @@
+//! Declares the members of an object once: the reader, the schema and the fast path of batches follow from the declaration.
+
+use super::{Faults, Object, ObjectSchema};
+use serde::de::MapAccess;
+
+/// The members of an object, each as read or with its faults recorded.
+pub(crate) trait Members: Sized {
+    /// The names on the wire.
+    const NAMES: &'static [&'static str];
+
+    /// Takes the members out of `object`, which may have others.
+    fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Self;
+
+    /// Takes the members that are there, for the faults in them.
+    fn check(object: &mut Object<'_, '_>, faults: &mut Faults);
+
+    /// Adds the members to a schema.
+    fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_>;
+
+    /// Adds the members to a schema in which they are one of several forms, so that none is required.
+    fn describe_form(schema: ObjectSchema<'_>) -> ObjectSchema<'_>;
+}
+
+/// Members of a contact in a batch, which are read in one pass as long as there is no fault.
+pub(crate) trait PlainMembers: Members {
+    /// A place for each member's value.
+    type Slots: Default + Copy;
+
+    /// Reads the value of `name` into its slot. False where no member has this name; an error for a value of another type, and for a
+    /// second one.
+    fn fill<'de, A: MapAccess<'de>>(slots: &mut Self::Slots, name: &str, map: &mut A) -> Result<bool, A::Error>;
+
+    /// Whether no slot is filled.
+    fn are_absent(slots: &Self::Slots) -> bool;
+
+    /// The members; `None` where a required one is missing, or a value is refused.
+    fn accept(slots: Self::Slots) -> Option<Self>;
+}
+
+/// An object in one of two forms.
+pub(crate) enum Form<A, B> {
+    First(A),
+    Second(B),
+}
+
+/// Declares members and the struct of them: `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`,
+/// with `plain struct Name / Slots` for members of contacts in batches. A member of several structs is declared in one of them.
+macro_rules! members {
+    ($(#[$doc:meta])* $vis:vis struct $name:ident {
+        $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )*
+    }) => {
+        $($(
+            $vis const $member: $crate::http::reading::Member<$kind> =
+                $crate::http::reading::Member { name: $wire, about: $about, kind: $of_kind };
+        )?)*
+
+        $(#[$doc])*
+        #[derive(Debug)]
+        $vis struct $name {
+            $( $vis $field: Result<$crate::http::reading::members!(@value $presence $kind), $crate::http::reading::Faulted>, )*
+        }
+
+        impl $crate::http::reading::Members for $name {
+            const NAMES: &'static [&'static str] = &[$( $member.name ),*];
+
+            #[allow(unused_variables, reason = "a struct may have no members")]
+            fn read(object: &mut $crate::http::reading::Object<'_, '_>, faults: &mut $crate::http::reading::Faults) -> Self {
+                Self { $( $field: object.$presence(&$member, faults), )* }
+            }
+
+            #[allow(unused_variables, reason = "a struct may have no members")]
+            fn check(object: &mut $crate::http::reading::Object<'_, '_>, faults: &mut $crate::http::reading::Faults) {
+                $( let _ = object.optional(&$member, faults); )*
+            }
+
+            fn describe(schema: $crate::http::reading::ObjectSchema<'_>) -> $crate::http::reading::ObjectSchema<'_> {
+                schema$( .$presence(&$member) )*
+            }
+
+            fn describe_form(schema: $crate::http::reading::ObjectSchema<'_>) -> $crate::http::reading::ObjectSchema<'_> {
+                schema$( .optional(&$member) )*
+            }
+        }
+    };
+    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident {
+        $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+
+    }) => {
+        $crate::http::reading::members! {
+            $(#[$doc])* $vis struct $name { $( $field: $presence $member: $kind $(= ($wire, $of_kind, $about))?, )+ }
+        }
+
+        #[doc = concat!("The values of [`", stringify!($name), "`] in one pass.")]
+        #[derive(Debug, Clone, Copy, Default)]
+        $vis struct $slots {
+            $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Plain>, )+
+        }
+
+        impl $crate::http::reading::PlainMembers for $name {
+            type Slots = $slots;
+
+            fn fill<'de, A: serde::de::MapAccess<'de>>(slots: &mut $slots, name: &str, map: &mut A) -> Result<bool, A::Error> {
+                $(
+                    if name == $member.name {
+                        if slots.$field.replace(map.next_value()?).is_some() {
+                            return Err(serde::de::Error::duplicate_field($member.name));
+                        }
+                        return Ok(true);
+                    }
+                )+
+                Ok(false)
+            }
+
+            fn are_absent(slots: &$slots) -> bool {
+                $( slots.$field.is_none() )&&+
+            }
+
+            fn accept(slots: $slots) -> Option<Self> {
+                Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
+            }
+        }
+    };
+    (@value required $kind:ty) => { <$kind as $crate::http::reading::Kind>::Value };
+    (@value optional $kind:ty) => { Option<<$kind as $crate::http::reading::Kind>::Value> };
+    (@accept required $member:ident $slot:expr) => {
+        Ok($crate::http::reading::PlainKind::accept(&$member.kind, $slot?)?)
+    };
+    (@accept optional $member:ident $slot:expr) => {
+        Ok(match $slot {
+            Some(plain) => Some($crate::http::reading::PlainKind::accept(&$member.kind, plain)?),
+            None => None,
+        })
+    };
+}
+pub(crate) use members;

@@ -1,0 +1,167 @@
+//! A contact of a batch, with the parameters that it states itself. Nearly all have no fault: these are read in one pass, straight into
+//! numbers. Whatever else there is goes the way that collects faults.
+
+use super::contact::{self, AngleMembers, AngleSlots, StatedContact, VectorMembers, VectorSlots};
+use super::parameters::{ContactParameters, ParameterSlots, States};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainMembers};
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
+use serde_json::value::RawValue;
+use std::fmt;
+use utoipa::openapi::{RefOr, Schema};
+
+/// A contact and its own parameters.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BatchContact {
+    pub(crate) contact: StatedContact,
+    pub(crate) parameters: ContactParameters,
+}
+
+impl BatchContact {
+    /// Reads a contact whose own parameters prevail over `defaults`.
+    pub(crate) fn read(
+        raw: &RawValue,
+        states: States,
+        defaults: &ContactParameters,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
+        if let Some(Self { contact, parameters }) = Self::read_plain(raw, states) {
+            let parameters = parameters.or(defaults);
+            parameters.step_over(states, &path, faults)?;
+            return Ok(Self { contact, parameters });
+        }
+        let (contact, parameters) = Self::read_with_faults(raw, states, path, faults)?;
+        let parameters = parameters.or(defaults);
+        parameters.step_over(states, &path, faults)?;
+        // Faulty parameters are faults only where they are asked for.
+        if faults.is_empty() { Ok(Self { contact: contact?, parameters }) } else { Err(Faulted) }
+    }
+
+    /// The contact, if nothing about it is unusual.
+    fn read_plain(raw: &RawValue, states: States) -> Option<Self> {
+        let slots = Slots::default().deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
+        let contact = contact::accept(slots.angles, slots.vectors)?;
+        Some(Self { contact, parameters: ContactParameters::accept(slots.parameters, states)? })
+    }
+
+    /// The contact and its parameters with all their faults.
+    fn read_with_faults(
+        raw: &RawValue,
+        states: States,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<(Result<StatedContact, Faulted>, ContactParameters), Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
+        let contact = contact::read(&mut object, faults);
+        let parameters = ContactParameters::read(&mut object, states, faults);
+        object.close(faults)?;
+        Ok((contact, parameters))
+    }
+}
+
+/// The values of a contact's members.
+#[derive(Debug, Clone, Copy, Default)]
+struct Slots {
+    angles: AngleSlots,
+    vectors: VectorSlots,
+    parameters: ParameterSlots,
+}
+
+impl<'de> DeserializeSeed<'de> for Slots {
+    type Value = Self;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Slots {
+    type Value = Self;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(mut self, mut map: A) -> Result<Self, A::Error> {
+        while let Some(name) = map.next_key::<&str>()? {
+            let known = AngleMembers::fill(&mut self.angles, name, &mut map)?
+                || VectorMembers::fill(&mut self.vectors, name, &mut map)?
+                || self.parameters.fill(name, &mut map)?;
+            if !known {
+                return Err(A::Error::custom("a member that is not known"));
+            }
+        }
+        Ok(self)
+    }
+}
+
+/// The schema of a contact with the parameters that `states` allows.
+pub(crate) fn batch_contact_schemas(states: States, components: &mut Components) -> RefOr<Schema> {
+    let names = match (states.step_over, states.feed_per_tooth) {
+        (true, true) => ["AngleContactWithParameters", "VectorContactWithParameters"],
+        (true, false) => ["AngleContactWithStepOver", "VectorContactWithStepOver"],
+        (false, _) => ["AngleContactWithFeed", "VectorContactWithFeed"],
+    };
+    contact::forms(names, "A contact with parameters of its own", components, |schema| ContactParameters::describe(schema, states)).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: States = States { step_over: true, feed_per_tooth: true };
+    const NONE: States = States { step_over: false, feed_per_tooth: false };
+
+    /// What both ways make of a contact; the one that collects faults has an answer where it finds none.
+    fn both(text: &str, states: States) -> [Option<String>; 2] {
+        let raw: &RawValue = serde_json::from_str(text).unwrap();
+        let mut faults = Faults::default();
+        let slow = BatchContact::read_with_faults(raw, states, JsonPath::Root, &mut faults);
+        let slow = slow.and_then(|(contact, parameters)| Ok(BatchContact { contact: contact?, parameters }));
+        let slow = slow.ok().filter(|_| faults.is_empty());
+        [BatchContact::read_plain(raw, states), slow].map(|read| read.map(|read| format!("{read:?}")))
+    }
+
+    #[test]
+    fn one_pass_reads_what_the_way_with_faults_reads() {
+        for text in [
+            r#"{"slope_deg":40,"feed_angle_deg":-1e3}"#,
+            r#"{"feed_angle_deg":359.123456,"slope_deg":0}"#,
+            r#"{"normal":[-0.64,0,0.77],"feed":[1,0,0.84]}"#,
+            r#"{"slope_deg":40,"feed_angle_deg":30,"step_over_mm":0.687,"feed_per_tooth_mm":0}"#,
+            r#"{"slope_deg":40,"feed_angle_deg":30,"step_over_xy_mm":0.65,"feed_per_tooth_mm":0.3,"surface_radius_mm":-120}"#,
+        ] {
+            let [plain, slow] = both(text, ALL);
+            assert!(plain.is_some(), "{text}");
+            assert_eq!(plain, slow, "{text}");
+        }
+    }
+
+    #[test]
+    fn one_pass_reads_no_faulty_contact() {
+        for (text, states) in [
+            (r#"{"slope_deg":91,"feed_angle_deg":30}"#, ALL),
+            (r#"{"slope_deg":"40","feed_angle_deg":30}"#, ALL),
+            (r#"{"slope_deg":40,"slope_deg":40,"feed_angle_deg":30}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":1e999}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":null}"#, ALL),
+            (r#"{"slope_deg":40}"#, ALL),
+            (r#"{"normal":[0,0],"feed":[1,0,0]}"#, ALL),
+            (r#"{"normal":[0,0,1,1],"feed":[1,0,0]}"#, ALL),
+            (r#"{"normal":[0,0,1],"feed":[0,0,1]}"#, ALL),
+            (r#"{"normal":[0,0,1],"feed":[1,0,0],"slope_deg":0}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"step_over_mm":0}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"step_over_mm":1,"step_over_xy_mm":1}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"step_over_mm":1}"#, NONE),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"step_over_xy_mm":1}"#, NONE),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"feed_per_tooth_mm":1}"#, NONE),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"feed_per_tooth_mm":-0.1}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_radius_mm":0}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_radius_mm":null}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"slope":40}"#, ALL),
+            ("[40, 30]", ALL),
+        ] {
+            assert_eq!(both(text, states), [None, None], "{text}");
+        }
+    }
+}

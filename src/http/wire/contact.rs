@@ -1,0 +1,128 @@
+//! The contact between cutter and surface: by angles, or by vectors.
+
+use crate::http::codes::RequestFault;
+use crate::http::reading::{
+    Components, Faulted, Faults, Form, JsonPath, Kind, Member, Object, ObjectSchema, PlainMembers, Quantity, Vector, members,
+};
+use crate::milling::{Contact, ContactError};
+use crate::quantity::OutOfRange;
+use serde_json::value::RawValue;
+use std::sync::LazyLock;
+use utoipa::openapi::schema::OneOfBuilder;
+use utoipa::openapi::{RefOr, Schema};
+
+members! {
+    /// A contact by angles.
+    pub(super) plain struct AngleMembers / AngleSlots {
+        slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(slope, 40.0),
+            "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
+        feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
+            "angle alpha between the feed and the steepest slope, both seen from above (in the horizontal XY plane); its period is 180 and its sign is free"),
+    }
+}
+members! {
+    /// A contact by vectors.
+    pub(super) plain struct VectorMembers / VectorSlots {
+        normal: required NORMAL: Vector = ("normal", Vector { example: [-0.64, 0.0, 0.77] },
+            "the surface's normal, out of the part, of any length but zero; z must not be negative"),
+        feed: required FEED: Vector = ("feed", Vector { example: [1.0, 0.0, 0.84] },
+            "the feed's direction, of any length but zero; its part in the tangent plane counts"),
+    }
+}
+
+/// A slope within the bounds that contacts have.
+fn slope(degrees: f64) -> Result<f64, OutOfRange> {
+    static BOUNDS: LazyLock<OutOfRange> = LazyLock::new(|| match Contact::from_degrees(f64::NAN, 0.0) {
+        Err(ContactError::Slope(bounds)) => bounds,
+        other => unreachable!("NaN is no slope, but gives {other:?}"),
+    });
+    OutOfRange::check(degrees, BOUNDS.minimum, BOUNDS.maximum)
+}
+
+/// The member `contact` of a calculation at one contact.
+pub(crate) const CONTACT: Member<ContactKind> =
+    Member { name: "contact", about: "where and how the cutter touches, by angles or by vectors", kind: ContactKind };
+
+/// A contact, and the member that states its slope, to which faults of the slope point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StatedContact {
+    pub(crate) contact: Contact,
+    pub(super) slope_member: &'static str,
+}
+
+impl AngleMembers {
+    fn contact(&self) -> Result<Result<StatedContact, ContactError>, Faulted> {
+        let contact = Contact::from_degrees(self.slope?, self.feed_angle?);
+        Ok(contact.map(|contact| StatedContact { contact, slope_member: SLOPE.name }))
+    }
+}
+
+impl VectorMembers {
+    fn contact(&self) -> Result<Result<StatedContact, ContactError>, Faulted> {
+        let contact = Contact::from_vectors(self.normal?, self.feed?);
+        Ok(contact.map(|contact| StatedContact { contact, slope_member: NORMAL.name }))
+    }
+}
+
+/// A contact in either form.
+pub(crate) struct ContactKind;
+
+impl Kind for ContactKind {
+    type Value = StatedContact;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
+        let contact = read(&mut object, faults);
+        object.close(faults)?;
+        contact
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        components
+            .refer("Contact", about, |components| forms(["AngleContact", "VectorContact"], "A contact", components, |schema| schema).into())
+    }
+}
+
+/// Takes the members of a contact out of `object`, which may have others.
+pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
+    let form = object.one_of::<AngleMembers, VectorMembers>("give slope_deg and feed_angle_deg, or normal and feed", faults)?;
+    let contact = match form {
+        Form::First(angles) => angles.contact()?,
+        Form::Second(vectors) => vectors.contact()?,
+    };
+    contact.map_err(|error| {
+        let member = match error {
+            ContactError::Slope(_) => SLOPE.name,
+            ContactError::FeedAngle(_) => FEED_ANGLE.name,
+            ContactError::NormalWithoutDirection | ContactError::NormalPointsDown => NORMAL.name,
+            ContactError::FeedWithoutDirection | ContactError::FeedAlongNormal => FEED.name,
+        };
+        faults.add(&object.path().member(member), RequestFault::NoDirection, error)
+    })
+}
+
+/// The contact whose values were read in one pass; `None` where there is any fault.
+pub(super) fn accept(angles: AngleSlots, vectors: VectorSlots) -> Option<StatedContact> {
+    let contact = match (AngleMembers::are_absent(&angles), VectorMembers::are_absent(&vectors)) {
+        (false, true) => AngleMembers::accept(angles)?.contact(),
+        (true, false) => VectorMembers::accept(vectors)?.contact(),
+        (true, true) | (false, false) => return None,
+    };
+    contact.ok()?.ok()
+}
+
+/// The two forms, each with what else an object of this form may hold.
+pub(super) fn forms(
+    names: [&str; 2],
+    about: &str,
+    components: &mut Components,
+    with: impl Fn(ObjectSchema<'_>) -> ObjectSchema<'_>,
+) -> OneOfBuilder {
+    let angles = components.refer(names[0], "", |components| {
+        with(ObjectSchema::new(&format!("{about}, by angles"), components).with::<AngleMembers>()).build()
+    });
+    let vectors = components.refer(names[1], "", |components| {
+        with(ObjectSchema::new(&format!("{about}, by vectors"), components).with::<VectorMembers>()).build()
+    });
+    OneOfBuilder::new().description(Some(about)).item(angles).item(vectors)
+}

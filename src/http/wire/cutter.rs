@@ -1,0 +1,151 @@
+//! Cutters: toroidal, ball-end and flat-end.
+
+use crate::http::codes::RequestFault;
+use crate::http::reading::{
+    AddMembers, Choice, Components, Faulted, Faults, JsonPath, Kind, Member, Members, Object, ObjectSchema, Quantity, Whole, WireObject,
+    members,
+};
+use crate::milling::Cutter;
+use crate::quantity::Length;
+use serde_json::value::RawValue;
+use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Type as SchemaKind};
+use utoipa::openapi::{RefOr, Schema};
+
+/// A cutter as requests state it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StatedCutter {
+    pub(crate) cutter: Cutter,
+    /// z, the number of teeth, where stated.
+    pub(crate) teeth: Option<u32>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Type {
+    Toroidal,
+    BallEnd,
+    FlatEnd,
+}
+
+const TYPE: Member<Choice<Type>> = Member {
+    name: "type",
+    about: "the kind of cutter: toroidal (bull_nose is the same), ball_end or flat_end",
+    kind: Choice {
+        name: None,
+        words: &[("toroidal", Type::Toroidal), ("bull_nose", Type::Toroidal), ("ball_end", Type::BallEnd), ("flat_end", Type::FlatEnd)],
+    },
+};
+
+/// The member `cutter` of the calculations.
+pub(crate) const CUTTER: Member<AnyCutter> =
+    Member { name: "cutter", about: "the cutter, one of three kinds, discriminated by type", kind: AnyCutter };
+
+/// The member `toroidal` of a comparison of two cutters.
+pub(crate) const TOROIDAL: Member<ToroidalCutter> =
+    Member { name: "toroidal", about: "the toroidal cutter to compare", kind: ToroidalCutter };
+
+/// The member `ball_end` of a comparison of two cutters.
+pub(crate) const BALL_END: Member<BallEndCutter> =
+    Member { name: "ball_end", about: "the ball-end cutter to compare", kind: BallEndCutter };
+
+members! {
+    /// The dimensions of a toroidal cutter.
+    pub(crate) struct ToroidalDimensions {
+        diameter: required DIAMETER: Quantity<Length> = ("diameter_mm", Quantity::length(10.0), "cutting diameter DC = 2R (ISO 13399)"),
+        corner_radius: required CORNER_RADIUS: Quantity<Length> = ("corner_radius_mm", Quantity::length(2.0),
+            "corner radius RE = r (ISO 13399), under half the diameter"),
+    }
+}
+members! {
+    /// The dimension of a ball-end or flat-end cutter.
+    pub(crate) struct DiameterOnly {
+        diameter: required DIAMETER: Quantity<Length>,
+    }
+}
+members! {
+    /// What a cutter of any kind may state.
+    pub(crate) struct AnyMembers {
+        teeth: optional TEETH: Whole = ("teeth", Whole { minimum: 1, maximum: 100, example: 4 },
+            "number of teeth z (ZEFP of ISO 13399); feed rates need it"),
+    }
+}
+
+impl ToroidalDimensions {
+    fn cutter(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
+        Cutter::toroidal(self.diameter?, self.corner_radius?)
+            .map_err(|error| faults.add(&path.member(CORNER_RADIUS.name), RequestFault::CornerRadiusTooLarge, error))
+    }
+}
+
+/// A cutter of any kind, discriminated by `type`.
+pub(crate) struct AnyCutter;
+
+impl Kind for AnyCutter {
+    type Value = StatedCutter;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedCutter, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
+        let cutter = match object.required(&TYPE, faults) {
+            Ok(Type::Toroidal) => ToroidalDimensions::read(&mut object, faults).cutter(&path, faults),
+            Ok(Type::BallEnd) => DiameterOnly::read(&mut object, faults).diameter.map(Cutter::ball_end),
+            Ok(Type::FlatEnd) => DiameterOnly::read(&mut object, faults).diameter.map(Cutter::flat_end),
+            // Without a type a corner radius may or may not belong there, so it is neither missing nor unknown.
+            Err(faulted) => {
+                let _ = DiameterOnly::read(&mut object, faults);
+                object.optional(&CORNER_RADIUS, faults).and(Err(faulted))
+            }
+        };
+        let teeth = AnyMembers::read(&mut object, faults).teeth;
+        object.close(faults)?;
+        Ok(StatedCutter { cutter: cutter?, teeth: teeth? })
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        components.refer("Cutter", about, |components| {
+            let kinds: [(_, _, _, AddMembers); 3] = [
+                (Type::Toroidal, "ToroidalCutter", "A toroidal (bull-nose, torus-end) cutter: 0 < r < R", ToroidalDimensions::describe),
+                (Type::BallEnd, "BallEndCutter", "A ball-end (ball-nose) cutter: r = R", DiameterOnly::describe),
+                (Type::FlatEnd, "FlatEndCutter", "A flat-end cutter: r = 0", DiameterOnly::describe),
+            ];
+            let mut any = OneOfBuilder::new().description(Some("A cutter, one of three kinds, discriminated by type"));
+            let mut mapping = Vec::new();
+            for (kind, name, about, dimensions) in kinds {
+                let words: Vec<_> = TYPE.kind.words.iter().filter(|(_, of_word)| *of_word == kind).map(|(word, _)| *word).collect();
+                mapping.extend(words.iter().map(|word| (*word, format!("#/components/schemas/{name}"))));
+                let of_type = ObjectBuilder::new().schema_type(SchemaKind::String).description(Some(TYPE.about)).enum_values(Some(words));
+                any = any.item(components.refer(name, "", |components| {
+                    let schema = ObjectSchema::new(about, components).required_property(TYPE.name, of_type);
+                    dimensions(schema).with::<AnyMembers>().build()
+                }));
+            }
+            any.discriminator(Some(Discriminator::with_mapping(TYPE.name, mapping))).into()
+        })
+    }
+}
+
+/// A toroidal cutter without `type`.
+pub(crate) struct ToroidalCutter;
+
+impl WireObject for ToroidalCutter {
+    const NAME: &'static str = "ToroidalDimensions";
+    const ABOUT: &'static str = "The dimensions of a toroidal cutter: 0 < r < R";
+    type Members = ToroidalDimensions;
+    type Value = Cutter;
+
+    fn build(members: ToroidalDimensions, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
+        members.cutter(path, faults)
+    }
+}
+
+/// A ball-end cutter without `type`.
+pub(crate) struct BallEndCutter;
+
+impl WireObject for BallEndCutter {
+    const NAME: &'static str = "BallEndDimensions";
+    const ABOUT: &'static str = "The dimension of a ball-end cutter";
+    type Members = DiameterOnly;
+    type Value = Cutter;
+
+    fn build(members: DiameterOnly, _: &JsonPath<'_>, _: &mut Faults) -> Result<Cutter, Faulted> {
+        members.diameter.map(Cutter::ball_end)
+    }
+}

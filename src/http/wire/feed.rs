@@ -1,0 +1,33 @@
+//! The feed per tooth, which may be none.
+
+use crate::http::reading::{Quantity, members};
+use crate::quantity::{Length, OutOfRange};
+
+members! {
+    /// The feed per tooth.
+    pub(super) plain struct FeedMembers / FeedSlots {
+        feed_per_tooth: optional FEED_PER_TOOTH: Quantity<Feed> = ("feed_per_tooth_mm", Quantity::new(Feed::from_mm, 0.3).down_to(0.0, ""),
+            "feed per tooth f_z, at least 1e-6; 0 or absent = no feed marks"),
+    }
+}
+
+/// A stated feed per tooth. 0 means no marks, also where a default says otherwise.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Feed {
+    NoMarks,
+    PerTooth(Length),
+}
+
+impl Feed {
+    fn from_mm(feed: f64) -> Result<Self, OutOfRange> {
+        if feed == 0.0 { Ok(Self::NoMarks) } else { Length::from_mm(feed).map(Self::PerTooth) }
+    }
+
+    /// The feed per tooth, `None` where there are no marks.
+    pub(super) fn per_tooth(self) -> Option<Length> {
+        match self {
+            Self::PerTooth(length) => Some(length),
+            Self::NoMarks => None,
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The figures of the calculations' answers. A row of a table names, describes and fetches a figure; single answers, columns of batches
+//! and their schemas follow from it.
+
+use crate::http::reading::Components;
+use crate::milling::{JudgedPass, NoAnswer, ScallopHeight};
+use crate::quantity::Length;
+use serde::{Serialize, Serializer};
+use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, OneOfBuilder, SchemaFormat, SchemaType, Type};
+use utoipa::openapi::{RefOr, Schema};
+
+/// What a calculation yields at a contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Figures {
+    pub(crate) height: ScallopHeight,
+    /// Along the surface.
+    pub(crate) step_over: Length,
+    /// `None` where there are no marks.
+    pub(crate) feed_per_tooth: Option<Length>,
+    pub(crate) feed_rate_mm_min: Option<f64>,
+    /// The word for what limits the feed.
+    pub(crate) limited_by: Option<&'static str>,
+    effective_radius: Option<Length>,
+    transverse_effective_radius: Option<Length>,
+    spacing_ratio: f64,
+}
+
+impl Figures {
+    /// At a step-over and a feed per tooth that are given or found.
+    pub(crate) fn at(pass: &JudgedPass, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Self, NoAnswer> {
+        Ok(Self {
+            height: pass.scallop_height(step_over, feed_per_tooth)?,
+            step_over,
+            feed_per_tooth,
+            feed_rate_mm_min: None,
+            limited_by: None,
+            effective_radius: pass.effective_radius(),
+            transverse_effective_radius: pass.transverse_effective_radius(),
+            spacing_ratio: pass.pass().contact.spacing_ratio(),
+        })
+    }
+}
+
+/// A row of the table: one figure of an answer, one column of a batch's.
+pub(crate) struct Figure {
+    /// The name on the wire, with its unit.
+    pub(crate) name: &'static str,
+    /// What it is.
+    about: &'static str,
+    kind: FigureKind,
+    presence: Presence,
+    /// The figure's value; `None` where it has none.
+    pub(crate) get: fn(&Figures) -> Option<FigureValue>,
+}
+
+/// What values a figure has.
+enum FigureKind {
+    /// Numbers of at least 0.
+    Number,
+    /// Numbers from 0 to 1.
+    Share,
+    /// Words, with the schema that lists them.
+    Word(fn(&str, &mut Components) -> RefOr<Schema>),
+}
+
+/// What becomes of a figure without a value. In a batch it is null in its column, as in the row of a contact without an answer.
+#[derive(Debug, Clone, Copy)]
+enum Presence {
+    /// It always has one.
+    Always,
+    /// A single answer has null. The text says where.
+    Null(&'static str),
+    /// It is absent from a single answer. The text says where.
+    Absent(&'static str),
+    /// It is absent from a single answer, and its column from a batch's in which it never has a value. The text says where it has one.
+    Only(&'static str),
+}
+
+/// A value of a figure.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum FigureValue {
+    Number(f64),
+    Word(&'static str),
+}
+
+impl Serialize for FigureValue {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Number(number) => serializer.serialize_f64(*number),
+            Self::Word(word) => serializer.serialize_str(word),
+        }
+    }
+}
+
+fn mm(length: Length) -> FigureValue {
+    FigureValue::Number(length.mm())
+}
+
+/// The figures that all calculations answer with.
+pub(crate) const COMMON_FIGURES: &[Figure] = &[
+    Figure::number("scallop_height_mm", "h, the whole scallop height", |figures| Some(mm(figures.height.total()))),
+    Figure::number("step_over_height_mm", "h1, what the step-over alone leaves", |figures| Some(mm(figures.height.step_over))),
+    Figure::number("feed_height_mm", "what the tooth marks along the feed add", |figures| Some(mm(figures.height.feed))),
+    Figure::share("feed_share", "the feed's share in the whole height", |figures| figures.height.feed_share().map(FigureValue::Number))
+        .or_absent("where there is no height"),
+    Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
+        figures.effective_radius.map(mm)
+    })
+    .or_null("where infinite"),
+    Figure::number("transverse_effective_radius_mm", "TR_eff, the mark's radius of curvature along the feed", |figures| {
+        figures.transverse_effective_radius.map(mm)
+    })
+    .or_null("where infinite"),
+    Figure::number("step_over_mm", "s, the step-over along the surface", |figures| Some(mm(figures.step_over))),
+    Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| {
+        Some(FigureValue::Number(figures.step_over.mm() * figures.spacing_ratio))
+    }),
+];
+
+impl Figure {
+    /// A number of at least 0 that every contact with an answer has.
+    pub(crate) const fn number(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<FigureValue>) -> Self {
+        Self { name, about, kind: FigureKind::Number, presence: Presence::Always, get }
+    }
+
+    /// A number from 0 to 1.
+    const fn share(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<FigureValue>) -> Self {
+        Self { kind: FigureKind::Share, ..Self::number(name, about, get) }
+    }
+
+    /// One of the words that `words` describes.
+    pub(crate) const fn word(
+        name: &'static str,
+        about: &'static str,
+        words: fn(&str, &mut Components) -> RefOr<Schema>,
+        get: fn(&Figures) -> Option<FigureValue>,
+    ) -> Self {
+        Self { kind: FigureKind::Word(words), ..Self::number(name, about, get) }
+    }
+
+    /// The same where a single answer may have null.
+    const fn or_null(self, place: &'static str) -> Self {
+        Self { presence: Presence::Null(place), ..self }
+    }
+
+    /// The same where it may be absent from a single answer.
+    const fn or_absent(self, place: &'static str) -> Self {
+        Self { presence: Presence::Absent(place), ..self }
+    }
+
+    /// The same where the column may be absent, too.
+    pub(crate) const fn only(self, place: &'static str) -> Self {
+        Self { presence: Presence::Only(place), ..self }
+    }
+
+    /// Whether a single answer always has the figure, be it null.
+    pub(crate) fn is_required(&self) -> bool {
+        matches!(self.presence, Presence::Always | Presence::Null(_))
+    }
+
+    /// Whether a batch's answer always has the column.
+    pub(crate) fn is_required_column(&self) -> bool {
+        !matches!(self.presence, Presence::Only(_))
+    }
+
+    /// The schema of the figure in a single answer.
+    pub(crate) fn schema(&self, components: &mut Components) -> RefOr<Schema> {
+        let about = match self.presence {
+            Presence::Always => self.about.to_owned(),
+            Presence::Null(place) => format!("{}; null {place}", self.about),
+            Presence::Absent(place) => format!("{}; absent {place}", self.about),
+            Presence::Only(place) => format!("{}; only {place}", self.about),
+        };
+        let is_nullable = matches!(self.presence, Presence::Null(_));
+        self.value_schema(&about, is_nullable, components)
+    }
+
+    /// The schema of the figure's column.
+    pub(crate) fn column_schema(&self, components: &mut Components) -> RefOr<Schema> {
+        let about = match self.presence {
+            Presence::Always => self.about.to_owned(),
+            Presence::Null(place) | Presence::Absent(place) => format!("{}; null also {place}", self.about),
+            Presence::Only(place) => format!("{}; only {place}", self.about),
+        };
+        ArrayBuilder::new().items(self.value_schema("", true, components)).description(Some(about)).into()
+    }
+
+    fn value_schema(&self, about: &str, is_nullable: bool, components: &mut Components) -> RefOr<Schema> {
+        let about = (!about.is_empty()).then_some(about);
+        let number = || {
+            let types = if is_nullable { SchemaType::from_iter([Type::Number, Type::Null]) } else { Type::Number.into() };
+            let number = ObjectBuilder::new().schema_type(types).description(about).minimum(Some(0.0));
+            number.format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)))
+        };
+        match self.kind {
+            FigureKind::Number => number().into(),
+            FigureKind::Share => number().maximum(Some(1.0)).into(),
+            FigureKind::Word(words) if is_nullable => {
+                let null = ObjectBuilder::new().schema_type(Type::Null);
+                OneOfBuilder::new().item(words("", components)).item(null).description(about).into()
+            }
+            FigureKind::Word(words) => words(about.unwrap_or_default(), components),
+        }
+    }
+}

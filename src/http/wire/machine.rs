@@ -1,0 +1,86 @@
+//! Machines: a preset's name, the three limits, or a preset with some of them overridden.
+
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, WireObject, members, text};
+use crate::motion::{MachineLimits, PRESETS, Preset};
+use crate::quantity::{Acceleration, Jerk, Speed};
+use serde_json::value::RawValue;
+use utoipa::openapi::schema::{ObjectBuilder, Type};
+use utoipa::openapi::{RefOr, Schema};
+
+/// The member `machine`.
+pub(crate) const MACHINE: Member<Machine> = Member {
+    name: "machine",
+    about: "the machine: a preset's name, or all three limits; limits beside a preset override its own",
+    kind: Machine,
+};
+
+members! {
+    /// The members of a machine.
+    pub(crate) struct MachineMembers {
+        preset: optional PRESET: PresetName = ("preset", PresetName, "the name of a machine that GET /v1/machines lists"),
+        feed_rate: optional FEED_RATE: Quantity<Speed> = ("feed_rate_mm_min", Quantity::new(Speed::from_mm_min, 5000.0),
+            "V, the programmed feed rate in mm/min"),
+        acceleration: optional ACCELERATION: Quantity<Acceleration> = ("acceleration_m_s2", Quantity::new(Acceleration::from_m_s2, 6.0),
+            "A, the largest acceleration along the path, in m/s^2"),
+        jerk: optional JERK: Quantity<Jerk> = ("jerk_m_s3", Quantity::new(Jerk::from_m_s3, 40.0),
+            "J, the largest jerk along the path, in m/s^3"),
+    }
+}
+
+/// A preset, limits, or both.
+pub(crate) struct Machine;
+
+impl WireObject for Machine {
+    const NAME: &'static str = "Machine";
+    const ABOUT: &'static str = "A machine: a preset's name, or all three limits; limits beside a preset override its own";
+    type Members = MachineMembers;
+    type Value = MachineLimits;
+
+    fn build(members: MachineMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<MachineLimits, Faulted> {
+        let preset = members.preset.map(|preset| preset.map(|preset| preset.limits));
+        let feed_rate = limit(&FEED_RATE, members.feed_rate, preset, |limits| limits.feed_rate, path, faults);
+        let acceleration = limit(&ACCELERATION, members.acceleration, preset, |limits| limits.acceleration, path, faults);
+        let jerk = limit(&JERK, members.jerk, preset, |limits| limits.jerk, path, faults);
+        preset?;
+        Ok(MachineLimits { feed_rate: feed_rate?, acceleration: acceleration?, jerk: jerk? })
+    }
+}
+
+/// One limit: as stated, else the preset's. Where the preset is faulty, the limit may be meant to come from it.
+fn limit<T>(
+    member: &Member<Quantity<T>>,
+    stated: Result<Option<T>, Faulted>,
+    preset: Result<Option<MachineLimits>, Faulted>,
+    of_preset: fn(MachineLimits) -> T,
+    path: &JsonPath<'_>,
+    faults: &mut Faults,
+) -> Result<T, Faulted> {
+    if let Some(stated) = stated? {
+        return Ok(stated);
+    }
+    preset?.map(of_preset).ok_or_else(|| {
+        let detail = format_args!("the field is missing: {}; or name a preset, which has a value for it", member.about);
+        faults.add(&path.member(member.name), RequestFault::MissingField, detail)
+    })
+}
+
+/// The name of a preset.
+pub(crate) struct PresetName;
+
+impl Kind for PresetName {
+    type Value = &'static Preset;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<&'static Preset, Faulted> {
+        let name = text(raw, path, faults)?;
+        Preset::named(&name).ok_or_else(|| {
+            let known = PRESETS.map(|preset| preset.name).join(", ");
+            faults.add(&path, RequestFault::UnknownValue, format_args!("there is no such preset; known are {known}"))
+        })
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        let names = PRESETS.map(|preset| preset.name);
+        components.refer("PresetName", about, |_| ObjectBuilder::new().schema_type(Type::String).enum_values(Some(names)).into())
+    }
+}

@@ -1,0 +1,33 @@
+//! The objects of requests and answers, one file for each. A request's object declares its members once; its reader, its schema and the
+//! fast path of batches follow. A figure of an answer has its name, description and value in one row of a table.
+
+mod batch_contact;
+mod contact;
+mod curvature;
+mod cutter;
+mod feed;
+mod figures;
+mod machine;
+mod model;
+mod no_answer;
+mod parameters;
+mod points;
+mod runout;
+mod source;
+mod step_over;
+mod summary;
+mod surface;
+mod warning;
+
+pub(crate) use batch_contact::{BatchContact, batch_contact_schemas};
+pub(crate) use contact::{CONTACT, StatedContact};
+pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
+pub(crate) use figures::{COMMON_FIGURES, Figure, FigureValue, Figures};
+pub(crate) use machine::{MACHINE, Machine};
+pub(crate) use model::{MODEL, model_name};
+pub(crate) use no_answer::no_answer;
+pub(crate) use parameters::{ContactParameters, SharedParameters, States, TOLERANCE};
+pub(crate) use source::{Source, Sourced};
+pub(crate) use summary::{Check, Extreme, Failure, Summary};
+pub(crate) use surface::SURFACE;
+pub(crate) use warning::{Warning, model_warnings, warning_code};

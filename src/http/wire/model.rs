@@ -1,0 +1,16 @@
+//! The models by which a pass is judged.
+
+use crate::http::reading::{Choice, Member};
+use crate::milling::Model;
+
+/// The member `model` of requests.
+pub(crate) const MODEL: Member<Choice<Model>> = Member {
+    name: "model",
+    about: "analytic (default): the published closed formulas, a circle in place of the cutter; envelope: the cutter's exact shape, a bound that holds, with an answer at every slope",
+    kind: Choice { name: Some("Model"), words: &[("analytic", Model::Analytic), ("envelope", Model::Envelope)] },
+};
+
+/// The name of a model on the wire.
+pub(crate) fn model_name(model: Model) -> &'static str {
+    MODEL.kind.word(&model)
+}

@@ -1,0 +1,140 @@
+//! The parameters of the calculations: those that hold for a whole request, and those that may differ from contact to contact.
+
+use super::curvature::{CurvatureMembers, CurvatureSlots};
+use super::cutter::{AnyCutter, CUTTER, StatedCutter};
+use super::feed::{Feed, FeedMembers, FeedSlots};
+use super::model::MODEL;
+use super::runout::{RUNOUT, RunoutObject};
+use super::step_over::{self, StepOverMembers, StepOverSlots};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainMembers, Quantity, members};
+use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
+use crate::quantity::Length;
+use serde::de::MapAccess;
+
+/// The member of the calculations that keep a tolerance.
+pub(crate) const TOLERANCE: Member<Quantity<Length>> =
+    Member { name: "scallop_tolerance_mm", about: "the scallop height to keep", kind: Quantity::length(0.015) };
+
+members! {
+    /// The members that hold for all contacts of a request.
+    pub(crate) struct SharedMembers {
+        cutter: required CUTTER: AnyCutter,
+        runout: optional RUNOUT: RunoutObject,
+        model: optional MODEL: Choice<Model>,
+    }
+}
+
+/// The parameters that hold for all contacts of a request.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SharedParameters {
+    pub(crate) tool: StatedCutter,
+    pub(crate) runout: Runout,
+    pub(crate) model: Model,
+}
+
+impl SharedParameters {
+    pub(crate) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        let SharedMembers { cutter, runout, model } = SharedMembers::read(object, faults);
+        Ok(Self { tool: cutter?, runout: runout?.unwrap_or(Runout::NONE), model: model?.unwrap_or_default() })
+    }
+
+    pub(crate) fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+        schema.with::<SharedMembers>()
+    }
+}
+
+/// Which parameters of a contact a calculation is given; what it finds is not given.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct States {
+    pub(crate) step_over: bool,
+    pub(crate) feed_per_tooth: bool,
+}
+
+/// The parameters of a contact as far as one object of a request states them, each with its faults already recorded.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactParameters {
+    step_over: Result<Option<StepOver>, Faulted>,
+    feed_per_tooth: Result<Option<Feed>, Faulted>,
+    curvature: Result<Option<SurfaceCurvature>, Faulted>,
+}
+
+impl ContactParameters {
+    /// Takes out of `object` the parameters that a calculation is given, all of them optional.
+    pub(crate) fn read(object: &mut Object<'_, '_>, states: States, faults: &mut Faults) -> Self {
+        let step_over = if states.step_over {
+            let path = object.path();
+            StepOverMembers::read(object, faults).build(&path, faults)
+        } else {
+            Ok(None)
+        };
+        let feed_per_tooth = if states.feed_per_tooth { FeedMembers::read(object, faults).feed_per_tooth } else { Ok(None) };
+        Self { step_over, feed_per_tooth, curvature: CurvatureMembers::read(object, faults).radius }
+    }
+
+    pub(crate) fn describe(schema: ObjectSchema<'_>, states: States) -> ObjectSchema<'_> {
+        let schema = if states.step_over { schema.with::<StepOverMembers>() } else { schema };
+        let schema = if states.feed_per_tooth { schema.with::<FeedMembers>() } else { schema };
+        schema.with::<CurvatureMembers>()
+    }
+
+    /// The parameters whose values were read in one pass; `None` where there is any fault.
+    pub(super) fn accept(slots: ParameterSlots, states: States) -> Option<Self> {
+        let ParameterSlots { step_over, feed, curvature } = slots;
+        let unknown =
+            !(states.step_over || StepOverMembers::are_absent(&step_over)) || !(states.feed_per_tooth || FeedMembers::are_absent(&feed));
+        if unknown {
+            return None;
+        }
+        let step_over = match StepOverMembers::accept(step_over)? {
+            StepOverMembers { along_surface: Ok(None), seen_from_above: Ok(None) } => None,
+            StepOverMembers { along_surface: Ok(Some(s)), seen_from_above: Ok(None) } => Some(StepOver::AlongSurface(s)),
+            StepOverMembers { along_surface: Ok(None), seen_from_above: Ok(Some(d)) } => Some(StepOver::SeenFromAbove(d)),
+            StepOverMembers { .. } => return None,
+        };
+        let feed_per_tooth = FeedMembers::accept(feed)?.feed_per_tooth;
+        Some(Self { step_over: Ok(step_over), feed_per_tooth, curvature: CurvatureMembers::accept(curvature)?.radius })
+    }
+
+    /// These parameters, and `others` where these are absent.
+    pub(crate) fn or(self, others: &Self) -> Self {
+        Self {
+            step_over: self.step_over.and_then(|own| own.map_or(others.step_over, |s| Ok(Some(s)))),
+            feed_per_tooth: self.feed_per_tooth.and_then(|own| own.map_or(others.feed_per_tooth, |f| Ok(Some(f)))),
+            curvature: self.curvature.and_then(|own| own.map_or(others.curvature, |c| Ok(Some(c)))),
+        }
+    }
+
+    /// The step-over, which is there where the calculation is given one.
+    pub(crate) fn step_over(&self, states: States, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
+        match self.step_over? {
+            None if states.step_over => Err(step_over::missing(path, faults)),
+            step_over => Ok(step_over),
+        }
+    }
+
+    /// The feed per tooth; `None` for no marks.
+    pub(crate) fn feed_per_tooth(&self) -> Result<Option<Length>, Faulted> {
+        self.feed_per_tooth.map(|feed| feed.and_then(Feed::per_tooth))
+    }
+
+    pub(crate) fn curvature(&self) -> Result<SurfaceCurvature, Faulted> {
+        self.curvature.map(|curvature| curvature.unwrap_or(SurfaceCurvature::PLANE))
+    }
+}
+
+/// The values of a contact's parameters.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ParameterSlots {
+    step_over: StepOverSlots,
+    feed: FeedSlots,
+    curvature: CurvatureSlots,
+}
+
+impl ParameterSlots {
+    /// Reads the value of `name` into its slot. False where no parameter has this name.
+    pub(super) fn fill<'de, A: MapAccess<'de>>(&mut self, name: &str, map: &mut A) -> Result<bool, A::Error> {
+        Ok(StepOverMembers::fill(&mut self.step_over, name, map)?
+            || FeedMembers::fill(&mut self.feed, name, map)?
+            || CurvatureMembers::fill(&mut self.curvature, name, map)?)
+    }
+}

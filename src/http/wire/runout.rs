@@ -1,0 +1,35 @@
+//! Runout: how far the teeth stand out of their circle.
+
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity, WireObject, members};
+use crate::milling::Runout;
+
+/// The member `runout` of the calculations.
+pub(crate) const RUNOUT: Member<RunoutObject> =
+    Member { name: "runout", about: "runout of the teeth, small against the feed per tooth; absent = none", kind: RunoutObject };
+
+members! {
+    /// The members of a runout.
+    pub(crate) struct RunoutMembers {
+        radial: optional RADIAL: Quantity<f64> = ("radial_mm", Quantity::new(|mm| Runout::NONE.with_radial_mm(mm).map(|_| mm), 0.005),
+            "radial runout, by how much one tooth stands out further than the next; absent = 0"),
+        axial: optional AXIAL: Quantity<f64> = ("axial_mm", Quantity::new(|mm| Runout::NONE.with_axial_mm(mm).map(|_| mm), 0.002),
+            "axial runout, by how much one tooth stands lower than the next: positive it shortens, negative it lengthens the step between marks where the feed climbs; absent = 0"),
+    }
+}
+
+/// The object of a runout.
+pub(crate) struct RunoutObject;
+
+impl WireObject for RunoutObject {
+    const NAME: &'static str = "Runout";
+    const ABOUT: &'static str = "How far the teeth stand out of the circle on which they should cut";
+    type Members = RunoutMembers;
+    type Value = Runout;
+
+    fn build(members: RunoutMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Runout, Faulted> {
+        let (radial, axial) = (members.radial?.unwrap_or(0.0), members.axial?.unwrap_or(0.0));
+        let runout = Runout::NONE.with_radial_mm(radial).and_then(|runout| runout.with_axial_mm(axial));
+        runout.map_err(|bounds| faults.add(path, RequestFault::OutOfRange, bounds))
+    }
+}
