@@ -65,8 +65,8 @@ async fn serve(settings: &Settings) -> std::io::Result<()> {
     let public = app(routes);
     let signal = server::stop_signal()?;
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
-    let health = settings.health_listen.map(|address| serve_health(address, app(http::health_routes()), &settings.server)).transpose()?;
     tracing::info!(address = %listener.local_addr()?, version = env!("CARGO_PKG_VERSION"), "listening");
+    let health = settings.health_listen.map(|address| serve_health(address, app(http::health_routes()), &settings.server)).transpose()?;
     let stop = async {
         let signal = signal.await;
         tracing::info!(signal, drain_delay_s = settings.server.drain_delay.as_secs(), "draining");

@@ -10,6 +10,7 @@ mod tracked;
 use std::convert::Infallible;
 use std::future::poll_fn;
 use std::io;
+use std::net::SocketAddr;
 use std::pin::pin;
 use std::sync::{Arc, Mutex};
 use std::task::Poll;
@@ -83,10 +84,19 @@ pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, s
         Connections { protocol, app, patience, table: ConnectionTable::new(settings.max_connections), ending: GracefulShutdown::new() };
     let mut stop = pin!(stop);
     loop {
-        tokio::select! {
+        let accepted = tokio::select! {
             biased;
             () = &mut stop => break,
-            accepted = connections.accept(&listener) => connections.open(accepted).await,
+            accepted = listener.accept() => accepted,
+        };
+        let Some(stream) = connections.accepted(accepted).await else { continue };
+        tokio::select! {
+            biased;
+            entry = connections.table.enter() => connections.spawn(stream, entry),
+            () = &mut stop => {
+                connections.spawn(stream, connections.table.enter_beyond_limit());
+                break;
+            }
         }
     }
     connections.sweep(&listener).await;
@@ -104,20 +114,17 @@ struct Connections {
 }
 
 impl Connections {
-    async fn accept(&self, listener: &TcpListener) -> io::Result<(TcpStream, Entry)> {
-        let (stream, _) = listener.accept().await?;
-        Ok((stream, self.table.enter().await))
-    }
-
-    async fn open(&self, accepted: io::Result<(TcpStream, Entry)>) {
+    /// The stream, unless it was not accepted.
+    async fn accepted(&self, accepted: io::Result<(TcpStream, SocketAddr)>) -> Option<TcpStream> {
         match accepted {
-            Ok((stream, entry)) => self.spawn(stream, entry),
+            Ok((stream, _)) => return Some(stream),
             Err(error) if is_of_the_connection(&error) => tracing::debug!(%error, "a connection ended before it was accepted"),
             Err(error) => {
                 tracing::error!(%error, "no connection can be accepted");
                 sleep(ACCEPT_PAUSE).await;
             }
         }
+        None
     }
 
     fn spawn(&self, stream: TcpStream, entry: Entry) {
@@ -167,8 +174,7 @@ impl Connections {
     async fn sweep(&self, listener: &TcpListener) {
         // One turn of the scheduler is enough for what is there already.
         while let Ok(Ok((stream, _))) = timeout(Duration::ZERO, listener.accept()).await {
-            let Ok(entry) = timeout(SETTLING, self.table.enter()).await else { return };
-            self.spawn(stream, entry);
+            self.spawn(stream, self.table.enter_beyond_limit());
         }
     }
 

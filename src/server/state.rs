@@ -93,6 +93,11 @@ impl ConnectionState {
         }
     }
 
+    /// Whether the connection is to close.
+    pub(super) fn is_evicted(&self) -> bool {
+        self.evicted.load(Ordering::Acquire)
+    }
+
     /// Whether the connection is to close; if not, its task is woken when it is.
     pub(super) fn poll_evicted(&self, context: &Context<'_>) -> bool {
         let mut waker = self.waker.lock().unwrap_or_else(PoisonError::into_inner);
@@ -100,6 +105,6 @@ impl ConnectionState {
             *waker = Some(context.waker().clone());
         }
         // Under the lock, so that no eviction comes between.
-        self.evicted.load(Ordering::Acquire)
+        self.is_evicted()
     }
 }

@@ -47,8 +47,8 @@ pub(super) struct ClientStream {
     /// Wakes the task at the deadline of a head, or before.
     alarm: Option<Pin<Box<Sleep>>>,
     write: Option<Pin<Box<Sleep>>>,
-    /// Whether nothing has been written since the last answer was sent whole.
-    is_flushed: bool,
+    /// Requests whose answers have been sent whole.
+    answered: u32,
     closing: Closing,
 }
 
@@ -78,7 +78,7 @@ impl ClientStream {
     ) -> Self {
         let head = Head { number: 0, bytes: 0, began: None, reservation };
         let opened = Instant::now();
-        Self { stream, state, patience, refuse, opened, head, alarm: None, write: None, is_flushed: true, closing: Closing::Open }
+        Self { stream, state, patience, refuse, opened, head, alarm: None, write: None, answered: 0, closing: Closing::Open }
     }
 
     /// `polled`, or an error where writing has been waiting for the client too long.
@@ -159,7 +159,7 @@ impl ClientStream {
     /// The status with which the HTTP parser answers a malformed head in `bytes`, which are about to be written. Such an answer is empty
     /// and has no request id, so that another takes its place.
     fn parser_status(&self, bytes: &[u8]) -> Option<StatusCode> {
-        let is_between_requests = self.is_flushed && self.state.is_in(Phase::AwaitingHead);
+        let is_between_requests = self.answered == self.state.requests();
         let status = bytes.strip_prefix(b"HTTP/1.1 ").filter(|_| is_between_requests)?.get(..3)?;
         StatusCode::from_bytes(status).ok().filter(StatusCode::is_client_error)
     }
@@ -188,7 +188,6 @@ impl AsyncWrite for ClientStream {
             self.refuse(status);
             return Poll::Ready(Ok(bytes.len()));
         }
-        self.is_flushed = false;
         let polled = Pin::new(&mut *lock(&self.stream)).poll_write(context, bytes);
         self.bound_write(context, polled)
     }
@@ -198,7 +197,6 @@ impl AsyncWrite for ClientStream {
             self.refuse(status);
             return Poll::Ready(Ok(slices.iter().map(|slice| slice.len()).sum()));
         }
-        self.is_flushed = false;
         let polled = Pin::new(&mut *lock(&self.stream)).poll_write_vectored(context, slices);
         self.bound_write(context, polled)
     }
@@ -210,7 +208,9 @@ impl AsyncWrite for ClientStream {
     /// Called when all of an answer has been written.
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         let polled = Pin::new(&mut *lock(&self.stream)).poll_flush(context);
-        self.is_flushed |= polled.is_ready() && self.state.is_in(Phase::AwaitingHead);
+        if polled.is_ready() && self.state.is_in(Phase::AwaitingHead) {
+            self.answered = self.state.requests();
+        }
         polled
     }
 
@@ -220,6 +220,11 @@ impl AsyncWrite for ClientStream {
             match &mut client.closing {
                 Closing::Open => {
                     ready!(Pin::new(&mut *lock(&client.stream)).poll_shutdown(context))?;
+                    if client.state.is_evicted() {
+                        // No answer can be lost, and a new connection waits for the place.
+                        client.closing = Closing::Closed;
+                        continue;
+                    }
                     client.closing = Closing::Lingering { end: Box::pin(sleep(LINGER)), bytes: 0 };
                 }
                 Closing::Lingering { end, bytes } => {

@@ -42,7 +42,7 @@ pub(super) struct Entry {
     key: u64,
     state: Arc<ConnectionState>,
     is_in_reserve: bool,
-    _permit: OwnedSemaphorePermit,
+    _permit: Option<OwnedSemaphorePermit>,
 }
 
 impl Entry {
@@ -77,27 +77,32 @@ impl ConnectionTable {
         self.open().connections.len()
     }
 
-    /// An entry for a new connection: the permit of one that is idle where there are too many, or one of the reserve. Where all of them
-    /// have requests, it waits.
+    /// An entry for a new connection. Where there are too many, idle ones are closed; where none is idle, the entry is one of the
+    /// reserve; where that is used up, the connection waits.
     pub(super) async fn enter(&self) -> Entry {
         let permits = || Arc::clone(&self.0.permits);
         if let Ok(permit) = permits().try_acquire_owned() {
-            return self.add(permit, false);
+            return self.add(Some(permit), false);
         }
         if self.evict_idle()
             && let Ok(Ok(permit)) = timeout(EVICTION, permits().acquire_owned()).await
         {
-            return self.add(permit, false);
+            return self.add(Some(permit), false);
         }
         tokio::select! {
             biased;
-            Ok(permit) = Arc::clone(&self.0.reserve).acquire_owned() => self.add(permit, true),
-            Ok(permit) = permits().acquire_owned() => self.add(permit, false),
+            Ok(permit) = Arc::clone(&self.0.reserve).acquire_owned() => self.add(Some(permit), true),
+            Ok(permit) = permits().acquire_owned() => self.add(Some(permit), false),
             else => unreachable!("the semaphores are never closed"),
         }
     }
 
-    fn add(&self, permit: OwnedSemaphorePermit, is_in_reserve: bool) -> Entry {
+    /// An entry for a connection that was accepted when the server stops: its request must not be lost.
+    pub(super) fn enter_beyond_limit(&self) -> Entry {
+        self.add(None, true)
+    }
+
+    fn add(&self, permit: Option<OwnedSemaphorePermit>, is_in_reserve: bool) -> Entry {
         let state = Arc::new(ConnectionState::new());
         let mut open = self.open();
         let key = open.next;

@@ -52,7 +52,12 @@ impl Faults {
 
     /// Records a fault and returns the proof.
     pub(crate) fn add(&mut self, path: &JsonPath<'_>, code: impl Into<FaultCode>, detail: impl fmt::Display) -> Faulted {
-        self.push(Fault::new(path, code, detail))
+        if self.listed.len() < self.most_listed {
+            return self.push(Fault::new(path, code, detail));
+        }
+        // It is not shown, so that its text is not formatted.
+        self.unlisted += 1;
+        Faulted
     }
 
     /// Records a complete fault.
