@@ -1,4 +1,4 @@
-//! Batches of 100 000 contacts through the service's own routes and layers, beside reading and writing the same JSON with nothing
+//! Batches of 100 000 contacts through the service's own routes and middleware, beside reading and writing the same JSON with nothing
 //! computed: `cargo bench --bench batches [contacts]`. Writes `target/benches/batches.json`.
 //!
 //! The comparison reads the request into numbers with serde's derived code and writes the same columns from numbers, on one core.
@@ -9,8 +9,7 @@ use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::http::{Request, header};
 use http_body_util::BodyExt;
-use scallopd::http::AppState;
-use scallopd::http::{layers, router};
+use scallopd::http::{self, AppState};
 use scallopd::settings::Command;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
@@ -118,7 +117,7 @@ impl Bench {
     fn new() -> Self {
         let Ok(Command::Serve(settings)) = Command::read(["scallopd"]) else { panic!("the defaults serve") };
         let state = AppState::start(&settings.http).expect("threads");
-        let app = layers::apply(router(&state), &settings.http, &state);
+        let app = http::service(http::routes(), &settings.http, &state);
         Self { runtime: tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime"), app }
     }
 

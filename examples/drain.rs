@@ -1,17 +1,15 @@
-//! The least that the service can do with an upload: the same server with the same layers and settings, whose routes for surfaces read
-//! the body and throw it away. What reading a surface costs is measured against it by `benches/uploads`.
+//! The lower bound of an upload's cost: the same server with the same middleware and settings, whose routes for surfaces read the body
+//! and discard it. What reading a surface costs is measured against it by `benches/uploads`.
 //!
-//! It takes the program's settings, and says in the same way where it listens.
+//! It takes the program's settings and logs its address in the same way.
 
-use axum::Router;
 use axum::body::Bytes;
 use axum::extract::Request;
 use axum::http::header;
 use axum::routing::post;
 use http_body_util::BodyExt;
-use scallopd::http::AppState;
-use scallopd::http::layers;
-use scallopd::server;
+use scallopd::http::{self, AppState, RouteClass, Routes};
+use scallopd::server::{self, App};
 use scallopd::settings::{Command, Settings};
 use scallopd::telemetry::Telemetry;
 use std::hint::black_box;
@@ -32,8 +30,12 @@ fn main() -> Result<()> {
 async fn serve(settings: &Settings) -> Result<()> {
     let telemetry = Telemetry::start(&settings.telemetry)?;
     let state = AppState::start(&settings.http)?;
-    let routes = Router::new().route("/v1/cutter-recommendation/upload", post(drain)).route("/v1/cutter-recommendation", post(drain));
-    let app = layers::apply(routes, &settings.http, &state);
+    let routes = Routes::new().undocumented(RouteClass::Upload, "/v1/cutter-recommendation/upload", post(drain)).undocumented(
+        RouteClass::Batch,
+        "/v1/cutter-recommendation",
+        post(drain),
+    );
+    let app = App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
     // Lines of other programs than scallopd are filtered out.
     tracing::info!(target: "scallopd", address = %listener.local_addr()?, "listening");

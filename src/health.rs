@@ -1,20 +1,20 @@
-//! The `healthcheck` command: asks a running server's `/readyz`. It serves containers without a shell.
+//! The subcommand `healthcheck`: a client of `/readyz`, for containers without a shell.
 
 use std::io::{self, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream};
 use std::time::Duration;
 
-/// Longer than a busy server takes and shorter than probes usually wait.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Longer than a busy server takes, shorter than the usual time-outs of probes.
+const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Whether the server listening at `listen` is ready.
+/// Whether the server that listens at `listen` answers `/readyz` with 200.
 ///
 /// # Errors
-/// Where it does not answer in time, or not with HTTP.
+/// The server does not answer in time, or not in HTTP.
 pub fn is_ready(listen: SocketAddr) -> io::Result<bool> {
-    let mut stream = TcpStream::connect_timeout(&reachable(listen), PATIENCE)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
+    let mut stream = TcpStream::connect_timeout(&reachable(listen), TIMEOUT)?;
+    stream.set_read_timeout(Some(TIMEOUT))?;
+    stream.set_write_timeout(Some(TIMEOUT))?;
     stream.write_all(b"GET /readyz HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n")?;
     let mut answer = [0; 12];
     stream.read_exact(&mut answer)?;
@@ -25,7 +25,7 @@ pub fn is_ready(listen: SocketAddr) -> io::Result<bool> {
     }
 }
 
-/// A server that listens on every address is asked on the loopback one.
+/// The address to connect to: loopback for a server that listens on all addresses.
 fn reachable(listen: SocketAddr) -> SocketAddr {
     match listen.ip() {
         IpAddr::V4(ip) if ip.is_unspecified() => SocketAddr::new(Ipv4Addr::LOCALHOST.into(), listen.port()),
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_address_means_loopback() {
+    fn a_server_on_all_addresses_is_asked_on_loopback() {
         for (listen, asked) in [("0.0.0.0:80", "127.0.0.1:80"), ("[::]:80", "[::1]:80"), ("10.1.2.3:80", "10.1.2.3:80")] {
             assert_eq!(reachable(listen.parse().unwrap()), asked.parse().unwrap());
         }

@@ -1,8 +1,10 @@
 //! Scallop heights of ball-end, toroidal and flat-end finish milling: what a pass leaves, which feed or step-over keeps a tolerance,
 //! and which cutter suits a surface.
 
+pub mod cancellation;
 pub mod health;
 pub mod http;
+pub mod memory_budget;
 pub mod milling;
 pub mod motion;
 pub mod numerics;

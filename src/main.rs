@@ -1,19 +1,25 @@
 //! The server's entry point.
 
 use std::io::Write;
+use std::net::SocketAddr;
 use std::process::ExitCode;
+use std::time::Duration;
 
-use scallopd::http::AppState;
-use scallopd::http::{layers, openapi_json, router};
-use scallopd::settings::{Command, Refusal, Settings};
+use scallopd::http::{self, AppState, openapi_json};
+use scallopd::server::App;
+use scallopd::settings::{Command, Refusal, ServerSettings, Settings};
 use scallopd::telemetry::Telemetry;
 use scallopd::{health, server};
+use tokio::sync::oneshot;
 
 // The allocator of musl, which the static build uses, is several times slower under threads.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// The settings cannot be used; other failures are 1.
+/// Connections to the address for probes: a few probers and scrapers.
+const HEALTH_CONNECTIONS: usize = 64;
+
+/// The exit code for invalid settings; other failures exit with 1.
 const EXIT_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -50,15 +56,49 @@ fn run(settings: &Settings) -> std::io::Result<bool> {
 
 async fn serve(settings: &Settings) -> std::io::Result<()> {
     let state = AppState::start(&settings.http)?;
-    let app = layers::apply(router(&state), &settings.http, &state);
+    let app = |routes| App {
+        router: http::service(routes, &settings.http, &state),
+        refuse: http::refusals(&state),
+        budget: state.budget.clone(),
+    };
+    let routes = if settings.health_listen.is_some() { http::public_routes() } else { http::routes() };
+    let public = app(routes);
     let signal = server::stop_signal()?;
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
     tracing::info!(address = %listener.local_addr()?, version = env!("CARGO_PKG_VERSION"), "listening");
+    let health = settings.health_listen.map(|address| serve_health(address, app(http::health_routes()), &settings.server)).transpose()?;
     let stop = async {
         let signal = signal.await;
         tracing::info!(signal, drain_delay_s = settings.server.drain_delay.as_secs(), "draining");
         state.readiness.drain();
         tokio::time::sleep(settings.server.drain_delay).await;
     };
-    server::serve(listener, app, &settings.server, stop).await
+    let served = server::serve(listener, public, &settings.server, stop).await;
+    // Probes are answered until the last request is.
+    drop(health);
+    served
+}
+
+/// Serves probes and metrics on a thread of its own until the sender is dropped: whatever the other threads do, it answers.
+fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std::io::Result<oneshot::Sender<()>> {
+    let settings = ServerSettings { max_connections: HEALTH_CONNECTIONS, shutdown_grace: Duration::ZERO, ..settings.clone() };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let listener = std::net::TcpListener::bind(address)?;
+    listener.set_nonblocking(true)?;
+    let (stop, stopped) = oneshot::channel::<()>();
+    tracing::info!(address = %listener.local_addr()?, "listening for probes");
+    let serve = move || {
+        runtime.block_on(async {
+            let listener = tokio::net::TcpListener::from_std(listener)?;
+            // An error is the sender's drop.
+            server::serve(listener, app, &settings, async { _ = stopped.await }).await
+        })
+    };
+    let log = move || {
+        if let Err(error) = serve() {
+            tracing::error!(%error, "probes are not served");
+        }
+    };
+    std::thread::Builder::new().name("health".to_owned()).spawn(log)?;
+    Ok(stop)
 }

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::http::{Request, header};
-use scallopd::http::{layers, operations::AppState, router};
+use scallopd::http::{self, AppState};
 use scallopd::settings::{Command, HttpSettings};
 use tokio::runtime::Runtime;
 use tower::ServiceExt;
@@ -34,7 +34,7 @@ static SERVICE: LazyLock<(Runtime, Router)> = LazyLock::new(|| {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     let settings = defaults();
     let state = AppState::start(&settings).expect("threads");
-    (runtime, layers::apply(router(&state), &settings, &state))
+    (runtime, http::service(http::routes(), &settings, &state))
 });
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

@@ -1,32 +1,36 @@
-//! The application state: what requests share while the service runs. It holds no result: the service has no state of its own.
+//! The application state: the handles that all requests share while the service runs. Results are not kept.
 
 use axum::extract::FromRef;
 
 use super::metrics::Metrics;
 use super::readiness::Readiness;
 use super::worker_pool::WorkerPool;
+use crate::memory_budget::MemoryBudget;
 use crate::settings::HttpSettings;
 
-/// Handles shared by all requests; a clone is the same handles.
+/// Handles shared by all requests; clones refer to the same objects.
 #[derive(Debug, Clone)]
 pub struct AppState {
-    /// What is counted.
+    /// The counters for `/metrics`.
     pub metrics: Metrics,
-    /// Whether requests are still wanted.
+    /// Whether the service accepts requests or drains.
     pub readiness: Readiness,
-    /// The threads and places for uploads and batches.
+    /// The threads for uploads and batches.
     pub workers: WorkerPool,
+    /// The memory for everything whose size clients determine.
+    pub budget: MemoryBudget,
 }
 
 impl AppState {
-    /// The state within the settings' bounds.
+    /// A state with the bounds that `settings` names.
     ///
     /// # Errors
-    /// Where the system gives no threads.
+    /// The system starts no threads.
     pub fn start(settings: &HttpSettings) -> std::io::Result<Self> {
-        let metrics = Metrics::new();
-        let workers = WorkerPool::start(settings.max_heavy, &metrics)?;
-        Ok(Self { metrics, readiness: Readiness::default(), workers })
+        let budget = MemoryBudget::new(settings.memory_budget_bytes);
+        let metrics = Metrics::new(&budget);
+        let workers = WorkerPool::start(settings.max_concurrent_work, &metrics)?;
+        Ok(Self { metrics, readiness: Readiness::default(), workers, budget })
     }
 }
 
@@ -39,11 +43,5 @@ impl FromRef<AppState> for Metrics {
 impl FromRef<AppState> for Readiness {
     fn from_ref(state: &AppState) -> Self {
         state.readiness.clone()
-    }
-}
-
-impl FromRef<AppState> for WorkerPool {
-    fn from_ref(state: &AppState) -> Self {
-        state.workers.clone()
     }
 }

@@ -1,8 +1,11 @@
 //! The JSON body of a request.
 
 use super::codes::ServiceProblem;
+use super::collected_body::collect;
+use super::middleware::memory_budget;
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object};
+use crate::memory_budget::Reservation;
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -20,22 +23,21 @@ pub(crate) struct JsonBody(Bytes);
 impl<S: Send + Sync> FromRequest<S> for JsonBody {
     type Rejection = Problem;
 
-    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
+    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
         if !is_json(request.headers()) {
             let detail = "send JSON with the header content-type: application/json";
             return Err(Problem::new(ServiceProblem::UnsupportedMediaType, detail));
         }
-        match Bytes::from_request(request, state).await {
-            Ok(bytes) => Ok(Self(bytes)),
-            // A body over its limit, too slow or damaged has its answer from the layers around; this one is for what they do not know.
-            Err(rejection) => Err(Problem::new(ServiceProblem::UnreadableBody, rejection.body_text())),
-        }
+        let budget = memory_budget(&request);
+        collect(request.into_body(), &budget).await.map(Self)
     }
 }
 
 /// An answer that was written where it was computed, off the async threads.
 pub(crate) struct WrittenJson {
     pieces: VecDeque<Bytes>,
+    /// The memory that the answer holds until it is sent.
+    reservation: Option<Reservation>,
 }
 
 impl WrittenJson {
@@ -48,7 +50,18 @@ impl WrittenJson {
 
     /// An answer that is sent as it was written, piece by piece: a large one would double in memory if it were put together.
     pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
-        Self { pieces: pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect() }
+        Self { pieces: pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect(), reservation: None }
+    }
+
+    /// The same, with `reservation` held until it is sent and resized to what it holds now.
+    pub(crate) fn holding(mut self, mut reservation: Reservation) -> Result<Self, Problem> {
+        reservation.resize(self.length())?;
+        self.reservation = Some(reservation);
+        Ok(self)
+    }
+
+    fn length(&self) -> u64 {
+        self.pieces.iter().map(|piece| piece.len() as u64).sum()
     }
 }
 
@@ -57,7 +70,18 @@ impl HttpBody for WrittenJson {
     type Error = Infallible;
 
     fn poll_frame(mut self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
-        Poll::Ready(self.pieces.pop_front().map(|piece| Ok(Frame::data(piece))))
+        /// Large pieces are sent in frames of this size: the connection holds a frame until the client has taken it.
+        const FRAME: usize = 64 * 1024;
+        let Some(first) = self.pieces.front_mut() else { return Poll::Ready(None) };
+        let frame = first.split_to(first.len().min(FRAME));
+        if first.is_empty() {
+            self.pieces.pop_front();
+            let left = self.length();
+            if let Some(reservation) = &mut self.reservation {
+                reservation.shrink_to(left);
+            }
+        }
+        Poll::Ready(Some(Ok(Frame::data(frame))))
     }
 
     fn is_end_stream(&self) -> bool {
@@ -65,7 +89,7 @@ impl HttpBody for WrittenJson {
     }
 
     fn size_hint(&self) -> SizeHint {
-        SizeHint::with_exact(self.pieces.iter().map(|piece| piece.len() as u64).sum())
+        SizeHint::with_exact(self.length())
     }
 }
 
@@ -85,6 +109,11 @@ fn is_json(headers: &HeaderMap) -> bool {
 }
 
 impl JsonBody {
+    /// The body's length in bytes.
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Reads the body, an object, with `read`, which records the faults that it finds. It may find a result and faults; then the
     /// faults prevail. What it leaves of the object is unknown, which is a fault, too.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {

@@ -1,4 +1,4 @@
-//! What is counted, and its text for Prometheus. Every label has few values: routes are templates, methods and reasons are listed here.
+//! Counters and their text for Prometheus. Every label has few values: routes are templates, methods and reasons closed sets.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -6,15 +6,20 @@ use std::time::Duration;
 use axum::extract::State;
 use axum::http::{Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use prometheus_client::encoding::{EncodeLabelSet, text};
-use prometheus_client::metrics::counter::Counter;
+use prometheus_client::collector::Collector;
+use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, EncodeMetric, text};
+use prometheus_client::metrics::MetricType;
+use prometheus_client::metrics::counter::{ConstCounter, Counter};
 use prometheus_client::metrics::family::Family;
-use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::metrics::gauge::{ConstGauge, Gauge};
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
-use prometheus_client::registry::Registry;
+use prometheus_client::registry::{Registry, Unit};
 
-/// Upper bounds of the durations' classes, in s: from a single calculation's to the request time-out.
+use super::overload::Overload;
+use crate::memory_budget::MemoryBudget;
+
+/// Upper bounds of the histogram's buckets, in s: from a single calculation to the request time-out.
 const DURATIONS: [f64; 18] =
     [0.000_1, 0.000_25, 0.000_5, 0.001, 0.002_5, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 60.0];
 
@@ -46,16 +51,7 @@ struct FormatLabels {
 
 type Durations = Family<DurationLabels, Histogram, fn() -> Histogram>;
 
-/// Why a request was turned away.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ShedReason {
-    /// As many requests as are accepted were in flight.
-    InFlight,
-    /// As many uploads and batches as are accepted were being worked on.
-    Heavy,
-}
-
-/// The counters. Clones share them; a request makes a few, so a clone is one handle.
+/// The counters. Clones share them; a request makes a few clones, so that each is one handle.
 #[derive(Debug, Clone)]
 pub struct Metrics(Arc<Counters>);
 
@@ -65,20 +61,23 @@ struct Counters {
     requests: Family<RequestLabels, Counter>,
     durations: Durations,
     in_flight: Gauge,
-    shed_in_flight: Counter,
-    shed_heavy: Counter,
+    shed: Family<ShedLabels, Counter>,
     upload_bytes: Counter,
     upload_facets: Family<FormatLabels, Counter>,
 }
 
 impl Metrics {
-    /// Counters at zero.
+    /// Counters at zero, and the state of `budget`.
     #[must_use]
-    pub fn new() -> Self {
+    pub fn new(budget: &MemoryBudget) -> Self {
         let requests = Family::default();
         let durations = Durations::new_with_constructor(|| Histogram::new(DURATIONS));
         let in_flight = Gauge::default();
         let shed = Family::<ShedLabels, Counter>::default();
+        for overload in Overload::ALL {
+            // From the start, so that a first increase shows as one.
+            drop(shed.get_or_create(&ShedLabels { reason: overload.label() }));
+        }
         let upload_bytes = Counter::default();
         let upload_facets = Family::default();
         let mut registry = Registry::default();
@@ -90,46 +89,40 @@ impl Metrics {
         registry.register("scallopd_upload_facets", "Facets and points read from uploads", upload_facets.clone());
         let version = option_env!("CARGO_PKG_VERSION").unwrap_or("unknown");
         let revision = option_env!("SCALLOPD_REVISION").filter(|revision| !revision.is_empty()).unwrap_or("unknown");
-        registry.register("scallopd_build", "What is running", Info::new([("version", version), ("revision", revision)]));
-        registry.register_collector(Box::new(super::process::Process));
-        Self(Arc::new(Counters {
-            registry,
-            requests,
-            durations,
-            in_flight,
-            shed_in_flight: shed.get_or_create_owned(&ShedLabels { reason: "in_flight" }),
-            shed_heavy: shed.get_or_create_owned(&ShedLabels { reason: "heavy" }),
-            upload_bytes,
-            upload_facets,
-        }))
+        registry.register(
+            "scallopd_build",
+            "Version and revision of the program",
+            Info::new([("version", version), ("revision", revision)]),
+        );
+        registry.register_collector(Box::new(BudgetMetrics(budget.clone())));
+        #[cfg(target_os = "linux")]
+        registry.register_collector(Box::new(super::process_metrics::ProcessMetrics));
+        Self(Arc::new(Counters { registry, requests, durations, in_flight, shed, upload_bytes, upload_facets }))
     }
 
-    /// One more request is in flight.
+    /// Counts a request in flight.
     pub(crate) fn began(&self) {
         self.0.in_flight.inc();
     }
 
-    /// A request was answered, or left by its client.
+    /// Counts a request that was answered, or whose client left.
     pub(crate) fn ended(&self, method: &'static str, route: &Arc<str>, status: u16, duration: Duration) {
         self.0.in_flight.dec();
         self.0.requests.get_or_create(&RequestLabels { method, route: Arc::clone(route), status }).inc();
         self.0.durations.get_or_create(&DurationLabels { route: Arc::clone(route), status }).observe(duration.as_secs_f64());
     }
 
-    /// A request was turned away.
-    pub fn shed(&self, reason: ShedReason) {
-        match reason {
-            ShedReason::InFlight => self.0.shed_in_flight.inc(),
-            ShedReason::Heavy => self.0.shed_heavy.inc(),
-        };
+    /// Counts a request that was turned away.
+    pub fn shed(&self, overload: Overload) {
+        self.0.shed.get_or_create(&ShedLabels { reason: overload.label() }).inc();
     }
 
-    /// Bytes of an upload arrived, decompressed.
+    /// Counts bytes of an upload, decompressed.
     pub fn upload_bytes(&self, bytes: u64) {
         self.0.upload_bytes.inc_by(bytes);
     }
 
-    /// An upload of this format held so many facets, or points where it has no facets.
+    /// Counts the facets of an upload in this format, or its points where the format has no facets.
     pub fn upload_facets(&self, format: &'static str, facets: u64) {
         self.0.upload_facets.get_or_create(&FormatLabels { format }).inc_by(facets);
     }
@@ -142,9 +135,17 @@ impl Metrics {
     }
 }
 
-impl Default for Metrics {
-    fn default() -> Self {
-        Self::new()
+/// The state of the memory budget at each scrape.
+#[derive(Debug)]
+struct BudgetMetrics(MemoryBudget);
+
+impl Collector for BudgetMetrics {
+    fn encode(&self, mut encoder: DescriptorEncoder) -> Result<(), std::fmt::Error> {
+        let reserved =
+            encoder.encode_descriptor("scallopd_memory_reserved", "Memory reserved for requests", Some(&Unit::Bytes), MetricType::Gauge)?;
+        ConstGauge::new(self.0.reserved()).encode(reserved)?;
+        let refusals = encoder.encode_descriptor("scallopd_memory_refusals", "Reservations refused", None, MetricType::Counter)?;
+        ConstCounter::new(self.0.refusals()).encode(refusals)
     }
 }
 
@@ -164,7 +165,7 @@ pub(crate) fn method_label(method: &Method) -> &'static str {
 
 /// The metrics
 ///
-/// What the server has counted, as text for Prometheus.
+/// The server's counters as text for Prometheus.
 #[utoipa::path(
     get, path = "/metrics", tag = "service", operation_id = "metrics",
     responses((status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text", example = json!("scallopd_http_requests_in_flight 0\n# EOF\n"))),
@@ -173,7 +174,7 @@ pub async fn show(State(metrics): State<Metrics>) -> Response {
     match metrics.text() {
         Ok(page) => ([(header::CONTENT_TYPE, "application/openmetrics-text; version=1.0.0; charset=utf-8")], page).into_response(),
         Err(error) => {
-            tracing::error!(%error, "the metrics could not be written");
+            tracing::error!(%error, "the metrics cannot be encoded");
             StatusCode::INTERNAL_SERVER_ERROR.into_response()
         }
     }
@@ -184,13 +185,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_text_names_what_was_counted() {
-        let metrics = Metrics::new();
+    fn the_text_has_what_was_counted() {
+        let metrics = Metrics::new(&MemoryBudget::new(1000));
         let route: Arc<str> = Arc::from("/v1/max-feed");
         metrics.began();
         metrics.ended("POST", &route, 200, Duration::from_millis(2));
         metrics.began();
-        metrics.shed(ShedReason::Heavy);
+        metrics.shed(Overload::Workers);
         metrics.upload_bytes(84);
         metrics.upload_facets("stl", 2);
         let page = metrics.text().unwrap();
@@ -199,8 +200,9 @@ mod tests {
             "scallopd_http_request_duration_seconds_bucket{le=\"0.0025\",route=\"/v1/max-feed\",status=\"200\"} 1",
             "scallopd_http_request_duration_seconds_bucket{le=\"0.001\",route=\"/v1/max-feed\",status=\"200\"} 0",
             "scallopd_http_requests_in_flight 1",
-            "scallopd_http_requests_shed_total{reason=\"heavy\"} 1",
+            "scallopd_http_requests_shed_total{reason=\"workers\"} 1",
             "scallopd_http_requests_shed_total{reason=\"in_flight\"} 0",
+            "scallopd_memory_reserved_bytes 0",
             "scallopd_upload_bytes_total 84",
             "scallopd_upload_facets_total{format=\"stl\"} 2",
             concat!("scallopd_build_info{version=\"", env!("CARGO_PKG_VERSION"), "\""),

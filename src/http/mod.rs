@@ -1,58 +1,97 @@
-//! The service over HTTP: a file or folder for each endpoint, and around them what they share. Nothing in it computes: requests are
-//! read into checked values, handed to the mathematics, and the results written.
+//! The HTTP interface: a file or folder for each endpoint, and what they share. Nothing here computes: requests are read into checked
+//! values, handed to the mathematics, and the results are written as JSON.
 
 mod app_state;
 mod body;
 mod calculation;
 mod codes;
+mod collected_body;
 mod document;
-pub mod layers;
 pub mod metrics;
+mod middleware;
+pub mod overload;
 mod pages;
 mod planning;
 mod problem;
-mod process;
+#[cfg(target_os = "linux")]
+mod process_metrics;
 pub mod readiness;
 mod reading;
+mod refusal;
+mod request_id;
+mod routes;
 mod wire;
 mod workbench;
 pub mod worker_pool;
 
 pub use app_state::AppState;
+pub use routes::{RouteClass, Routes};
+
+use std::sync::Arc;
+
 use axum::Router;
 use axum::http::StatusCode;
-use calculation::{max_feed, scallop_height, step_over};
-use planning::{critical_slope, machines, recommendation, upload};
-use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// All routes with their documentation.
-fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::with_openapi(document::outline())
-        .routes(routes!(scallop_height::answer))
-        .routes(routes!(scallop_height::answer_batch))
-        .routes(routes!(max_feed::answer))
-        .routes(routes!(max_feed::answer_batch))
-        .routes(routes!(step_over::answer))
-        .routes(routes!(step_over::answer_batch))
-        .routes(routes!(critical_slope::answer))
-        .routes(routes!(machines::list))
-        .routes(routes!(recommendation::answer))
-        .routes(routes!(upload::answer))
-        .routes(routes!(readiness::livez))
-        .routes(routes!(readiness::readyz))
-        .routes(routes!(metrics::show))
-        .routes(routes!(pages::openapi))
+use crate::settings::HttpSettings;
+use calculation::{max_feed, scallop_height, step_over};
+use planning::{critical_slope, machines, recommendation, upload};
+
+/// All routes, each with its class and its documentation.
+#[must_use]
+pub fn routes() -> Routes {
+    use RouteClass::{Batch, Single, Upload};
+    Routes::new()
+        .documented(Single, routes!(scallop_height::answer))
+        .documented(Batch, routes!(scallop_height::answer_batch))
+        .documented(Single, routes!(max_feed::answer))
+        .documented(Batch, routes!(max_feed::answer_batch))
+        .documented(Single, routes!(step_over::answer))
+        .documented(Batch, routes!(step_over::answer_batch))
+        .documented(Single, routes!(critical_slope::answer))
+        .documented(Single, routes!(machines::list))
+        .documented(Batch, routes!(recommendation::answer))
+        .documented(Upload, routes!(upload::answer))
+        .merge(health_routes())
+        .documented(Single, routes!(pages::openapi))
+        .nested(Single, pages::routes())
+        .nested(Single, workbench::routes())
 }
 
 /// The OpenAPI document, as `openapi/openapi.json` holds it.
 #[must_use]
 pub fn openapi_json() -> String {
-    format!("{:#}\n", document::with_examples(&routes().into_openapi()))
+    format!("{:#}\n", document::with_examples(&routes().openapi(document::outline())))
 }
 
-/// The routes, before the layers around them.
-pub fn router(state: &AppState) -> Router {
-    let (router, _) = routes().split_for_parts();
-    router.merge(pages::routes()).merge(workbench::routes()).fallback(async || StatusCode::NOT_FOUND).with_state(state.clone())
+/// The routes without `/metrics`, for a service whose probes and metrics have an address of their own.
+#[must_use]
+pub fn public_routes() -> Routes {
+    routes().without("/metrics")
+}
+
+/// The probes and the metrics.
+#[must_use]
+pub fn health_routes() -> Routes {
+    use RouteClass::Probe;
+    Routes::new()
+        .documented(Probe, routes!(readiness::livez))
+        .documented(Probe, routes!(readiness::readyz))
+        .documented(Probe, routes!(metrics::show))
+}
+
+/// Writes the answers to heads that are no requests, for the server.
+#[must_use]
+pub fn refusals(state: &AppState) -> Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + Sync> {
+    let metrics = state.metrics.clone();
+    Arc::new(move |status| refusal::refuse(status, &metrics))
+}
+
+/// A service of `routes` inside the middleware.
+pub fn service(routes: Routes, settings: &HttpSettings, state: &AppState) -> Router {
+    let AppState { metrics, readiness, workers, budget } = state.clone();
+    let stack = middleware::Stack::new(middleware::Shared { settings, metrics, readiness, workers, budget });
+    let surround = |class, router| stack.surround(class, router);
+    let no_such_path = surround(RouteClass::Single, Router::new().fallback(async || StatusCode::NOT_FOUND));
+    routes.into_router(surround).merge(no_such_path).with_state(state.clone())
 }

@@ -4,8 +4,8 @@
 //! [`describe_error`] turns both into `application/problem+json` on the way out, where path and request id are known.
 
 use super::codes::{Code, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
-use super::layers::RequestId;
 use super::reading::{Fault, Faults};
+use super::request_id::RequestId;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;

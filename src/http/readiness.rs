@@ -1,5 +1,5 @@
-//! The probes: alive (a thread answers) and ready (requests are wanted). Neither looks at anything else, for the service depends on
-//! nothing else.
+//! The probes: `/livez` (the process answers) and `/readyz` (the service accepts requests). Neither checks anything else: the service
+//! depends on nothing else.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,14 +9,14 @@ use axum::http::StatusCode;
 
 use super::problem::ProblemBody;
 
-/// Whether requests are still wanted. Clones share it.
+/// Whether the service accepts requests or drains. Clones share it.
 #[derive(Debug, Clone, Default)]
 pub struct Readiness {
     draining: Arc<AtomicBool>,
 }
 
 impl Readiness {
-    /// No more requests are wanted: the server is about to stop.
+    /// Begins to drain: the server is about to stop.
     pub fn drain(&self) {
         self.draining.store(true, Ordering::Relaxed);
     }
@@ -28,7 +28,7 @@ impl Readiness {
     }
 }
 
-/// Whether the server lives
+/// Whether the server is alive
 ///
 /// 200 as long as the process answers at all.
 #[utoipa::path(
@@ -39,12 +39,12 @@ pub async fn livez() -> &'static str {
     "alive\n"
 }
 
-/// Whether the server wants requests
+/// Whether the server accepts requests
 ///
 /// 503 once it is about to stop.
 ///
 /// # Errors
-/// The status 503.
+/// 503 while the server drains.
 #[utoipa::path(
     get, path = "/readyz", tag = "service", operation_id = "readyz",
     responses(

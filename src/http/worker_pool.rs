@@ -1,85 +1,135 @@
-//! Computations that take more than about a millisecond: they run on threads of their own, so that probes and single calculations
-//! stay fast, and only so many requests have one at a time.
+//! The worker pool: threads for computations of more than about a millisecond, so that probes and single calculations stay fast.
+//!
+//! Whole computations need a permit, of which there are few, and a permit comes with threads of its own: the kernel shares the cores
+//! between requests, so that a short batch does not wait for the steps of a long one. Pieces of a few milliseconds, such as a block of
+//! an upload, need none; they take turns on threads that all requests share. Worker threads have a lower priority than those that
+//! serve connections.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use axum::extract::{FromRef, FromRequestParts};
+use axum::extract::FromRequestParts;
+use axum::http::StatusCode;
 use axum::http::request::Parts;
+use axum::response::{IntoResponse, Response};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
+use tokio::time::timeout;
 
-use super::layers::overloaded;
-use super::metrics::{Metrics, ShedReason};
+use super::metrics::Metrics;
+use super::overload::Overload;
+use crate::cancellation::CancelFlag;
+use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 
-/// The threads for heavy work, one a core, and the places of the requests that may use them. Clones share both.
+/// More threads for one request gain little, and there are this many for each permit.
+const MAX_THREADS_PER_REQUEST: usize = 8;
+
+/// The niceness of worker threads: a third of the weight of the threads that serve connections.
+const NICENESS: i32 = 5;
+
+/// The worker threads and the permits to use them. Clones share both.
 #[derive(Clone)]
-pub struct WorkerPool {
-    threads: Arc<rayon::ThreadPool>,
-    places: Arc<Semaphore>,
+pub struct WorkerPool(Arc<Shared>);
+
+struct Shared {
+    /// The threads of permits that nobody holds.
+    free: Mutex<Vec<ThreadPool>>,
+    permits: Arc<Semaphore>,
+    /// The threads for short pieces, one for each core.
+    pieces: ThreadPool,
     metrics: Metrics,
+}
+
+impl Shared {
+    fn free(&self) -> MutexGuard<'_, Vec<ThreadPool>> {
+        self.free.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl std::fmt::Debug for WorkerPool {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("WorkerPool").field("places", &self.places.available_permits()).finish_non_exhaustive()
+        f.debug_struct("WorkerPool").field("free_permits", &self.0.permits.available_permits()).finish_non_exhaustive()
     }
 }
 
-/// Every permit is taken: the request is to come back later.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shed;
-
-impl std::fmt::Display for Shed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "as many uploads and batches as are accepted at once are being worked on")
-    }
+fn threads(name: &'static str, count: usize) -> std::io::Result<ThreadPool> {
+    ThreadPoolBuilder::new()
+        .num_threads(count)
+        .thread_name(move |index| format!("{name}-{index}"))
+        .start_handler(|_| lower_priority())
+        .build()
+        .map_err(std::io::Error::other)
 }
 
-impl std::error::Error for Shed {}
-
-impl axum::response::IntoResponse for Shed {
-    fn into_response(self) -> axum::response::Response {
-        overloaded(self.to_string())
+/// Where the system refuses, the thread works at the usual priority.
+fn lower_priority() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::process::nice(NICENESS) {
+        tracing::debug!(%error, "a worker thread keeps its priority");
     }
 }
 
 impl WorkerPool {
-    /// Threads for as many cores as the process may use, and `places` requests at once.
+    /// Permits for `most` requests at once, each with a thread for each core that the process may use.
     ///
     /// # Errors
-    /// Where the system gives no threads.
-    pub fn start(places: usize, metrics: &Metrics) -> std::io::Result<Self> {
-        let threads =
-            rayon::ThreadPoolBuilder::new().thread_name(|index| format!("heavy-{index}")).build().map_err(std::io::Error::other)?;
-        Ok(Self { threads: Arc::new(threads), places: Arc::new(Semaphore::new(places)), metrics: metrics.clone() })
-    }
-
-    /// A permit for one request.
-    ///
-    /// # Errors
-    /// [`Shed`] at once where none is free.
-    pub fn admit(&self) -> Result<WorkPermit, Shed> {
-        let Ok(permit) = Arc::clone(&self.places).try_acquire_owned() else {
-            self.metrics.shed(ShedReason::Heavy);
-            return Err(Shed);
+    /// The system starts no threads.
+    pub fn start(most: usize, metrics: &Metrics) -> std::io::Result<Self> {
+        let cores = std::thread::available_parallelism()?.get();
+        let free = (0..most).map(|_| threads("worker", cores.min(MAX_THREADS_PER_REQUEST))).collect::<Result<_, _>>()?;
+        let shared = Shared {
+            free: Mutex::new(free),
+            permits: Arc::new(Semaphore::new(most)),
+            pieces: threads("piece", cores)?,
+            metrics: metrics.clone(),
         };
-        Ok(WorkPermit { threads: Arc::clone(&self.threads), permit: Arc::new(permit) })
+        Ok(Self(Arc::new(shared)))
     }
 
-    /// What `work` returns, done in a permit of its own.
+    /// A permit for one request, after waiting `longest` for one to come free.
     ///
     /// # Errors
-    /// [`Shed`] at once where no permit is free.
-    pub async fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Shed> {
-        Ok(self.admit()?.run(work).await)
+    /// [`Overload::Workers`] when none comes free.
+    pub async fn admit(&self, longest: Duration) -> Result<WorkPermit, Overload> {
+        let Ok(Ok(permit)) = timeout(longest, Arc::clone(&self.0.permits).acquire_owned()).await else {
+            self.0.metrics.shed(Overload::Workers);
+            return Err(Overload::Workers);
+        };
+        // Threads return before their permit does: see the order in `Held`'s drop.
+        let threads = self.0.free().pop();
+        let held = Held { threads, _permit: permit, pool: self.clone() };
+        Ok(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
     }
 }
 
-/// One request's permit. As an argument of a handler, before the body, it is taken before the body is read; it is free again when the
-/// request and all the work that it began have ended.
+/// The threads of one permit, which return to the pool when this is dropped.
+struct Held {
+    threads: Option<ThreadPool>,
+    _permit: OwnedSemaphorePermit,
+    pool: WorkerPool,
+}
+
+impl Drop for Held {
+    // Fields are dropped, and the permit is free, after this.
+    fn drop(&mut self) {
+        self.pool.0.free().extend(self.threads.take());
+    }
+}
+
+#[derive(Debug, Default)]
+struct CancelOnDrop(CancelFlag);
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}
+
+/// One request's permit and its threads. Dropping it cancels the work that it runs; the threads are free once that has ended.
 pub struct WorkPermit {
-    threads: Arc<rayon::ThreadPool>,
-    permit: Arc<OwnedSemaphorePermit>,
+    held: Arc<Held>,
+    cancel: CancelOnDrop,
 }
 
 impl std::fmt::Debug for WorkPermit {
@@ -89,102 +139,184 @@ impl std::fmt::Debug for WorkPermit {
 }
 
 impl WorkPermit {
-    /// What `work` returns, done on a thread for heavy work; parallel iterators in it use the other such threads. When the future is
-    /// dropped, work that has not begun is not begun, and work that has ends first and keeps the permit until then. A panic in `work` goes
-    /// on in the caller.
-    pub async fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> T {
-        let (sender, receiver) = oneshot::channel();
-        let permit = Arc::clone(&self.permit);
-        let span = tracing::Span::current();
-        self.threads.spawn_fifo(move || {
-            if sender.is_closed() {
-                return;
-            }
-            let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
-            // Before the result is there, or the permit of an answered request would still be taken.
-            drop(permit);
-            // A receiver that is gone wants no result.
-            let _ = sender.send(done);
-        });
-        match receiver.await {
-            Ok(Ok(result)) => result,
-            Ok(Err(panic)) => resume_unwind(panic),
-            Err(_) => unreachable!("the sender lives until it has sent, as long as the receiver does"),
-        }
+    /// Runs `work` on a thread of the permit's; parallel iterators in it use its other threads. `work` is given a flag that is set when
+    /// the future is dropped. A panic in `work` continues in the caller.
+    pub async fn run<T: Send + 'static>(self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> T {
+        let held = Arc::clone(&self.held);
+        let cancel = self.cancel.0.clone();
+        let threads = self.held.threads.as_ref().unwrap_or_else(|| unreachable!("each permit has threads"));
+        run_on(threads, held, move || work(&cancel)).await
     }
 }
 
-impl<S: Send + Sync> FromRequestParts<S> for WorkPermit
+/// Runs `work` on one of `threads` and drops `held` before it returns the result.
+async fn run_on<T, H>(threads: &ThreadPool, held: H, work: impl FnOnce() -> T + Send + 'static) -> T
 where
-    WorkerPool: FromRef<S>,
+    T: Send + 'static,
+    H: Send + 'static,
 {
-    type Rejection = Shed;
+    let (sender, receiver) = oneshot::channel();
+    let span = tracing::Span::current();
+    threads.spawn_fifo(move || {
+        if sender.is_closed() {
+            return;
+        }
+        let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
+        // Before the result is sent: the permit of an answered request must be free.
+        drop(held);
+        // Without a receiver there is nobody to answer.
+        let _ = sender.send(done);
+    });
+    match receiver.await {
+        Ok(Ok(result)) => result,
+        Ok(Err(panic)) => resume_unwind(panic),
+        Err(_) => unreachable!("the sender lives until it has sent, as long as the receiver does"),
+    }
+}
 
-    async fn from_request_parts(_: &mut Parts, state: &S) -> Result<Self, Shed> {
-        WorkerPool::from_ref(state).admit()
+/// One request's access to the worker pool and to the memory budget, for handlers of routes whose class uses workers.
+#[derive(Debug, Clone)]
+pub struct Work {
+    workers: WorkerPool,
+    budget: MemoryBudget,
+}
+
+impl Work {
+    /// How long a request whose body has arrived waits for a permit. Permits are held for milliseconds unless the load lasts.
+    const LONGEST_WAIT: Duration = Duration::from_millis(500);
+
+    /// How long an upload waits: sending the file anew costs its client more.
+    const LONGEST_WAIT_OF_UPLOAD: Duration = Duration::from_secs(20);
+
+    pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget) -> Self {
+        Self { workers, budget }
+    }
+
+    /// Runs `work` with a permit, which is taken now and not while the body arrives.
+    ///
+    /// # Errors
+    /// [`Overload::Workers`] when no permit comes free.
+    pub async fn run<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
+        Ok(self.workers.admit(Self::LONGEST_WAIT).await?.run(work).await)
+    }
+
+    /// The same for the work that follows an upload.
+    ///
+    /// # Errors
+    /// [`Overload::Workers`] when no permit comes free.
+    pub async fn run_after_upload<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
+        Ok(self.workers.admit(Self::LONGEST_WAIT_OF_UPLOAD).await?.run(work).await)
+    }
+
+    /// Runs a piece of work of a few milliseconds, without a permit. Pieces take turns in the order in which they come. Dropping the
+    /// future cancels a piece that has not begun.
+    pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce() -> T + Send + 'static) -> T {
+        run_on(&self.workers.0.pieces, (), piece).await
+    }
+
+    /// Reserves memory.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`], which is a problem to answer with.
+    pub fn reserve(&self, bytes: u64) -> Result<Reservation, BudgetExceeded> {
+        self.budget.reserve(bytes)
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for Work {
+    type Rejection = Response;
+
+    async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Response> {
+        // The middleware adds it to requests for routes whose class uses workers.
+        parts.extensions.get::<Self>().cloned().ok_or_else(|| {
+            tracing::error!("the route's class does not include the worker pool");
+            StatusCode::INTERNAL_SERVER_ERROR.into_response()
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::sync::mpsc;
-    use std::time::Duration;
+    use std::time::Instant;
 
     use super::*;
 
-    fn heavy(places: usize) -> WorkerPool {
-        WorkerPool::start(places, &Metrics::new()).unwrap()
+    fn work(permits: usize) -> Work {
+        Work::new(WorkerPool::start(permits, &Metrics::new(&MemoryBudget::new(1))).unwrap(), MemoryBudget::new(1))
     }
 
     #[tokio::test]
-    async fn work_is_done_on_other_threads_and_its_result_comes_back() {
+    async fn work_runs_on_other_threads_and_returns_its_result() {
         let here = std::thread::current().id();
-        assert_ne!(heavy(1).run(move || std::thread::current().id()).await.unwrap(), here);
+        assert_ne!(work(1).run(move |_| std::thread::current().id()).await.unwrap(), here);
+        assert_ne!(work(1).run_piece(move || std::thread::current().id()).await, here);
     }
 
     #[tokio::test]
-    async fn a_request_without_a_place_is_shed_at_once_and_a_place_comes_free() {
-        let heavy = heavy(1);
-        let permit = heavy.admit().unwrap();
-        assert_eq!(heavy.run(|| ()).await, Err(Shed));
+    async fn a_request_without_a_permit_is_shed_and_a_dropped_permit_is_free() {
+        let work = work(1);
+        let permit = work.workers.admit(Duration::ZERO).await.unwrap();
+        assert_eq!(work.run(|_| ()).await, Err(Overload::Workers));
+        // Short pieces need none.
+        assert_eq!(work.run_piece(|| 7).await, 7);
         drop(permit);
-        assert_eq!(heavy.run(|| 7).await, Ok(7));
+        assert_eq!(work.run(|_| 7).await, Ok(7));
     }
 
     #[tokio::test]
-    async fn work_that_nobody_waits_for_keeps_its_place_until_it_ends() {
-        let heavy = heavy(1);
+    async fn a_request_waits_for_a_permit_that_comes_free() {
+        let work = work(1);
+        let permit = work.workers.admit(Duration::ZERO).await.unwrap();
+        let (result, ()) = tokio::join!(work.run(|_| 7), async { drop(permit) });
+        assert_eq!(result, Ok(7));
+    }
+
+    #[tokio::test]
+    async fn work_of_a_dropped_future_is_cancelled_and_keeps_its_permit_until_it_ends() {
+        let work = work(1);
         let (begin, begun) = mpsc::channel();
-        let (release, wait) = mpsc::channel::<()>();
-        let work = move || {
+        let (end, ended) = mpsc::channel();
+        let endless = move |cancel: &CancelFlag| {
             begin.send(()).unwrap();
-            wait.recv().unwrap();
+            while !cancel.is_cancelled() {
+                std::thread::yield_now();
+            }
+            end.send(Instant::now()).unwrap();
         };
         let task = tokio::spawn({
-            let heavy = heavy.clone();
-            async move { heavy.run(work).await }
+            let work = work.clone();
+            async move { work.run(endless).await }
         });
         tokio::task::spawn_blocking(move || begun.recv().unwrap()).await.unwrap();
+        assert_eq!(work.workers.admit(Duration::ZERO).await.unwrap_err(), Overload::Workers);
+        let dropped = Instant::now();
         task.abort();
         assert!(task.await.unwrap_err().is_cancelled());
-        assert_eq!(heavy.admit().unwrap_err(), Shed);
-        release.send(()).unwrap();
-        let mut waited = 0;
-        while heavy.admit().is_err() {
-            tokio::time::sleep(Duration::from_millis(5)).await;
-            waited += 1;
-            assert!(waited < 2000, "the permit did not come free in ten seconds");
-        }
+        let ended = tokio::task::spawn_blocking(move || ended.recv().unwrap()).await.unwrap();
+        // It takes microseconds; a loaded machine may take its time to schedule the thread.
+        assert!(ended - dropped < Duration::from_secs(5), "{:?}", ended - dropped);
+        assert!(work.workers.admit(Duration::from_secs(10)).await.is_ok());
     }
 
     #[tokio::test]
-    async fn a_panic_goes_on_in_the_caller_and_leaves_the_threads_alive() {
-        let heavy = heavy(1);
+    async fn a_panic_continues_in_the_caller_and_leaves_the_threads_alive() {
+        let work = work(1);
         let panicked = tokio::spawn({
-            let heavy = heavy.clone();
-            async move { heavy.run(|| panic!("on purpose")).await }
+            let work = work.clone();
+            async move { work.run(|_| panic!("on purpose")).await }
         });
         assert!(panicked.await.unwrap_err().is_panic());
-        assert_eq!(heavy.run(|| 7).await, Ok(7));
+        assert_eq!(work.run(|_| 7).await, Ok(7));
+    }
+
+    #[tokio::test]
+    async fn requests_work_side_by_side() {
+        let work = work(2);
+        let (send, receive) = mpsc::channel::<()>();
+        // As many pieces as one request has threads wait for the other request.
+        let waiting = work.run(move |_| receive.recv().is_ok());
+        let other = work.run(move |_| send.send(()).is_ok());
+        assert_eq!(tokio::join!(waiting, other), (Ok(true), Ok(true)));
     }
 }

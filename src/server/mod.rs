@@ -1,54 +1,102 @@
-//! Connections: accepting them, minding the slow ones, and ending them in good order. It serves any router; which, and when to
-//! stop, is the caller's.
+//! The server: accepts connections, bounds slow clients, and shuts down gracefully. It serves any router until the caller's stop signal.
 
+mod departure;
 mod signal;
+mod state;
 mod stream;
+mod table;
+mod tracked;
 
+use std::convert::Infallible;
+use std::future::poll_fn;
 use std::io;
-use std::sync::Arc;
+use std::net::SocketAddr;
+use std::pin::pin;
+use std::sync::{Arc, Mutex};
+use std::task::Poll;
 use std::time::Duration;
 
 use axum::Router;
+use axum::body::HttpBody;
+use http::{HeaderValue, Request, StatusCode, header};
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
-use hyper_util::server::graceful::{GracefulShutdown, Watcher};
-use hyper_util::service::TowerToHyperService;
+use hyper_util::server::graceful::GracefulShutdown;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{sleep, timeout};
+use tower::ServiceExt;
 
 pub use signal::stop_signal;
 
+use crate::memory_budget::MemoryBudget;
 use crate::settings::ServerSettings;
-use stream::ClientStream;
+use departure::Departure;
+use stream::{ClientStream, Patience};
+use table::{ConnectionTable, Entry};
+use tracked::{AnswerBody, RequestBody};
 
 /// After an error of accepting that will not pass by itself, such as too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Between the last accepted connection and the word to all to end: what a client sent right after connecting is read by then.
+/// Between the last accepted connection and the end of keep-alive: what a client sent right after connecting is read by then.
 const SETTLING: Duration = Duration::from_millis(100);
 
-/// Serves `router` on `listener` until `stop` is ready; then accepts no more connections and gives those that have a request in
-/// flight the settings' grace to finish it.
+/// The largest head of a request. The largest that browsers send, with cookies of other services, are about half of it.
+const MAX_HEAD_BYTES: usize = 16 * 1024;
+
+/// The most bytes that are read or written at once.
+const MAX_BUFFER_BYTES: usize = 64 * 1024;
+
+/// Writes the answer to a head that is no request, for which there is no handler.
+pub type Refuse = Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + Sync>;
+
+/// What a server serves.
+#[derive(Clone)]
+pub struct App {
+    /// The routes.
+    pub router: Router,
+    /// The answers to heads that are no requests.
+    pub refuse: Refuse,
+    /// The memory for heads that come in pieces.
+    pub budget: MemoryBudget,
+}
+
+impl std::fmt::Debug for App {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("App").field("router", &self.router).field("budget", &self.budget).finish_non_exhaustive()
+    }
+}
+
+/// Serves `app` on `listener` until `stop` is ready; then accepts no more connections and gives those that have a request in flight the
+/// settings' grace to finish it.
 ///
 /// # Errors
-/// None that a client or a shortage of resources can cause; those are logged, and serving goes on.
-pub async fn serve(listener: TcpListener, router: Router, settings: &ServerSettings, stop: impl Future<Output = ()>) -> io::Result<()> {
+/// None that a client or a shortage of resources can cause; those are logged, and serving continues.
+pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, stop: impl Future<Output = ()>) -> io::Result<()> {
     let mut protocol = http1::Builder::new();
-    protocol.timer(TokioTimer::new()).header_read_timeout(settings.header_timeout);
-    let connections = Connections {
-        protocol,
-        router,
-        write_timeout: settings.write_timeout,
-        places: Arc::new(Semaphore::new(settings.max_connections)),
-        ending: GracefulShutdown::new(),
-    };
-    let mut stop = std::pin::pin!(stop);
+    // The stream has its own deadlines for heads, and watches for clients that leave.
+    protocol.timer(TokioTimer::new()).header_read_timeout(None).half_close(true);
+    protocol.max_header_size(MAX_HEAD_BYTES).max_buf_size(MAX_BUFFER_BYTES);
+    let patience = Patience { header: settings.header_timeout, idle: settings.idle_timeout, write: settings.write_timeout };
+    let connections =
+        Connections { protocol, app, patience, table: ConnectionTable::new(settings.max_connections), ending: GracefulShutdown::new() };
+    let mut stop = pin!(stop);
     loop {
-        tokio::select! {
+        let accepted = tokio::select! {
             biased;
             () = &mut stop => break,
-            (accepted, place) = connections.accept(&listener) => connections.open(accepted, place).await,
+            accepted = listener.accept() => accepted,
+        };
+        let Some(stream) = connections.accepted(accepted).await else { continue };
+        tokio::select! {
+            biased;
+            entry = connections.table.enter() => connections.spawn(stream, entry),
+            () = &mut stop => {
+                connections.spawn(stream, connections.table.enter_beyond_limit());
+                break;
+            }
         }
     }
     connections.sweep(&listener).await;
@@ -59,66 +107,83 @@ pub async fn serve(listener: TcpListener, router: Router, settings: &ServerSetti
 
 struct Connections {
     protocol: http1::Builder,
-    router: Router,
-    write_timeout: Duration,
-    places: Arc<Semaphore>,
+    app: App,
+    patience: Patience,
+    table: ConnectionTable,
     ending: GracefulShutdown,
 }
 
 impl Connections {
-    /// The next connection, once there is a place for it: beyond the limit they wait in the system's queue, which is bounded.
-    async fn accept(&self, listener: &TcpListener) -> (io::Result<TcpStream>, OwnedSemaphorePermit) {
-        let place = Arc::clone(&self.places).acquire_owned().await;
-        let place = place.unwrap_or_else(|_| unreachable!("the semaphore is never closed"));
-        (listener.accept().await.map(|(stream, _)| stream), place)
-    }
-
-    async fn open(&self, accepted: io::Result<TcpStream>, place: OwnedSemaphorePermit) {
+    /// The stream, unless it was not accepted.
+    async fn accepted(&self, accepted: io::Result<(TcpStream, SocketAddr)>) -> Option<TcpStream> {
         match accepted {
-            Ok(stream) => self.spawn(stream, place),
+            Ok((stream, _)) => return Some(stream),
             Err(error) if is_of_the_connection(&error) => tracing::debug!(%error, "a connection ended before it was accepted"),
             Err(error) => {
                 tracing::error!(%error, "no connection can be accepted");
                 sleep(ACCEPT_PAUSE).await;
             }
         }
+        None
     }
 
-    fn spawn(&self, stream: TcpStream, place: OwnedSemaphorePermit) {
+    fn spawn(&self, stream: TcpStream, entry: Entry) {
         // An answer is written whole: waiting for more of it would only delay it. Without the option it is still an answer.
         if let Err(error) = stream.set_nodelay(true) {
             tracing::debug!(%error, "TCP_NODELAY could not be set");
         }
-        let stream = TokioIo::new(ClientStream::new(stream, self.write_timeout));
-        let connection = self.protocol.serve_connection(stream, TowerToHyperService::new(self.router.clone()));
-        let watcher: Watcher = self.ending.watcher();
-        tokio::spawn(async move {
-            // Errors here are clients that left or were too slow; their requests have their own log lines.
-            if let Err(error) = watcher.watch(connection).await {
-                tracing::debug!(%error, "a connection ended early");
+        let stream = Arc::new(Mutex::new(stream));
+        let state = Arc::clone(entry.state());
+        let App { router, refuse, budget } = self.app.clone();
+        let client = ClientStream::new(Arc::clone(&stream), Arc::clone(&state), self.patience, refuse, budget.open());
+        let mut departure = Departure::new(stream, Arc::clone(&state));
+        let closes = entry.is_in_reserve();
+        let service = service_fn(move |request: Request<Incoming>| {
+            state.begin_request(!request.body().is_end_stream());
+            let request = request.map(|body| RequestBody { body, state: Arc::clone(&state) });
+            let answer = router.clone().oneshot(request);
+            let state = Arc::clone(&state);
+            async move {
+                let mut answer = answer.await?;
+                state.begin_answer();
+                if closes {
+                    answer.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+                }
+                Ok::<_, Infallible>(answer.map(|body| AnswerBody { body, state }))
             }
-            drop(place);
+        });
+        let connection = self.protocol.serve_connection(TokioIo::new(client), service);
+        let watcher = self.ending.watcher();
+        tokio::spawn(async move {
+            let mut served = pin!(watcher.watch(connection));
+            let ended = poll_fn(|context| match served.as_mut().poll(context) {
+                Poll::Ready(served) => Poll::Ready(Some(served)),
+                Poll::Pending => departure.poll(context).map(|()| None),
+            });
+            // These are clients that left or were too slow; their requests have their own log lines.
+            match ended.await {
+                Some(Ok(())) => {}
+                Some(Err(error)) => tracing::debug!(%error, "a connection ended early"),
+                None => tracing::debug!("a client left before its answer was ready"),
+            }
+            drop(entry);
         });
     }
 
     /// Takes the connections that the system accepted before the listener closes: their clients may have sent a request already.
     async fn sweep(&self, listener: &TcpListener) {
-        while let Ok(place) = Arc::clone(&self.places).try_acquire_owned() {
-            // One turn of the scheduler is enough for what is there already.
-            let Ok(Ok((stream, _))) = timeout(Duration::ZERO, listener.accept()).await else { return };
-            self.spawn(stream, place);
+        // One turn of the scheduler is enough for what is there already.
+        while let Ok(Ok((stream, _))) = timeout(Duration::ZERO, listener.accept()).await {
+            self.spawn(stream, self.table.enter_beyond_limit());
         }
     }
 
     async fn end(self, grace: Duration) {
         sleep(SETTLING).await;
-        let left = self.ending.count();
-        tracing::info!(connections = left, "no more connections are accepted");
-        let places = self.places;
-        let all = places.available_permits() + left;
+        tracing::info!(connections = self.ending.count(), "no more connections are accepted");
+        let open = self.table;
         if timeout(grace, self.ending.shutdown()).await.is_err() {
-            let cut = all.saturating_sub(places.available_permits());
-            tracing::warn!(connections = cut, grace_s = grace.as_secs(), "the grace is over: connections are cut");
+            tracing::warn!(connections = open.count(), grace_s = grace.as_secs(), "the grace is over: connections are cut");
         }
     }
 }

@@ -1,19 +1,21 @@
-//! The signals by which a server is asked to stop.
+//! The signals that stop the server.
 
 use std::io;
 
-/// Ready at the first SIGTERM or Ctrl-C. From then on these signals do nothing: the grace bounds the rest.
+/// Ready at the first SIGTERM, SIGHUP or Ctrl-C. From then on these signals do nothing: the grace bounds the rest.
 ///
 /// # Errors
-/// Where the system gives no signals.
+/// The system delivers no signals.
 #[cfg(unix)]
 pub fn stop_signal() -> io::Result<impl Future<Output = &'static str>> {
     use tokio::signal::unix::{SignalKind, signal};
     let (mut terminate, mut interrupt) = (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
+    let mut hangup = signal(SignalKind::hangup())?;
     Ok(async move {
         tokio::select! {
             _ = terminate.recv() => "SIGTERM",
             _ = interrupt.recv() => "SIGINT",
+            _ = hangup.recv() => "SIGHUP",
         }
     })
 }

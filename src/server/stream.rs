@@ -1,26 +1,65 @@
-//! A client's stream that is dropped when the client leaves an answer unread, and that closes so that the client can still read
-//! the answer to a request that was not read to its end.
+//! A client's stream with the rules for slow clients: how long a head may take, how long a connection may idle, how long an answer may
+//! be left unread. It closes so that the client can still read the answer to a request that was not read to its end.
 
 use std::io;
 use std::pin::Pin;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
+use http::StatusCode;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
-use tokio::time::{Sleep, sleep};
+use tokio::time::{Instant, Sleep, sleep, sleep_until};
+
+use super::Refuse;
+use super::state::{ConnectionState, Phase};
+use crate::memory_budget::Reservation;
 
 /// How long, and for how many bytes, a closed stream is still read. Where bytes are left unread, the system answers a close with a
 /// reset, and the client loses the answer; a client that goes on sending for ever must be reset in the end.
 const LINGER: Duration = Duration::from_secs(2);
 const LINGER_BYTES: usize = 1 << 20;
 
+/// The TCP stream, which the connection's task reads, writes and watches for its end.
+pub(super) type SharedStream = Arc<Mutex<TcpStream>>;
+
+pub(super) fn lock(stream: &SharedStream) -> MutexGuard<'_, TcpStream> {
+    stream.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The longest times for a client.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Patience {
+    pub(super) header: Duration,
+    pub(super) idle: Duration,
+    pub(super) write: Duration,
+}
+
 /// A client's stream.
 pub(super) struct ClientStream {
-    stream: TcpStream,
-    longest_write: Duration,
+    stream: SharedStream,
+    state: Arc<ConnectionState>,
+    patience: Patience,
+    refuse: Refuse,
+    opened: Instant,
+    head: Head,
+    /// Wakes the task at the deadline of a head, or before.
+    alarm: Option<Pin<Box<Sleep>>>,
     write: Option<Pin<Box<Sleep>>>,
+    /// Requests whose answers have been sent whole.
+    answered: u32,
     closing: Closing,
+}
+
+/// What has come of a request's head.
+struct Head {
+    /// Requests before it.
+    number: u32,
+    bytes: usize,
+    began: Option<Instant>,
+    /// Of heads that come in several pieces.
+    reservation: Reservation,
 }
 
 enum Closing {
@@ -30,46 +69,149 @@ enum Closing {
 }
 
 impl ClientStream {
-    pub(super) fn new(stream: TcpStream, longest_write: Duration) -> Self {
-        Self { stream, longest_write, write: None, closing: Closing::Open }
+    pub(super) fn new(
+        stream: SharedStream,
+        state: Arc<ConnectionState>,
+        patience: Patience,
+        refuse: Refuse,
+        reservation: Reservation,
+    ) -> Self {
+        let head = Head { number: 0, bytes: 0, began: None, reservation };
+        let opened = Instant::now();
+        Self { stream, state, patience, refuse, opened, head, alarm: None, write: None, answered: 0, closing: Closing::Open }
     }
 
     /// `polled`, or an error where writing has been waiting for the client too long.
-    fn mind_write<T>(&mut self, context: &mut Context<'_>, polled: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
+    fn bound_write<T>(&mut self, context: &mut Context<'_>, polled: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if polled.is_ready() {
             self.write = None;
             return polled;
         }
-        let longest = self.longest_write;
+        let longest = self.patience.write;
         let end = self.write.get_or_insert_with(|| Box::pin(sleep(longest)));
         ready!(end.as_mut().poll(context));
         Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client left the answer unread")))
+    }
+
+    /// Records `bytes` of a head; false where there is no memory for it.
+    fn note_head_bytes(&mut self, bytes: usize) -> bool {
+        let head = &mut self.head;
+        let requests = self.state.requests();
+        if head.number != requests {
+            head.reservation.shrink_to(0);
+            (head.number, head.bytes, head.began) = (requests, 0, None);
+        }
+        if bytes == 0 {
+            return true;
+        }
+        if head.began.is_none() {
+            head.began = Some(Instant::now());
+        } else if head.reservation.grow((head.bytes + bytes) as u64 - head.reservation.bytes()).is_err() {
+            return false;
+        }
+        head.bytes += bytes;
+        true
+    }
+
+    /// Until when the client may leave the connection waiting for a head, or for the rest of one.
+    fn head_deadline(&self) -> Instant {
+        match (self.head.began, self.state.awaiting_since()) {
+            (Some(began), _) => began + self.patience.header,
+            (None, Some(since)) if self.state.requests() > 0 => Instant::from_std(since) + self.patience.idle,
+            (None, _) => self.opened + self.patience.header,
+        }
+    }
+
+    /// Ready when the connection is to close while it waits for a head.
+    fn poll_head_deadline(&mut self, context: &mut Context<'_>) -> Poll<()> {
+        if self.state.poll_evicted(context) {
+            return Poll::Ready(());
+        }
+        loop {
+            let deadline = self.head_deadline();
+            // An alarm that is too early costs less than one that is set anew with each request.
+            let alarm = match &mut self.alarm {
+                Some(alarm) if alarm.deadline() <= deadline && !alarm.is_elapsed() => alarm,
+                Some(alarm) => {
+                    alarm.as_mut().reset(deadline);
+                    alarm
+                }
+                None => self.alarm.insert(Box::pin(sleep_until(deadline))),
+            };
+            ready!(alarm.as_mut().poll(context));
+            if Instant::now() >= deadline {
+                if self.head.began.is_some() {
+                    self.refuse(StatusCode::REQUEST_TIMEOUT);
+                }
+                return Poll::Ready(());
+            }
+        }
+    }
+
+    /// Answers a head that is no request. The answer fits the system's buffer unless the client reads none of its answers.
+    fn refuse(&self, status: StatusCode) {
+        let answer = (self.refuse)(status);
+        if let Err(error) = lock(&self.stream).try_write(&answer) {
+            tracing::debug!(%error, "a client does not take the answer to its malformed request");
+        }
+    }
+
+    /// The status with which the HTTP parser answers a malformed head in `bytes`, which are about to be written. Such an answer is empty
+    /// and has no request id, so that another takes its place.
+    fn parser_status(&self, bytes: &[u8]) -> Option<StatusCode> {
+        let is_between_requests = self.answered == self.state.requests();
+        let status = bytes.strip_prefix(b"HTTP/1.1 ").filter(|_| is_between_requests)?.get(..3)?;
+        StatusCode::from_bytes(status).ok().filter(StatusCode::is_client_error)
     }
 }
 
 impl AsyncRead for ClientStream {
     fn poll_read(mut self: Pin<&mut Self>, context: &mut Context<'_>, buffer: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_read(context, buffer)
+        let before = buffer.filled().len();
+        let polled = Pin::new(&mut *lock(&self.stream)).poll_read(context, buffer);
+        if !self.state.is_in(Phase::AwaitingHead) {
+            return polled;
+        }
+        if !self.note_head_bytes(buffer.filled().len() - before) {
+            self.refuse(StatusCode::SERVICE_UNAVAILABLE);
+            buffer.set_filled(before);
+            return Poll::Ready(Ok(()));
+        }
+        // Without bytes, the stream has ended for its reader.
+        if polled.is_pending() { self.poll_head_deadline(context).map(Ok) } else { polled }
     }
 }
 
 impl AsyncWrite for ClientStream {
-    fn poll_write(mut self: Pin<&mut Self>, context: &mut Context<'_>, buffer: &[u8]) -> Poll<io::Result<usize>> {
-        let polled = Pin::new(&mut self.stream).poll_write(context, buffer);
-        self.mind_write(context, polled)
+    fn poll_write(mut self: Pin<&mut Self>, context: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        if let Some(status) = self.parser_status(bytes) {
+            self.refuse(status);
+            return Poll::Ready(Ok(bytes.len()));
+        }
+        let polled = Pin::new(&mut *lock(&self.stream)).poll_write(context, bytes);
+        self.bound_write(context, polled)
     }
 
-    fn poll_write_vectored(mut self: Pin<&mut Self>, context: &mut Context<'_>, buffers: &[io::IoSlice<'_>]) -> Poll<io::Result<usize>> {
-        let polled = Pin::new(&mut self.stream).poll_write_vectored(context, buffers);
-        self.mind_write(context, polled)
+    fn poll_write_vectored(mut self: Pin<&mut Self>, context: &mut Context<'_>, slices: &[io::IoSlice<'_>]) -> Poll<io::Result<usize>> {
+        if let Some(status) = slices.first().and_then(|slice| self.parser_status(slice)) {
+            self.refuse(status);
+            return Poll::Ready(Ok(slices.iter().map(|slice| slice.len()).sum()));
+        }
+        let polled = Pin::new(&mut *lock(&self.stream)).poll_write_vectored(context, slices);
+        self.bound_write(context, polled)
     }
 
     fn is_write_vectored(&self) -> bool {
-        self.stream.is_write_vectored()
+        true
     }
 
+    /// Called when all of an answer has been written.
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_flush(context)
+        let polled = Pin::new(&mut *lock(&self.stream)).poll_flush(context);
+        if polled.is_ready() && self.state.is_in(Phase::AwaitingHead) {
+            self.answered = self.state.requests();
+        }
+        polled
     }
 
     fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
@@ -77,19 +219,24 @@ impl AsyncWrite for ClientStream {
         loop {
             match &mut client.closing {
                 Closing::Open => {
-                    ready!(Pin::new(&mut client.stream).poll_shutdown(context))?;
+                    ready!(Pin::new(&mut *lock(&client.stream)).poll_shutdown(context))?;
+                    if client.state.is_evicted() {
+                        // No answer can be lost, and a new connection waits for the place.
+                        client.closing = Closing::Closed;
+                        continue;
+                    }
                     client.closing = Closing::Lingering { end: Box::pin(sleep(LINGER)), bytes: 0 };
                 }
                 Closing::Lingering { end, bytes } => {
-                    let mut scrap = [0; 4096];
-                    let mut buffer = ReadBuf::new(&mut scrap);
-                    let read = Pin::new(&mut client.stream).poll_read(context, &mut buffer);
+                    let mut discarded = [0; 4096];
+                    let mut buffer = ReadBuf::new(&mut discarded);
+                    let read = Pin::new(&mut *lock(&client.stream)).poll_read(context, &mut buffer);
                     *bytes += buffer.filled().len();
-                    let more = read.is_ready() && !buffer.filled().is_empty() && *bytes < LINGER_BYTES;
+                    let has_more = read.is_ready() && !buffer.filled().is_empty() && *bytes < LINGER_BYTES;
                     if read.is_pending() {
                         ready!(end.as_mut().poll(context));
                     }
-                    if !more {
+                    if !has_more {
                         client.closing = Closing::Closed;
                     }
                 }

@@ -4,19 +4,19 @@ use std::ffi::OsString;
 use std::fmt;
 use std::net::SocketAddr;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser};
 
-use super::fault::{address, take};
+use super::fault::{address, optional_address, take};
 use super::{Faults, Settings};
 
-/// What the program was asked to do.
+/// What the command line asks for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// Serve.
     Serve(Box<Settings>),
     /// Print the OpenAPI document.
     OpenApi,
-    /// Ask the server that listens there whether it is ready.
+    /// Ask the server that listens at this address whether it is ready.
     Healthcheck(SocketAddr),
 }
 
@@ -47,13 +47,15 @@ impl Command {
     /// [`Refusal`], with every fault of every value.
     pub fn read(arguments: impl IntoIterator<Item: Into<OsString> + Clone>) -> Result<Self, Refusal> {
         let line = CommandLine::try_parse_from(arguments).map_err(Refusal::Usage)?;
-        match line.errand {
+        match line.subcommand {
             None => Settings::read(&line.given).map(Box::new).map(Self::Serve).map_err(Refusal::Faults),
-            Some(Errand::Openapi) => Ok(Self::OpenApi),
-            Some(Errand::Healthcheck) => {
+            Some(Subcommand::Openapi) => Ok(Self::OpenApi),
+            Some(Subcommand::Healthcheck) => {
                 let mut faults = Vec::new();
                 let listen = take(&mut faults, "SCALLOPD_LISTEN", &line.given.listen, address);
-                listen.map(Self::Healthcheck).ok_or(Refusal::Faults(Faults(faults)))
+                let health = take(&mut faults, "SCALLOPD_HEALTH_LISTEN", &line.given.health_listen, optional_address);
+                let asked = listen.zip(health).map(|(listen, health)| health.unwrap_or(listen));
+                asked.map(Self::Healthcheck).ok_or(Refusal::Faults(Faults(faults)))
             }
         }
     }
@@ -66,11 +68,11 @@ struct CommandLine {
     #[command(flatten)]
     given: Given,
     #[command(subcommand)]
-    errand: Option<Errand>,
+    subcommand: Option<Subcommand>,
 }
 
-#[derive(Subcommand)]
-enum Errand {
+#[derive(clap::Subcommand)]
+enum Subcommand {
     /// Print the OpenAPI document
     Openapi,
     /// Ask the running server's /readyz; exit 0 when it is ready, 1 otherwise
@@ -80,10 +82,13 @@ enum Errand {
 /// The settings as given.
 #[derive(Args)]
 pub(super) struct Given {
-    /// Where to listen, IP address and port; port 0 picks a free one and the log says which
+    /// IP address and port to listen on; port 0 picks a free one, which the log names
     #[arg(long, env = "SCALLOPD_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:8080", global = true)]
     pub(super) listen: String,
-    /// Form of the log lines on standard output: pretty or json
+    /// IP address and port for probes and metrics alone; empty to serve them on the listening address
+    #[arg(long, env = "SCALLOPD_HEALTH_LISTEN", value_name = "ADDR", default_value = "", global = true)]
+    pub(super) health_listen: String,
+    /// Format of the log lines on standard output: pretty or json
     #[arg(long, env = "SCALLOPD_LOG_FORMAT", value_name = "FORMAT", default_value = "json")]
     pub(super) log_format: String,
     /// Least severe log line that is written: off, error, warn, info, debug or trace
@@ -95,16 +100,19 @@ pub(super) struct Given {
     /// Largest upload, decompressed
     #[arg(long, env = "SCALLOPD_MAX_UPLOAD_BYTES", value_name = "BYTES", default_value = "1073741824")]
     pub(super) max_upload_bytes: String,
-    /// Longest time for a request's head to arrive, and for a connection to idle before one
+    /// Longest time for a request's head to arrive, and for a new connection to send one
     #[arg(long, env = "SCALLOPD_HEADER_TIMEOUT_S", value_name = "SECONDS", default_value = "10")]
     pub(super) header_timeout_s: String,
+    /// Longest time for a connection to idle between requests
+    #[arg(long, env = "SCALLOPD_IDLE_TIMEOUT_S", value_name = "SECONDS", default_value = "75")]
+    pub(super) idle_timeout_s: String,
     /// Longest time from a request's last byte to its answer
     #[arg(long, env = "SCALLOPD_REQUEST_TIMEOUT_S", value_name = "SECONDS", default_value = "60")]
     pub(super) request_timeout_s: String,
     /// Longest stall of a request's body
     #[arg(long, env = "SCALLOPD_BODY_IDLE_TIMEOUT_S", value_name = "SECONDS", default_value = "15")]
     pub(super) body_idle_timeout_s: String,
-    /// Slowest average at which a request's body may arrive, once it took as long as it may stall; 0 for any
+    /// Slowest average at which a request's body may arrive, from its first byte; 0 for any
     #[arg(long, env = "SCALLOPD_MIN_BODY_BYTES_S", value_name = "BYTES", default_value = "1024")]
     pub(super) min_body_bytes_s: String,
     /// Longest time that a client may leave an answer unread
@@ -113,10 +121,13 @@ pub(super) struct Given {
     /// Requests in flight at once, probes and metrics aside; more are shed with 503
     #[arg(long, env = "SCALLOPD_MAX_IN_FLIGHT", value_name = "COUNT", default_value = "1024")]
     pub(super) max_in_flight: String,
-    /// Uploads and batches at once; more are shed with 503
-    #[arg(long, env = "SCALLOPD_MAX_HEAVY", value_name = "COUNT", default_value = "16")]
-    pub(super) max_heavy: String,
-    /// Connections open at once; more wait in the system's queue
+    /// Uploads and batches worked on at once; more are shed with 503
+    #[arg(long, env = "SCALLOPD_MAX_CONCURRENT_WORK", value_name = "COUNT", default_value = "16")]
+    pub(super) max_concurrent_work: String,
+    /// Memory for everything whose size clients determine: bodies, vertices, answers not yet sent; requests beyond it get 503
+    #[arg(long, env = "SCALLOPD_MEMORY_BUDGET_BYTES", value_name = "BYTES", default_value = "536870912")]
+    pub(super) memory_budget_bytes: String,
+    /// Connections open at once; further ones close idle ones
     #[arg(long, env = "SCALLOPD_MAX_CONNECTIONS", value_name = "COUNT", default_value = "4096")]
     pub(super) max_connections: String,
     /// After SIGTERM, time of /readyz at 503 before the server stops accepting
@@ -140,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_setting_has_a_flag_a_variable_named_alike_a_default_and_a_help_line() {
+    fn every_setting_has_a_flag_a_variable_of_the_same_name_a_default_and_a_help_line() {
         let command = CommandLine::command();
         command.clone().debug_assert();
         for argument in command.get_arguments() {
@@ -153,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn defaults_can_be_used() {
+    fn defaults_are_valid() {
         let Ok(Command::Serve(settings)) = Command::read(["scallopd"]) else { panic!("the defaults are refused") };
         assert_eq!(settings.listen.to_string(), "127.0.0.1:8080");
         assert_eq!(settings.http.max_json_bytes, 64 << 20);
@@ -162,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn all_faults_are_found_at_once() {
+    fn all_faults_are_reported_together() {
         let line = ["scallopd", "--listen", "here", "--max-in-flight", "0", "--log-format", "xml", "--otlp-endpoint", "nowhere"];
         let Err(Refusal::Faults(faults)) = Command::read(line) else { panic!("faults are accepted") };
         let flags: Vec<_> = faults.0.iter().map(super::super::Fault::flag).collect();
@@ -170,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_health_check_takes_the_address_and_minds_no_other_setting() {
+    fn a_health_check_reads_the_address_and_no_other_setting() {
         let checked = Command::read(["scallopd", "healthcheck", "--listen", "127.0.0.1:9"]);
         assert!(matches!(checked, Ok(Command::Healthcheck(address)) if address.port() == 9));
         assert!(matches!(Command::read(["scallopd", "healthcheck", "--listen", "x"]), Err(Refusal::Faults(_))));

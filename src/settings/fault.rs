@@ -1,10 +1,10 @@
-//! What can be wrong with a setting, and the readings of single values that find it.
+//! Faults of settings, and the parsers of single values that find them.
 
 use std::fmt;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use axum::http::{HeaderValue, Uri};
+use http::{HeaderValue, Uri};
 use tracing::level_filters::LevelFilter;
 
 use super::{CorsOrigins, LogFormat};
@@ -82,7 +82,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The value that `read` finds in `given`, or a new fault.
+/// The value that `read` makes of `given`; `None` and a new fault where it makes none.
 pub(super) fn take<T>(
     faults: &mut Vec<Fault>,
     variable: &'static str,
@@ -100,12 +100,17 @@ pub(super) fn address(given: &str) -> Result<SocketAddr, Reason> {
     given.parse().map_err(|_| Reason::Address)
 }
 
-/// Body limits, up to a tebibyte.
+/// An address; an empty text sets none.
+pub(super) fn optional_address(given: &str) -> Result<Option<SocketAddr>, Reason> {
+    if given.is_empty() { Ok(None) } else { address(given).map(Some) }
+}
+
+/// Sizes in bytes, up to a tebibyte.
 pub(super) fn bytes(given: &str) -> Result<u64, Reason> {
     whole(given, 1, 1 << 40)
 }
 
-/// Bytes a second; 0 asks for none.
+/// Bytes a second; 0 sets no minimum.
 pub(super) fn rate(given: &str) -> Result<u64, Reason> {
     whole(given, 0, 1 << 30)
 }
@@ -141,7 +146,7 @@ pub(super) fn level(given: &str) -> Result<LevelFilter, Reason> {
     }
 }
 
-/// A comma-separated list; `*` alone is any origin, nothing is none.
+/// A comma-separated list of origins. `*` alone allows any, an empty list none.
 pub(super) fn origins(given: &str) -> Result<CorsOrigins, Reason> {
     if given == "*" {
         return Ok(CorsOrigins::Any);
@@ -160,7 +165,7 @@ fn origin(item: &str) -> Result<HeaderValue, Reason> {
     HeaderValue::from_str(item).map_err(|_| wrong())
 }
 
-/// The collector's address; nothing is none.
+/// The collector's address; an empty text sets none.
 pub(super) fn collector(given: &str) -> Result<Option<Uri>, Reason> {
     if given.is_empty() {
         return Ok(None);
@@ -199,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn origins_are_what_browsers_send() {
+    fn origins_have_the_form_that_browsers_send() {
         let listed = CorsOrigins::Listed(vec!["https://a.example".parse().unwrap(), "http://b:8080".parse().unwrap()]);
         assert_eq!(origins("https://a.example, http://b:8080"), Ok(listed));
         assert_eq!(origins(""), Ok(CorsOrigins::Listed(Vec::new())));

@@ -1,6 +1,5 @@
-//! What an operator can set: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help
-//! (`command_line`). Values are read leniently and checked together, so that one start names every fault. Nothing here knows
-//! the layers that are set.
+//! The settings: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help (`command_line`). Values are
+//! read leniently and checked together, so that one start reports every fault.
 
 mod command_line;
 mod fault;
@@ -10,18 +9,20 @@ use std::time::Duration;
 
 pub use command_line::{Command, Refusal};
 pub use fault::{Fault, Faults, Reason};
-use fault::{address, collector, count, level, log_format, origins, seconds, take};
+use fault::{address, collector, count, level, log_format, optional_address, origins, seconds, take};
 
 /// Everything that can be set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Where to listen.
     pub listen: SocketAddr,
-    /// What is told, and how.
+    /// Where to listen for probes and scrapes, on a thread of their own; `/metrics` is then served there only.
+    pub health_listen: Option<SocketAddr>,
+    /// Logs and traces.
     pub telemetry: TelemetrySettings,
-    /// Connections, from the first byte to the last.
+    /// Connections.
     pub server: ServerSettings,
-    /// Requests on those connections.
+    /// Requests.
     pub http: HttpSettings,
 }
 
@@ -33,7 +34,7 @@ pub struct TelemetrySettings {
     /// The least severe line that is written.
     pub log_level: tracing::level_filters::LevelFilter,
     /// The collector's base address for OTLP over HTTP; no traces without one.
-    pub otlp_endpoint: Option<axum::http::Uri>,
+    pub otlp_endpoint: Option<http::Uri>,
 }
 
 /// The form of a log line.
@@ -48,11 +49,13 @@ pub enum LogFormat {
 /// Connections.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServerSettings {
-    /// How long a request's head may take, and how long a connection may idle before one.
+    /// How long a request's head may take from its first byte, and how long a new connection may idle.
     pub header_timeout: Duration,
+    /// How long a connection may idle between requests.
+    pub idle_timeout: Duration,
     /// How long a client may leave an answer unread before its connection is dropped.
     pub write_timeout: Duration,
-    /// Connections open at once; more wait in the kernel's queue.
+    /// Connections open at once; further ones close idle ones.
     pub max_connections: usize,
     /// How long the server goes on accepting after a signal, with `/readyz` at 503, so that balancers take note.
     pub drain_delay: Duration,
@@ -75,29 +78,31 @@ pub struct HttpSettings {
     pub min_body_rate: u64,
     /// Requests in flight at once, probes aside; more are shed.
     pub max_in_flight: usize,
-    /// Uploads and batches at once; more are shed.
-    pub max_heavy: usize,
-    /// Whose pages may call the service.
+    /// Uploads and batches worked on at once; more are shed.
+    pub max_concurrent_work: usize,
+    /// The memory for everything whose size clients determine.
+    pub memory_budget_bytes: u64,
+    /// The origins whose pages may call the service.
     pub cors_origins: CorsOrigins,
 }
 
 impl HttpSettings {
     /// The largest body of a single calculation, in bytes: some thousand times what one needs. It is not
     /// [`max_json_bytes`](Self::max_json_bytes), because as many of these as may be in flight are in memory together.
-    pub const LARGEST_SINGLE: u64 = 64 * 1024;
+    pub const MAX_SINGLE_BYTES: u64 = 64 * 1024;
 }
 
-/// Whose pages may call the service.
+/// The origins whose pages may call the service.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CorsOrigins {
     /// Any page.
     Any,
     /// Pages of these origins; none in an empty list.
-    Listed(Vec<axum::http::HeaderValue>),
+    Listed(Vec<http::HeaderValue>),
 }
 
 impl Settings {
-    /// Checks what was given, all of it.
+    /// Checks all values that were given.
     ///
     /// # Errors
     /// Every fault, each with its flag and variable.
@@ -107,7 +112,8 @@ impl Settings {
         let telemetry = TelemetrySettings::read(given, &mut faults);
         let server = ServerSettings::read(given, &mut faults);
         let http = HttpSettings::read(given, &mut faults);
-        let whole = || Some(Self { listen: listen?, telemetry: telemetry?, server: server?, http: http? });
+        let health_listen = take(&mut faults, "SCALLOPD_HEALTH_LISTEN", &given.health_listen, optional_address);
+        let whole = || Some(Self { listen: listen?, health_listen: health_listen?, telemetry: telemetry?, server: server?, http: http? });
         whole().ok_or(Faults(faults))
     }
 }
@@ -124,12 +130,14 @@ impl TelemetrySettings {
 impl ServerSettings {
     fn read(given: &command_line::Given, faults: &mut Vec<Fault>) -> Option<Self> {
         let header_timeout = take(faults, "SCALLOPD_HEADER_TIMEOUT_S", &given.header_timeout_s, seconds(1));
+        let idle_timeout = take(faults, "SCALLOPD_IDLE_TIMEOUT_S", &given.idle_timeout_s, seconds(1));
         let write_timeout = take(faults, "SCALLOPD_WRITE_TIMEOUT_S", &given.write_timeout_s, seconds(1));
         let max_connections = take(faults, "SCALLOPD_MAX_CONNECTIONS", &given.max_connections, count);
         let drain_delay = take(faults, "SCALLOPD_DRAIN_DELAY_S", &given.drain_delay_s, seconds(0));
         let shutdown_grace = take(faults, "SCALLOPD_SHUTDOWN_GRACE_S", &given.shutdown_grace_s, seconds(0));
         Some(Self {
             header_timeout: header_timeout?,
+            idle_timeout: idle_timeout?,
             write_timeout: write_timeout?,
             max_connections: max_connections?,
             drain_delay: drain_delay?,
@@ -146,7 +154,8 @@ impl HttpSettings {
         let body_idle_timeout = take(faults, "SCALLOPD_BODY_IDLE_TIMEOUT_S", &given.body_idle_timeout_s, seconds(1));
         let min_body_rate = take(faults, "SCALLOPD_MIN_BODY_BYTES_S", &given.min_body_bytes_s, fault::rate);
         let max_in_flight = take(faults, "SCALLOPD_MAX_IN_FLIGHT", &given.max_in_flight, count);
-        let max_heavy = take(faults, "SCALLOPD_MAX_HEAVY", &given.max_heavy, count);
+        let max_concurrent_work = take(faults, "SCALLOPD_MAX_CONCURRENT_WORK", &given.max_concurrent_work, count);
+        let memory_budget_bytes = take(faults, "SCALLOPD_MEMORY_BUDGET_BYTES", &given.memory_budget_bytes, fault::bytes);
         let cors_origins = take(faults, "SCALLOPD_CORS_ORIGINS", &given.cors_origins, origins);
         Some(Self {
             max_json_bytes: max_json_bytes?,
@@ -155,7 +164,8 @@ impl HttpSettings {
             body_idle_timeout: body_idle_timeout?,
             min_body_rate: min_body_rate?,
             max_in_flight: max_in_flight?,
-            max_heavy: max_heavy?,
+            max_concurrent_work: max_concurrent_work?,
+            memory_budget_bytes: memory_budget_bytes?,
             cors_origins: cors_origins?,
         })
     }

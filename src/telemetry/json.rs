@@ -1,5 +1,5 @@
-//! Log lines as JSON, an object a line. One is written for every request, so it is written straight into the line's text, without
-//! values or buffers in between.
+//! The JSON format of log lines, one object for each line. Every request writes one, so fields go into the line's text directly, without
+//! intermediate values or buffers.
 
 use std::fmt::{self, Debug, Write};
 
@@ -49,7 +49,7 @@ impl<'w> FormatFields<'w> for JsonMembers {
         Members::write(&mut writer, |members| fields.record(members))
     }
 
-    // The default parts them with a blank, as lines for people need it.
+    // The default separates them with a blank, for lines in the pretty format.
     fn add_fields(&self, span: &'w mut FormattedFields<Self>, fields: &Record<'_>) -> fmt::Result {
         self.format_fields(span.as_writer(), fields)
     }
@@ -157,12 +157,12 @@ mod tests {
         }
     }
 
-    /// The lines that `tell` leaves, with the time taken out.
-    fn lines(tell: impl FnOnce()) -> Vec<Value> {
+    /// The lines that `log` writes, without their timestamps.
+    fn lines(log: impl FnOnce()) -> Vec<Value> {
         let page = Page::default();
         let writer = page.clone();
         let layer = tracing_subscriber::fmt::layer().event_format(JsonLine).fmt_fields(JsonMembers).with_writer(move || writer.clone());
-        tracing::subscriber::with_default(Registry::default().with(layer), tell);
+        tracing::subscriber::with_default(Registry::default().with(layer), log);
         let text = String::from_utf8(page.0.lock().unwrap().clone()).unwrap();
         let line = |line: &str| {
             let mut line: Value = serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"));
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_line_holds_the_fields_of_event_and_span() {
-        let told = lines(|| {
+        let logged = lines(|| {
             let span = tracing::info_span!("request", request_id = "order-66", http.route = "/v1/max-feed");
             span.in_scope(|| tracing::warn!(status = 422_u16, least = -3, share = 0.5, none = f64::NAN, probe = false, "told"));
         });
@@ -183,17 +183,17 @@ mod tests {
             "level": "WARN", "message": "told", "status": 422, "least": -3, "share": 0.5, "none": null, "probe": false,
             "request_id": "order-66", "target": "scallopd::telemetry::json::tests"
         });
-        assert_eq!(told, [expected]);
+        assert_eq!(logged, [expected]);
     }
 
     #[test]
     fn no_text_breaks_the_line() {
         let hostile = "a \"quoted\\path\"\n\r\t\u{1} \u{7f} ä \u{1f980}\",\"level\":\"ERROR";
-        let told = lines(|| tracing::info!(shown = hostile, debugged = ?hostile, "{hostile}"));
-        assert_eq!(told.len(), 1);
-        assert_eq!(told[0]["shown"], hostile);
-        assert_eq!(told[0]["debugged"], format!("{hostile:?}"));
-        assert_eq!(told[0]["message"], hostile);
-        assert_eq!(told[0]["level"], "INFO");
+        let logged = lines(|| tracing::info!(shown = hostile, debugged = ?hostile, "{hostile}"));
+        assert_eq!(logged.len(), 1);
+        assert_eq!(logged[0]["shown"], hostile);
+        assert_eq!(logged[0]["debugged"], format!("{hostile:?}"));
+        assert_eq!(logged[0]["message"], hostile);
+        assert_eq!(logged[0]["level"], "INFO");
     }
 }

@@ -1,5 +1,5 @@
-//! Log lines on their way to standard output: gathered by the threads that serve, written by one of its own. A reader of the log
-//! that is slow, or stuck, costs lines, not answers; and one write takes the lines of many requests.
+//! The queue of log lines for standard output: filled by the serving threads, written by a thread of its own. A slow or stuck reader of
+//! the log loses lines and delays no answer; one write takes the lines of many requests.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -11,13 +11,13 @@ use tracing_subscriber::fmt::MakeWriter;
 /// How long lines are gathered before they are written.
 const GATHERING: Duration = Duration::from_millis(10);
 
-/// How long the end of the program waits for a reader of the log.
+/// How long `stop` waits for a reader of the log.
 const LAST_WRITE: Duration = Duration::from_secs(2);
 
-/// How many bytes may wait; some thousand lines. Further lines are lost, and their number is told when writing goes on.
+/// The most bytes that may wait; some thousand lines. Further lines are lost; their number is logged when writing continues.
 const MOST_WAITING: usize = 1 << 20;
 
-/// Where threads put their lines. Clones share it.
+/// The queue. Clones share it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Lines {
     shared: Arc<Shared>,
@@ -61,8 +61,8 @@ impl Lines {
         }
     }
 
-    /// Writes what comes until the next writing; false when all is written. Output that cannot be written is lost: there is nowhere
-    /// to tell.
+    /// Writes the lines that wait; false when the queue is finished and empty. Lines that standard output refuses are lost: there is no
+    /// other place to report it.
     fn write_some(&self, output: &mut impl Write) -> bool {
         let idle = |waiting: &mut Waiting| waiting.bytes.is_empty() && waiting.lost == 0 && !waiting.over;
         let waiting = self.shared.news.wait_while(self.waiting(), idle).unwrap_or_else(PoisonError::into_inner);
@@ -77,7 +77,7 @@ impl Lines {
         drop(waiting);
         let _ = output.write_all(&bytes).and_then(|()| output.flush());
         if lost > 0 {
-            tracing::warn!(lines = lost, "log lines were lost: their reader is too slow");
+            tracing::warn!(lines = lost, "log lines were lost: the reader of the log is too slow");
         }
         !(over && bytes.is_empty() && lost == 0)
     }
@@ -87,7 +87,7 @@ impl Lines {
     }
 }
 
-/// A line comes in one piece.
+/// Each call has one whole line.
 impl Write for Lines {
     fn write(&mut self, line: &[u8]) -> io::Result<usize> {
         let mut waiting = self.waiting();
@@ -123,7 +123,7 @@ mod tests {
 
     use super::*;
 
-    /// Hands over what is written, and waits each time as long as the test holds it up.
+    /// Forwards what is written, and blocks each time until the test releases it.
     struct Slow {
         written: mpsc::Sender<Vec<u8>>,
         go_on: mpsc::Receiver<()>,
@@ -132,7 +132,7 @@ mod tests {
     impl Write for Slow {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             self.written.send(bytes.to_vec()).unwrap();
-            // An error is the sender's end: nothing holds it up any more.
+            // The sender is gone once the test has released all writes.
             let _ = self.go_on.recv();
             Ok(bytes.len())
         }
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stuck_reader_blocks_nobody_and_costs_whole_lines() {
+    fn a_stuck_reader_blocks_no_writer_and_loses_whole_lines() {
         let (written, come) = mpsc::channel();
         let (release, go_on) = mpsc::channel::<()>();
         let mut lines = Lines::default();

@@ -1,4 +1,4 @@
-//! Log lines and traces: where they go and in which form. What is told is said where it happens.
+//! Set-up of log lines and traces: their destinations and formats. Events are logged by the modules that raise them.
 
 mod json;
 mod lines;
@@ -8,7 +8,7 @@ mod otlp;
 use std::io::{self, IsTerminal};
 use std::thread::JoinHandle;
 
-use axum::http::HeaderMap;
+use http::HeaderMap;
 use tracing::Span;
 use tracing::level_filters::LevelFilter;
 use tracing_subscriber::filter::Targets;
@@ -17,8 +17,8 @@ use tracing_subscriber::{Layer, Registry, fmt};
 
 use crate::settings::{LogFormat, TelemetrySettings};
 
-/// The traces' exporter, while the program runs.
-#[must_use = "dropped, it would export nothing"]
+/// The log writer and the trace exporter of the running program.
+#[must_use = "the last lines and traces are written by `stop`"]
 #[derive(Debug)]
 pub struct Telemetry {
     lines: lines::Lines,
@@ -28,12 +28,12 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// Writes logs and sends traces as set, for the whole process. It must be called on a tokio runtime, which the exporter uses.
+    /// Starts logs and traces for the whole process. It must be called on a tokio runtime, which the exporter uses.
     ///
     /// # Errors
-    /// Where the process has telemetry already, or the collector's address cannot be used.
+    /// The process has telemetry already, or the collector's address is invalid.
     pub fn start(settings: &TelemetrySettings) -> io::Result<Self> {
-        let filter = || wanted(settings.log_level);
+        let filter = || level_filter(settings.log_level);
         let lines = lines::Lines::default();
         let writer = lines.write_to(io::stdout())?;
         let form = || fmt::layer().with_writer(lines.clone());
@@ -45,7 +45,7 @@ impl Telemetry {
         #[cfg(feature = "otlp")]
         let telemetry = {
             let traces = settings.otlp_endpoint.as_ref().map(otlp::Traces::start).transpose()?;
-            let layer = traces.as_ref().map(|traces| traces.layer().with_filter(wanted(LevelFilter::INFO)));
+            let layer = traces.as_ref().map(|traces| traces.layer().with_filter(level_filter(LevelFilter::INFO)));
             tracing::subscriber::set_global_default(subscriber.with(layer)).map_err(io::Error::other)?;
             Self { lines, writer, traces }
         };
@@ -58,7 +58,7 @@ impl Telemetry {
         Ok(telemetry)
     }
 
-    /// Sends the traces and writes the lines that are still here.
+    /// Sends the remaining traces and writes the remaining lines.
     pub fn stop(self) {
         #[cfg(feature = "otlp")]
         if let Some(traces) = self.traces {
@@ -68,23 +68,23 @@ impl Telemetry {
     }
 }
 
-/// This program's own lines at `level`, other crates' only from warnings up.
-fn wanted(level: LevelFilter) -> Targets {
+/// Events of this program from `level` up, of other crates from warnings up.
+fn level_filter(level: LevelFilter) -> Targets {
     Targets::new().with_target(env!("CARGO_CRATE_NAME"), level).with_default(level.min(LevelFilter::WARN))
 }
 
-/// A panic is a log line like any other, with the request's id where there is one.
+/// Logs panics as events, with the request's id where there is one.
 fn log_panics() {
     std::panic::set_hook(Box::new(|panic| {
-        let cause = panic.payload_as_str().unwrap_or("of a kind that is no text");
-        let place = panic.location().map(ToString::to_string).unwrap_or_default();
+        let cause = panic.payload_as_str().unwrap_or("a payload that is no text");
+        let location = panic.location().map(ToString::to_string).unwrap_or_default();
         let backtrace = std::backtrace::Backtrace::capture();
-        tracing::error!(cause, place, %backtrace, "a panic");
+        tracing::error!(cause, location, %backtrace, "panic");
     }));
 }
 
 /// Makes the request that `span` stands for part of its caller's trace, where its headers name one (W3C Trace Context).
-#[cfg_attr(not(feature = "otlp"), expect(unused_variables, reason = "there are no traces to be part of"))]
+#[cfg_attr(not(feature = "otlp"), expect(unused_variables, reason = "without the feature there are no traces"))]
 pub(crate) fn continue_trace(span: &Span, headers: &HeaderMap) {
     #[cfg(feature = "otlp")]
     otlp::continue_trace(span, headers);

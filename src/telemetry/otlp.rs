@@ -1,11 +1,11 @@
-//! Traces to a collector, by OTLP over HTTP with protobuf. The client is hyper's, which the server has in the program anyway, not
-//! one with its own TLS, URLs and pools; a collector is a local one that adds TLS itself.
+//! Export of traces to a collector, by OTLP over HTTP with protobuf. The HTTP client is hyper's, which the server links anyway; TLS to a
+//! remote backend is the local collector's.
 
 use std::io;
 use std::time::Duration;
 
-use axum::http::{HeaderMap, Request, Response, Uri};
 use bytes::Bytes;
+use http::{HeaderMap, Request, Response, Uri};
 use http_body_util::{BodyExt, Full, Limited};
 use hyper_util::client::legacy::Client;
 use hyper_util::client::legacy::connect::HttpConnector;
@@ -26,10 +26,10 @@ use tracing_subscriber::registry::LookupSpan;
 const EXPORT_TIMEOUT: Duration = Duration::from_secs(10);
 /// A collector's answer is a few bytes.
 const LARGEST_ANSWER: usize = 64 * 1024;
-/// How long the end of the program waits for the last batch.
+/// How long `stop` waits for the last batch.
 const LAST_EXPORT: Duration = Duration::from_secs(5);
 
-/// The way of spans to the collector.
+/// The exporter of spans.
 #[derive(Debug)]
 pub(super) struct Traces {
     provider: SdkTracerProvider,

@@ -3,10 +3,8 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use axum::Router;
-use scallopd::http::AppState;
-use scallopd::http::{layers, router};
-use scallopd::server;
+use scallopd::http::{self, AppState, Routes};
+use scallopd::server::{self, App};
 use scallopd::settings::{Command, Settings};
 use serde_json::Value;
 use tokio::net::TcpListener;
@@ -25,15 +23,16 @@ pub(crate) struct TestApp {
 
 impl TestApp {
     pub(crate) async fn start() -> Self {
-        Self::start_with(|_| {}, |routes| routes).await
+        Self::start_with(|_| {}, http::routes()).await
     }
 
-    /// With some settings other than the default, and something between the routes and the layers around them.
-    pub(crate) async fn start_with(set: impl FnOnce(&mut Settings), wrap: impl FnOnce(Router) -> Router) -> Self {
+    /// Serves `routes`, with some settings other than the default.
+    pub(crate) async fn start_with(set: impl FnOnce(&mut Settings), routes: Routes) -> Self {
         let Ok(Command::Serve(mut settings)) = Command::read(["scallopd"]) else { panic!("the defaults cannot be used") };
         set(&mut settings);
         let state = AppState::start(&settings.http).unwrap();
-        let app = layers::apply(wrap(router(&state)), &settings.http, &state);
+        let app =
+            App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel();

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use crate::api::app::{PATIENCE, TestApp};
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
-use axum::middleware::from_fn;
+use axum::routing::post;
+use scallopd::http::{self, RouteClass, Routes};
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
@@ -26,11 +27,11 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
         200 => TestApp::start().await.post(path, &body).await.0,
         400 => TestApp::start().await.post_text(path, "{").await.0,
         408 => {
-            let app = TestApp::start_with(|settings| settings.http.body_idle_timeout = Duration::from_millis(50), |routes| routes).await;
+            let app = TestApp::start_with(|settings| settings.http.body_idle_timeout = Duration::from_millis(50), http::routes()).await;
             status_of(half_a_request(&app, path).await).await
         }
         413 => {
-            let app = TestApp::start_with(|settings| settings.http.max_json_bytes = 64 * 1024, |routes| routes).await;
+            let app = TestApp::start_with(|settings| settings.http.max_json_bytes = 64 * 1024, http::routes()).await;
             app.post_text(path, format!("{body}{}", " ".repeat(64 * 1024))).await.0
         }
         415 => {
@@ -39,15 +40,13 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
         }
         422 => TestApp::start().await.post_text(path, "{}").await.0,
         500 => {
-            // No request brings the service to this; a mistake of its own would, so one is made beside the handlers.
-            let failing = from_fn(async |_: axum::extract::Request, _: axum::middleware::Next| -> axum::response::Response {
-                panic!("a mistake, on purpose")
-            });
-            let app = TestApp::start_with(|_| {}, |routes| routes.layer(failing)).await;
+            // No request causes this; a fault of a handler does, so that one with a fault takes the operation's place.
+            let failing = post(async || -> &'static str { panic!("a fault, on purpose") });
+            let app = TestApp::start_with(|_| {}, Routes::new().undocumented(RouteClass::Single, path, failing)).await;
             app.post(path, &body).await.0
         }
         503 => {
-            let app = TestApp::start_with(|settings| settings.http.max_in_flight = 1, |routes| routes).await;
+            let app = TestApp::start_with(|settings| settings.http.max_in_flight = 1, http::routes()).await;
             let _occupies_the_only_place = half_a_request(&app, path).await;
             let deadline = tokio::time::Instant::now() + PATIENCE;
             loop {

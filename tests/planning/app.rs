@@ -1,9 +1,8 @@
 //! The whole service in-process, on a free port.
 
 use reqwest::multipart::{Form, Part};
-use scallopd::http::AppState;
-use scallopd::http::{layers, router};
-use scallopd::server;
+use scallopd::http::{self, AppState};
+use scallopd::server::{self, App};
 use scallopd::settings::{Command, Settings};
 use serde_json::Value;
 use std::io::Write;
@@ -34,7 +33,11 @@ impl TestApp {
 
     pub(crate) async fn start_with(settings: Settings) -> Self {
         let state = AppState::start(&settings.http).unwrap();
-        let app = layers::apply(router(&state), &settings.http, &state);
+        let app = App {
+            router: http::service(http::routes(), &settings.http, &state),
+            refuse: http::refusals(&state),
+            budget: state.budget.clone(),
+        };
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         tokio::spawn(async move { server::serve(listener, app, &settings.server, std::future::pending()).await });

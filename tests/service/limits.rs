@@ -4,13 +4,12 @@ use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::routing::post;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use http_body_util::BodyExt;
-use scallopd::http::AppState;
+use scallopd::http::{RouteClass, Routes};
 use tokio::io::AsyncWriteExt;
 
 use crate::service::server::{TestServer, defaults, read_all, send};
@@ -18,7 +17,7 @@ use crate::service::server::{TestServer, defaults, read_all, send};
 const LIMIT: usize = 1 << 20;
 
 /// A route that counts what it reads, and the count.
-fn counting() -> (Router<AppState>, Arc<AtomicUsize>) {
+fn counting() -> (Routes, Arc<AtomicUsize>) {
     let count = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&count);
     let read = move |mut body: Body| async move {
@@ -27,7 +26,8 @@ fn counting() -> (Router<AppState>, Arc<AtomicUsize>) {
         }
         "whatever the handler makes of the error"
     };
-    (Router::new().route("/read/batch", post(read.clone())).route("/read", post(read)), count)
+    let routes = Routes::new().undocumented(RouteClass::Batch, "/read/batch", post(read.clone()));
+    (routes.undocumented(RouteClass::Single, "/read", post(read)), count)
 }
 
 async fn start() -> (TestServer, Arc<AtomicUsize>) {

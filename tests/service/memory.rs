@@ -53,7 +53,7 @@ fn upload(address: SocketAddr, facets: &[u8]) -> String {
 
 #[test]
 fn sixteen_uploads_of_100_mb_at_once_stay_under_300_mb() {
-    let program = Program::start(&["--max-heavy", &UPLOADS.to_string()]);
+    let program = Program::start(&["--max-concurrent-work", &UPLOADS.to_string()]);
     let (address, facets) = (program.address, facets());
     std::thread::scope(|scope| {
         let clients: Vec<_> = (0..UPLOADS).map(|_| scope.spawn(|| upload(address, &facets))).collect();

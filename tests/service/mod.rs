@@ -1,6 +1,8 @@
 //! The service as its operators and its worst clients meet it. Servers run in-process around small routers of the tests' own, except
 //! where the program itself is what is tested.
 
+mod budget;
+mod connections;
 mod launch;
 mod limits;
 #[cfg(target_os = "linux")]

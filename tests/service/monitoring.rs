@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use axum::Router;
-use scallopd::http::metrics::ShedReason;
+use scallopd::http::Routes;
+use scallopd::http::overload::Overload;
 
 use crate::service::server::{TestServer, defaults};
 
@@ -17,9 +17,9 @@ fn named(text: &str) -> BTreeSet<&str> {
 
 #[tokio::test]
 async fn rules_and_dashboard_name_metrics_that_there_are() {
-    let server = TestServer::start(defaults(), Router::new()).await;
+    let server = TestServer::start(defaults(), Routes::new()).await;
     server.state.metrics.upload_facets("stl", 2);
-    server.state.metrics.shed(ShedReason::Heavy);
+    server.state.metrics.shed(Overload::Workers);
     assert_eq!(server.get("/livez").await.status(), 200);
     let page = server.metrics().await;
     let there = named(&page);

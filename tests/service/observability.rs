@@ -1,19 +1,18 @@
 //! What requests leave behind, and what answers carry.
 
-use axum::Router;
 use axum::extract::Path;
 use axum::response::Html;
 use axum::routing::get;
-use scallopd::http::AppState;
+use scallopd::http::{RouteClass, Routes};
 use scallopd::settings::CorsOrigins;
 
 use crate::service::server::{TestServer, defaults};
 
-fn routes() -> Router<AppState> {
-    Router::new()
-        .route("/items/{name}", get(|Path(name): Path<String>| async move { name }))
-        .route("/page", get(|| async { Html("<p>") }))
-        .route("/long", get(|| async { "scallop ".repeat(1000) }))
+fn routes() -> Routes {
+    Routes::new()
+        .undocumented(RouteClass::Single, "/items/{name}", get(|Path(name): Path<String>| async move { name }))
+        .undocumented(RouteClass::Single, "/page", get(|| async { Html("<p>") }))
+        .undocumented(RouteClass::Single, "/long", get(|| async { "scallop ".repeat(1000) }))
 }
 
 #[tokio::test]

@@ -1,8 +1,9 @@
 //! Handlers that panic.
 
-use axum::Router;
 use axum::routing::get;
-use scallopd::http::worker_pool::WorkPermit;
+use scallopd::http::overload::Overload;
+use scallopd::http::worker_pool::Work;
+use scallopd::http::{RouteClass, Routes};
 
 use crate::service::server::{TestServer, defaults};
 
@@ -10,16 +11,20 @@ async fn fail() -> &'static str {
     panic!("on purpose: a secret of the server")
 }
 
-async fn fail_at_heavy_work(permit: WorkPermit) -> &'static str {
-    permit.run(|| panic!("on purpose: a secret of the server")).await
+async fn fail_on_a_worker(work: Work) -> Result<&'static str, Overload> {
+    work.run(|_| panic!("on purpose: a secret of the server")).await
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_panic_is_a_500_that_tells_nothing_and_the_server_goes_on() {
-    let routes = Router::new().route("/fail", get(fail)).route("/fail/batch", get(fail_at_heavy_work));
+    let routes = Routes::new().undocumented(RouteClass::Single, "/fail", get(fail)).undocumented(
+        RouteClass::Batch,
+        "/fail/batch",
+        get(fail_on_a_worker),
+    );
     let mut settings = defaults();
     settings.http.max_in_flight = 1;
-    settings.http.max_heavy = 1;
+    settings.http.max_concurrent_work = 1;
     let server = TestServer::start(settings, routes).await;
     for _ in 0..5 {
         for path in ["/fail", "/fail/batch"] {

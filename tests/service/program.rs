@@ -27,10 +27,14 @@ fn ask(address: SocketAddr) -> Option<String> {
 
 #[test]
 fn all_faults_of_flags_and_variables_are_reported_at_once_with_both_names() {
-    let output = scallopd().args(["--listen", "nowhere", "--max-heavy", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
+    let output = scallopd().args(["--listen", "nowhere", "--max-concurrent-work", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let text = text(&output);
-    for part in ["--listen or SCALLOPD_LISTEN: \"nowhere\"", "--max-heavy or SCALLOPD_MAX_HEAVY: \"0\"", "SCALLOPD_LOG_LEVEL: \"loud\""] {
+    for part in [
+        "--listen or SCALLOPD_LISTEN: \"nowhere\"",
+        "--max-concurrent-work or SCALLOPD_MAX_CONCURRENT_WORK: \"0\"",
+        "SCALLOPD_LOG_LEVEL: \"loud\"",
+    ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
 }
@@ -61,6 +65,28 @@ fn an_address_in_use_ends_the_program_with_a_reason() {
     let second = scallopd().args(["--listen", &program.address.to_string()]).output().unwrap();
     assert_eq!(second.status.code(), Some(1));
     assert!(text(&second).contains("in use"), "{}", text(&second));
+    program.signal("TERM");
+    assert_eq!(program.wait().0, Some(0));
+}
+
+#[test]
+fn a_hangup_drains_like_a_termination() {
+    let program = Program::start(&[]);
+    program.signal("HUP");
+    let (code, log) = program.wait();
+    assert_eq!(code, Some(0));
+    assert!(log.iter().any(|line| line["message"] == "draining" && line["signal"] == "SIGHUP"), "{log:?}");
+}
+
+#[test]
+fn probes_and_metrics_have_an_address_of_their_own_where_one_is_set() {
+    // A port that was free a moment ago.
+    let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let program = Program::start(&["--health-listen", &free.to_string()]);
+    assert!(ask(program.address).expect("an answer").starts_with("HTTP/1.1 404"));
+    assert!(ask(free).expect("an answer").starts_with("HTTP/1.1 200"));
+    let check = scallopd().args(["healthcheck", "--health-listen", &free.to_string(), "--listen", "127.0.0.1:1"]).status().unwrap();
+    assert_eq!(check.code(), Some(0));
     program.signal("TERM");
     assert_eq!(program.wait().0, Some(0));
 }

@@ -1,13 +1,11 @@
-//! A server in-process, on a free port, around a router that a test brings.
+//! A server in-process, on a free port, with routes of a test's own.
 
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use axum::Router;
 use axum::routing::get;
-use scallopd::http::AppState;
-use scallopd::http::{layers, metrics, readiness};
-use scallopd::server;
+use scallopd::http::{self, AppState, RouteClass, Routes, metrics, readiness};
+use scallopd::server::{self, App};
 use scallopd::settings::{Command, Settings};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
@@ -32,13 +30,14 @@ pub(crate) struct TestServer {
 
 impl TestServer {
     /// Serves `routes` and the probes.
-    pub(crate) async fn start(settings: Settings, routes: Router<AppState>) -> Self {
+    pub(crate) async fn start(settings: Settings, routes: Routes) -> Self {
         let state = AppState::start(&settings.http).unwrap();
-        let probes = Router::new()
-            .route("/livez", get(readiness::livez))
-            .route("/readyz", get(readiness::readyz))
-            .route("/metrics", get(metrics::show));
-        let app = layers::apply(routes.merge(probes).with_state(state.clone()), &settings.http, &state);
+        let routes = routes
+            .undocumented(RouteClass::Probe, "/livez", get(readiness::livez))
+            .undocumented(RouteClass::Probe, "/readyz", get(readiness::readyz))
+            .undocumented(RouteClass::Probe, "/metrics", get(metrics::show));
+        let app =
+            App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel();

@@ -2,23 +2,23 @@
 
 use std::sync::Arc;
 
-use axum::Router;
 use axum::routing::{get, post};
-use scallopd::http::AppState;
-use scallopd::http::worker_pool::WorkPermit;
+use scallopd::http::worker_pool::Work;
+use scallopd::http::{RouteClass, Routes};
 use tokio::sync::Semaphore;
 
 use crate::service::server::{TestServer, defaults, until};
 
 /// Routes that answer once the test lets them.
-fn waiting(release: &Arc<Semaphore>) -> Router<AppState> {
-    let (single, heavy) = (Arc::clone(release), Arc::clone(release));
+fn waiting(release: &Arc<Semaphore>) -> Routes {
+    let (single, batch) = (Arc::clone(release), Arc::clone(release));
     let single = move || async move { single.acquire().await.map(|_| "done").unwrap() };
-    let heavy = move |permit: WorkPermit| async move {
-        let _released = heavy.acquire().await.unwrap();
-        permit.run(|| "done").await
-    };
-    Router::new().route("/single", get(single)).route("/heavy/batch", post(heavy)).route("/quick", get(|| async { "quick" }))
+    let handle = tokio::runtime::Handle::current();
+    let batch = move |work: Work| async move { work.run(move |_| handle.block_on(batch.acquire()).map(|_| "done").unwrap()).await };
+    Routes::new()
+        .undocumented(RouteClass::Single, "/single", get(single))
+        .undocumented(RouteClass::Batch, "/batch", post(batch))
+        .undocumented(RouteClass::Single, "/quick", get(|| async { "quick" }))
 }
 
 fn problem_of(body: &str) -> serde_json::Value {
@@ -56,9 +56,9 @@ async fn requests_past_the_limit_are_shed_while_probes_answer() {
 async fn batches_past_their_limit_are_shed_while_single_requests_answer() {
     let release = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
-    settings.http.max_heavy = 2;
+    settings.http.max_concurrent_work = 2;
     let server = TestServer::start(settings, waiting(&release)).await;
-    let batch = || server.client.post(server.url("/heavy/batch")).body("{}").send();
+    let batch = || server.client.post(server.url("/batch")).body("{}").send();
     let held: Vec<_> = (0..2).map(|_| tokio::spawn(batch())).collect();
     until("two at work", async || server.metrics().await.contains("scallopd_http_requests_in_flight 3\n")).await;
 
@@ -66,11 +66,21 @@ async fn batches_past_their_limit_are_shed_while_single_requests_answer() {
     assert_eq!(shed.status(), 503);
     assert_eq!(shed.headers()["retry-after"], "1");
     assert_eq!(server.get("/quick").await.status(), 200);
-    assert!(server.metrics().await.contains("scallopd_http_requests_shed_total{reason=\"heavy\"} 1\n"));
+    assert!(server.metrics().await.contains("scallopd_http_requests_shed_total{reason=\"workers\"} 1\n"));
 
     release.add_permits(2);
     for request in held {
         assert_eq!(request.await.unwrap().unwrap().status(), 200);
     }
     assert_eq!(batch().await.unwrap().status(), 200);
+}
+
+#[tokio::test]
+async fn only_routes_of_a_class_with_workers_get_a_permit() {
+    let work = |work: Work| async move { work.run(|_| "done").await };
+    let routes =
+        Routes::new().undocumented(RouteClass::Single, "/single", get(work)).undocumented(RouteClass::Upload, "/upload", get(work));
+    let server = TestServer::start(defaults(), routes).await;
+    assert_eq!(server.get("/single").await.status(), 500);
+    assert_eq!(server.get("/upload").await.status(), 200);
 }

@@ -3,18 +3,17 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use axum::Router;
 use axum::routing::get;
-use scallopd::http::AppState;
+use scallopd::http::{RouteClass, Routes};
 use tokio::io::AsyncReadExt;
 use tokio::net::TcpStream;
 use tokio::sync::Semaphore;
 
 use crate::service::server::{TestServer, defaults, read_all, send, until};
 
-fn waiting(release: &Arc<Semaphore>) -> Router<AppState> {
+fn waiting(release: &Arc<Semaphore>) -> Routes {
     let release = Arc::clone(release);
-    Router::new().route("/wait", get(move || async move { release.acquire().await.map(|_| "done").unwrap() }))
+    Routes::new().undocumented(RouteClass::Single, "/wait", get(move || async move { release.acquire().await.map(|_| "done").unwrap() }))
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -35,7 +34,7 @@ async fn requests_in_flight_finish_and_new_connections_are_refused() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_draining_server_says_that_it_is_not_ready_and_ends_connections_politely() {
-    let server = TestServer::start(defaults(), Router::new()).await;
+    let server = TestServer::start(defaults(), Routes::new()).await;
     assert_eq!(server.get("/readyz").await.status(), 200);
     server.state.readiness.drain();
     let answer = server.get("/readyz").await;
@@ -46,7 +45,7 @@ async fn a_draining_server_says_that_it_is_not_ready_and_ends_connections_polite
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_a_client_sent_right_before_the_stop_is_answered() {
-    let mut server = TestServer::start(defaults(), Router::new()).await;
+    let mut server = TestServer::start(defaults(), Routes::new()).await;
     let mut streams = Vec::new();
     for _ in 0..50 {
         let mut stream = server.connect().await;
@@ -81,7 +80,7 @@ async fn the_grace_bounds_the_wait() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_request_whose_body_is_still_coming_is_finished() {
     let length = axum::routing::post(|body: axum::body::Bytes| async move { body.len().to_string() });
-    let mut server = TestServer::start(defaults(), Router::new().route("/length", length)).await;
+    let mut server = TestServer::start(defaults(), Routes::new().undocumented(RouteClass::Single, "/length", length)).await;
     let mut streams = Vec::new();
     for _ in 0..20 {
         let mut stream = server.connect().await;

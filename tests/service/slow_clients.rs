@@ -2,18 +2,17 @@
 
 use std::time::{Duration, Instant};
 
-use axum::Router;
 use axum::routing::{get, post};
-use scallopd::http::AppState;
+use scallopd::http::{RouteClass, Routes};
 use tokio::io::AsyncWriteExt;
 
 use crate::service::server::{PATIENCE, TestServer, defaults, read_all, send};
 
-fn routes() -> Router<AppState> {
-    Router::new()
-        .route("/length", post(|body: axum::body::Bytes| async move { body.len().to_string() }))
-        .route("/large", get(|| async { vec![b'x'; 64 << 20] }))
-        .route("/never", get(std::future::pending::<()>))
+fn routes() -> Routes {
+    Routes::new()
+        .undocumented(RouteClass::Single, "/length", post(|body: axum::body::Bytes| async move { body.len().to_string() }))
+        .undocumented(RouteClass::Single, "/large", get(|| async { vec![b'x'; 64 << 20] }))
+        .undocumented(RouteClass::Single, "/never", get(std::future::pending::<()>))
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -94,19 +93,4 @@ async fn a_client_that_leaves_its_answer_unread_is_dropped() {
     // The grace is 30 s: without the time-out the server would have waited for all of it.
     assert!(began.elapsed() < PATIENCE / 2, "{:?}", began.elapsed());
     drop(stream);
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn connections_past_the_limit_wait_until_one_ends() {
-    let mut settings = defaults();
-    settings.server.max_connections = 2;
-    let server = TestServer::start(settings, routes()).await;
-    let idle = (server.connect().await, server.connect().await);
-    let mut waiting = server.connect().await;
-    send(&mut waiting, "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n\r\n").await;
-    let answer = read_all(&mut waiting);
-    tokio::pin!(answer);
-    assert!(tokio::time::timeout(Duration::from_millis(300), &mut answer).await.is_err());
-    drop(idle);
-    assert!(answer.await.starts_with("HTTP/1.1 200"));
 }

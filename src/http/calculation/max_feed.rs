@@ -8,7 +8,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, CUTTER, Figure, FigureValue, Figures, SharedParameters, States, TEETH, TOLERANCE};
-use crate::http::worker_pool::WorkPermit;
+use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::{Length, OutOfRange};
 use axum::Json;
@@ -157,6 +157,6 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxFeed>>, Prob
     request_body = MaxFeedBatchRequest,
     responses((status = 200, description = "A column for each figure", body = MaxFeedBatchAnswer), Problems),
 )]
-pub(crate) async fn answer_batch(permit: WorkPermit, body: JsonBody) -> Result<WrittenJson, Problem> {
-    permit.run(move || batch::answer::<MaxFeed>(&body)).await
+pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    batch::answer::<MaxFeed>(work, body).await
 }

@@ -7,7 +7,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Faulted, Faults, JsonPath, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, States};
-use crate::http::worker_pool::WorkPermit;
+use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
@@ -67,6 +67,6 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<ScallopHeight>>
     request_body = ScallopHeightBatchRequest,
     responses((status = 200, description = "A column for each figure", body = ScallopHeightBatchAnswer), Problems),
 )]
-pub(crate) async fn answer_batch(permit: WorkPermit, body: JsonBody) -> Result<WrittenJson, Problem> {
-    permit.run(move || batch::answer::<ScallopHeight>(&body)).await
+pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    batch::answer::<ScallopHeight>(work, body).await
 }

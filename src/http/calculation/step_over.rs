@@ -7,7 +7,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, States, TOLERANCE};
-use crate::http::worker_pool::WorkPermit;
+use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
@@ -65,6 +65,6 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxStepOver>>, 
     request_body = StepOverBatchRequest,
     responses((status = 200, description = "A column for each figure", body = StepOverBatchAnswer), Problems),
 )]
-pub(crate) async fn answer_batch(permit: WorkPermit, body: JsonBody) -> Result<WrittenJson, Problem> {
-    permit.run(move || batch::answer::<MaxStepOver>(&body)).await
+pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    batch::answer::<MaxStepOver>(work, body).await
 }

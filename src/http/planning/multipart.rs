@@ -14,6 +14,9 @@ use memchr::memmem::{self, Finder};
 /// The longest head of a part; those of browsers and libraries have some hundred bytes.
 const LONGEST_HEAD: usize = 1 << 14;
 
+/// The most parts of a form: an upload has three kinds of parts, and some libraries.
+const MOST_PARTS: usize = 100;
+
 /// The longest boundary [RFC 2046, section 5.1.1].
 const LONGEST_BOUNDARY: usize = 70;
 
@@ -25,6 +28,7 @@ pub(crate) struct Form {
     /// What has arrived and is not done with.
     held: Bytes,
     within: Within,
+    parts: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +62,7 @@ impl Form {
     fn new(body: Body, boundary: &str) -> Self {
         let delimiter = Finder::new(&format!("\r\n--{boundary}")).into_owned();
         // The first delimiter begins the body, without a line's end before it.
-        Self { body, delimiter, held: Bytes::from_static(b"\r\n"), within: Within::Data }
+        Self { body, delimiter, held: Bytes::from_static(b"\r\n"), within: Within::Data, parts: 0 }
     }
 
     /// The next part, after what is left of the one before.
@@ -74,6 +78,10 @@ impl Form {
             self.within = Within::Epilogue;
             self.drain().await?;
             return Ok(None);
+        }
+        self.parts += 1;
+        if self.parts > MOST_PARTS {
+            return Err(malformed(format!("the form has more than {MOST_PARTS} parts")));
         }
         let head = self.head().await?;
         self.within = Within::Data;

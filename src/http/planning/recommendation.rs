@@ -3,13 +3,14 @@
 
 use super::answer::RecommendationAnswer;
 use super::job::{self, JobMembers};
+use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Choice, Components, Fault, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, members};
 use crate::http::wire::{SURFACE, Sourced};
-use crate::http::worker_pool::WorkPermit;
+use crate::http::worker_pool::Work;
 use crate::milling::NoAnswer;
 use crate::planning::{Job, PlanError, recommend};
 use crate::surface::{Facing, ShapeError, Unit};
@@ -24,6 +25,9 @@ members! {
             "which facets count: up (default), those whose normal points up, which a cutter from above reaches; any, all of them. Points and patches have no sides"),
     }
 }
+
+/// The memory that a surface takes for each byte in which the body states it: a point of 24 bytes is `[0,0,0],` at least.
+const MEMORY_OF_A_BYTE: u64 = 3;
 
 /// What is asked beside the surface.
 #[derive(Debug, Clone, Copy)]
@@ -89,8 +93,14 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     request_body = RecommendationRequest,
     responses((status = 200, description = "The recommendation, with both candidates", body = RecommendationAnswer), Problems),
 )]
-pub(crate) async fn answer(permit: WorkPermit, body: JsonBody) -> Result<WrittenJson, Problem> {
-    permit.run(move || work_out(&body)).await
+pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    let memory = work.reserve(MEMORY_OF_A_BYTE * body.len() as u64)?;
+    let work_out = move |_: &CancelFlag| {
+        // Until the answer is ready.
+        let _memory = memory;
+        work_out(&body)
+    };
+    work.run(work_out).await?
 }
 
 fn work_out(body: &JsonBody) -> Result<WrittenJson, Problem> {

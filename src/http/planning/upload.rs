@@ -11,7 +11,7 @@ use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
 use crate::http::wire::{SURFACE, Sourced};
-use crate::http::worker_pool::WorkPermit;
+use crate::http::worker_pool::Work;
 use crate::surface::SampledSurface;
 use crate::surface::read::{self, Format, Hint, Lot, Reader};
 use axum::body::Bytes;
@@ -46,9 +46,9 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     request_body(content = UploadRequest, content_type = "multipart/form-data", encoding(("parameters" = (content_type = "application/json")))),
     responses((status = 200, description = "The recommendation, with both candidates", body = RecommendationAnswer), UploadProblems),
 )]
-pub(crate) async fn answer(place: WorkPermit, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
-    let received = Received::read(&mut form, &place, &metrics).await?;
-    place.run(move || received.answer()).await
+pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
+    let received = Received::read(&mut form, &work, &metrics).await?;
+    work.run_after_upload(move |_| received.answer()).await?
 }
 
 /// What arrived.
@@ -62,12 +62,12 @@ struct Received {
 
 impl Received {
     /// Takes in the whole form, so that the faults of all parts can be told together.
-    async fn read(form: &mut Form, place: &WorkPermit, metrics: &Metrics) -> Result<Self, Problem> {
+    async fn read(form: &mut Form, work: &Work, metrics: &Metrics) -> Result<Self, Problem> {
         let mut received = Self::default();
         while let Some(head) = form.next().await? {
             match head.name.as_deref() {
                 Some(name) if name == SURFACE.name && received.surface.is_none() => {
-                    received.surface = Some(read_file(form, &head, place, metrics).await?);
+                    received.surface = Some(read_file(form, &head, work, metrics).await?);
                 }
                 Some(PARAMETERS) if received.parameters.is_none() => received.parameters = Some(read_parameters(form).await?),
                 name => received.refuse_part(name),
@@ -120,26 +120,29 @@ impl Received {
 
 /// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
 /// is received; no more than these two are held.
-async fn read_file(form: &mut Form, head: &Head, place: &WorkPermit, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
+async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
     let mut reader = Reader::new(Hint::new(head.media_type.as_deref(), head.file_name.as_deref()));
     let mut surface = SampledSurface::new();
+    // What the reader holds; a block adds a few times its size, for which there is room beside the budget.
+    let mut held = work.reserve(0)?;
     let mut received = Block::receive(form, metrics).await?;
     while !received.pieces.is_empty() {
         let block = received;
-        let work = place.run(move || {
+        let reading = work.run_piece(move || {
             let pushed = block.read(&mut reader, &mut surface);
             (reader, surface, pushed)
         });
-        let (worked, next) = tokio::join!(work, Block::receive(form, metrics));
+        let (worked, next) = tokio::join!(reading, Block::receive(form, metrics));
         let pushed;
         (reader, surface, pushed) = worked;
+        held.resize(reader.held_bytes() as u64)?;
         received = next?;
         if let Err(fault) = pushed {
             return Ok(Err(fault));
         }
     }
-    let (surface, finished) = place
-        .run(move || {
+    let (surface, finished) = work
+        .run_piece(move || {
             let finished = reader.finish(&mut surface);
             (surface, finished)
         })

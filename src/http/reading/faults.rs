@@ -28,24 +28,41 @@ impl Fault {
 pub(crate) struct Faulted;
 
 /// All faults of a request, in the order in which they were found.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Faults {
+    most_listed: usize,
     listed: Vec<Fault>,
     unlisted: usize,
+}
+
+impl Default for Faults {
+    fn default() -> Self {
+        Self::at_most(Self::MOST_LISTED)
+    }
 }
 
 impl Faults {
     /// A request can hold a fault every few bytes; beyond this many they are counted, not listed.
     const MOST_LISTED: usize = 1000;
 
+    /// No faults. Beyond `most_listed` they are counted, not listed.
+    pub(crate) fn at_most(most_listed: usize) -> Self {
+        Self { most_listed, listed: Vec::new(), unlisted: 0 }
+    }
+
     /// Records a fault and returns the proof.
     pub(crate) fn add(&mut self, path: &JsonPath<'_>, code: impl Into<FaultCode>, detail: impl fmt::Display) -> Faulted {
-        self.push(Fault::new(path, code, detail))
+        if self.listed.len() < self.most_listed {
+            return self.push(Fault::new(path, code, detail));
+        }
+        // It is not shown, so that its text is not formatted.
+        self.unlisted += 1;
+        Faulted
     }
 
     /// Records a complete fault.
     pub(crate) fn push(&mut self, fault: Fault) -> Faulted {
-        if self.listed.len() < Self::MOST_LISTED {
+        if self.listed.len() < self.most_listed {
             self.listed.push(fault);
         } else {
             self.unlisted += 1;

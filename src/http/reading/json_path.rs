@@ -27,10 +27,16 @@ impl fmt::Display for JsonPath<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             JsonPath::Root => Ok(()),
-            JsonPath::Member(parent, name) => write!(f, "{parent}/{}", name.replace('~', "~0").replace('/', "~1")),
+            JsonPath::Member(parent, name) => write!(f, "{parent}/{}", shown(name).replace('~', "~0").replace('/', "~1")),
             JsonPath::Item(parent, index) => write!(f, "{parent}/{index}"),
         }
     }
+}
+
+/// The name, cut where it is longer than any that is known: an answer must not repeat megabytes of its request.
+fn shown(name: &str) -> &str {
+    const LONGEST: usize = 200;
+    name.char_indices().nth(LONGEST).map_or(name, |(end, _)| &name[..end])
 }
 
 #[cfg(test)]
@@ -44,5 +50,11 @@ mod tests {
         let third = contacts.item(2);
         assert_eq!(third.member("a/b~c").to_string(), "/contacts/2/a~1b~0c");
         assert_eq!(root.to_string(), "");
+    }
+
+    #[test]
+    fn long_names_are_cut() {
+        let name = "ä".repeat(1000);
+        assert_eq!(JsonPath::Root.member(&name).to_string().chars().count(), 201);
     }
 }

@@ -104,8 +104,9 @@ impl<'a, 'p> Object<'a, 'p> {
             let detail = format!("the object has {} fields more than the {} that are looked at", self.unkept, RawMembers::MOST);
             result = Err(faults.add(&self.path, RequestFault::TooManyFields, detail));
         }
+        let known = if self.members.is_empty() { String::new() } else { self.known.join(", ") };
         for (name, _) in &self.members {
-            let detail = format_args!("unknown field; known here: {}", self.known.join(", ")).to_string();
+            let detail = format_args!("unknown field; known here: {known}");
             result = Err(faults.add(&self.path.member(name), RequestFault::UnknownField, detail));
         }
         result

@@ -3,11 +3,12 @@
 use super::Sink;
 use super::fault::{FaultKind, Flaw};
 use super::polygon::{Cut, Polygon};
+use super::vertices::Vertices;
 
 /// The vertices so far, and the face that is being read.
 #[derive(Debug)]
 pub(super) struct Mesh {
-    vertices: Vec<[f64; 3]>,
+    vertices: Vertices,
     limit: usize,
     face: Polygon,
     facets: u64,
@@ -17,14 +18,14 @@ pub(super) struct Mesh {
 impl Mesh {
     /// No vertices, with room for `limit`; memory is taken as they come.
     pub(super) fn new(limit: usize) -> Self {
-        Self { vertices: Vec::new(), limit, face: Polygon::default(), facets: 0, crossed: 0 }
+        Self { vertices: Vertices::default(), limit, face: Polygon::default(), facets: 0, crossed: 0 }
     }
 
     pub(super) fn limit(&self) -> usize {
         self.limit
     }
 
-    pub(super) fn vertices(&self) -> &[[f64; 3]] {
+    pub(super) fn vertices(&self) -> &Vertices {
         &self.vertices
     }
 

@@ -20,6 +20,7 @@ mod polygon;
 mod stl_ascii;
 mod stl_binary;
 mod text;
+mod vertices;
 
 pub use fault::{Fault, FaultKind, Place};
 pub use format::{Format, Hint};
@@ -156,6 +157,18 @@ impl Reader {
             },
             Stage::Refused(fault) => Err(fault),
             Stage::Head(_) => unreachable!("a head is opened above"),
+        }
+    }
+
+    /// The memory that the reader holds beyond a fixed amount, in bytes: the vertices of an OBJ or PLY file. It grows by at most some
+    /// times the length of a chunk with each push.
+    #[must_use]
+    pub fn held_bytes(&self) -> usize {
+        let Stage::Body(body) = &self.stage else { return 0 };
+        match &**body {
+            Body::Obj(reader) => reader.held_bytes(),
+            Body::Ply(reader) => reader.held_bytes(),
+            Body::Text(_) | Body::StlAscii(_) | Body::StlBinary(_) => 0,
         }
     }
 

@@ -35,6 +35,11 @@ impl Reader {
         self.lines.push(chunk, |line, _| self.content.line(line, sink))
     }
 
+    /// The memory that the vertices take, in bytes.
+    pub(super) fn held_bytes(&self) -> usize {
+        self.content.mesh.vertices().held_bytes()
+    }
+
     pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
         let number = self.lines.number();
         self.lines.finish(|line, _| self.content.line(line, sink))?;
@@ -47,7 +52,7 @@ impl Reader {
         if mesh.vertices().is_empty() {
             return Err(Flaw::new(FaultKind::Empty, "a vertex", "the end of the file").at_line(number));
         }
-        for vertex in mesh.vertices() {
+        for vertex in mesh.vertices().iter() {
             sink.point(*vertex);
         }
         Ok(Summary { format: Format::Obj, points: mesh.vertices().len() as u64, facets: 0, notes })

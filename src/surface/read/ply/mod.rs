@@ -67,6 +67,11 @@ impl Reader {
         }
     }
 
+    /// The memory that the vertices take, in bytes.
+    pub(super) fn held_bytes(&self) -> usize {
+        self.surface.mesh.vertices().held_bytes()
+    }
+
     pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
         let format = match self.stage {
             Stage::Header(lines) => return Err(lines.cut_off()),

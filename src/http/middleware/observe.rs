@@ -1,7 +1,6 @@
 //! One log line, one span and one count for each request, when its answer has been sent or given up.
 
 use std::pin::Pin;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::task::{Context, Poll};
 use std::time::Instant;
@@ -13,63 +12,85 @@ use axum::response::Response;
 use http_body::{Frame, SizeHint};
 use tracing::{Instrument, Level, Span};
 
-use super::around::Surround;
-use super::request_id::{self, RequestId};
-use super::weight::Weight;
-use crate::http::AppState;
+use super::body::{BodyProgress, Pace, WireBody};
+use super::layer::Middleware;
 use crate::http::metrics::{Metrics, UNMATCHED, method_label};
 use crate::http::problem::describe_error;
+use crate::http::readiness::Readiness;
+use crate::http::request_id::{self, RequestId};
+use crate::http::routes::RouteClass;
+use crate::memory_budget::MemoryBudget;
 
-/// The status under which a request is counted whose client left before the answer: the one that nginx gives it.
+/// The status of a request whose client left before the answer, as nginx counts it.
 const CLIENT_LEFT: u16 = 499;
 
-/// Layer: identifies the request, describes its error where it fails, and tells and counts it at its end.
+/// Identifies the request, describes its error where it fails, and logs and counts it at its end.
 #[derive(Clone)]
-pub(super) struct Observe(pub(super) AppState);
+pub(super) struct Observe {
+    pub(super) class: RouteClass,
+    pub(super) metrics: Metrics,
+    pub(super) readiness: Readiness,
+    pub(super) pace: Pace,
+    pub(super) budget: MemoryBudget,
+}
 
-impl Surround for Observe {
-    fn surround<F>(&self, mut request: Request, inside: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
+impl Observe {
+    /// The request with its body recorded and paced.
+    fn receive(&self, mut request: Request) -> (Request, Arc<BodyProgress>) {
+        let has_body = !request.body().is_end_stream();
+        let progress = Arc::new(BodyProgress::begin(has_body, self.budget.clone()));
+        request.extensions_mut().insert(Arc::clone(&progress));
+        if !has_body {
+            return (request, progress);
+        }
+        let request = request.map(|body| Body::new(WireBody::new(body, self.pace, Arc::clone(&progress))));
+        (request, progress)
+    }
+}
+
+impl Middleware for Observe {
+    fn handle<F>(&self, mut request: Request, inner: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
     where
         F: Future<Output = Response> + Send + 'static,
     {
-        let AppState { metrics, readiness, .. } = self.0.clone();
+        let readiness = self.readiness.clone();
         let id = request_id::take_or_create(&mut request);
-        let mut record = Record::begin(&request, &id, metrics);
+        let (request, progress) = self.receive(request);
+        let mut record = Record::begin(&request, self.class, &id, progress, self.metrics.clone());
         let span = record.span.clone();
         crate::telemetry::continue_trace(&span, request.headers());
-        let sent = Arc::clone(&record.sent);
         let uri = request.uri().clone();
-        let answered = span.in_scope(|| inside(request.map(|body| Counted::around(body, sent))));
+        let answer = span.in_scope(|| inner(request));
         async move {
-            let mut response = async { describe_error(answered.await, uri.path(), &id) }.instrument(span).await;
+            let mut response = async { describe_error(answer.await, uri.path(), &id) }.instrument(span).await;
             record.status = response.status().as_u16();
             id.mark(&mut response);
             // hyper closes a connection with an unread body on it. A client that is told opens another; one that is not, and one that is
             // cut off by a server that stops, loses the request that it may just be sending.
-            if record.sent.is_left_unread() || readiness.is_draining() {
+            if record.progress.is_unread() || readiness.is_draining() {
                 response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
             }
-            response.map(|body| Body::new(Answer { body, record }))
+            response.map(|body| Body::new(RecordedAnswer { body, record }))
         }
     }
 }
 
-/// What is known of one request. Dropping it is the request's end.
+/// What the log and the metrics say of one request. It is written when it is dropped, at the request's end.
 struct Record {
     id: RequestId,
     method: &'static str,
     route: Arc<str>,
-    probe: bool,
+    class: RouteClass,
     began: Instant,
     status: u16,
-    sent: Arc<Sent>,
+    progress: Arc<BodyProgress>,
     response_bytes: u64,
     span: Span,
     metrics: Metrics,
 }
 
 impl Record {
-    fn begin(request: &Request, id: &RequestId, metrics: Metrics) -> Self {
+    fn begin(request: &Request, class: RouteClass, id: &RequestId, progress: Arc<BodyProgress>, metrics: Metrics) -> Self {
         static NO_ROUTE: LazyLock<Arc<str>> = LazyLock::new(|| Arc::from(UNMATCHED));
         let route = request.extensions().get::<MatchedPath>().map_or_else(|| Arc::clone(&NO_ROUTE), |path| Arc::from(path.as_str()));
         let method = method_label(request.method());
@@ -83,9 +104,8 @@ impl Record {
             http.response.status_code = tracing::field::Empty,
         );
         metrics.began();
-        let probe = Weight::of(request.uri().path()) == Weight::Probe;
-        let sent = Arc::default();
-        Self { id: id.clone(), method, route, probe, began: Instant::now(), status: CLIENT_LEFT, sent, response_bytes: 0, span, metrics }
+        let id = id.clone();
+        Self { id, method, route, class, began: Instant::now(), status: CLIENT_LEFT, progress, response_bytes: 0, span, metrics }
     }
 }
 
@@ -94,7 +114,7 @@ impl Drop for Record {
         let duration = self.began.elapsed();
         self.metrics.ended(self.method, &self.route, self.status, duration);
         self.span.record("http.response.status_code", self.status);
-        // The line stands for itself: what the span would add is in it.
+        // The line holds the span's fields itself.
         macro_rules! line {
             ($level:expr) => {
                 tracing::event!(
@@ -106,7 +126,7 @@ impl Drop for Record {
                     status = self.status,
                     // Microseconds are enough for a person and half the digits.
                     duration_ms = (duration.as_secs_f64() * 1e6).round() / 1e3,
-                    request_bytes = self.sent.bytes.load(Ordering::Relaxed),
+                    request_bytes = self.progress.wire_bytes(),
                     response_bytes = self.response_bytes,
                     "request"
                 )
@@ -114,71 +134,20 @@ impl Drop for Record {
         }
         match self.status {
             500 => line!(Level::ERROR),
-            // Probes and scrapes come every few seconds for ever.
-            _ if self.probe => line!(Level::DEBUG),
+            // Probes and scrapes come every few seconds.
+            _ if self.class == RouteClass::Probe => line!(Level::DEBUG),
             _ => line!(Level::INFO),
         }
     }
 }
 
-/// A request's body, counted as it comes over the wire.
-struct Counted {
-    body: Body,
-    sent: Arc<Sent>,
-}
-
-/// What is known of a request's body.
-#[derive(Debug, Default)]
-struct Sent {
-    bytes: AtomicU64,
-    unread: AtomicBool,
-}
-
-impl Sent {
-    fn is_left_unread(&self) -> bool {
-        self.unread.load(Ordering::Relaxed)
-    }
-}
-
-impl Counted {
-    fn around(body: Body, sent: Arc<Sent>) -> Body {
-        if body.is_end_stream() {
-            return body;
-        }
-        sent.unread.store(true, Ordering::Relaxed);
-        Body::new(Self { body, sent })
-    }
-}
-
-impl HttpBody for Counted {
-    type Data = Bytes;
-    type Error = axum::Error;
-
-    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        let polled = Pin::new(&mut self.body).poll_frame(context);
-        self.sent.bytes.fetch_add(length(&polled), Ordering::Relaxed);
-        if matches!(polled, Poll::Ready(None)) || self.body.is_end_stream() {
-            self.sent.unread.store(false, Ordering::Relaxed);
-        }
-        polled
-    }
-
-    fn is_end_stream(&self) -> bool {
-        self.body.is_end_stream()
-    }
-
-    fn size_hint(&self) -> SizeHint {
-        self.body.size_hint()
-    }
-}
-
-/// An answer's body, with the request's record until it is sent.
-struct Answer {
+/// An answer's body, which keeps the request's record until it is sent.
+struct RecordedAnswer {
     body: Body,
     record: Record,
 }
 
-impl HttpBody for Answer {
+impl HttpBody for RecordedAnswer {
     type Data = Bytes;
     type Error = axum::Error;
 

@@ -1,4 +1,4 @@
-//! Every request has an id: the caller's where it sent a usable one, one of ours otherwise.
+//! Request ids: the caller's where it sent a usable one, one made here otherwise.
 
 use std::hash::{BuildHasher, RandomState};
 use std::sync::LazyLock;
@@ -11,15 +11,15 @@ use axum::response::Response;
 /// The header of the id, in requests and answers.
 pub(super) const HEADER: HeaderName = HeaderName::from_static("x-request-id");
 
-/// Longer ids are not taken over: an id is written into every log line.
+/// Longer ids are replaced: an id is written into every log line.
 const LONGEST: usize = 128;
 
 /// The id of the request that a handler answers, as an extension of the request.
 #[derive(Debug, Clone)]
-pub struct RequestId(HeaderValue);
+pub(crate) struct RequestId(HeaderValue);
 
 impl RequestId {
-    /// The caller's id where it can be taken over: letters, digits, `-`, `_`, `.`, `:`, `/`, `+` and `=`, which covers UUIDs and trace
+    /// The caller's id where it is usable: letters, digits, `-`, `_`, `.`, `:`, `/`, `+` and `=`, which covers UUIDs and trace
     /// ids and leaves out what could break a log line or a page.
     fn of_caller(headers: &HeaderMap) -> Option<Self> {
         let id = headers.get(HEADER)?;
@@ -29,7 +29,7 @@ impl RequestId {
 
     /// An id that no other request of this or another process has: a random number drawn at the start, and a counter. It is a
     /// name, not a secret.
-    fn create() -> Self {
+    pub(super) fn create() -> Self {
         static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().hash_one(std::process::id()));
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let id = format!("{:016x}-{:08x}", *PROCESS, COUNT.fetch_add(1, Ordering::Relaxed));
@@ -38,7 +38,7 @@ impl RequestId {
 
     /// The id.
     #[must_use]
-    pub fn as_str(&self) -> &str {
+    pub(crate) fn as_str(&self) -> &str {
         // Both ways to make one leave visible ASCII only.
         self.0.to_str().unwrap_or_default()
     }
@@ -53,6 +53,7 @@ pub(super) fn take_or_create(request: &mut Request) -> RequestId {
 }
 
 impl RequestId {
+    /// Adds the id to an answer.
     pub(super) fn mark(&self, response: &mut Response) {
         response.headers_mut().insert(HEADER, self.0.clone());
     }

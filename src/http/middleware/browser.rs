@@ -1,4 +1,4 @@
-//! What browsers are told: which pages may call the service, and what a page of the service itself may do.
+//! Headers for browsers: which origins may call the service (CORS), and what a page of the service itself may load.
 
 use std::time::Duration;
 
@@ -8,9 +8,10 @@ use axum::http::{self, HeaderName, HeaderValue, Method, header};
 use axum::response::Response;
 use tower_http::cors::{AllowOrigin, CorsLayer};
 
+use crate::http::request_id;
 use crate::settings::CorsOrigins;
 
-/// Cross-origin rules; none where no origin is listed, so that browsers keep to their own.
+/// Cross-origin rules; none where no origin is listed: browsers then allow the service's own pages only.
 pub(super) fn cors(origins: &CorsOrigins) -> Option<CorsLayer> {
     let allowed = match origins {
         CorsOrigins::Any => AllowOrigin::any(),
@@ -20,18 +21,18 @@ pub(super) fn cors(origins: &CorsOrigins) -> Option<CorsLayer> {
     let layer = CorsLayer::new()
         .allow_origin(allowed)
         .allow_methods([Method::GET, Method::POST])
-        .allow_headers([header::CONTENT_TYPE, header::CONTENT_ENCODING, super::request_id::HEADER, HeaderName::from_static("traceparent")])
-        .expose_headers([super::request_id::HEADER, header::RETRY_AFTER])
+        .allow_headers([header::CONTENT_TYPE, header::CONTENT_ENCODING, request_id::HEADER, HeaderName::from_static("traceparent")])
+        .expose_headers([request_id::HEADER, header::RETRY_AFTER])
         .max_age(Duration::from_hours(1));
     Some(layer)
 }
 
-/// Scripts and styles from this server only; style attributes are what the documentation page's script sets.
+/// Scripts and styles from this server only. The script of the documentation page sets style attributes.
 const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
 );
 
-/// Layer: no answer is to be taken for another type than it says; a page that sets no policy of its own gets a strict one.
+/// Adds the headers: browsers take each answer for the media type that it states, and a page without a policy gets a strict one.
 pub(super) fn secure<B>(response: http::Response<B>) -> Response
 where
     B: HttpBody<Data = Bytes, Error: Into<BoxError>> + Send + 'static,

@@ -1,4 +1,4 @@
-//! What can be wrong with a body as it arrives, before anybody looks at what it says.
+//! The rules that a body can break as it arrives, before its content is looked at.
 
 use std::fmt;
 use std::time::Duration;
@@ -7,6 +7,7 @@ use axum::response::{IntoResponse, Response};
 
 use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
+use crate::memory_budget::BudgetExceeded;
 
 /// The rule that a body broke.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,7 +15,7 @@ pub(super) enum BodyFault {
     /// More bytes than are accepted, decompressed.
     TooLarge {
         /// How many are accepted.
-        largest: u64,
+        max_bytes: u64,
     },
     /// Nothing came for too long.
     Stalled {
@@ -24,8 +25,12 @@ pub(super) enum BodyFault {
     /// It came too slowly on average.
     TooSlow {
         /// The slowest average that is accepted.
-        slowest_bytes_s: u64,
+        min_bytes_s: u64,
     },
+    /// It came in very many tiny pieces.
+    Fragmented,
+    /// There is no memory to hold it.
+    Memory(BudgetExceeded),
     /// It could not be read or decompressed.
     Unreadable(String),
 }
@@ -33,9 +38,11 @@ pub(super) enum BodyFault {
 impl fmt::Display for BodyFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooLarge { largest } => write!(f, "the body, counted decompressed, is larger than {largest} bytes"),
+            Self::TooLarge { max_bytes } => write!(f, "the body, counted decompressed, is larger than {max_bytes} bytes"),
             Self::Stalled { longest } => write!(f, "nothing of the body came for {} s", longest.as_secs()),
-            Self::TooSlow { slowest_bytes_s } => write!(f, "the body came at less than {slowest_bytes_s} bytes a second"),
+            Self::TooSlow { min_bytes_s } => write!(f, "the body came at less than {min_bytes_s} bytes a second"),
+            Self::Fragmented => write!(f, "the body came in too many chunks of a few bytes"),
+            Self::Memory(exceeded) => write!(f, "{exceeded}"),
             Self::Unreadable(cause) => write!(f, "the body could not be read: {cause}"),
         }
     }
@@ -43,13 +50,13 @@ impl fmt::Display for BodyFault {
 
 impl std::error::Error for BodyFault {}
 
-impl BodyFault {
-    /// The problem that the client is told.
-    pub(super) fn answer(&self) -> Response {
+impl IntoResponse for BodyFault {
+    fn into_response(self) -> Response {
         let kind = match self {
             Self::TooLarge { .. } => ServiceProblem::TooLarge,
             Self::Stalled { .. } | Self::TooSlow { .. } => ServiceProblem::Timeout,
-            Self::Unreadable(_) => ServiceProblem::UnreadableBody,
+            Self::Unreadable(_) | Self::Fragmented => ServiceProblem::UnreadableBody,
+            Self::Memory(exceeded) => return Problem::from(exceeded).into_response(),
         };
         Problem::new(kind, self.to_string()).into_response()
     }

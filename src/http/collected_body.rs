@@ -1,0 +1,125 @@
+//! A request's body collected into one piece of memory, which is reserved from the budget as it grows.
+
+use axum::body::{Body, Bytes, HttpBody};
+use http_body_util::BodyExt;
+
+use super::codes::ServiceProblem;
+use super::problem::Problem;
+use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
+
+/// The memory that a body in several pieces takes at first.
+const FIRST_CAPACITY: usize = 64 * 1024;
+
+/// Bytes that are collected in one turn of the task: less than a millisecond of decompression.
+const TURN: usize = 64 * 1024;
+
+/// The whole of `body`. Its memory returns to the budget when the last reference to it is dropped.
+pub(super) async fn collect(mut body: Body, budget: &MemoryBudget) -> Result<Bytes, Problem> {
+    let Some(first) = next(&mut body).await? else { return Ok(Bytes::new()) };
+    if body.is_end_stream() {
+        return Ok(first);
+    }
+    let mut collected = Collected { bytes: Vec::new(), reservation: budget.open() };
+    let mut piece = Some(first);
+    let mut turn = 0;
+    while let Some(data) = piece {
+        turn += data.len();
+        collected.append(&data, body.size_hint().exact())?;
+        drop(data);
+        if turn >= TURN {
+            // Decompression yields data without waiting: other requests get their turn.
+            tokio::task::yield_now().await;
+            turn = 0;
+        }
+        piece = next(&mut body).await?;
+    }
+    Ok(Bytes::from_owner(collected))
+}
+
+async fn next(body: &mut Body) -> Result<Option<Bytes>, Problem> {
+    while let Some(frame) = body.frame().await {
+        // The middleware answers for a body over its limit, too slow or damaged; this problem is for other errors.
+        let frame = frame.map_err(|error| Problem::new(ServiceProblem::UnreadableBody, error.to_string()))?;
+        if let Ok(data) = frame.into_data() {
+            return Ok(Some(data));
+        }
+    }
+    Ok(None)
+}
+
+/// The bytes so far.
+struct Collected {
+    bytes: Vec<u8>,
+    reservation: Reservation,
+}
+
+impl Collected {
+    /// Appends `data`, after which `to_come` bytes come where that is known.
+    fn append(&mut self, data: &[u8], to_come: Option<u64>) -> Result<(), BudgetExceeded> {
+        let length = self.bytes.len() + data.len();
+        if length > self.bytes.capacity() {
+            // A stated length bounds the growth but is not reserved at once: nothing may follow.
+            let known = to_come.and_then(|to_come| usize::try_from(to_come).ok()).map(|to_come| length.saturating_add(to_come));
+            let doubled = (2 * length).max(FIRST_CAPACITY);
+            self.move_to(known.map_or(doubled, |known| known.min(doubled)))?;
+        }
+        self.bytes.extend_from_slice(data);
+        Ok(())
+    }
+
+    /// Moves the bytes to memory of this capacity; for a moment both are reserved.
+    fn move_to(&mut self, capacity: usize) -> Result<(), BudgetExceeded> {
+        let before = self.reservation.bytes();
+        self.reservation.grow(capacity as u64)?;
+        let mut bytes = Vec::with_capacity(capacity);
+        bytes.extend_from_slice(&self.bytes);
+        self.bytes = bytes;
+        self.reservation.shrink_to(self.reservation.bytes() - before);
+        Ok(())
+    }
+}
+
+impl AsRef<[u8]> for Collected {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use http_body_util::channel::Channel;
+
+    use super::*;
+
+    /// The outcome for a body of `count` pieces of `size` bytes of no stated length, and what is reserved while it is held.
+    async fn collected(count: usize, size: usize, budget: u64) -> (Result<usize, Problem>, u64) {
+        let (mut sender, channel) = Channel::<Bytes, axum::BoxError>::new(1);
+        let sending = tokio::spawn(async move {
+            for _ in 0..count {
+                if sender.send_data(vec![b'x'; size].into()).await.is_err() {
+                    return;
+                }
+            }
+        });
+        let budget = MemoryBudget::new(budget);
+        let whole = collect(Body::new(channel), &budget).await;
+        sending.await.unwrap();
+        let reserved = budget.reserved();
+        (whole.map(|bytes| bytes.len()), reserved)
+    }
+
+    #[tokio::test]
+    async fn a_body_is_reserved_as_long_as_it_is_held() {
+        let (length, reserved) = collected(100, 10_000, 4_000_000).await;
+        assert_eq!(length.unwrap(), 1_000_000);
+        // Of the body itself, at most twice its length.
+        assert!((1_000_000..=2_000_000).contains(&reserved), "{reserved}");
+    }
+
+    #[tokio::test]
+    async fn a_body_that_does_not_fit_is_refused_and_its_memory_is_free() {
+        let (length, reserved) = collected(100, 10_000, 500_000).await;
+        assert!(length.is_err());
+        assert_eq!(reserved, 0);
+    }
+}

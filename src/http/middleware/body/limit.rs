@@ -1,0 +1,111 @@
+//! A body that ends with an error at its largest size, and whose bytes are reserved from the memory budget while they are held.
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, ready};
+
+use axum::body::{Body, Bytes, HttpBody};
+use http_body::{Frame, SizeHint};
+
+use super::fault::BodyFault;
+use super::progress::BodyProgress;
+use crate::memory_budget::Reservation;
+
+/// A decompressed body of at most `max_bytes`.
+pub(super) struct LimitedBody {
+    body: Body,
+    max_bytes: u64,
+    progress: Arc<BodyProgress>,
+}
+
+impl LimitedBody {
+    pub(super) fn new(body: Body, max_bytes: u64, progress: Arc<BodyProgress>) -> Self {
+        Self { body, max_bytes, progress }
+    }
+}
+
+/// Bytes that return their share of the budget when the last reference to them is dropped.
+struct ReservedBytes {
+    bytes: Bytes,
+    _reservation: Reservation,
+}
+
+impl AsRef<[u8]> for ReservedBytes {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+impl HttpBody for LimitedBody {
+    type Data = Bytes;
+    type Error = BodyFault;
+
+    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, BodyFault>>> {
+        let frame = match ready!(Pin::new(&mut self.body).poll_frame(context)) {
+            None => return Poll::Ready(None),
+            Some(Ok(frame)) => frame,
+            Some(Err(error)) => return Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::Unreadable(error.to_string()))))),
+        };
+        let length = frame.data_ref().map_or(0, |data| data.len() as u64);
+        if self.progress.add_decompressed_bytes(length) > self.max_bytes {
+            return Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::TooLarge { max_bytes: self.max_bytes }))));
+        }
+        match self.progress.budget().reserve(length) {
+            Ok(reservation) => {
+                Poll::Ready(Some(Ok(frame.map_data(|bytes| Bytes::from_owner(ReservedBytes { bytes, _reservation: reservation })))))
+            }
+            Err(exceeded) => Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::Memory(exceeded))))),
+        }
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use http_body_util::BodyExt;
+
+    use super::*;
+    use crate::memory_budget::{BudgetExceeded, MemoryBudget};
+
+    async fn read(bytes: usize, max_bytes: u64) -> (Result<usize, String>, Option<BodyFault>) {
+        let progress = Arc::new(BodyProgress::begin(true, MemoryBudget::new(150)));
+        let body = LimitedBody::new(Body::from(vec![b'x'; bytes]), max_bytes, Arc::clone(&progress));
+        let read = body.collect().await.map(|whole| whole.to_bytes().len()).map_err(|fault| fault.to_string());
+        (read, progress.fault().cloned())
+    }
+
+    #[tokio::test]
+    async fn the_limit_itself_is_accepted_and_one_byte_more_is_not() {
+        assert_eq!(read(100, 100).await, (Ok(100), None));
+        let (read, fault) = read(101, 100).await;
+        assert!(read.is_err());
+        assert_eq!(fault, Some(BodyFault::TooLarge { max_bytes: 100 }));
+    }
+
+    #[tokio::test]
+    async fn a_body_that_does_not_fit_the_budget_ends() {
+        let (read, fault) = read(151, 200).await;
+        assert!(read.is_err());
+        assert_eq!(fault, Some(BodyFault::Memory(BudgetExceeded::Always)));
+    }
+
+    #[tokio::test]
+    async fn bytes_are_reserved_as_long_as_a_part_of_them_is_held() {
+        let budget = MemoryBudget::new(150);
+        let progress = Arc::new(BodyProgress::begin(true, budget.clone()));
+        let mut body = LimitedBody::new(Body::from(vec![b'x'; 100]), 100, progress);
+        let mut held = body.frame().await.unwrap().unwrap().into_data().unwrap();
+        assert_eq!(budget.reserved(), 100);
+        drop(held.split_to(99));
+        assert_eq!(budget.reserved(), 100);
+        drop(held);
+        assert_eq!(budget.reserved(), 0);
+    }
+}

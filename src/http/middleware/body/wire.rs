@@ -1,0 +1,262 @@
+//! A body as it comes over the wire: counted, gathered into frames of some size, and ended with an error where it stalls or trickles.
+//! Only the time spent waiting for the client counts, not the time that the server takes over what came.
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, ready};
+use std::time::Duration;
+
+use axum::body::{Body, Bytes, HttpBody};
+use bytes::BytesMut;
+use http_body::{Frame, SizeHint};
+use tokio::time::{Instant, Sleep, sleep_until};
+
+use super::fault::BodyFault;
+use super::progress::BodyProgress;
+
+/// Frames smaller than this are gathered: a client may send a body in chunks of one byte, each of which would pass through all layers.
+const SMALL_FRAME: usize = 4 * 1024;
+
+/// Small frames are gathered up to this size.
+const GATHERED_FRAME: usize = 16 * 1024;
+
+/// A body may have this many frames, and beyond them one for each so many bytes: each frame takes processor time.
+const FREE_FRAMES: u64 = 1 << 16;
+const MIN_AVERAGE_FRAME: u64 = 64;
+
+/// How slowly a body may come.
+#[derive(Debug, Clone, Copy)]
+pub(in super::super) struct Pace {
+    /// How long nothing may come.
+    pub(super) longest_stall: Duration,
+    /// The slowest average since the body's first byte.
+    pub(super) min_bytes_s: u64,
+}
+
+impl Pace {
+    /// How far a body may be behind the slowest average: packets are lost and sent again, and small bodies come in one.
+    const TOLERANCE: Duration = Duration::from_secs(2);
+
+    /// Whether `bytes` that were waited for so long came too slowly.
+    #[expect(clippy::cast_precision_loss, reason = "rates need no more than a double's digits, and 2^53 bytes are 8 PiB")]
+    fn is_too_slow(&self, bytes: u64, waited: Duration) -> bool {
+        (bytes as f64) < self.min_bytes_s as f64 * waited.saturating_sub(Self::TOLERANCE).as_secs_f64()
+    }
+}
+
+/// A body whose arrival is recorded and paced.
+pub(in super::super) struct WireBody {
+    body: Body,
+    pace: Pace,
+    progress: Arc<BodyProgress>,
+    frames: u64,
+    gathered: BytesMut,
+    /// The frame after those gathered.
+    next: Option<Frame<Bytes>>,
+    has_ended: bool,
+    /// The time spent waiting since the first byte.
+    waited: Duration,
+    waiting_since: Option<Instant>,
+    /// Wakes the task when the body has stalled too long, or before.
+    alarm: Option<Pin<Box<Sleep>>>,
+}
+
+impl WireBody {
+    pub(in super::super) fn new(body: Body, pace: Pace, progress: Arc<BodyProgress>) -> Self {
+        Self {
+            body,
+            pace,
+            progress,
+            frames: 0,
+            gathered: BytesMut::new(),
+            next: None,
+            has_ended: false,
+            waited: Duration::ZERO,
+            waiting_since: None,
+            alarm: None,
+        }
+    }
+
+    /// Records that a frame of `bytes` came, and checks the average since the first of them.
+    fn note_frame(&mut self, bytes: u64) -> Result<(), BodyFault> {
+        let is_first = self.frames == 0;
+        self.frames += 1;
+        let all = self.progress.add_wire_bytes(bytes);
+        if let Some(since) = self.waiting_since.take()
+            && !is_first
+        {
+            self.waited += since.elapsed();
+        }
+        if self.pace.is_too_slow(all, self.waited) {
+            return Err(self.progress.note_fault(BodyFault::TooSlow { min_bytes_s: self.pace.min_bytes_s }));
+        }
+        if self.frames > FREE_FRAMES + all / MIN_AVERAGE_FRAME {
+            return Err(self.progress.note_fault(BodyFault::Fragmented));
+        }
+        Ok(())
+    }
+
+    /// Ready when the body has stalled too long.
+    fn poll_stall(&mut self, context: &mut Context<'_>) -> Poll<BodyFault> {
+        let longest = self.pace.longest_stall;
+        let deadline = *self.waiting_since.get_or_insert_with(Instant::now) + longest;
+        loop {
+            // An alarm that is too early costs less than one that is set anew for each frame.
+            let alarm = self.alarm.get_or_insert_with(|| Box::pin(sleep_until(deadline)));
+            if alarm.is_elapsed() {
+                alarm.as_mut().reset(deadline);
+            }
+            ready!(alarm.as_mut().poll(context));
+            if Instant::now() >= deadline {
+                return Poll::Ready(self.progress.note_fault(BodyFault::Stalled { longest }));
+            }
+        }
+    }
+
+    /// The frames gathered, as one.
+    fn take_gathered(&mut self) -> Option<Frame<Bytes>> {
+        (!self.gathered.is_empty()).then(|| Frame::data(self.gathered.split().freeze()))
+    }
+
+    /// The next frame of some size. The connection hands over one frame at a time, so that small ones are held until others follow.
+    fn poll_gathered(&mut self, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::BoxError>>> {
+        if let Some(next) = self.next.take() {
+            return Poll::Ready(Some(Ok(next)));
+        }
+        while !self.has_ended {
+            let Some(frame) = ready!(Pin::new(&mut self.body).poll_frame(context)).transpose()? else {
+                self.has_ended = true;
+                break;
+            };
+            self.note_frame(frame.data_ref().map_or(0, |data| data.len() as u64))?;
+            let is_last = self.body.is_end_stream();
+            match frame.data_ref() {
+                Some(data) if data.len() < SMALL_FRAME && !(is_last && self.gathered.is_empty()) => {
+                    self.gathered.extend_from_slice(data);
+                    if self.gathered.len() >= GATHERED_FRAME || is_last {
+                        break;
+                    }
+                }
+                _ => {
+                    let Some(gathered) = self.take_gathered() else { return Poll::Ready(Some(Ok(frame))) };
+                    self.next = Some(frame);
+                    return Poll::Ready(Some(Ok(gathered)));
+                }
+            }
+        }
+        Poll::Ready(self.take_gathered().map(Ok))
+    }
+}
+
+impl HttpBody for WireBody {
+    type Data = Bytes;
+    type Error = axum::BoxError;
+
+    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::BoxError>>> {
+        let polled = self.poll_gathered(context);
+        if self.is_end_stream() {
+            self.progress.note_end();
+        }
+        match polled {
+            Poll::Ready(_) => polled,
+            Poll::Pending => self.poll_stall(context).map(|fault| Some(Err(fault.into()))),
+        }
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.next.is_none() && self.gathered.is_empty() && (self.has_ended || self.body.is_end_stream())
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        if self.next.is_none() && self.gathered.is_empty() { self.body.size_hint() } else { SizeHint::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use http_body_util::BodyExt;
+    use http_body_util::channel::Channel;
+
+    use super::*;
+    use crate::memory_budget::MemoryBudget;
+
+    const PACE: Pace = Pace { longest_stall: Duration::from_secs(15), min_bytes_s: 100 };
+
+    /// What becomes of a body of `pieces` of so many bytes, each sent after such a pause. The clock is tokio's paused one.
+    async fn receive(pieces: u32, bytes: usize, pause: Duration) -> Option<BodyFault> {
+        let (mut sender, body) = Channel::<Bytes, axum::BoxError>::new(1);
+        tokio::spawn(async move {
+            for _ in 0..pieces {
+                tokio::time::sleep(pause).await;
+                if sender.send_data(vec![b'x'; bytes].into()).await.is_err() {
+                    return;
+                }
+            }
+        });
+        let progress = Arc::new(BodyProgress::begin(true, MemoryBudget::new(1)));
+        let outcome = WireBody::new(Body::new(body), PACE, Arc::clone(&progress)).collect().await;
+        assert_eq!(outcome.is_err(), progress.fault().is_some());
+        progress.fault().cloned()
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_steady_body_arrives_however_long_it_takes() {
+        assert_eq!(receive(1000, 200, Duration::from_secs(1)).await, None);
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_stalled_body_ends() {
+        let longest = Duration::from_secs(15);
+        assert_eq!(receive(2, 1_000_000, Duration::from_secs(16)).await, Some(BodyFault::Stalled { longest }));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_trickling_body_ends() {
+        assert_eq!(receive(1000, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { min_bytes_s: 100 }));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn the_average_counts_from_the_first_byte() {
+        // Within the longest stall, and 100 bytes a second later than 3 s after the first: 2 s are tolerated.
+        assert_eq!(receive(14, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { min_bytes_s: 100 }));
+        assert_eq!(receive(3, 1, Duration::from_millis(900)).await, None);
+        // The time until the first byte is the stall's.
+        assert_eq!(receive(1, 1, Duration::from_secs(14)).await, None);
+    }
+
+    /// The lengths of the frames in which bytes that come in frames of these sizes are passed on, and the fault.
+    async fn passed_on(sizes: Vec<usize>) -> (Vec<usize>, Option<BodyFault>) {
+        let expected: Vec<u8> = (0_u8..251).cycle().take(sizes.iter().sum()).collect();
+        let mut left = &expected[..];
+        // All frames are there at once.
+        let (mut sender, body) = Channel::<Bytes, axum::BoxError>::new(sizes.len());
+        for size in sizes {
+            sender.send_data(Bytes::copy_from_slice(left.split_off(..size).unwrap())).await.unwrap();
+        }
+        drop(sender);
+        let progress = Arc::new(BodyProgress::begin(true, MemoryBudget::new(1)));
+        let mut body = WireBody::new(Body::new(body), PACE, Arc::clone(&progress));
+        let (mut all, mut lengths) = (Vec::new(), Vec::new());
+        while let Some(Ok(frame)) = body.frame().await {
+            let data = frame.into_data().unwrap();
+            lengths.push(data.len());
+            all.extend(data);
+        }
+        assert!(expected.starts_with(&all));
+        assert_eq!(progress.fault().is_some(), progress.is_unread());
+        (lengths, progress.fault().cloned())
+    }
+
+    #[tokio::test]
+    async fn small_frames_are_gathered_and_large_ones_passed_on_in_order() {
+        let mut sizes = vec![1; 40_000];
+        sizes.extend([10_000, 1, 2, 5000, 3]);
+        assert_eq!(passed_on(sizes).await, (vec![16_384, 16_384, 7232, 10_000, 3, 5000, 3], None));
+    }
+
+    #[tokio::test]
+    async fn a_body_in_very_many_tiny_frames_ends() {
+        assert_eq!(passed_on(vec![1; 70_000]).await.1, Some(BodyFault::Fragmented));
+        assert_eq!(passed_on(vec![64; 70_000]).await.1, None);
+    }
+}

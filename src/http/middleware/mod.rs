@@ -1,0 +1,161 @@
+//! The middleware around every route: identification, logs and metrics, panics, load shedding, time-outs, body limits, compression, and
+//! headers for browsers. Each has a file; this one sets their order. None of them knows the application state.
+
+mod body;
+mod browser;
+mod in_flight;
+mod layer;
+mod observe;
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::body::Body;
+use axum::extract::{DefaultBodyLimit, Request};
+use axum::http::{StatusCode, Version, header};
+use axum::response::{IntoResponse, Response};
+use tower::ServiceBuilder;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::compression::predicate::{DefaultPredicate, Predicate, SizeAbove};
+use tower_http::decompression::RequestDecompressionLayer;
+use tower_http::map_request_body::MapRequestBodyLayer;
+
+use super::codes::ServiceProblem;
+use super::metrics::Metrics;
+use super::problem::Problem;
+use super::readiness::Readiness;
+use super::routes::RouteClass;
+use super::worker_pool::{Work, WorkerPool};
+use crate::memory_budget::MemoryBudget;
+use crate::settings::HttpSettings;
+use body::{BodyProgress, BodyRules};
+use in_flight::InFlight;
+use layer::{Middleware, MiddlewareLayer};
+use observe::Observe;
+
+/// Answers up to this size fit one packet: compressing them costs time and saves nothing.
+const MIN_COMPRESSED_BYTES: u16 = 1024;
+
+/// The budget for what a handler holds of `request`.
+pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
+    BodyProgress::of(request).budget().clone()
+}
+
+/// What the middleware of all routes shares.
+#[derive(Debug, Clone)]
+pub(super) struct Shared<'a> {
+    pub(super) settings: &'a HttpSettings,
+    pub(super) metrics: Metrics,
+    pub(super) readiness: Readiness,
+    pub(super) workers: WorkerPool,
+    pub(super) budget: MemoryBudget,
+}
+
+/// The middleware of one service.
+pub(super) struct Stack<'a> {
+    shared: Shared<'a>,
+    in_flight: InFlight,
+}
+
+impl<'a> Stack<'a> {
+    pub(super) fn new(shared: Shared<'a>) -> Self {
+        let in_flight = InFlight::new(shared.settings.max_in_flight, shared.metrics.clone());
+        Self { shared, in_flight }
+    }
+
+    /// `router`, whose routes are all of `class`, inside all middleware, the outermost first:
+    /// 1. identification, log line and counters, which cover every other layer; the body is counted and paced as it arrives;
+    /// 2. errors become problems, whichever layer or handler they come from;
+    /// 3. headers for browsers, which errors need, too;
+    /// 4. compression of answers;
+    /// 5. panics become answers;
+    /// 6. load shedding, before the body is read;
+    /// 7. the request time-out;
+    /// 8. decompression of the body, and inside it the body limit: outside, a small body could expand without bound.
+    ///
+    /// They are one stack without boxes in it: the router makes a boxed service of each separate layer, and copies it with all that is
+    /// inside for every request.
+    pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
+        let Shared { settings, metrics, readiness, workers, budget } = self.shared.clone();
+        let rules = Arc::new(BodyRules::new(class, settings));
+        let observe = Observe { class, metrics, readiness, pace: rules.pace, budget: budget.clone() };
+        let admit = Admit {
+            in_flight: class.is_shed().then(|| self.in_flight.clone()),
+            work: class.uses_workers().then(|| Work::new(workers, budget.clone())),
+            rules: Arc::clone(&rules),
+        };
+        let compression =
+            CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(MIN_COMPRESSED_BYTES))));
+        // The framework's own body limit of 2 MB gives way to layer 8.
+        let all = ServiceBuilder::new()
+            .layer(MiddlewareLayer(observe))
+            .option_layer(browser::cors(&settings.cors_origins))
+            .map_response(browser::secure)
+            .layer(compression)
+            .layer(CatchPanicLayer::custom(describe_panic))
+            .layer(MiddlewareLayer(admit))
+            .layer(RequestDecompressionLayer::new())
+            .layer(MapRequestBodyLayer::new(Body::new))
+            .map_request(move |request| rules.limit(request))
+            .layer(DefaultBodyLimit::disable());
+        router.layer(all)
+    }
+}
+
+/// Layers 6 and 7.
+#[derive(Clone)]
+struct Admit {
+    /// Absent for routes that are answered under any load.
+    in_flight: Option<InFlight>,
+    /// Present for routes that may use the worker pool.
+    work: Option<Work>,
+    rules: Arc<BodyRules>,
+}
+
+impl Admit {
+    #[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
+    fn admit(&self, request: &Request) -> Result<Option<tokio::sync::OwnedSemaphorePermit>, Response> {
+        let permit = self.in_flight.as_ref().map(InFlight::admit).transpose().map_err(IntoResponse::into_response)?;
+        check_host(request)?;
+        self.rules.check_head(request.headers())?;
+        Ok(permit)
+    }
+}
+
+impl Middleware for Admit {
+    fn handle<F>(&self, mut request: Request, inner: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
+    where
+        F: Future<Output = Response> + Send + 'static,
+    {
+        let admitted = self.admit(&request).map(|permit| {
+            if let Some(work) = &self.work {
+                request.extensions_mut().insert(work.clone());
+            }
+            let progress = BodyProgress::of(&request);
+            (permit, body::answer_in_time(self.rules.request_timeout, progress, inner(request)))
+        });
+        async {
+            match admitted {
+                Ok((_permit, answer)) => answer.await,
+                Err(refusal) => refusal,
+            }
+        }
+    }
+}
+
+/// HTTP/1.1 requests name their host once (RFC 9112, section 3.2).
+#[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
+fn check_host(request: &Request) -> Result<(), Response> {
+    let hosts = request.headers().get_all(header::HOST).iter().count();
+    if hosts == 1 || (hosts == 0 && request.version() < Version::HTTP_11) {
+        return Ok(());
+    }
+    let detail = format!("a request has one header host; this one has {hosts}");
+    Err(Problem::new(ServiceProblem::MalformedRequest, detail).into_response())
+}
+
+/// The panic hook that the program sets at its start has logged the panic with its location; the client is told nothing of it.
+fn describe_panic(_panic: Box<dyn std::any::Any + Send>) -> Response {
+    StatusCode::INTERNAL_SERVER_ERROR.into_response()
+}

@@ -1,0 +1,70 @@
+//! Answers to requests that the server turns away under load: 503 with `Retry-After`.
+
+use std::fmt;
+
+use axum::response::{IntoResponse, Response};
+
+use super::codes::ServiceProblem;
+use super::problem::Problem;
+use crate::memory_budget::BudgetExceeded;
+
+/// Resources come free within milliseconds unless the load lasts.
+const RETRY_AFTER_S: u32 = 1;
+
+/// The bound that a request would exceed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overload {
+    /// As many requests as are accepted at once are in flight.
+    InFlight,
+    /// As many requests as are accepted at once use the worker pool.
+    Workers,
+    /// Requests hold all memory of the budget.
+    Memory,
+}
+
+impl Overload {
+    /// The bounds whose refusals are counted here; the budget counts its own.
+    pub(crate) const ALL: [Self; 2] = [Self::InFlight, Self::Workers];
+
+    /// The value of the label `reason` in the metrics.
+    pub(crate) fn label(self) -> &'static str {
+        match self {
+            Self::InFlight => "in_flight",
+            Self::Workers => "workers",
+            Self::Memory => "memory",
+        }
+    }
+}
+
+impl fmt::Display for Overload {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InFlight => write!(f, "as many requests as are accepted at once are in flight"),
+            Self::Memory => write!(f, "{}", BudgetExceeded::Now),
+            Self::Workers => write!(f, "as many uploads and batches as are accepted at once are being worked on"),
+        }
+    }
+}
+
+impl std::error::Error for Overload {}
+
+impl From<Overload> for Problem {
+    fn from(overload: Overload) -> Self {
+        Self::new(ServiceProblem::Overloaded, overload.to_string()).retry_after(RETRY_AFTER_S)
+    }
+}
+
+impl From<BudgetExceeded> for Problem {
+    fn from(exceeded: BudgetExceeded) -> Self {
+        match exceeded {
+            BudgetExceeded::Now => Overload::Memory.into(),
+            BudgetExceeded::Always => Self::new(ServiceProblem::TooLarge, exceeded.to_string()),
+        }
+    }
+}
+
+impl IntoResponse for Overload {
+    fn into_response(self) -> Response {
+        Problem::from(self).into_response()
+    }
+}

@@ -1,0 +1,50 @@
+//! Answers to heads that are no requests: malformed, too large or too slow. They never reach a route, but get a request id, a problem, a
+//! log line and a count as requests do.
+
+use std::pin::pin;
+use std::sync::{Arc, LazyLock};
+use std::task::{Context, Poll, Waker};
+use std::time::Duration;
+
+use axum::http::StatusCode;
+use axum::response::IntoResponse;
+use http_body_util::BodyExt;
+
+use super::metrics::Metrics;
+use super::problem::describe_error;
+use super::request_id::RequestId;
+
+/// The method and the route in log and metrics.
+const UNREAD: &str = "unread";
+
+/// The answer to a head that is no request, as it is sent. The connection closes after it.
+pub(super) fn refuse(status: StatusCode, metrics: &Metrics) -> Vec<u8> {
+    static ROUTE: LazyLock<Arc<str>> = LazyLock::new(|| Arc::from(UNREAD));
+    let id = RequestId::create();
+    metrics.began();
+    metrics.ended(UNREAD, &ROUTE, status.as_u16(), Duration::ZERO);
+    let body = problem(status, &id);
+    let head = format!(
+        "HTTP/1.1 {status}\r\ncontent-type: application/problem+json\r\ncontent-length: {}\r\nx-request-id: {}\r\nconnection: close\r\n\r\n",
+        body.len(),
+        id.as_str()
+    );
+    tracing::info!(
+        request_id = id.as_str(),
+        method = UNREAD,
+        route = UNREAD,
+        status = status.as_u16(),
+        response_bytes = body.len(),
+        "request"
+    );
+    [head.into_bytes(), body].concat()
+}
+
+fn problem(status: StatusCode, id: &RequestId) -> Vec<u8> {
+    let body = describe_error(status.into_response(), "", id).into_body();
+    // A problem is one frame, which is there at once.
+    match pin!(body.collect()).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(Ok(collected)) => collected.to_bytes().to_vec(),
+        Poll::Ready(Err(_)) | Poll::Pending => Vec::new(),
+    }
+}

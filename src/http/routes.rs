@@ -1,0 +1,128 @@
+//! Routes and their classes: what a request to a route may cost is declared in the call that adds the route.
+
+use axum::Router;
+use axum::routing::MethodRouter;
+use utoipa::openapi::OpenApi;
+use utoipa_axum::router::{OpenApiRouter, UtoipaMethodRouter};
+
+use super::app_state::AppState;
+use crate::settings::HttpSettings;
+
+/// What a request to a route may cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RouteClass {
+    /// Liveness, readiness and metrics: answered under any load and logged at level `debug`.
+    Probe,
+    /// One calculation or one page: microseconds on an async thread.
+    Single,
+    /// A JSON body with many contacts or points, worked out by the worker pool.
+    Batch,
+    /// A file, read by the worker pool as it arrives.
+    Upload,
+}
+
+impl RouteClass {
+    /// Whether requests beyond those accepted at once are turned away.
+    pub(crate) fn is_shed(self) -> bool {
+        self != Self::Probe
+    }
+
+    /// Whether handlers may use the worker pool.
+    pub(crate) fn uses_workers(self) -> bool {
+        matches!(self, Self::Batch | Self::Upload)
+    }
+
+    /// The largest body, in decompressed bytes.
+    pub(crate) fn max_body_bytes(self, settings: &HttpSettings) -> u64 {
+        match self {
+            Self::Probe | Self::Single => settings.max_json_bytes.min(HttpSettings::MAX_SINGLE_BYTES),
+            Self::Batch => settings.max_json_bytes,
+            Self::Upload => settings.max_upload_bytes,
+        }
+    }
+}
+
+/// A set of routes, each with its class. The middleware takes nothing else, so that no route is without one.
+#[derive(Default)]
+pub struct Routes(Vec<(RouteClass, Addition)>);
+
+enum Addition {
+    Documented(UtoipaMethodRouter<AppState>),
+    Undocumented(String, MethodRouter<AppState>),
+    Nested(Router<AppState>),
+}
+
+impl std::fmt::Debug for Routes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Routes").field("additions", &self.0.len()).finish()
+    }
+}
+
+impl Routes {
+    /// No routes.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds the operations of one path, as `utoipa_axum::routes!` collects them, to the service and to the OpenAPI document.
+    #[must_use]
+    pub fn documented(self, class: RouteClass, operations: UtoipaMethodRouter<AppState>) -> Self {
+        self.add(class, Addition::Documented(operations))
+    }
+
+    /// Adds a path that the OpenAPI document leaves out.
+    #[must_use]
+    pub fn undocumented(self, class: RouteClass, path: &str, methods: MethodRouter<AppState>) -> Self {
+        self.add(class, Addition::Undocumented(path.to_owned(), methods))
+    }
+
+    /// Adds a library's router, all of whose routes have one class.
+    #[must_use]
+    pub fn nested(self, class: RouteClass, router: Router<AppState>) -> Self {
+        self.add(class, Addition::Nested(router))
+    }
+
+    /// Adds all of another set.
+    #[must_use]
+    pub fn merge(mut self, other: Self) -> Self {
+        self.0.extend(other.0);
+        self
+    }
+
+    /// The same without the operations of one path.
+    pub(crate) fn without(mut self, path: &str) -> Self {
+        self.0.retain(|(_, addition)| match addition {
+            Addition::Documented((_, paths, _)) => !paths.paths.contains_key(path),
+            Addition::Undocumented(added, _) => added != path,
+            Addition::Nested(_) => true,
+        });
+        self
+    }
+
+    fn add(mut self, class: RouteClass, addition: Addition) -> Self {
+        self.0.push((class, addition));
+        self
+    }
+
+    /// `document` with the operations of these routes.
+    pub(crate) fn openapi(self, document: OpenApi) -> OpenApi {
+        let add = |router: OpenApiRouter<AppState>, (_, addition)| match addition {
+            Addition::Documented(operations) => router.routes(operations),
+            Addition::Undocumented(..) | Addition::Nested(_) => router,
+        };
+        self.0.into_iter().fold(OpenApiRouter::with_openapi(document), add).into_openapi()
+    }
+
+    /// One router of all routes, each inside the layers that `surround` puts around the routes of its class.
+    pub(crate) fn into_router(self, surround: impl Fn(RouteClass, Router<AppState>) -> Router<AppState>) -> Router<AppState> {
+        self.0.into_iter().fold(Router::new(), |all, (class, addition)| {
+            let router = match addition {
+                Addition::Documented(operations) => OpenApiRouter::new().routes(operations).into(),
+                Addition::Undocumented(path, methods) => Router::new().route(&path, methods),
+                Addition::Nested(router) => router,
+            };
+            all.merge(surround(class, router))
+        })
+    }
+}

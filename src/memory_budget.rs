@@ -1,0 +1,175 @@
+//! The budget of memory for everything whose size a client determines: bodies, vertices, answers not yet sent, heads. A part of the
+//! program reserves bytes before it allocates them and returns them by dropping the reservation.
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A bound on the bytes reserved at once. Clones share it.
+#[derive(Debug, Clone)]
+pub struct MemoryBudget(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    total: u64,
+    reserved: AtomicU64,
+    refusals: AtomicU64,
+}
+
+/// Why bytes were not reserved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BudgetExceeded {
+    /// Other requests hold too much of the budget at this moment.
+    Now,
+    /// The reservation would be larger than the whole budget.
+    Always,
+}
+
+impl fmt::Display for BudgetExceeded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Now => write!(f, "the memory for requests is used up by others at this moment"),
+            Self::Always => write!(f, "the request needs more memory than all requests may use together"),
+        }
+    }
+}
+
+impl std::error::Error for BudgetExceeded {}
+
+impl MemoryBudget {
+    /// A budget of `total` bytes.
+    #[must_use]
+    pub fn new(total: u64) -> Self {
+        Self(Arc::new(Shared { total, reserved: AtomicU64::new(0), refusals: AtomicU64::new(0) }))
+    }
+
+    /// The bytes reserved at this moment.
+    #[must_use]
+    pub fn reserved(&self) -> u64 {
+        self.0.reserved.load(Ordering::Relaxed)
+    }
+
+    /// How often bytes were not reserved.
+    #[must_use]
+    pub fn refusals(&self) -> u64 {
+        self.0.refusals.load(Ordering::Relaxed)
+    }
+
+    /// A reservation of no bytes, to grow.
+    pub fn open(&self) -> Reservation {
+        Reservation { budget: self.clone(), bytes: 0 }
+    }
+
+    /// A reservation of `bytes`.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`]: nothing is reserved.
+    pub fn reserve(&self, bytes: u64) -> Result<Reservation, BudgetExceeded> {
+        let mut reservation = self.open();
+        reservation.grow(bytes)?;
+        Ok(reservation)
+    }
+}
+
+/// Bytes of a budget, which return to it when this is dropped.
+#[derive(Debug)]
+#[must_use = "dropped, it returns its bytes"]
+pub struct Reservation {
+    budget: MemoryBudget,
+    bytes: u64,
+}
+
+impl Reservation {
+    /// The bytes reserved.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Reserves `bytes` more.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`]: the reservation is as before.
+    pub fn grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
+        self.try_grow(bytes).inspect_err(|_| {
+            self.budget.0.refusals.fetch_add(1, Ordering::Relaxed);
+        })
+    }
+
+    fn try_grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
+        let Shared { total, reserved, .. } = &*self.budget.0;
+        let own = self.bytes.checked_add(bytes).filter(|own| own <= total).ok_or(BudgetExceeded::Always)?;
+        // No overflow: `reserved` and `bytes` are at most `total`, and a sum beyond it is not stored.
+        let add = |reserved: u64| reserved.checked_add(bytes).filter(|sum| sum <= total);
+        reserved.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).map_err(|_| BudgetExceeded::Now)?;
+        self.bytes = own;
+        Ok(())
+    }
+
+    /// Returns all but `bytes`; keeps the reservation where it is smaller.
+    pub fn shrink_to(&mut self, bytes: u64) {
+        let returned = self.bytes.saturating_sub(bytes);
+        self.bytes -= returned;
+        self.budget.0.reserved.fetch_sub(returned, Ordering::Relaxed);
+    }
+
+    /// Grows or shrinks to `bytes`.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`]: the reservation is as before.
+    pub fn resize(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
+        self.shrink_to(bytes);
+        self.grow(bytes - self.bytes)
+    }
+}
+
+impl Drop for Reservation {
+    fn drop(&mut self) {
+        self.shrink_to(0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn dropped_reservations_are_free_for_others() {
+        let budget = MemoryBudget::new(100);
+        let first = budget.reserve(60).unwrap();
+        assert_eq!(budget.reserve(41).unwrap_err(), BudgetExceeded::Now);
+        assert_eq!(budget.reserve(101).unwrap_err(), BudgetExceeded::Always);
+        drop(first);
+        assert_eq!(budget.reserve(100).unwrap().bytes(), 100);
+        assert_eq!(budget.reserved(), 0);
+    }
+
+    #[test]
+    fn a_reservation_larger_than_the_whole_budget_is_refused_for_good() {
+        let mut reservation = MemoryBudget::new(100).reserve(90).unwrap();
+        assert_eq!(reservation.grow(11), Err(BudgetExceeded::Always));
+        assert_eq!(reservation.grow(u64::MAX), Err(BudgetExceeded::Always));
+        assert_eq!(reservation.bytes(), 90);
+    }
+
+    proptest! {
+        #[test]
+        fn the_reserved_bytes_are_the_sum_of_the_reservations_and_never_exceed_the_total(
+            steps in proptest::collection::vec((0_usize..4, 0_u64..80), 0..200),
+        ) {
+            let budget = MemoryBudget::new(100);
+            let mut reservations: Vec<_> = (0..4).map(|_| budget.open()).collect();
+            for (index, bytes) in steps {
+                let before = reservations[index].bytes();
+                let outcome = reservations[index].resize(bytes);
+                prop_assert_eq!(reservations[index].bytes(), if outcome.is_ok() { bytes } else { before });
+                let sum: u64 = reservations.iter().map(Reservation::bytes).sum();
+                prop_assert_eq!(budget.reserved(), sum);
+                prop_assert!(sum <= 100);
+            }
+            reservations.clear();
+            prop_assert_eq!(budget.reserved(), 0);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Detection of clients that leave before their answer is ready, so that nothing is computed for them. The HTTP library does not read
+//! a connection while it waits for an answer, nor can it know a client that has closed its sending side and waits from one that has left.
+
+use std::pin::{Pin, pin};
+use std::sync::Arc;
+use std::task::{Context, Poll, ready};
+use std::time::Duration;
+
+use tokio::io::{Interest, ReadBuf};
+use tokio::time::{Sleep, sleep};
+
+use super::state::{ConnectionState, Phase};
+use super::stream::{SharedStream, lock};
+
+/// How long a client that has closed its sending side is still answered.
+const HALF_CLOSED: Duration = Duration::from_secs(1);
+
+/// How often a connection is checked whose client has sent more than the request: the system reports the end after those bytes.
+const RECHECK: Duration = Duration::from_millis(250);
+
+/// Watches one connection.
+pub(super) struct Departure {
+    stream: SharedStream,
+    state: Arc<ConnectionState>,
+    half_closed: Option<Pin<Box<Sleep>>>,
+    recheck: Option<Pin<Box<Sleep>>>,
+}
+
+impl Departure {
+    pub(super) fn new(stream: SharedStream, state: Arc<ConnectionState>) -> Self {
+        Self { stream, state, half_closed: None, recheck: None }
+    }
+
+    /// Ready when the client has left before its answer was ready.
+    pub(super) fn poll(&mut self, context: &mut Context<'_>) -> Poll<()> {
+        if !self.state.is_in(Phase::Working) {
+            (self.half_closed, self.recheck) = (None, None);
+            return Poll::Pending;
+        }
+        loop {
+            if let Some(end) = &mut self.half_closed {
+                return end.as_mut().poll(context);
+            }
+            if let Some(next) = &mut self.recheck {
+                ready!(next.as_mut().poll(context));
+                self.recheck = None;
+            }
+            match ready!(self.poll_end(context)) {
+                End::Reset => return Poll::Ready(()),
+                End::HalfClosed => self.half_closed = Some(Box::pin(sleep(HALF_CLOSED))),
+                End::Unknown => self.recheck = Some(Box::pin(sleep(RECHECK))),
+            }
+        }
+    }
+
+    fn poll_end(&self, context: &mut Context<'_>) -> Poll<End> {
+        let stream = lock(&self.stream);
+        let mut byte = [0];
+        let peeked = ready!(stream.poll_peek(context, &mut ReadBuf::new(&mut byte)));
+        Poll::Ready(match peeked {
+            Err(_) => End::Reset,
+            Ok(0) => End::HalfClosed,
+            Ok(_) => match pin!(stream.ready(Interest::READABLE)).poll(context) {
+                Poll::Ready(Ok(ready)) if ready.is_read_closed() => End::HalfClosed,
+                _ => End::Unknown,
+            },
+        })
+    }
+}
+
+enum End {
+    /// The client closed or broke the connection.
+    Reset,
+    /// The client closed its sending side.
+    HalfClosed,
+    /// Bytes wait to be read.
+    Unknown,
+}

@@ -1,0 +1,110 @@
+//! The state of a connection, shared by its stream, its requests and the table of all connections.
+
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::task::{Context, Waker};
+use std::time::{Duration, Instant};
+
+/// What a connection does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Phase {
+    /// It waits for a request's head, of which a part may have come.
+    AwaitingHead,
+    /// A request's body comes.
+    Receiving,
+    /// The whole request has come; its answer is not ready.
+    Working,
+    /// The answer is being sent.
+    Answering,
+}
+
+/// One connection.
+#[derive(Debug)]
+pub(super) struct ConnectionState {
+    opened: Instant,
+    phase: AtomicU8,
+    /// Since when it waits for a head, in ms since it was opened.
+    awaiting_since_ms: AtomicU64,
+    /// Requests begun.
+    requests: AtomicU32,
+    /// Whether it is to close while it waits for a head.
+    evicted: AtomicBool,
+    waker: Mutex<Option<Waker>>,
+}
+
+impl ConnectionState {
+    pub(super) fn new() -> Self {
+        Self {
+            opened: Instant::now(),
+            phase: AtomicU8::new(Phase::AwaitingHead as u8),
+            awaiting_since_ms: AtomicU64::new(0),
+            requests: AtomicU32::new(0),
+            evicted: AtomicBool::new(false),
+            waker: Mutex::new(None),
+        }
+    }
+
+    pub(super) fn is_in(&self, phase: Phase) -> bool {
+        self.phase.load(Ordering::Acquire) == phase as u8
+    }
+
+    pub(super) fn requests(&self) -> u32 {
+        self.requests.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn begin_request(&self, has_body: bool) {
+        self.requests.fetch_add(1, Ordering::Relaxed);
+        self.enter(if has_body { Phase::Receiving } else { Phase::Working });
+    }
+
+    /// The body has been read to its end, or is not wanted any more.
+    pub(super) fn end_body(&self) {
+        // An answer may have begun before.
+        let _ = self.phase.compare_exchange(Phase::Receiving as u8, Phase::Working as u8, Ordering::AcqRel, Ordering::Relaxed);
+    }
+
+    pub(super) fn begin_answer(&self) {
+        self.enter(Phase::Answering);
+    }
+
+    pub(super) fn end_answer(&self) {
+        // 2^64 ms are half a billion years.
+        let now = u64::try_from(self.opened.elapsed().as_millis()).unwrap_or(u64::MAX);
+        self.awaiting_since_ms.store(now, Ordering::Relaxed);
+        self.enter(Phase::AwaitingHead);
+    }
+
+    fn enter(&self, phase: Phase) {
+        self.phase.store(phase as u8, Ordering::Release);
+    }
+
+    /// Since when it waits for a head; `None` while it has a request.
+    pub(super) fn awaiting_since(&self) -> Option<Instant> {
+        let since = self.opened + Duration::from_millis(self.awaiting_since_ms.load(Ordering::Relaxed));
+        self.is_in(Phase::AwaitingHead).then_some(since)
+    }
+
+    /// Has the connection close, if it still waits for a head when its task runs.
+    pub(super) fn evict(&self) {
+        self.evicted.store(true, Ordering::Release);
+        if let Some(waker) = self.waker.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            waker.wake();
+        }
+    }
+
+    /// Whether the connection is to close.
+    pub(super) fn is_evicted(&self) -> bool {
+        self.evicted.load(Ordering::Acquire)
+    }
+
+    /// Whether the connection is to close; if not, its task is woken when it is.
+    pub(super) fn poll_evicted(&self, context: &Context<'_>) -> bool {
+        let mut waker = self.waker.lock().unwrap_or_else(PoisonError::into_inner);
+        if waker.as_ref().is_none_or(|waker| !waker.will_wake(context.waker())) {
+            *waker = Some(context.waker().clone());
+        }
+        // Under the lock, so that no eviction comes between.
+        self.is_evicted()
+    }
+}

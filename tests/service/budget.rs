@@ -1,0 +1,43 @@
+//! The memory budget as clients meet it.
+
+use axum::body::Bytes;
+use axum::routing::post;
+use scallopd::http::{RouteClass, Routes};
+
+use crate::service::server::{TestServer, defaults, until};
+
+const KIB: u64 = 1024;
+
+async fn start() -> TestServer {
+    let length = |body: Bytes| async move {
+        tokio::time::sleep(std::time::Duration::from_millis(300)).await;
+        body.len().to_string()
+    };
+    let mut settings = defaults();
+    settings.http.memory_budget_bytes = 256 * KIB;
+    TestServer::start(settings, Routes::new().undocumented(RouteClass::Batch, "/length", post(length))).await
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_body_larger_than_the_budget_is_refused_for_good() {
+    let server = start().await;
+    let answer = server.client.post(server.url("/length")).body(vec![b'x'; 300 << 10]).send().await.unwrap();
+    // Its pieces are held by others first, as far as the server knows: either is an honest answer.
+    assert!([413, 503].contains(&answer.status().as_u16()), "{}", answer.status());
+    assert_eq!(answer.headers()["content-type"], "application/problem+json");
+    until("its memory is free", async || server.state.budget.reserved() == 0).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_body_for_which_there_is_no_memory_now_is_to_come_again() {
+    let server = start().await;
+    let held = server.state.budget.reserve(200 * KIB).unwrap();
+    let send = || server.client.post(server.url("/length")).body(vec![b'x'; 100 << 10]).send();
+    let answer = send().await.unwrap();
+    assert_eq!(answer.status(), 503);
+    assert_eq!(answer.headers()["retry-after"], "1");
+    assert!(server.metrics().await.contains("scallopd_memory_refusals_total 1\n"));
+    drop(held);
+    assert_eq!(send().await.unwrap().status(), 200);
+    until("its memory is free", async || server.state.budget.reserved() == 0).await;
+}

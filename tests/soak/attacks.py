@@ -1,0 +1,410 @@
+#!/usr/bin/env python3
+"""Requests that try to cost more than their share, each against a server of its own, and what they cost.
+
+    cargo build --release && python3 tests/soak/attacks.py target/release/scallopd
+
+For each attack it prints the peak memory, the processor time, the longest times of probes, single calculations and short batches of
+other clients meanwhile, and the statuses that the attacker got. It fails where the peak exceeds the memory budget plus 64 MiB, where
+another client waits longer than 100 ms or is turned away other than by a 503 with Retry-After, or where a status is unexpected.
+`--only NAME` runs one attack. It needs Linux and Python's standard library.
+"""
+
+import argparse
+import collections
+import gzip
+import json
+import multiprocessing
+import os
+import pathlib
+import re
+import resource
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+
+BUDGET_MIB = 512
+MARGIN_MIB = 64
+LONGEST_MS = 100
+CUTTER = {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}
+HEIGHT = {"cutter": CUTTER, "contact": {"slope_deg": 40, "feed_angle_deg": 30}, "step_over_mm": 0.687, "feed_per_tooth_mm": 0.1}
+SHORT_BATCH = {"cutter": CUTTER, "step_over_mm": 0.5, "contacts": [{"slope_deg": 5 + i, "feed_angle_deg": 30} for i in range(50)]}
+JOB = {
+    "toroidal": {"diameter_mm": 10, "corner_radius_mm": 2},
+    "ball_end": {"diameter_mm": 10},
+    "scallop_height_mm": 0.01,
+    "machine": {"preset": "five_axis_vmc"},
+}
+UPLOAD = "/v1/cutter-recommendation/upload"
+BOUNDARY = "edge"
+
+
+def head(path, length=None, media_type="application/json", encoding=None, method="POST"):
+    lines = [f"{method} {path} HTTP/1.1", "host: attack"]
+    if length is not None:
+        lines += [f"content-type: {media_type}", f"content-length: {length}"]
+    if encoding:
+        lines.append(f"content-encoding: {encoding}")
+    return ("\r\n".join(lines) + "\r\n\r\n").encode()
+
+
+def post(path, value, compressed=False):
+    body = value if isinstance(value, bytes) else json.dumps(value).encode()
+    body = gzip.compress(body, 6) if compressed else body
+    return head(path, len(body), encoding="gzip" if compressed else None) + body
+
+
+def form(parts, compressed=True):
+    """An upload of parts given as (name, file name, bytes)."""
+    body = b"".join(
+        f'--{BOUNDARY}\r\ncontent-disposition: form-data; name="{name}"; filename="{file}"\r\n\r\n'.encode() + data + b"\r\n"
+        for name, file, data in parts
+    )
+    body += f"--{BOUNDARY}--\r\n".encode()
+    body = gzip.compress(body, 6) if compressed else body
+    return head(UPLOAD, len(body), f"multipart/form-data; boundary={BOUNDARY}", "gzip" if compressed else None) + body
+
+
+def surface(name, data):
+    return form([("parameters", "p.json", json.dumps(JOB).encode()), ("surface", name, data)])
+
+
+def connect(address, timeout=120):
+    stream = socket.create_connection(address, timeout=timeout)
+    stream.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return stream
+
+
+def read_answer(stream):
+    """The status and the length of an answer, read to its end."""
+    answer = b""
+    while b"\r\n\r\n" not in answer:
+        data = stream.recv(1 << 16)
+        if not data:
+            return "closed", 0, False
+        answer += data
+    first, rest = answer.split(b"\r\n\r\n", 1)
+    length = re.search(rb"\r\ncontent-length: (\d+)", first.lower())
+    got = len(rest)
+    while length and got < int(length[1]):
+        data = stream.recv(1 << 18)
+        if not data:
+            break
+        got += len(data)
+    return int(first[9:12]), got, b"\r\nretry-after:" in first.lower()
+
+
+def exchange(address, message, timeout=120):
+    """Sends a request on a connection of its own; the status, or what became of the connection."""
+    try:
+        with connect(address, timeout) as stream:
+            try:
+                stream.sendall(message)
+            except OSError:
+                pass
+            return read_answer(stream)[0]
+    except OSError as error:
+        return type(error).__name__
+
+
+def side_by_side(count, run):
+    """The results of `run(index)` in as many threads."""
+    results = [None] * count
+
+    def work(index):
+        results[index] = run(index)
+
+    threads = [threading.Thread(target=work, args=(index,), daemon=True) for index in range(count)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return results
+
+
+# The attacks. Each takes the server's address and returns what the attacker got.
+
+
+def part_flood(address, parts=4_000_000):
+    return [exchange(address, flood_of_parts(parts))]
+
+
+def two_part_floods(address):
+    message = flood_of_parts(12_000_000)
+    return side_by_side(2, lambda _: exchange(address, message))
+
+
+def flood_of_parts(parts):
+    body = gzip.compress(b"".join([b"--edge\r\n\r\n\r\n" * parts, b"--edge--\r\n"]), 6)
+    return head(UPLOAD, len(body), "multipart/form-data; boundary=edge", "gzip") + body
+
+
+def member_flood(address, contacts=4096):
+    contact = {f"m{i}": 0 for i in range(256)}
+    return [exchange(address, post("/v1/scallop-height/batch", {**SHORT_BATCH, "contacts": [contact] * contacts}, True))]
+
+
+def large_member_flood(address):
+    return member_flood(address, 20_000)
+
+
+def vertex_flood_ply(address, copies=1):
+    count = 20_000_000
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n"
+    header += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    data = header.encode() + bytes(12 * count) + struct.pack("<Biii", 3, 0, 1, 2)
+    message = surface("part.ply", data)
+    return side_by_side(copies, lambda _: exchange(address, message))
+
+
+def vertex_flood_obj(address):
+    return [exchange(address, surface("part.obj", b"v 0 0 0\n" * 20_000_000 + b"f 1 2 3\n"))]
+
+
+def four_vertex_floods(address):
+    return vertex_flood_ply(address, 4)
+
+
+def expensive_batch(contacts):
+    """Contacts for which the search of the exact cutter's step-over takes longest of those known: about a millisecond each."""
+    contact = {"slope_deg": 0.001, "feed_angle_deg": 0, "surface_radius_mm": 1}
+    cutter = {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 0.01}
+    batch = {"cutter": cutter, "model": "envelope", "runout": {"radial_mm": 0.02, "axial_mm": 0.02}, "scallop_tolerance_mm": 0.02}
+    return post("/v1/step-over/batch", {**batch, "feed_per_tooth_mm": 0.3, "contacts": [contact] * contacts}, True)
+
+
+def expensive_contacts(address):
+    return [exchange(address, expensive_batch(4096))]
+
+
+def expensive_batches_left(address):
+    """Clients that leave their expensive batches: the processor must be idle soon after."""
+    message = expensive_batch(250_000)
+    for _ in range(16):
+        stream = connect(address)
+        stream.sendall(message)
+        time.sleep(0.05)
+        stream.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        stream.close()
+    time.sleep(3)
+    return ["left"] * 16
+
+
+def expensive_batches(address):
+    message = expensive_batch(250_000)
+    return side_by_side(4, lambda _: exchange(address, message))
+
+
+def unread_answers(address):
+    contacts = [{"slope_deg": 5 + i % 60, "feed_angle_deg": i % 180} for i in range(250_000)]
+    message = post("/v1/max-feed/batch", {"cutter": CUTTER, "step_over_mm": 0.5, "scallop_tolerance_mm": 0.02, "contacts": contacts}, True)
+
+    def leave_unread(_):
+        try:
+            with connect(address) as stream:
+                stream.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+                stream.sendall(message)
+                first = stream.recv(12)
+                time.sleep(10)
+                return int(first[9:12]) if first else "closed"
+        except OSError as error:
+            return type(error).__name__
+
+    return side_by_side(24, leave_unread)
+
+
+def unfinished_heads(address):
+    streams = []
+    for _ in range(2150):
+        stream = connect(address)
+        try:
+            stream.sendall(b"GET /livez HTTP/1.1\r\nhost: attack\r\nx: " + b"x" * 415_000)
+        except OSError:
+            pass
+        streams.append(stream)
+    time.sleep(2)
+    results = []
+    for stream in streams:
+        stream.settimeout(0.2)
+        try:
+            results.append(read_answer(stream)[0])
+        except OSError as error:
+            results.append(type(error).__name__)
+        stream.close()
+    return results
+
+
+def heads_without_bodies(address):
+    streams = [connect(address) for _ in range(64)]
+    for stream in streams:
+        stream.sendall(head("/v1/max-feed/batch", 1_000_000))
+    results = [read_answer(stream)[0] for stream in streams]
+    for stream in streams:
+        stream.close()
+    return results
+
+
+def trickled_bodies(address):
+    streams = [connect(address) for _ in range(64)]
+    for stream in streams:
+        stream.sendall(head("/v1/max-feed/batch", 1_000_000))
+    for _ in range(100):
+        for stream in streams:
+            try:
+                stream.sendall(b" " * 110)
+            except OSError:
+                pass
+        time.sleep(0.1)
+    for stream in streams:
+        stream.close()
+    return ["left"] * len(streams)
+
+
+def one_byte_chunks(address):
+    message = b"POST /v1/max-feed/batch HTTP/1.1\r\nhost: attack\r\ncontent-type: application/json\r\ntransfer-encoding: chunked\r\n\r\n"
+    return [exchange(address, message + b"1\r\n \r\n" * (16 << 20) + b"0\r\n\r\n")]
+
+
+def idle_connections(address):
+    streams = [connect(address) for _ in range(4200)]
+    time.sleep(8)
+    for stream in streams:
+        stream.close()
+    return ["idle"] * len(streams)
+
+
+def half_closed(address):
+    with connect(address) as stream:
+        stream.sendall(post("/v1/scallop-height", HEIGHT))
+        stream.shutdown(socket.SHUT_WR)
+        return [read_answer(stream)[0]]
+
+
+ATTACKS = {
+    "4 million empty parts": (part_flood, {400}),
+    "two of 12 million": (two_part_floods, {400}),
+    "4096 contacts of 256 unknown members": (member_flood, {200, 422}),
+    "20,000 of them": (large_member_flood, {200, 413, 422}),
+    "PLY of 2e7 vertices": (vertex_flood_ply, {200, 413, 422, 503}),
+    "OBJ of 2e7 vertices": (vertex_flood_obj, {200, 413, 422, 503}),
+    "four PLY of 2e7 vertices": (four_vertex_floods, {200, 413, 422, 503}),
+    "4096 expensive contacts": (expensive_contacts, {200, 408}),
+    "4 x 250,000 expensive contacts": (expensive_batches, {408}),
+    "16 x 250,000, client leaves": (expensive_batches_left, {"left"}),
+    "24 batches, answers unread": (unread_answers, {200, 503}),
+    "2150 heads of 415 KB": (unfinished_heads, {431, "closed", "ConnectionResetError", "TimeoutError"}),
+    "64 heads without bodies": (heads_without_bodies, {408}),
+    "64 bodies at 1.1 kB/s": (trickled_bodies, {"left"}),
+    "16 MiB in one-byte chunks": (one_byte_chunks, {400}),
+    "4200 idle connections": (idle_connections, {"idle"}),
+    "half-closed client": (half_closed, {200}),
+}
+
+
+class Server:
+    def __init__(self, program):
+        environment = {
+            **os.environ,
+            "SCALLOPD_LISTEN": "127.0.0.1:0",
+            "SCALLOPD_LOG_LEVEL": "info",
+            "SCALLOPD_MEMORY_BUDGET_BYTES": str(BUDGET_MIB << 20),
+            "SCALLOPD_REQUEST_TIMEOUT_S": "5",
+        }
+        self.process = subprocess.Popen([program], env=environment, stdout=subprocess.PIPE)
+        host, port = json.loads(self.process.stdout.readline())["address"].rsplit(":", 1)
+        self.address = (host, int(port))
+        self.drain = subprocess.Popen(["cat"], stdin=self.process.stdout, stdout=subprocess.DEVNULL)
+
+    def peak_mib(self):
+        status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(re.search(r"VmHWM:\s+(\d+)", status)[1]) / 1024
+
+    def cpu_s(self):
+        fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def stop(self):
+        self.process.terminate()
+        code = self.process.wait(60)
+        self.drain.wait()
+        return code
+
+
+def observe(address, over, results):
+    """Asks as another client would, on new connections, and reports the longest time and the statuses of each request."""
+    requests = {"livez": head("/livez", method="GET"), "single": post("/v1/scallop-height", HEIGHT), "batch": post("/v1/scallop-height/batch", SHORT_BATCH)}
+    longest = dict.fromkeys(requests, 0.0)
+    statuses = collections.Counter()
+    while not over.is_set():
+        for name, message in requests.items():
+            began = time.monotonic()
+            try:
+                with connect(address, 30) as stream:
+                    stream.sendall(message)
+                    status, _, retry = read_answer(stream)
+            except OSError as error:
+                status, retry = type(error).__name__, False
+            longest[name] = max(longest[name], 1000 * (time.monotonic() - began))
+            statuses[name, status, retry] += 1
+        time.sleep(0.02)
+    results.put((longest, statuses))
+
+
+def run(program, name):
+    attack, expected = ATTACKS[name]
+    server = Server(program)
+    over, results = multiprocessing.Event(), multiprocessing.Queue()
+    observer = multiprocessing.Process(target=observe, args=(server.address, over, results))
+    observer.start()
+    time.sleep(0.3)
+    began = time.monotonic()
+    got = collections.Counter(attack(server.address))
+    took = time.monotonic() - began
+    cpu = server.cpu_s()
+    time.sleep(1)
+    still = server.cpu_s() - cpu
+    over.set()
+    longest, statuses = results.get(timeout=60)
+    observer.join()
+    peak = server.peak_mib()
+    code = server.stop()
+    print(
+        f"| {name} | {peak:.0f} | {cpu:.1f} | {took:.1f} | {longest['livez']:.0f} | {longest['single']:.0f} | {longest['batch']:.0f} | "
+        + ", ".join(f"{count} x {status}" for status, count in got.items()) + " |",
+        flush=True,
+    )
+    faults = []
+    if peak > BUDGET_MIB + MARGIN_MIB:
+        faults.append(f"{peak:.0f} MiB exceed the budget and its margin")
+    if not set(got) <= expected:
+        faults.append(f"the attacker got {dict(got)}, not {expected}")
+    faults += [f"{other} took {ms:.0f} ms" for other, ms in longest.items() if ms > LONGEST_MS]
+    faults += [f"{count} x {other}: {status}" for (other, status, retry), count in statuses.items() if status != 200 and not (status == 503 and retry)]
+    shed = sum(count for (_, status, _), count in statuses.items() if status == 503)
+    if shed:
+        print(f"  ({shed} of {sum(statuses.values())} requests of others were shed)")
+    if still > 0.5:
+        faults.append(f"{still:.1f} s of processor time in the second after the attack")
+    if code != 0:
+        faults.append(f"the server ended with {code}")
+    return [f"{name}: {fault}" for fault in faults]
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("program", help="the server's executable")
+    arguments.add_argument("--only", action="append", choices=ATTACKS, help="one attack; may be repeated")
+    given = arguments.parse_args()
+    files = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(files, 20_000) if files > 0 else 20_000, files))
+    print("| attack | peak, MiB | processor time, s | took, s | longest /livez, ms | single, ms | short batch, ms | the attacker got |")
+    print("|---|---|---|---|---|---|---|---|")
+    faults = [fault for name in given.only or ATTACKS for fault in run(given.program, name)]
+    print("\n".join(faults) or "no fault")
+    sys.exit(bool(faults))
+
+
+if __name__ == "__main__":
+    main()
