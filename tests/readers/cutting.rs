@@ -34,7 +34,7 @@ fn pieces<'a>(file: &'a [u8], cuts: &[usize]) -> Vec<&'a [u8]> {
 
 /// Faults of numbers compare by what they say, and so do files with them.
 fn outcome(chunks: &[&[u8]]) -> String {
-    format!("{:?}", read_in_chunks(chunks, Hint::default()))
+    format!("{:?}", read_in_chunks(chunks, FormatHint::default()))
 }
 
 /// The file after so much comment that its format is known before it begins.
@@ -75,7 +75,7 @@ fn a_large_file_is_the_same_byte_by_byte_and_whole() {
         let whole = read(file).unwrap();
         for size in [1, 7, 4096, (1 << 16) - 1, (1 << 16) + 1] {
             let chunks: Vec<&[u8]> = file.chunks(size).collect();
-            assert_eq!(read_in_chunks(&chunks, Hint::default()).1.unwrap(), whole, "chunks of {size}");
+            assert_eq!(read_in_chunks(&chunks, FormatHint::default()).1.unwrap(), whole, "chunks of {size}");
         }
     }
 }
@@ -104,7 +104,7 @@ proptest! {
 
     #[test]
     fn any_bytes_are_read_or_refused(file in proptest::collection::vec(any::<u8>(), 0..300), name in "a\\.(csv|stl|obj|ply)") {
-        let hint = Hint::new(None, Some(&name));
+        let hint = FormatHint::new(None, Some(&name));
         let bytes: Vec<&[u8]> = file.chunks(1).collect();
         prop_assert_eq!(format!("{:?}", read_in_chunks(&bytes, hint)), format!("{:?}", read_in_chunks(&[&file], hint)));
     }

@@ -9,7 +9,7 @@ mod stl;
 mod text;
 
 use scallopd::surface::Sink;
-use scallopd::surface::read::{Fault, FaultKind, Format, Hint, Notes, Reader, Summary};
+use scallopd::surface::read::{Fault, FaultKind, Format, FormatHint, Notes, Reader, Summary};
 
 /// Keeps all that a reader hands out.
 #[derive(Debug, Default, Clone, PartialEq)]
@@ -30,11 +30,11 @@ impl Sink for Recorder {
 
 /// Reads a whole file in one chunk, of which its sender says nothing.
 fn read(file: impl AsRef<[u8]>) -> Result<(Recorder, Summary), Fault> {
-    read_in_chunks(&[file.as_ref()], Hint::default()).1
+    read_in_chunks(&[file.as_ref()], FormatHint::default()).1
 }
 
 /// What the sink has got, and how reading ended.
-fn read_in_chunks(chunks: &[&[u8]], hint: Hint) -> (Recorder, Result<(Recorder, Summary), Fault>) {
+fn read_in_chunks(chunks: &[&[u8]], hint: FormatHint) -> (Recorder, Result<(Recorder, Summary), Fault>) {
     let mut reader = Reader::new(hint);
     let mut recorder = Recorder::default();
     for chunk in chunks {

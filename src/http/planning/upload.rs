@@ -13,7 +13,7 @@ use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Fault, Faulted, Faults, ObjectSchema, Place};
 use crate::http::worker_pool::WorkPermit;
 use crate::surface::SampledSurface;
-use crate::surface::read::{self, FaultKind, Format, Hint, Lot, Reader};
+use crate::surface::read::{self, FaultKind, Format, FormatHint, Reader, TextBlock};
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -144,7 +144,7 @@ fn file_fault(fault: &read::Fault) -> (StatusCode, Fault) {
 /// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
 /// is received; no more than these two are held.
 async fn read_file(form: &mut Form, head: &Head, place: &WorkPermit, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
-    let mut reader = Reader::new(Hint::new(head.media_type.as_deref(), head.file_name.as_deref()));
+    let mut reader = Reader::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()));
     let mut surface = SampledSurface::new();
     let mut received = Block::receive(form, metrics).await?;
     while !received.pieces.is_empty() {
@@ -198,19 +198,19 @@ impl Block {
         Ok(block)
     }
 
-    /// Has the reader read it: what can be read apart on as many threads as there are. The sums over such lots are added in their order,
+    /// Has the reader read it: what can be read apart on as many threads as there are. The sums over such blocks are added in their order,
     /// so that the same file has the same sums, to the bit.
     fn read(&self, reader: &mut Reader, surface: &mut SampledSurface) -> Result<(), read::Fault> {
-        let mut lots = Vec::new();
-        self.pieces.iter().try_for_each(|piece| reader.push_in_lots(piece, surface, &mut lots))?;
-        let sum = |lot: Lot| {
+        let mut blocks = Vec::new();
+        self.pieces.iter().try_for_each(|piece| reader.push_in_blocks(piece, surface, &mut blocks))?;
+        let sum = |text_block: TextBlock| {
             let mut part = SampledSurface::new();
-            (lot.read(&mut part), part)
+            (text_block.read(&mut part), part)
         };
-        let parts: Vec<_> = lots.into_par_iter().map(sum).collect();
+        let parts: Vec<_> = blocks.into_par_iter().map(sum).collect();
         parts.into_iter().try_for_each(|(read, part)| {
             surface.merge(&part);
-            reader.take_in(read)
+            reader.record_block(read)
         })
     }
 }
@@ -244,7 +244,7 @@ mod tests {
 
     /// The shape of a text that comes in pieces and blocks of these sizes.
     fn shape(text: &[u8], piece: usize, pieces: usize) -> String {
-        let (mut reader, mut surface) = (Reader::new(Hint::default()), SampledSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), SampledSurface::new());
         let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();
         for pieces in all.chunks(pieces) {
             Block { pieces: pieces.to_vec() }.read(&mut reader, &mut surface).unwrap();
@@ -264,11 +264,11 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_in_a_lot_has_its_line_in_the_file() {
+    fn a_fault_in_a_text_block_has_its_line_in_the_file() {
         let text = "1.5,2,3\n".repeat(100_000) + "1.5,2\n" + &"1.5,2,3\n".repeat(100_000);
-        let (mut reader, mut surface) = (Reader::new(Hint::default()), SampledSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), SampledSurface::new());
         let block = Block { pieces: vec![Bytes::from(text)] };
         let fault = block.read(&mut reader, &mut surface).unwrap_err();
-        assert_eq!(fault.place(), read::Place::Line(100_001));
+        assert_eq!(fault.location(), read::FileLocation::Line(100_001));
     }
 }

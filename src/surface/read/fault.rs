@@ -5,14 +5,14 @@ use std::fmt;
 
 /// A place in a file, as its author can find it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum FileLocation {
     /// A line of a text file, counted from 1.
     Line(u64),
     /// A byte of a binary file, counted from 0.
     Byte(u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(number) => write!(f, "line {number}"),
@@ -41,18 +41,18 @@ pub enum FaultKind {
 /// Why a file was refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    place: Place,
+    location: FileLocation,
     flaw: Flaw,
 }
 
 impl Fault {
     /// The fault of a text that `before` lines precede which were not counted.
     pub(super) fn after_lines(self, before: u64) -> Self {
-        let place = match self.place {
-            Place::Line(number) => Place::Line(before + number),
-            Place::Byte(_) => self.place,
+        let location = match self.location {
+            FileLocation::Line(number) => FileLocation::Line(before + number),
+            FileLocation::Byte(_) => self.location,
         };
-        Self { place, ..self }
+        Self { location, ..self }
     }
 
     /// In what way the file is wrong.
@@ -63,8 +63,8 @@ impl Fault {
 
     /// Where in the file.
     #[must_use]
-    pub fn place(&self) -> Place {
-        self.place
+    pub fn location(&self) -> FileLocation {
+        self.location
     }
 
     /// What would have been right there.
@@ -82,7 +82,7 @@ impl Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: expected {}, found {}", self.place, self.flaw.expected, self.flaw.found)
+        write!(f, "{}: expected {}, found {}", self.location, self.flaw.expected, self.flaw.found)
     }
 }
 
@@ -114,12 +114,12 @@ impl Flaw {
 
     #[cold]
     pub(super) fn at_line(self, number: u64) -> Fault {
-        Fault { place: Place::Line(number), flaw: self }
+        Fault { location: FileLocation::Line(number), flaw: self }
     }
 
     #[cold]
     pub(super) fn at_byte(self, offset: u64) -> Fault {
-        Fault { place: Place::Byte(offset), flaw: self }
+        Fault { location: FileLocation::Byte(offset), flaw: self }
     }
 }
 

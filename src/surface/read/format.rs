@@ -42,7 +42,7 @@ impl fmt::Display for Format {
 
 /// What the sender of a file says about its format, for content that leaves it open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Hint(Option<Said>);
+pub struct FormatHint(Option<Said>);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Said {
@@ -52,7 +52,7 @@ enum Said {
     Ply,
 }
 
-impl Hint {
+impl FormatHint {
     /// What a media type, with or without parameters, and a file name tell. The media type counts first; general ones such as
     /// `text/plain` and `application/octet-stream` tell nothing.
     #[must_use]
@@ -102,7 +102,7 @@ pub(super) struct Found {
 }
 
 /// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all.
-pub(super) fn find(head: &[u8], hint: Hint) -> Result<Found, Fault> {
+pub(super) fn find(head: &[u8], hint: FormatHint) -> Result<Found, Fault> {
     if head.is_empty() {
         return Err(Flaw::new(FaultKind::Empty, "a surface", "an empty file").at_byte(0));
     }
@@ -170,7 +170,7 @@ fn control_byte(text: &[u8]) -> Option<usize> {
 }
 
 /// The format of a text without a magic word.
-fn by_first_statement(text: &[u8], hint: Hint) -> Family {
+fn by_first_statement(text: &[u8], hint: FormatHint) -> Family {
     let first = statements(text).find(|line| !line.starts_with(b"#") && !line.starts_with(b"//"));
     if first.is_some_and(is_obj) {
         return Family::Obj;
@@ -226,7 +226,7 @@ mod tests {
     use super::*;
 
     fn family(head: &[u8], name: &str) -> Family {
-        find(head, Hint::new(None, Some(name))).unwrap().format
+        find(head, FormatHint::new(None, Some(name))).unwrap().format
     }
 
     fn binary_stl(header: &[u8]) -> Vec<u8> {
@@ -265,10 +265,10 @@ mod tests {
 
     #[test]
     fn the_media_type_counts_before_the_file_name() {
-        assert_eq!(Hint::new(Some("Model/STL; charset=x"), Some("a.obj")), Hint(Some(Said::Stl)));
-        assert_eq!(Hint::new(Some("text/plain"), Some("a.b.OBJ")), Hint(Some(Said::Obj)));
-        assert_eq!(Hint::new(Some("application/octet-stream"), Some("obj")), Hint(None));
-        assert_eq!(Hint::new(None, None), Hint::default());
+        assert_eq!(FormatHint::new(Some("Model/STL; charset=x"), Some("a.obj")), FormatHint(Some(Said::Stl)));
+        assert_eq!(FormatHint::new(Some("text/plain"), Some("a.b.OBJ")), FormatHint(Some(Said::Obj)));
+        assert_eq!(FormatHint::new(Some("application/octet-stream"), Some("obj")), FormatHint(None));
+        assert_eq!(FormatHint::new(None, None), FormatHint::default());
     }
 
     #[test]
@@ -287,12 +287,12 @@ mod tests {
             (b"PK\x03\x04rest", "ZIP"),
             (b"ISO-10303-21;", "STEP"),
         ] {
-            let fault = find(head, Hint::default()).unwrap_err();
+            let fault = find(head, FormatHint::default()).unwrap_err();
             assert_eq!(fault.kind(), FaultKind::UnknownFormat);
             assert!(fault.found().contains(word), "{fault}");
         }
-        let fault = find(b"1,2,3\n1,\x002,3\n", Hint::new(None, Some("a.csv"))).unwrap_err();
+        let fault = find(b"1,2,3\n1,\x002,3\n", FormatHint::new(None, Some("a.csv"))).unwrap_err();
         assert_eq!(fault.to_string(), "byte 8: expected text, found the control byte 0x00");
-        assert_eq!(find(b"", Hint::default()).unwrap_err().kind(), FaultKind::Empty);
+        assert_eq!(find(b"", FormatHint::default()).unwrap_err().kind(), FaultKind::Empty);
     }
 }

@@ -8,11 +8,11 @@
 //! What a reader does not understand it refuses with a [`Fault`] that names line or byte; what it leaves out on purpose it
 //! counts in the [`Summary`]. What the surface's moments are is no concern of this module, nor is the unit of the coordinates.
 
+mod blocks;
 mod decimal;
 mod fault;
 mod format;
 mod lines;
-mod lots;
 mod mesh;
 mod obj;
 mod ply;
@@ -21,9 +21,9 @@ mod stl_ascii;
 mod stl_binary;
 mod text;
 
-pub use fault::{Fault, FaultKind, Place};
-pub use format::{Format, Hint};
-pub use lots::{Lot, LotRead};
+pub use blocks::{BlockOutcome, TextBlock};
+pub use fault::{Fault, FaultKind, FileLocation};
+pub use format::{Format, FormatHint};
 
 use super::{LARGEST_COORDINATE, Sink};
 use format::{Found, HEAD};
@@ -62,10 +62,10 @@ pub struct Notes {
 /// Reads one file, whatever its format.
 ///
 /// Push the file's bytes in chunks of any size, then finish. What comes out, and what the sink gets, does not depend on where
-/// the chunks are cut. The format comes from the first 64 KiB, helped by the [`Hint`] where they leave it open.
+/// the chunks are cut. The format comes from the first 64 KiB, helped by the [`FormatHint`] where they leave it open.
 #[derive(Debug)]
 pub struct Reader {
-    hint: Hint,
+    hint: FormatHint,
     vertex_limit: usize,
     stage: Stage,
 }
@@ -90,7 +90,7 @@ enum Body {
 impl Reader {
     /// A reader for one file, of which the caller knows what `hint` says.
     #[must_use]
-    pub fn new(hint: Hint) -> Self {
+    pub fn new(hint: FormatHint) -> Self {
         Self { hint, vertex_limit: DEFAULT_VERTEX_LIMIT, stage: Stage::Head(Vec::new()) }
     }
 
@@ -109,25 +109,25 @@ impl Reader {
         self.remember(result)
     }
 
-    /// Takes the next bytes of a file of which all come this way, for a caller with several threads. Of long texts with points whole lots
-    /// are put off to `lots` instead of being handed to `sink`. The caller reads them where and when it likes, but tells the reader of
-    /// each by [`Reader::take_in`], in their order, before it pushes more; the points of a lot come after all that `sink` has by then.
+    /// Takes the next bytes of a file of which all come this way, for a caller with several threads. Of long texts with points whole blocks
+    /// are put off to `blocks` instead of being handed to `sink`. The caller reads them where and when it likes, but tells the reader of
+    /// each by [`Reader::record_block`], in their order, before it pushes more; the points of a block come after all that `sink` has by then.
     ///
     /// # Errors
     /// As [`Reader::push`].
-    pub fn push_in_lots<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, lots: &mut Vec<Lot>) -> Result<(), Fault> {
-        let result = self.advance(chunk, sink, Some(lots));
+    pub fn push_in_blocks<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, blocks: &mut Vec<TextBlock>) -> Result<(), Fault> {
+        let result = self.advance(chunk, sink, Some(blocks));
         self.remember(result)
     }
 
-    /// Takes note of what was in the next of the lots that were put off.
+    /// Takes note of what was in the next of the blocks that were put off.
     ///
     /// # Errors
-    /// The lot's first [`Fault`], with its line counted from the start of the file; from then on that one again.
-    pub fn take_in(&mut self, read: LotRead) -> Result<(), Fault> {
+    /// The block's first [`Fault`], with its line counted from the start of the file; from then on that one again.
+    pub fn record_block(&mut self, read: BlockOutcome) -> Result<(), Fault> {
         let result = match &mut self.stage {
             Stage::Body(body) => match &mut **body {
-                Body::Text(reader) => reader.take_in(read),
+                Body::Text(reader) => reader.record_block(read),
                 _ => Ok(()),
             },
             Stage::Head(_) => Ok(()),
@@ -166,9 +166,9 @@ impl Reader {
         result
     }
 
-    fn advance<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, mut lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
+    fn advance<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, mut blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
         match &mut self.stage {
-            Stage::Head(head) if head.is_empty() && chunk.len() >= HEAD => self.open(chunk, sink, lots),
+            Stage::Head(head) if head.is_empty() && chunk.len() >= HEAD => self.open(chunk, sink, blocks),
             Stage::Head(head) => {
                 let (part, rest) = chunk.split_at(chunk.len().min(HEAD - head.len()));
                 head.extend_from_slice(part);
@@ -176,16 +176,16 @@ impl Reader {
                     return Ok(());
                 }
                 let head = std::mem::take(head);
-                self.open(&head, sink, lots.as_deref_mut())?;
-                self.advance(rest, sink, lots)
+                self.open(&head, sink, blocks.as_deref_mut())?;
+                self.advance(rest, sink, blocks)
             }
-            Stage::Body(body) => body.push(chunk, sink, lots),
+            Stage::Body(body) => body.push(chunk, sink, blocks),
             Stage::Refused(fault) => Err(fault.clone()),
         }
     }
 
     /// Chooses the format by the first bytes of the file and has them read.
-    fn open<S: Sink>(&mut self, start: &[u8], sink: &mut S, lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
+    fn open<S: Sink>(&mut self, start: &[u8], sink: &mut S, blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
         let Found { format, mark } = format::find(&start[..start.len().min(HEAD)], self.hint)?;
         let mut body = Box::new(match format {
             format::Family::Text => Body::Text(text::Reader::new()),
@@ -194,17 +194,17 @@ impl Reader {
             format::Family::Obj => Body::Obj(obj::Reader::new(self.vertex_limit)),
             format::Family::Ply => Body::Ply(ply::Reader::new(self.vertex_limit, mark as u64)),
         });
-        body.push(&start[mark..], sink, lots)?;
+        body.push(&start[mark..], sink, blocks)?;
         self.stage = Stage::Body(body);
         Ok(())
     }
 }
 
 impl Body {
-    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
+    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
         match self {
-            Self::Text(reader) => match lots {
-                Some(lots) => reader.push_in_lots(chunk, sink, lots),
+            Self::Text(reader) => match blocks {
+                Some(blocks) => reader.push_in_blocks(chunk, sink, blocks),
                 None => reader.push(chunk, sink),
             },
             Self::StlAscii(reader) => reader.push(chunk, sink),

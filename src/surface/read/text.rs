@@ -6,10 +6,10 @@
 //! coordinate that has a mark decides. A header may name the columns x, y and z, in any order and case, with other columns beside
 //! them; without one they are the first three. Lines that are blank or begin with `#` or `//` are skipped.
 
+use super::blocks::{BlockOutcome, BlockSplitter, TextBlock};
 use super::decimal::{bounded, names_no_finite_number, number, unbounded};
 use super::fault::{Fault, FaultKind, Flaw, quoted};
 use super::lines::{Lines, trimmed, trimmed_start};
-use super::lots::{Cutter, Lot, LotRead};
 use super::{Format, Notes, Sink, Summary};
 
 /// What stands between columns.
@@ -195,7 +195,7 @@ impl Layout {
 pub(super) struct Reader {
     lines: Lines,
     table: Table,
-    lots: Cutter,
+    blocks: BlockSplitter,
 }
 
 #[derive(Debug)]
@@ -210,28 +210,28 @@ struct Table {
 impl Reader {
     pub(super) fn new() -> Self {
         let table = Table { columns: None, layout: None, points: 0, further_columns: 0 };
-        Self { lines: Lines::after(0), table, lots: Cutter::default() }
+        Self { lines: Lines::after(0), table, blocks: BlockSplitter::default() }
     }
 
     pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
         self.lines.push(chunk, |line, _| self.table.line(line, sink))
     }
 
-    /// Takes the next bytes of a text of which all come this way. Lots are put off to `lots` as soon as they can be: once the lines before
+    /// Takes the next bytes of a text of which all come this way. Lots are put off to `blocks` as soon as they can be: once the lines before
     /// have shown how all are to be understood.
-    pub(super) fn push_in_lots<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S, lots: &mut Vec<Lot>) -> Result<(), Fault> {
+    pub(super) fn push_in_blocks<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S, blocks: &mut Vec<TextBlock>) -> Result<(), Fault> {
         while !chunk.is_empty() {
-            let Some(lines) = self.lots.next(&mut chunk) else { continue };
+            let Some(lines) = self.blocks.next(&mut chunk) else { continue };
             match self.table.layout {
-                Some(layout) if layout.mark.is_some() => lots.push(Lot::new(lines, layout)),
+                Some(layout) if layout.mark.is_some() => blocks.push(TextBlock::new(lines, layout)),
                 _ => self.push(&lines, sink)?,
             }
         }
         Ok(())
     }
 
-    /// Takes note of what was in the next of the lots that were put off.
-    pub(super) fn take_in(&mut self, read: LotRead) -> Result<(), Fault> {
+    /// Takes note of what was in the next of the blocks that were put off.
+    pub(super) fn record_block(&mut self, read: BlockOutcome) -> Result<(), Fault> {
         self.table.points += read.points;
         let before = self.lines.ended();
         self.lines.skip(read.lines);
@@ -239,7 +239,7 @@ impl Reader {
     }
 
     pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
-        let rest = std::mem::take(&mut self.lots).rest();
+        let rest = std::mem::take(&mut self.blocks).rest();
         self.push(&rest, sink)?;
         self.lines.finish(|line, _| self.table.line(line, sink))?;
         if self.table.points == 0 {
@@ -251,11 +251,11 @@ impl Reader {
 }
 
 /// Reads lines that all are to be understood in the same way.
-pub(super) fn read_lot<S: Sink>(text: &[u8], layout: Layout, sink: &mut S) -> LotRead {
+pub(super) fn read_block<S: Sink>(text: &[u8], layout: Layout, sink: &mut S) -> BlockOutcome {
     let mut lines = Lines::after(0);
     let mut table = Table { columns: None, layout: Some(layout), points: 0, further_columns: 0 };
     let result = lines.push(text, |line, _| table.line(line, sink));
-    LotRead { lines: lines.ended(), points: table.points, result }
+    BlockOutcome { lines: lines.ended(), points: table.points, result }
 }
 
 impl Table {
