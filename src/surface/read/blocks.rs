@@ -1,5 +1,7 @@
-//! Long texts in blocks of whole lines, which several threads can read at once. Where a block ends depends on the text alone, not on the
-//! chunks in which it came, so that sums over blocks come out the same every time. On which threads blocks are read is the caller's affair.
+//! Blocks of whole lines of a long text, which several threads can read in parallel.
+//!
+//! Where a block ends depends on the text alone, not on the chunks in which it arrives, so that sums over blocks are reproducible to the
+//! bit. The caller chooses the threads.
 
 use super::Sink;
 use super::fault::Fault;
@@ -16,9 +18,9 @@ pub struct TextBlock {
     layout: Layout,
 }
 
-/// What was in a block, to be told to its [`Reader`](super::Reader).
+/// The result of reading a block, which the caller passes to [`Reader::record_block`](super::Reader::record_block).
 #[derive(Debug)]
-#[must_use = "the reader counts lines and points by it, and learns of faults"]
+#[must_use = "the reader needs it for its counts of lines and points, and for faults"]
 pub struct BlockOutcome {
     pub(super) lines: u64,
     pub(super) points: u64,
@@ -31,20 +33,20 @@ impl TextBlock {
         Self { lines, layout }
     }
 
-    /// Hands the points of these lines to `sink`, up to the first fault.
+    /// Passes the points of these lines to `sink`, up to the first fault.
     pub fn read<S: Sink>(self, sink: &mut S) -> BlockOutcome {
         text::read_block(&self.lines, self.layout, sink)
     }
 }
 
-/// Cuts a text into blocks.
+/// Splits a text into blocks.
 #[derive(Debug, Default)]
 pub(super) struct BlockSplitter {
     begun: Vec<u8>,
 }
 
 impl BlockSplitter {
-    /// Takes the next bytes of the text, up to the end of the block that has begun, off `chunk`; the block, if it has ended.
+    /// Moves bytes from `chunk` into the current block, and returns the block when it is complete.
     pub(super) fn next(&mut self, chunk: &mut &[u8]) -> Option<Vec<u8>> {
         if self.begun.is_empty() {
             self.begun.reserve_exact(SIZE + LONGEST_LINE);
@@ -53,12 +55,12 @@ impl BlockSplitter {
         if chunk.is_empty() {
             return None;
         }
-        // The CR of the last line's end may have a LF after it.
+        // A CR at the end of the block may be the first half of a CR LF.
         if self.begun.len() == SIZE || self.begun.last() != Some(&b'\r') {
             let end = line_end(chunk);
             self.take(chunk, end.map_or(chunk.len(), |end| end + 1));
             if end.is_none() {
-                // A line that is too long is found to be so when the block is read.
+                // The reader of the block refuses a line that is too long.
                 return (self.begun.len() > SIZE + LONGEST_LINE).then(|| std::mem::take(&mut self.begun));
             }
         }
@@ -68,7 +70,7 @@ impl BlockSplitter {
         Some(std::mem::take(&mut self.begun))
     }
 
-    /// The block that has begun and will not go on.
+    /// The last, incomplete block.
     pub(super) fn rest(self) -> Vec<u8> {
         self.begun
     }
@@ -97,7 +99,7 @@ mod tests {
         fn facet(&mut self, _: [[f64; 3]; 3]) {}
     }
 
-    /// A text as it is read in blocks, chunks of `size` at a time.
+    /// Reads a text in blocks, from chunks of `size` bytes.
     fn read_in_blocks(text: &[u8], size: usize) -> (Points, Result<Summary, Fault>) {
         let (mut reader, mut points) = (Reader::new(FormatHint::default()), Points::default());
         for chunk in text.chunks(size) {
@@ -121,7 +123,7 @@ mod tests {
         (points, result)
     }
 
-    /// All blocks of a text that comes in chunks of `size`, the unfinished one last.
+    /// All blocks of a text that arrives in chunks of `size` bytes, the incomplete one last.
     fn blocks(text: &[u8], size: usize) -> Vec<Vec<u8>> {
         let (mut splitter, mut blocks) = (BlockSplitter::default(), Vec::new());
         for mut chunk in text.chunks(size) {
@@ -152,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn an_endless_line_is_not_held_for_ever() {
+    fn an_endless_line_does_not_accumulate() {
         let blocks = blocks(&vec![b'1'; 10 * SIZE], 1000);
         assert!(blocks.len() > 5 && blocks.iter().all(|block| block.len() <= SIZE + LONGEST_LINE + 1000));
     }

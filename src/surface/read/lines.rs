@@ -1,45 +1,45 @@
-//! Lines out of chunks that are cut anywhere, and words out of lines.
+//! Lines joined from chunks that end anywhere, and the words of a line.
 
 use super::fault::{Fault, FaultKind, Flaw};
 
-/// The longest line that is read, in bytes: far longer than any point, facet or polygon needs, and all that a reader of text holds.
+/// The longest line that is accepted, in bytes: far longer than any point, facet or polygon needs. It bounds what a reader of text holds.
 pub(super) const LONGEST_LINE: usize = 1 << 16;
 
 /// Joins chunks into lines. A line ends with LF, CR LF, or CR alone.
 #[derive(Debug)]
 pub(super) struct Lines {
-    /// The start of a line whose end has not arrived.
+    /// The incomplete line at the end of the last chunk.
     begun: Vec<u8>,
-    /// Lines that have ended.
+    /// How many lines are complete.
     ended: u64,
-    /// The last byte was a CR that ended a line, so that a LF right after it belongs to it.
+    /// The last chunk ended with a CR, so that a LF at the start of the next belongs to the same line end.
     after_cr: bool,
 }
 
 impl Lines {
-    /// `before` lines of the file have been read by others.
+    /// Numbers the lines as if `before` lines preceded them.
     pub(super) fn after(before: u64) -> Self {
         Self { begun: Vec::new(), ended: before, after_cr: false }
     }
 
-    /// Counts lines that others have read, between lines that this one reads.
+    /// Adds lines that were read elsewhere to the count.
     pub(super) fn skip(&mut self, lines: u64) {
         self.ended += lines;
-        // A line's end that is cut belongs to the others' text.
+        // A line end that was split between chunks belongs to those lines.
         self.after_cr = false;
     }
 
-    /// How many lines there were before the one that is being read.
+    /// How many lines precede the current one.
     pub(super) fn ended(&self) -> u64 {
         self.ended
     }
 
-    /// The number of the line that is being read, counted from 1.
+    /// The number of the current line, counted from 1.
     pub(super) fn number(&self) -> u64 {
         self.ended + 1
     }
 
-    /// Hands every line that ends in `chunk` to `each`, without its end.
+    /// Passes every line that ends in `chunk` to `each`, without its line end.
     pub(super) fn push(&mut self, mut chunk: &[u8], mut each: impl FnMut(&[u8], u64) -> Result<(), Flaw>) -> Result<(), Fault> {
         if self.after_cr
             && let Some((&first, rest)) = chunk.split_first()
@@ -73,7 +73,7 @@ impl Lines {
         self.begin(chunk)
     }
 
-    /// Hands out the last line, where no line end follows it.
+    /// Passes the last line to `each` where no line end follows it.
     pub(super) fn finish(&mut self, mut each: impl FnMut(&[u8], u64) -> Result<(), Flaw>) -> Result<(), Fault> {
         let number = self.number();
         let last = std::mem::take(&mut self.begun);

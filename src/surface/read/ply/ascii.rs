@@ -1,4 +1,4 @@
-//! The body of PLY in text: a row a line.
+//! The body of ASCII PLY: one row in each line.
 
 use super::super::Format;
 use super::super::decimal::coordinate;

@@ -1,4 +1,4 @@
-//! The binary body of PLY: rows without anything between them, their numbers in either byte order.
+//! The body of binary PLY: rows without separators, in either byte order.
 
 use super::super::decimal::unbounded;
 use super::super::fault::{Fault, FaultKind, Flaw};
@@ -14,7 +14,7 @@ pub(super) struct Body {
     steps: Vec<Step>,
     /// Which of the steps comes next.
     step: usize,
-    /// What is still to come of the list that is being read: items that are corners, bytes of others.
+    /// The rest of the current list: a number of items where they are corners, else a number of bytes.
     left: Option<u64>,
     vertex: [f64; 3],
     input: Input,
@@ -72,7 +72,7 @@ impl Body {
         self.rows.missing().map_or(Ok(self.format), |flaw| Err(flaw.at_byte(end)))
     }
 
-    /// Reads what has arrived of the next step, and tells whether that is all.
+    /// Reads the next step as far as it has arrived, and returns whether it is complete.
     #[inline]
     fn read_step(&mut self, chunk: &mut &[u8], surface: &mut Surface) -> Result<bool, Fault> {
         let start = self.input.offset;
@@ -142,12 +142,12 @@ fn steps(element: &Element) -> Vec<Step> {
     steps
 }
 
-/// Pieces of known size out of chunks that are cut anywhere.
+/// Pieces of known size joined from chunks that end anywhere.
 #[derive(Debug)]
 struct Input {
-    /// The start of a piece whose end has not arrived.
+    /// The incomplete piece at the end of the last chunk.
     begun: Vec<u8>,
-    /// It has become whole and has been used.
+    /// The piece was completed and used.
     used: bool,
     /// Bytes of the file before the next piece.
     offset: u64,
@@ -180,7 +180,7 @@ impl Input {
         self.used.then_some(&self.begun)
     }
 
-    /// Passes over up to `bytes` bytes, and tells how many have arrived.
+    /// Skips up to `bytes` bytes, and returns how many have arrived.
     fn skip(&mut self, chunk: &mut &[u8], bytes: u64) -> u64 {
         let passed = usize::try_from(bytes).unwrap_or(usize::MAX).min(chunk.len());
         *chunk = &chunk[passed..];

@@ -1,8 +1,8 @@
-//! PLY: a header that describes elements and their properties, then the rows of one element after the other, as text or binary
-//! in either byte order.
+//! Reader of PLY: a header that describes elements and their properties, then the rows of one element after the other, as text or
+//! binary in either byte order.
 //!
 //! Vertices need scalars x, y and z of any type; faces a list `vertex_indices` or `vertex_index` of integers. Other properties
-//! and other elements are passed over, which the header tells how to do. Vertices must come before faces. A file without faces
+//! and other elements are skipped by their description in the header. Vertices must come before faces. A file without faces
 //! is its vertices, which then need not be kept. Triangle strips are refused.
 
 mod ascii;
@@ -29,18 +29,18 @@ enum Stage {
     Binary(binary::Body),
 }
 
-/// What both bodies make of the rows that they read.
+/// The surface that the rows of either kind of body describe.
 #[derive(Debug)]
 struct Surface {
     mesh: Mesh,
-    /// Faces follow, so that vertices must be kept.
+    /// Faces follow, so that vertices must be held.
     keeps: bool,
     points: u64,
     other_elements: u64,
     trailing_bytes: u64,
 }
 
-/// Elements whose rows are still to come.
+/// The elements whose rows have not all been read.
 #[derive(Debug)]
 struct Rows {
     elements: VecDeque<Element>,
@@ -49,7 +49,7 @@ struct Rows {
 }
 
 impl Reader {
-    /// `skipped` bytes of the file have been passed over.
+    /// `skipped` bytes of the file precede the header.
     pub(super) fn new(vertex_limit: usize, skipped: u64) -> Self {
         let surface = Surface { mesh: Mesh::new(vertex_limit), keeps: false, points: 0, other_elements: 0, trailing_bytes: 0 };
         Self { stage: Stage::Header(HeaderLines::after(skipped)), surface }
@@ -133,13 +133,13 @@ impl Rows {
         self.elements.front()
     }
 
-    /// Takes note that a row has been read.
+    /// Counts a row that has been read.
     fn advance(&mut self) {
         self.read += 1;
         self.settle();
     }
 
-    /// Leaves out elements without rows to come, and those without properties, whose rows are nothing.
+    /// Drops elements without further rows, and those without properties, whose rows are empty.
     fn settle(&mut self) {
         while self.element().is_some_and(|element| element.properties.is_empty() || self.read >= element.count) {
             self.elements.pop_front();
@@ -147,7 +147,7 @@ impl Rows {
         }
     }
 
-    /// Why a file cannot end here; nothing if it can.
+    /// The fault of a file that ends here, unless all rows have been read.
     fn missing(&self) -> Option<Flaw> {
         let element = self.element()?;
         let expected = format!("{} rows of the element {}, as the header says", element.count, element.name);
