@@ -3,11 +3,13 @@
 mod cutting;
 mod formats_agree;
 mod hostile;
+mod libraries;
 mod obj;
 mod ply;
 mod stl;
 mod text;
 
+use crate::writers::binary_stl;
 use scallopd::surface::Sink;
 use scallopd::surface::read::{Fault, FaultKind, Format, FormatHint, Notes, Reader, Summary};
 
@@ -65,18 +67,6 @@ fn facets(file: impl AsRef<[u8]>) -> Vec<[[f64; 3]; 3]> {
 /// The sentence with which a file is refused.
 fn refusal(file: impl AsRef<[u8]>) -> String {
     read(file).unwrap_err().to_string()
-}
-
-/// A binary STL with this header, padded, and these facets, whose normals are NaN.
-fn binary_stl(header: &str, facets: &[[[f32; 3]; 3]]) -> Vec<u8> {
-    let mut file = header.as_bytes().to_vec();
-    file.resize(80, 0);
-    file.extend(u32::try_from(facets.len()).unwrap().to_le_bytes());
-    for facet in facets {
-        file.extend([f32::NAN; 3].iter().chain(facet.as_flattened()).flat_map(|value| value.to_le_bytes()));
-        file.extend([0xab, 0xcd]);
-    }
-    file
 }
 
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];
