@@ -1,7 +1,7 @@
 //! One surface in every format reaches the sink as the same points or facets.
 
 use super::*;
-use crate::writers::{ascii_stl, exact, facets_of, obj, ply, words};
+use crate::writers::{ascii_stl, exact, facets_of, obj, ply, three_mf, words};
 use proptest::prelude::*;
 
 /// A wavy surface over a rectangle as vertices in rows and triangles by number; in single precision, which all formats can hold.
@@ -21,7 +21,7 @@ fn surface(rows: u16, columns: u16) -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {
 }
 
 #[test]
-fn facets_are_the_same_in_six_encodings() {
+fn facets_are_the_same_in_seven_encodings() {
     let (vertices, triangles) = surface(30, 40);
     let expected: Vec<[[f64; 3]; 3]> = triangles.iter().map(|triangle| triangle.map(|vertex| exact(vertices[vertex]))).collect();
     for file in [
@@ -31,6 +31,7 @@ fn facets_are_the_same_in_six_encodings() {
         ply("ascii", &vertices, &triangles),
         ply("binary_little_endian", &vertices, &triangles),
         ply("binary_big_endian", &vertices, &triangles),
+        three_mf("inch", &vertices, &triangles),
     ] {
         assert!(facets(&file) == expected, "{}", String::from_utf8_lossy(&file[..100]));
     }

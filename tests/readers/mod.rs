@@ -8,6 +8,7 @@ mod obj;
 mod ply;
 mod stl;
 mod text;
+mod three_mf;
 
 use crate::writers::binary_stl;
 use scallopd::surface::Sink;

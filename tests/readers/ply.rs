@@ -74,7 +74,7 @@ fn all_three_encodings_give_the_same_surface() {
         assert_eq!(facets(file), SURFACE);
     }
     assert_eq!(read(small(true)).unwrap().1.format, Format::PlyBigEndian);
-    assert_eq!(read(ASCII).unwrap().1, Summary { format: Format::PlyAscii, points: 0, facets: 3, notes: Notes::default() });
+    assert_eq!(read(ASCII).unwrap().1, Summary { format: Format::PlyAscii, points: 0, facets: 3, unit: None, notes: Notes::default() });
     // 2 range grids, 4294967295 of nothing, 1 material, 1 edge.
     assert_eq!(read(rich(false)).unwrap().1.notes, Notes { other_elements: 4_294_967_299, ..Notes::default() });
 }

@@ -81,7 +81,10 @@ fn numbers_may_stand_in_quotation_marks() {
 fn further_columns_are_counted() {
     let (recorder, summary) = read("1.5 -2 3.25 255 0 0\n4 5.5 -6 note\n").unwrap();
     assert_eq!(recorder.points, TWO);
-    assert_eq!(summary, Summary { format: Format::Text, points: 2, facets: 0, notes: Notes { further_columns: 3, ..Notes::default() } });
+    assert_eq!(
+        summary,
+        Summary { format: Format::Text, points: 2, facets: 0, unit: None, notes: Notes { further_columns: 3, ..Notes::default() } }
+    );
     assert_eq!(read("1,2,3").unwrap().1.notes, Notes::default());
 }
 

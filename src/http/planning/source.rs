@@ -30,6 +30,11 @@ pub(super) enum Source {
     PlyLittleEndian,
     /// A binary PLY file, big end first.
     PlyBigEndian,
+    /// A PCD file with data in text.
+    Pcd,
+    /// A 3MF package.
+    #[serde(rename = "3mf")]
+    ThreeMf,
 }
 
 impl From<Format> for Source {
@@ -42,6 +47,8 @@ impl From<Format> for Source {
             Format::PlyAscii => Self::PlyAscii,
             Format::PlyLittleEndian => Self::PlyLittleEndian,
             Format::PlyBigEndian => Self::PlyBigEndian,
+            Format::Pcd => Self::Pcd,
+            Format::ThreeMf => Self::ThreeMf,
         }
     }
 }
@@ -98,6 +105,7 @@ fn of_notes(notes: Notes) -> impl Iterator<Item = Warning> {
         (notes.further_columns, "further-columns", "columns beside x, y and z were left out"),
         (notes.trailing_bytes, "trailing-bytes", "bytes after the end that the file's counts give were left out"),
         (notes.other_elements, "other-elements", "elements other than vertices and faces were left out"),
+        (notes.missing_points, "missing-points", "points without coordinates were left out"),
         (notes.crossed_polygons, "crossed-polygons", "polygons have an outline that crosses itself, and an area that is uncertain"),
     ];
     let counted = counted.into_iter().filter(|(count, ..)| *count > 0);

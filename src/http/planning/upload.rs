@@ -132,7 +132,7 @@ impl Received {
 fn file_fault(fault: &read::Fault) -> (StatusCode, Fault) {
     let (status, code, title) = match fault.kind() {
         FaultKind::UnknownFormat => (StatusCode::UNSUPPORTED_MEDIA_TYPE, "unknown-format", "The file's format is not supported"),
-        FaultKind::Malformed => (StatusCode::BAD_REQUEST, "malformed-file", "The file is malformed"),
+        FaultKind::Malformed | FaultKind::Ambiguous => (StatusCode::BAD_REQUEST, "malformed-file", "The file is malformed"),
         FaultKind::Truncated => (StatusCode::BAD_REQUEST, "truncated-file", "The file is cut off"),
         FaultKind::TooLarge => (StatusCode::PAYLOAD_TOO_LARGE, "file-too-large", "The file exceeds a limit of its reader"),
         FaultKind::OutOfRange => (StatusCode::UNPROCESSABLE_ENTITY, "out-of-range", "A number in the file is out of range"),
@@ -219,9 +219,11 @@ impl Block {
 fn format_label(format: Format) -> &'static str {
     match format {
         Format::Text => "text",
+        Format::Pcd => "pcd",
         Format::StlAscii | Format::StlBinary => "stl",
         Format::Obj => "obj",
         Format::PlyAscii | Format::PlyLittleEndian | Format::PlyBigEndian => "ply",
+        Format::ThreeMf => "3mf",
     }
 }
 

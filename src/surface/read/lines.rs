@@ -76,7 +76,9 @@ impl Lines {
     /// Passes the last line to `each` where no line end follows it.
     pub(super) fn finish(&mut self, mut each: impl FnMut(&[u8], u64) -> Result<(), Flaw>) -> Result<(), Fault> {
         let number = self.number();
-        let last = std::mem::take(&mut self.begun);
+        let mut last = std::mem::take(&mut self.begun);
+        // Null bytes and Ctrl-Z after the last line are the end of a text, as old systems write it.
+        while last.pop_if(|byte| matches!(*byte, 0 | 0x1a)).is_some() {}
         if last.is_empty() { Ok(()) } else { each(&last, number).map_err(|flaw| flaw.at_line(number)) }
     }
 

@@ -42,7 +42,7 @@ impl Reader {
         let mesh = &self.content.mesh;
         let notes = Notes { other_elements: self.content.other_elements, crossed_polygons: mesh.crossed(), ..Notes::default() };
         if mesh.facets() > 0 {
-            return Ok(Summary { format: Format::Obj, points: 0, facets: mesh.facets(), notes });
+            return Ok(Summary { format: Format::Obj, points: 0, facets: mesh.facets(), unit: None, notes });
         }
         if mesh.vertices().is_empty() {
             return Err(Flaw::new(FaultKind::Empty, "a vertex", "the end of the file").at_line(number));
@@ -50,7 +50,7 @@ impl Reader {
         for vertex in mesh.vertices() {
             sink.point(*vertex);
         }
-        Ok(Summary { format: Format::Obj, points: mesh.vertices().len() as u64, facets: 0, notes })
+        Ok(Summary { format: Format::Obj, points: mesh.vertices().len() as u64, facets: 0, unit: None, notes })
     }
 }
 

@@ -64,7 +64,7 @@ impl Reader {
             return Err(Flaw::new(FaultKind::Empty, step.expected(), end).at_line(self.lines.number()));
         }
         let notes = Notes { missing_end: in_solid, ..Notes::default() };
-        Ok(Summary { format: Format::StlAscii, points: 0, facets, notes })
+        Ok(Summary { format: Format::StlAscii, points: 0, facets, unit: None, notes })
     }
 }
 

@@ -109,7 +109,7 @@ impl Reader {
             return Err(Flaw::new(FaultKind::Empty, "a facet", found).at_byte(HEADER as u64));
         }
         let notes = Notes { trailing_bytes: self.trailing_bytes, ..Notes::default() };
-        Ok(Summary { format: Format::StlBinary, points: 0, facets: self.facets, notes })
+        Ok(Summary { format: Format::StlBinary, points: 0, facets: self.facets, unit: None, notes })
     }
 }
 

@@ -246,7 +246,7 @@ impl Reader {
             return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(self.lines.number()));
         }
         let notes = Notes { further_columns: self.table.further_columns, ..Notes::default() };
-        Ok(Summary { format: Format::Text, points: self.table.points, facets: 0, notes })
+        Ok(Summary { format: Format::Text, points: self.table.points, facets: 0, unit: None, notes })
     }
 }
 

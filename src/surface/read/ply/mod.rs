@@ -80,7 +80,7 @@ impl Reader {
             crossed_polygons: mesh.crossed(),
             ..Notes::default()
         };
-        Ok(Summary { format, points: self.surface.points, facets: mesh.facets(), notes })
+        Ok(Summary { format, points: self.surface.points, facets: mesh.facets(), unit: None, notes })
     }
 }
 
