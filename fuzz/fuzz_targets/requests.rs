@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::http::{Request, header};
-use scallopd::http::{layers, operations::AppState, router};
+use scallopd::http::{AppState, layers, router};
 use scallopd::settings::{Command, HttpSettings};
 use tokio::runtime::Runtime;
 use tower::ServiceExt;

@@ -168,7 +168,6 @@ fn headers_that_describe_no_surface_are_refused() {
         ("element vertex 4", "element vertex 0", "line 10: expected a vertex, found 0 vertices in the header"),
         ("element vertex 4", "element point 4", "line 10: expected an element vertex, found the end of the header without it"),
         ("element face 2", "element vertex 2", "line 8: expected one element of this name, found \"vertex\""),
-        ("element face 2", "element tristrips 2", "line 8: expected faces, found triangle strips; export the surface with faces"),
         ("list uchar int vertex_indices", "list float int vertex_indices", "line 9: expected integers, found \"vertex_indices\""),
         ("list uchar int vertex_indices", "list uchar float vertex_indices", "line 9: expected integers, found \"vertex_indices\""),
         (
@@ -234,4 +233,37 @@ fn binary_rows_that_are_wrong_are_refused_with_their_byte() {
     }
     let two = with(48, &[2]);
     assert_eq!((two.kind(), two.found()), (FaultKind::Malformed, "two"));
+}
+
+#[test]
+fn triangle_strips_are_read_in_all_encodings() {
+    let head = |encoding: &str| {
+        format!(
+            "ply\nformat {encoding} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+        )
+    };
+    // A strip of two triangles, a break, one more, and a vertex that is repeated to turn without a triangle.
+    let strip = [0_i32, 1, 3, 2, -1, 0, 1, 2, 2];
+    let expected = [[A, B, D], [D, B, C], [A, B, C]];
+    let vertices: String = [A, B, C, D].iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    let words: String = strip.iter().map(|vertex| format!(" {vertex}")).collect();
+    assert_eq!(facets(format!("{}{vertices}9{words}\n", head("ascii"))), expected);
+    for big in [false, true] {
+        let mut to = Bytes { big, bytes: head(if big { "binary_big_endian" } else { "binary_little_endian" }).into_bytes() };
+        for value in [A, B, C, D].as_flattened() {
+            #[allow(clippy::cast_possible_truncation, reason = "quarters are exact")]
+            let value = *value as f32;
+            put!(to, value);
+        }
+        put!(to, 9_i32);
+        for vertex in strip {
+            put!(to, vertex);
+        }
+        let bytes: Vec<&[u8]> = to.bytes.chunks(1).collect();
+        assert_eq!(read_in_chunks(&bytes, FormatHint::default()).1.unwrap().0.facets, expected);
+        assert_eq!(facets(&to.bytes), expected);
+    }
+    let missing = refusal(format!("{}{vertices}3 0 1 4\n", head("ascii")));
+    assert_eq!(missing, "line 14: expected the number of one of 4 vertices, from 0, found \"4\"");
+    assert_eq!(read(format!("{}{vertices}2 0 1\n", head("ascii"))).unwrap_err().kind(), FaultKind::Empty);
 }

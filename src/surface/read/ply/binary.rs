@@ -45,8 +45,11 @@ impl Body {
 
     pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], surface: &mut Surface, sink: &mut S) -> Result<(), Fault> {
         while let Some(kind) = self.rows.element().map(|element| element.kind) {
+            if self.step == 0 && self.left.is_none() {
+                surface.begin_row(kind);
+            }
             while self.step < self.steps.len() {
-                if !self.read_step(&mut chunk, surface)? {
+                if !self.read_step(&mut chunk, surface, sink)? {
                     return Ok(());
                 }
                 self.step += 1;
@@ -54,7 +57,7 @@ impl Body {
             let ended = match kind {
                 Kind::Vertex => surface.vertex(self.vertex, sink),
                 Kind::Face => surface.mesh.close_face(sink),
-                Kind::Other => Ok(()),
+                Kind::TriStrips | Kind::Other => Ok(()),
             };
             ended.map_err(|flaw| flaw.at_byte(self.input.offset))?;
             self.rows.advance();
@@ -74,7 +77,7 @@ impl Body {
 
     /// Reads the next step as far as it has arrived, and returns whether it is complete.
     #[inline]
-    fn read_step(&mut self, chunk: &mut &[u8], surface: &mut Surface) -> Result<bool, Fault> {
+    fn read_step<S: Sink>(&mut self, chunk: &mut &[u8], surface: &mut Surface, sink: &mut S) -> Result<bool, Fault> {
         let start = self.input.offset;
         match &self.steps[self.step] {
             Step::Scalars { size, coordinates } => {
@@ -90,12 +93,19 @@ impl Body {
             }
             Step::List { count, item, corners } => {
                 let (count, item, corners) = (*count, *item, *corners);
-                self.read_list(count, item, corners, chunk, surface)
+                self.read_list((count, item, corners), chunk, surface, sink)
             }
         }
     }
 
-    fn read_list(&mut self, count: Type, item: Type, corners: bool, chunk: &mut &[u8], surface: &mut Surface) -> Result<bool, Fault> {
+    fn read_list<S: Sink>(
+        &mut self,
+        list: (Type, Type, bool),
+        chunk: &mut &[u8],
+        surface: &mut Surface,
+        sink: &mut S,
+    ) -> Result<bool, Fault> {
+        let (count, item, corners) = list;
         let mut left = if let Some(left) = self.left {
             left
         } else {
@@ -112,7 +122,7 @@ impl Body {
                 let start = self.input.offset;
                 let Some(bytes) = self.input.take(chunk, item.size()) else { break };
                 let number = integer(item, self.format, bytes);
-                surface.corner(u64::try_from(number).ok(), &|| number.to_string()).map_err(|flaw| flaw.at_byte(start))?;
+                surface.corner(u64::try_from(number).ok(), &|| number.to_string(), sink).map_err(|flaw| flaw.at_byte(start))?;
                 left -= 1;
             }
         } else {

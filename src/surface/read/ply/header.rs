@@ -27,6 +27,7 @@ pub(super) struct Element {
 pub(super) enum Kind {
     Vertex,
     Face,
+    TriStrips,
     Other,
 }
 
@@ -208,7 +209,7 @@ impl HeaderLines {
         let kind = match name {
             b"vertex" => Kind::Vertex,
             b"face" => Kind::Face,
-            b"tristrips" => return Err(Flaw::new(FaultKind::Malformed, "faces", "triangle strips; export the surface with faces")),
+            b"tristrips" => Kind::TriStrips,
             _ => Kind::Other,
         };
         if kind != Kind::Other && self.elements.iter().any(|element| element.kind == kind) {
@@ -229,7 +230,7 @@ impl HeaderLines {
             let count = Type::of(words.next().unwrap_or_default())?;
             let item = Type::of(words.next().unwrap_or_default())?;
             let name = name(words)?;
-            let corners = element.kind == Kind::Face && matches!(name, b"vertex_indices" | b"vertex_index");
+            let corners = matches!(element.kind, Kind::Face | Kind::TriStrips) && matches!(name, b"vertex_indices" | b"vertex_index");
             if !count.is_integer() || (corners && !item.is_integer()) {
                 return Err(Flaw::malformed("integers", name));
             }
@@ -261,12 +262,16 @@ impl HeaderLines {
                 return Err(missing(name));
             }
         }
-        if let Some(face) = place(Kind::Face).filter(|face| self.elements[*face].count > 0) {
+        for (kind, list, order) in [
+            (Kind::Face, "a list vertex_indices of the faces", "the element face before vertex"),
+            (Kind::TriStrips, "a list vertex_indices of the triangle strips", "the element tristrips before vertex"),
+        ] {
+            let Some(face) = place(kind).filter(|face| self.elements[*face].count > 0) else { continue };
             if !has(&self.elements[face], &|property| matches!(property, Property::List { corners: true, .. })) {
-                return Err(missing("a list vertex_indices of the faces"));
+                return Err(missing(list));
             }
             if face < vertex {
-                return Err(Flaw::new(FaultKind::Malformed, "vertices before faces", "the element face before vertex"));
+                return Err(Flaw::new(FaultKind::Malformed, "vertices before faces", order));
             }
         }
         Ok(Header { format, elements: std::mem::take(&mut self.elements) })
