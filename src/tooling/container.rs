@@ -42,7 +42,7 @@ fn read_plain(bytes: &[u8], file: &str, number: Option<u32>) -> Result<ToolLibra
     if !text.trim_start().starts_with(['{', '[']) {
         return csv::read(&text, file);
     }
-    let members: Members = serde_json::from_str(&text).map_err(|error| Flaw::malformed(EXPECTED, error.to_string()).in_file(file))?;
+    let members: Members = serde_json::from_str(&text).map_err(|error| Flaw::json(EXPECTED, &error).in_file(file))?;
     match members {
         Members { data: Some(_), .. } => fusion::read(text.as_bytes(), file),
         Members { parameter: Some(_), .. } | Members { shape: Some(_), .. } => {

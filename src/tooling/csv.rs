@@ -47,7 +47,7 @@ pub(super) fn read(text: &str, file: &str) -> Result<ToolLibrary, LibraryFault> 
     let mut position = 0;
     loop {
         let more = records.read_record(&mut record);
-        if !more.map_err(|error| Flaw::malformed("a table in CSV", error.to_string()).in_file(file))? {
+        if !more.map_err(|error| Flaw::malformed("a table in CSV", super::shortened(&error.to_string())).in_file(file))? {
             break;
         }
         if record.iter().all(str::is_empty) {

@@ -99,6 +99,14 @@ impl Flaw {
         Self::new(LibraryFaultKind::OutOfRange, expected, found)
     }
 
+    /// A text that is no JSON, or not the JSON that is expected. The parser's message quotes what it found, at any length, so it is cut.
+    pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Self {
+        let message = error.to_string();
+        let place = format!(" at line {} column {}", error.line(), error.column());
+        let message = message.strip_suffix(&place).unwrap_or(&message);
+        Self::malformed(expected, format!("{}{place}", shortened(message)))
+    }
+
     pub(super) fn too_large(expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
         Self::new(LibraryFaultKind::TooLarge, expected, found)
     }

@@ -13,8 +13,7 @@ use std::fmt;
 
 /// Reads the tool of a `.fctb` file, whose number in the library is `number`.
 pub(super) fn read_tool(text: &[u8], file: &str, number: Option<u32>) -> Result<ReadTool, LibraryFault> {
-    let tool: Tool =
-        serde_json::from_slice(text).map_err(|error| Flaw::malformed("a tool of FreeCAD in JSON", error.to_string()).in_file(file))?;
+    let tool: Tool = serde_json::from_slice(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &error).in_file(file))?;
     let name = tool.name.as_ref().and_then(|name| name.text().ok());
     tool.read(number).map_err(|flaw| flaw.of_tool(file, 1, name.as_deref()))
 }
@@ -29,8 +28,8 @@ pub(super) struct ListedTool {
 
 /// Reads a `.fctl` list.
 pub(super) fn read_list(text: &[u8], file: &str) -> Result<Vec<ListedTool>, LibraryFault> {
-    let list: List = serde_json::from_slice(text)
-        .map_err(|error| Flaw::malformed("a list of tools of FreeCAD in JSON", error.to_string()).in_file(file))?;
+    let list: List =
+        serde_json::from_slice(text).map_err(|error| Flaw::json("a list of tools of FreeCAD in JSON", &error).in_file(file))?;
     let listed = list.tools.0.into_iter().enumerate().map(|(index, item)| item.read().map_err(|flaw| flaw.of_tool(file, index + 1, None)));
     listed.collect()
 }

@@ -17,7 +17,7 @@ pub(super) fn read(text: &[u8], file: &str) -> Result<ToolLibrary, LibraryFault>
     match serde_json::from_slice::<LibraryFile>(text) {
         Ok(LibraryFile { data: Tools(Ok(library)) }) => Ok(library),
         Ok(LibraryFile { data: Tools(Err(fault)) }) => Err(fault.flaw.of_tool(file, fault.position, fault.name.as_deref())),
-        Err(error) => Err(Flaw::malformed("a tool library of Fusion in JSON", error.to_string()).in_file(file)),
+        Err(error) => Err(Flaw::json("a tool library of Fusion in JSON", &error).in_file(file)),
     }
 }
 

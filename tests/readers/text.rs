@@ -209,7 +209,10 @@ fn text_that_can_be_read_in_two_ways_is_refused_with_both() {
             "1,5,2,3\n4,5,5,6,5\n",
             "line 1: expected a semicolon, tab or blank between numbers with decimal commas, or a decimal point, found \"1,5,2,3\": either 5 columns between commas, or three numbers with decimal commas",
         ),
-        ("x,y,z\n1,5,2,5,3,5\n", "line 2: expected 3 columns, as the header names, found 6"),
+        (
+            "x,y,z\n1,5,2,5,3,5\n",
+            "line 2: expected three columns, as the header names, found 6 fields; either 6 columns between commas, or three numbers with decimal commas",
+        ),
         (
             "x,y,z\n1,2,3\n1,5,2,5,3,5\n",
             "line 3: expected three columns, as the header names, found 6 fields; either 6 columns between commas, or three numbers with decimal commas",

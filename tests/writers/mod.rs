@@ -128,5 +128,6 @@ pub(crate) const RELATIONSHIPS: &str = "<?xml version=\"1.0\"?><Relationships xm
 
 /// A 3MF package of one mesh in this unit.
 pub(crate) fn three_mf(unit: &str, vertices: &[[f32; 3]], triangles: &[[usize; 3]]) -> Vec<u8> {
-    package(&model(&format!("unit=\"{unit}\""), &mesh_object(1, vertices, triangles), "<item objectid=\"1\"/>"))
+    let vertices: Vec<_> = vertices.iter().map(|vertex| exact(*vertex)).collect();
+    package(&model(&format!("unit=\"{unit}\""), &mesh_object(1, &vertices, triangles), "<item objectid=\"1\"/>"))
 }

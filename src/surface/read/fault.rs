@@ -128,10 +128,11 @@ impl Flaw {
         Fault { location: FileLocation::Line(number), flaw: self }
     }
 
-    /// The fault of a file in an archive; control characters in its path are escaped.
+    /// The fault of a file in an archive; its path is cut to 200 characters, with control characters escaped.
     #[cold]
     pub(super) fn in_entry(self, path: &str, byte: u64) -> Fault {
-        let path: String = path.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect();
+        let path: String =
+            path.chars().take(200).flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect();
         Fault { location: FileLocation::Entry { path: path.into(), byte }, flaw: self }
     }
 

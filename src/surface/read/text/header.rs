@@ -25,13 +25,16 @@ impl Header {
         for separator in separators {
             let names = names(line, *separator);
             let candidates = [0, 1, 2].map(|axis| candidates(&names, axis));
-            if candidates.iter().all(|columns| !columns.is_empty()) {
-                return Self::of(&names, &candidates);
+            if candidates.iter().all(|columns| !columns.is_empty())
+                && let Some(header) = Self::of(&names, &candidates)?
+            {
+                return Ok(Some(header));
             }
         }
         Ok(None)
     }
 
+    /// The header whose columns are these; `None` where two axes have one column, as with a separator that the line does not have.
     fn of(names: &[Name], candidates: &[Vec<usize>; 3]) -> Result<Option<Self>, Flaw> {
         for (axis, columns) in candidates.iter().enumerate() {
             if let [one, other, ..] = columns[..] {
@@ -41,12 +44,13 @@ impl Header {
             }
         }
         let mut columns = [0, 1, 2].map(|axis| (candidates[axis][0], axis));
-        let units = columns.map(|(column, axis)| names[column].unit(axis));
-        let [x, y, z] = units;
-        let unit = unit_of([x?, y?, z?])?;
         columns.sort_unstable();
-        let is_distinct = columns[0].0 < columns[1].0 && columns[1].0 < columns[2].0;
-        Ok(is_distinct.then_some(Self { columns, width: names.len(), unit }))
+        if columns[0].0 == columns[1].0 || columns[1].0 == columns[2].0 {
+            return Ok(None);
+        }
+        let [x, y, z] = columns.map(|(column, axis)| names[column].unit(axis));
+        let unit = unit_of([x?, y?, z?])?;
+        Ok(Some(Self { columns, width: names.len(), unit }))
     }
 
     /// The unit that the line after the header states for x, y and z, where it is a row of units.

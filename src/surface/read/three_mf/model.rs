@@ -243,7 +243,9 @@ impl Parser<'_> {
             let declared = format!("xmlns:{prefix}");
             let namespace = element.attributes().find(|(key, _)| *key == declared).map(|(_, value)| value.into_owned());
             if !namespace.as_deref().is_some_and(|namespace| UNDERSTOOD.contains(&namespace)) {
-                let found = quoted(namespace.as_deref().unwrap_or(prefix).as_bytes());
+                // The namespaces of 3MF differ in their last parts.
+                let name = namespace.as_deref().map_or(prefix, |name| name.rsplit("3dmanufacturing/").next().unwrap_or(name));
+                let found = quoted(name.as_bytes());
                 return Err(Flaw::new(
                     FaultKind::Malformed,
                     "a model of meshes and components alone",
