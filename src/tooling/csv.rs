@@ -109,8 +109,9 @@ impl Table {
 
 /// What a column of this name holds; `None` where it is not read.
 fn column(name: &str) -> Result<Option<Column>, Flaw> {
+    type OfLength = fn(LengthUnit) -> Column;
     let bare = name.trim().to_lowercase().replace([' ', '-'], "_");
-    let lengths: [(&str, fn(LengthUnit) -> Column); 4] = [
+    let lengths: [(&str, OfLength); 4] = [
         ("diameter", Column::Diameter),
         ("corner_radius", Column::CornerRadius),
         ("max_feed_per_tooth", Column::MaxFeedPerTooth),

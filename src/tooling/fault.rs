@@ -24,7 +24,7 @@ pub enum LibraryFaultKind {
 pub struct LibraryFault {
     file: String,
     tool: Option<String>,
-    flaw: Flaw,
+    flaw: Box<Flaw>,
 }
 
 impl LibraryFault {
@@ -121,7 +121,7 @@ impl Flaw {
     }
 
     pub(super) fn in_file(self, file: &str) -> LibraryFault {
-        LibraryFault { file: shortened(file), tool: None, flaw: self }
+        LibraryFault { file: shortened(file), tool: None, flaw: Box::new(self) }
     }
 
     /// The fault of a tool, where `position` counts the tools of the file from 1.

@@ -175,18 +175,17 @@ impl Tool {
             return Ok(ReadTool::Other(format!("tapered {kind}")));
         }
         let unit = self.unit()?;
-        let diameter = geometry.number("geometry.DC", geometry.DC.as_ref())?;
+        let diameter = Geometry::number("geometry.DC", geometry.DC.as_ref())?;
         let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("geometry.DC"))?;
         let diameter = unit.length(diameter).map_err(|flaw| flaw.of_member("geometry.DC"))?;
-        let corner = geometry.number("geometry.RE", geometry.RE.as_ref())?;
+        let corner = Geometry::number("geometry.RE", geometry.RE.as_ref())?;
         let corner_radius =
             corner.map_or(Ok(None), |radius| unit.length_unless_zero(radius)).map_err(|flaw| flaw.of_member("geometry.RE"))?;
         let cutter = shape.cutter(diameter, corner_radius, corner.is_some()).map_err(|flaw| flaw.of_member("geometry.RE"))?;
-        let teeth = geometry
-            .number("geometry.NOF", geometry.NOF.as_ref())?
+        let teeth = Geometry::number("geometry.NOF", geometry.NOF.as_ref())?
             .map_or(Ok(None), teeth)
             .map_err(|flaw| flaw.of_member("geometry.NOF"))?;
-        let flutes = geometry.number("geometry.LCF", geometry.LCF.as_ref())?;
+        let flutes = Geometry::number("geometry.LCF", geometry.LCF.as_ref())?;
         let flute_length =
             flutes.map_or(Ok(None), |length| unit.length_unless_zero(length)).map_err(|flaw| flaw.of_member("geometry.LCF"))?;
         let parts = ToolParts { name: self.name(), number: self.number()?, teeth, flute_length, ..ToolParts::default() };
@@ -213,12 +212,12 @@ impl Tool {
 }
 
 impl Geometry {
-    fn number(&self, member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, Flaw> {
+    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, Flaw> {
         value.map(|value| value.number().map_err(|flaw| flaw.of_member(member))).transpose()
     }
 
     fn taper(&self) -> Result<f64, Flaw> {
-        Ok(self.number("geometry.TA", self.TA.as_ref())?.unwrap_or(0.0))
+        Ok(Self::number("geometry.TA", self.TA.as_ref())?.unwrap_or(0.0))
     }
 }
 

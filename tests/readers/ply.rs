@@ -1,6 +1,7 @@
 //! PLY in its three encodings.
 
 use super::*;
+use crate::writers::words;
 use scallopd::surface::read::FileLocation;
 
 const ASCII: &str = "ply\nformat ascii 1.0\ncomment by nobody\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
@@ -245,9 +246,9 @@ fn triangle_strips_are_read_in_all_encodings() {
     // A strip of two triangles, a break, one more, and a vertex that is repeated to turn without a triangle.
     let strip = [0_i32, 1, 3, 2, -1, 0, 1, 2, 2];
     let expected = [[A, B, D], [D, B, C], [A, B, C]];
-    let vertices: String = [A, B, C, D].iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
-    let words: String = strip.iter().map(|vertex| format!(" {vertex}")).collect();
-    assert_eq!(facets(format!("{}{vertices}9{words}\n", head("ascii"))), expected);
+    let vertices = [A, B, C, D].map(|vertex| words(&vertex, " ") + "\n").concat();
+    let strip_words = words(&strip, " ");
+    assert_eq!(facets(format!("{}{vertices}9 {strip_words}\n", head("ascii"))), expected);
     for big in [false, true] {
         let mut to = Bytes { big, bytes: head(if big { "binary_big_endian" } else { "binary_little_endian" }).into_bytes() };
         for value in [A, B, C, D].as_flattened() {

@@ -164,17 +164,17 @@ fn hostile_packages_are_refused_within_their_limits() {
         fault.expected().to_owned()
     };
     let item = "<item objectid=\"1\"/>";
-    let vertices = mesh_object(1, &[[0.0; 3]; 1001], &[]);
+    let vertices = mesh_object(1, &vec![[0.0; 3]; 1001], &[]);
     assert_eq!(refused(&package(&model("", &vertices, item))), "at most 1000 vertices");
-    let triangles = mesh_object(1, &VERTICES, &[[0, 1, 2]; 2001]);
+    let triangles = mesh_object(1, &VERTICES, &vec![[0, 1, 2]; 2001]);
     assert_eq!(refused(&package(&model("", &triangles, item))), "at most 2000 triangles");
-    let placed = mesh_object(1, &VERTICES, &[[0, 1, 2]; 2000]);
+    let placed = mesh_object(1, &VERTICES, &vec![[0, 1, 2]; 2000]);
     assert_eq!(refused(&package(&model("", &placed, &item.repeat(3)))), "at most 4000 facets after placing all components");
     let long = model("", &" ".repeat(3 << 20), item);
     assert_eq!(refused(&package(&long)), "at most 1048576 bytes in a tag or text");
     let deep = model("", &"<a>".repeat(100), item);
     assert_eq!(refused(&package(&deep)), "at most 64 nested elements");
-    let many = model("", &"<object id=\"1\"/>", &item.repeat(100_001));
+    let many = model("", "<object id=\"1\"/>", &item.repeat(100_001));
     assert_eq!(refused(&package(&many)), "at most 100000 objects, components and build items");
     assert_eq!(refused(&directory_alone(20_000)), "a 3MF package within its limits");
     assert_eq!(refused(&directory_alone(600_000)), "a 3MF file of at most 1048576 bytes");

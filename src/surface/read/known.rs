@@ -97,7 +97,7 @@ fn is_gcode(text: &[u8]) -> bool {
         words.next_if(|word| is_numbered(word, b'N'));
         words.next().is_some_and(|word| {
             // Words may follow each other without blanks, as in G21G90.
-            let end = word[1..].iter().position(|byte| byte.is_ascii_alphabetic()).map_or(word.len(), |at| at + 1);
+            let end = word[1..].iter().position(u8::is_ascii_alphabetic).map_or(word.len(), |at| at + 1);
             [b'G', b'M', b'T'].into_iter().any(|letter| is_numbered(&word[..end], letter))
         }) && !line.iter().any(|byte| matches!(byte, b',' | b'\t'))
     };

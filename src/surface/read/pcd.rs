@@ -92,7 +92,7 @@ impl Content {
         let (Some(x), Some(y), Some(z), true) = (point[0], point[1], point[2], count == data.width) else {
             return Err(Flaw::new(FaultKind::Malformed, format!("{} numbers, as the header states", data.width), count.to_string()));
         };
-        if [x, y, z].into_iter().any(|word| names_no_finite_number(word)) {
+        if [x, y, z].into_iter().any(names_no_finite_number) {
             self.missing += 1;
             return Ok(());
         }
@@ -142,10 +142,10 @@ impl Content {
         let mut width = 0;
         for (index, name) in self.fields.iter().enumerate() {
             let axis = [b"x", b"y", b"z"].into_iter().position(|axis| axis == name.as_slice());
-            if let Some(axis) = axis {
-                if columns[axis].replace(width).is_some() {
-                    return Err(Flaw::new(FaultKind::Ambiguous, "one field of each name", format!("a second field {}", quoted(name))));
-                }
+            if let Some(axis) = axis
+                && columns[axis].replace(width).is_some()
+            {
+                return Err(Flaw::new(FaultKind::Ambiguous, "one field of each name", format!("a second field {}", quoted(name))));
             }
             width += self.counts.get(index).copied().unwrap_or(1);
         }

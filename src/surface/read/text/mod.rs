@@ -114,21 +114,23 @@ impl Table {
             return Ok(());
         }
         if content[0] == b'#' || content.starts_with(b"//") {
-            return if self.layout.is_none() { self.comment(content) } else { Ok(()) };
+            if self.layout.is_none() {
+                self.comment(content);
+            }
+            return Ok(());
         }
-        let point = match &mut self.layout {
-            Some(layout) => match layout.point(line) {
+        let point = if let Some(layout) = &mut self.layout {
+            match layout.point(line) {
                 Ok(point) => point,
                 Err(flaw) => point_between_hard_blanks(layout, line).unwrap_or(Err(flaw))?,
-            },
-            None => {
-                let cleaned = without_hard_blanks(line);
-                let Some(point) = self.first(&cleaned, number)? else { return Ok(()) };
-                if matches!(cleaned, Cow::Owned(_)) && self.layout.is_some_and(|layout| layout.separator == Separator::Blanks) {
-                    refuse_mixed_blanks(line)?;
-                }
-                point
             }
+        } else {
+            let cleaned = without_hard_blanks(line);
+            let Some(point) = self.first(&cleaned, number)? else { return Ok(()) };
+            if matches!(cleaned, Cow::Owned(_)) && self.layout.is_some_and(|layout| layout.separator == Separator::Blanks) {
+                refuse_mixed_blanks(line)?;
+            }
+            point
         };
         if let Some(doubt) = &mut self.doubt {
             doubt.look_at(line);
@@ -139,13 +141,12 @@ impl Table {
     }
 
     /// A comment before the data may name the columns.
-    fn comment(&mut self, comment: &[u8]) -> Result<(), Flaw> {
+    fn comment(&mut self, comment: &[u8]) {
         let content = without_hard_blanks(comment);
         let content = trimmed_start(content.strip_prefix(b"//").unwrap_or_else(|| &content[1..]));
         if let Ok(Some(header)) = Header::read(content, self.separators()) {
             self.comment = Some(header);
         }
-        Ok(())
     }
 
     fn separators(&self) -> &'static [Separator] {
