@@ -4,7 +4,7 @@
 //! 64 KiB. The best of several readings counts, since what else the machine does only ever slows them down.
 
 use scallopd::surface::Sink;
-use scallopd::surface::read::{Hint, Reader};
+use scallopd::surface::read::{FormatHint, Reader};
 use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
@@ -138,7 +138,7 @@ fn best(run: impl Fn()) -> f64 {
 }
 
 fn read(file: &[u8]) {
-    let mut reader = Reader::new(Hint::default());
+    let mut reader = Reader::new(FormatHint::default());
     let mut sum = Sum::default();
     for chunk in file.chunks(CHUNK) {
         reader.push(chunk, &mut sum).expect("the file is clean");

@@ -1,6 +1,7 @@
 //! Scallop heights of ball-end, toroidal and flat-end finish milling: what a pass leaves, which feed or step-over keeps a tolerance,
 //! and which cutter suits a surface.
 
+mod archive;
 pub mod cancellation;
 pub mod health;
 pub mod http;
@@ -14,3 +15,4 @@ pub mod server;
 pub mod settings;
 pub mod surface;
 pub mod telemetry;
+pub mod tooling;

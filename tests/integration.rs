@@ -6,3 +6,4 @@ mod planning;
 mod readers;
 mod service;
 mod simulation;
+mod writers;

@@ -1,6 +1,6 @@
 //! What must hold of every file, read whole or in pieces.
 
-use scallopd::surface::read::{Fault, Hint, Reader, Summary};
+use scallopd::surface::read::{Fault, FormatHint, Reader, Summary};
 use scallopd::surface::{LARGEST_COORDINATE, Sink};
 
 /// Counts and mixes what comes, so that two readings can be compared without keeping them.
@@ -33,7 +33,7 @@ impl Sink for Digest {
 }
 
 fn digest(file: &[u8], chunk: usize, name: &str) -> (Digest, Result<Summary, Fault>) {
-    let mut reader = Reader::new(Hint::new(None, Some(name))).with_vertex_limit(1_000_000);
+    let mut reader = Reader::new(FormatHint::new(None, Some(name))).with_vertex_limit(1_000_000);
     let mut digest = Digest::default();
     for chunk in file.chunks(chunk) {
         if let Err(fault) = reader.push(chunk, &mut digest) {

@@ -63,6 +63,10 @@ pub enum Unit {
     Metre,
     /// 25.4 mm
     Inch,
+    /// 0.001 mm
+    Micrometre,
+    /// 304.8 mm
+    Foot,
 }
 
 impl Unit {
@@ -74,6 +78,8 @@ impl Unit {
             Self::Centimetre => 10.0,
             Self::Metre => 1000.0,
             Self::Inch => 25.4,
+            Self::Micrometre => 1e-3,
+            Self::Foot => 304.8,
         }
     }
 }

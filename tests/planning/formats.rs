@@ -2,6 +2,7 @@
 
 use crate::planning::app::{TestApp, figure, warnings};
 use crate::planning::{job, with};
+use crate::writers::{ascii_stl, binary_stl, exact, facets_of, obj, ply, words};
 use approx::assert_relative_eq;
 use serde_json::{Value, json};
 
@@ -29,66 +30,13 @@ fn triangles() -> Vec<[usize; 3]> {
     divided.collect()
 }
 
-fn exact(point: [f32; 3]) -> [f64; 3] {
-    point.map(f64::from)
-}
-
-fn words(values: &[impl ToString], separator: &str) -> String {
-    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(separator)
-}
-
 fn lines(separator: &str) -> String {
     nodes().into_iter().map(|node| words(&exact(node), separator) + "\n").collect()
 }
 
-fn ascii_stl(nodes: &[[f32; 3]], triangles: &[[usize; 3]]) -> String {
-    let vertex = |node: usize| format!("vertex {}\n", words(&exact(nodes[node]), " "));
-    let facet = |triangle: &[usize; 3]| format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", triangle.map(vertex).concat());
-    format!("solid surface\n{}endsolid surface\n", triangles.iter().map(facet).collect::<String>())
-}
-
-fn binary_stl(header: &str, nodes: &[[f32; 3]], triangles: &[[usize; 3]]) -> Vec<u8> {
-    let mut file = header.as_bytes().to_vec();
-    file.resize(80, b' ');
-    file.extend(u32::try_from(triangles.len()).unwrap().to_le_bytes());
-    for triangle in triangles {
-        let corners = triangle.map(|node| nodes[node]);
-        file.extend([0.0_f32; 3].iter().chain(corners.as_flattened()).flat_map(|value| value.to_le_bytes()));
-        file.extend([0, 0]);
-    }
-    file
-}
-
-fn obj(nodes: &[[f32; 3]], triangles: &[[usize; 3]]) -> String {
-    let vertices = nodes.iter().map(|node| format!("v {}\n", words(&exact(*node), " ")));
-    let faces = triangles.iter().map(|triangle| format!("f {}\n", words(&triangle.map(|node| node + 1), " ")));
-    vertices.chain(faces).collect()
-}
-
-fn ply(encoding: &str, nodes: &[[f32; 3]], triangles: &[[usize; 3]]) -> Vec<u8> {
-    let is_big = encoding == "binary_big_endian";
-    let mut file = format!(
-        "ply\nformat {encoding} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        nodes.len(),
-        triangles.len()
-    )
-    .into_bytes();
-    for node in nodes {
-        match encoding {
-            "ascii" => file.extend(format!("{}\n", words(&exact(*node), " ")).bytes()),
-            _ => file.extend(node.iter().flat_map(|value| if is_big { value.to_be_bytes() } else { value.to_le_bytes() })),
-        }
-    }
-    for triangle in triangles {
-        let index = |node: &usize| i32::try_from(*node).unwrap();
-        if encoding == "ascii" {
-            file.extend(format!("3 {}\n", words(triangle, " ")).bytes());
-        } else {
-            file.push(3);
-            file.extend(triangle.iter().map(index).flat_map(|node| if is_big { node.to_be_bytes() } else { node.to_le_bytes() }));
-        }
-    }
-    file
+/// The corners of each triangle, in double precision.
+fn exact_facets(nodes: &[[f32; 3]], triangles: &[[usize; 3]]) -> Vec<[[f64; 3]; 3]> {
+    facets_of(nodes, triangles).into_iter().map(|facet| facet.map(exact)).collect()
 }
 
 /// Every number of an answer, with its place.
@@ -150,9 +98,9 @@ async fn facets_in_every_form_give_the_same_answer() {
     let expected = app.recommend(&with(job(), grid)).await.ok();
     assert_eq!((&expected["surface"]["source"], figure(&expected, "/surface/facets")), (&json!("grid"), 384.0));
     for (file, source) in [
-        (ascii_stl(&nodes, &triangles).into_bytes(), "stl_ascii"),
-        (binary_stl("a surface", &nodes, &triangles), "stl_binary"),
-        (binary_stl("solid in name only", &nodes, &triangles), "stl_binary"),
+        (ascii_stl(&exact_facets(&nodes, &triangles)).into_bytes(), "stl_ascii"),
+        (binary_stl("a surface", &facets_of(&nodes, &triangles)), "stl_binary"),
+        (binary_stl("solid in name only", &facets_of(&nodes, &triangles)), "stl_binary"),
         (obj(&nodes, &triangles).into_bytes(), "obj"),
         (ply("ascii", &nodes, &triangles), "ply_ascii"),
         (ply("binary_little_endian", &nodes, &triangles), "ply_little_endian"),
@@ -215,7 +163,7 @@ async fn single_precision_costs_a_part_in_a_million() {
     let grid = app.recommend(&with(job(), json!({"surface": {"grid": {"rows": ROWS, "columns": COLUMNS, "points": fine}}}))).await.ok();
     #[expect(clippy::cast_possible_truncation, reason = "what is measured here")]
     let rounded: Vec<_> = fine.iter().map(|point| point.map(|c| c as f32)).collect();
-    let stl = app.upload(binary_stl("", &rounded, &triangles()), &job()).await.ok();
+    let stl = app.upload(binary_stl("", &facets_of(&rounded, &triangles())), &job()).await.ok();
     for pointer in [
         "/critical_slope_deg",
         "/surface/slope_deg",
@@ -253,13 +201,13 @@ async fn what_is_left_out_is_counted_in_a_warning() {
     let (nodes, triangles) = (nodes(), triangles());
     let further = lines(",").replace('\n', ",7\n");
     assert_eq!(warnings(&app.upload(further, &job()).await.ok()), ["further-columns"]);
-    let trailing = [binary_stl("", &nodes, &triangles), b"and more".to_vec()].concat();
+    let trailing = [binary_stl("", &facets_of(&nodes, &triangles)), b"and more".to_vec()].concat();
     let answer = app.upload(trailing, &job()).await.ok();
     assert_eq!(warnings(&answer), ["trailing-bytes"]);
     assert!(answer["warnings"][0]["detail"].as_str().unwrap().starts_with("8 bytes"), "{answer}");
     let degenerate = obj(&nodes, &[triangles.clone(), vec![[0, 0, 1], [5, 6, 6]]].concat());
     let answer = app.upload(degenerate, &job()).await.ok();
     assert_eq!(warnings(&answer), ["degenerate-facets"]);
-    let cut = ascii_stl(&nodes, &triangles).replace("endsolid surface\n", "");
+    let cut = ascii_stl(&exact_facets(&nodes, &triangles)).replace("endsolid surface\n", "");
     assert_eq!(warnings(&app.upload(cut, &job()).await.ok()), ["missing-end"]);
 }

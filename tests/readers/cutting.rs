@@ -1,6 +1,7 @@
 //! Where a file is cut into chunks makes no difference, and no bytes at all bring a reader down.
 
 use super::*;
+use crate::writers::three_mf;
 use proptest::prelude::*;
 
 /// Files of every format, clean and faulty.
@@ -22,6 +23,8 @@ fn files() -> Vec<Vec<u8>> {
         ply.replace("4 1 2 3 0", "4 1 2 3 4").into_bytes(),
         binary_ply.to_vec(),
         binary_ply[..binary_ply.len() - 6].to_vec(),
+        three_mf("inch", &TRIANGLE, &[[0, 1, 2]]),
+        "\u{feff}x y z\r\n1 2 3\r\n".encode_utf16().flat_map(u16::to_be_bytes).collect(),
     ]
 }
 
@@ -34,7 +37,7 @@ fn pieces<'a>(file: &'a [u8], cuts: &[usize]) -> Vec<&'a [u8]> {
 
 /// Faults of numbers compare by what they say, and so do files with them.
 fn outcome(chunks: &[&[u8]]) -> String {
-    format!("{:?}", read_in_chunks(chunks, Hint::default()))
+    format!("{:?}", read_in_chunks(chunks, FormatHint::default()))
 }
 
 /// The file after so much comment that its format is known before it begins.
@@ -75,20 +78,20 @@ fn a_large_file_is_the_same_byte_by_byte_and_whole() {
         let whole = read(file).unwrap();
         for size in [1, 7, 4096, (1 << 16) - 1, (1 << 16) + 1] {
             let chunks: Vec<&[u8]> = file.chunks(size).collect();
-            assert_eq!(read_in_chunks(&chunks, Hint::default()).1.unwrap(), whole, "chunks of {size}");
+            assert_eq!(read_in_chunks(&chunks, FormatHint::default()).1.unwrap(), whole, "chunks of {size}");
         }
     }
 }
 
 proptest! {
     #[test]
-    fn cuts_make_no_difference(which in 0_usize..13, cuts in proptest::collection::vec(any::<usize>(), 0..5)) {
+    fn cuts_make_no_difference(which in 0_usize..15, cuts in proptest::collection::vec(any::<usize>(), 0..5)) {
         let file = &files()[which];
         prop_assert_eq!(outcome(&pieces(file, &cuts)), outcome(&[file]));
     }
 
     #[test]
-    fn damage_brings_no_reader_down(which in 0_usize..13, damage in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..4), cuts in proptest::collection::vec(any::<usize>(), 0..3)) {
+    fn damage_brings_no_reader_down(which in 0_usize..15, damage in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..4), cuts in proptest::collection::vec(any::<usize>(), 0..3)) {
         let mut file = files()[which].clone();
         for (at, byte) in damage {
             let at = at % file.len();
@@ -104,7 +107,7 @@ proptest! {
 
     #[test]
     fn any_bytes_are_read_or_refused(file in proptest::collection::vec(any::<u8>(), 0..300), name in "a\\.(csv|stl|obj|ply)") {
-        let hint = Hint::new(None, Some(&name));
+        let hint = FormatHint::new(None, Some(&name));
         let bytes: Vec<&[u8]> = file.chunks(1).collect();
         prop_assert_eq!(format!("{:?}", read_in_chunks(&bytes, hint)), format!("{:?}", read_in_chunks(&[&file], hint)));
     }

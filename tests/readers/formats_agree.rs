@@ -1,6 +1,7 @@
 //! One surface in every format reaches the sink as the same points or facets.
 
 use super::*;
+use crate::writers::{ascii_stl, exact, facets_of, obj, ply, three_mf, words};
 use proptest::prelude::*;
 
 /// A wavy surface over a rectangle as vertices in rows and triangles by number; in single precision, which all formats can hold.
@@ -19,65 +20,18 @@ fn surface(rows: u16, columns: u16) -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {
     (vertices, triangles.collect())
 }
 
-fn words(values: &[impl ToString], separator: &str) -> String {
-    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(separator)
-}
-
-/// A single-precision number as the double that equals it, so that text holds it exactly.
-fn exact(vertex: [f32; 3]) -> [f64; 3] {
-    vertex.map(f64::from)
-}
-
-fn ply(encoding: &str, vertices: &[[f32; 3]], triangles: &[[usize; 3]]) -> Vec<u8> {
-    let head = format!(
-        "ply\nformat {encoding} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        vertices.len(),
-        triangles.len()
-    );
-    let mut file = head.into_bytes();
-    let number = |value: f32| if encoding == "binary_big_endian" { value.to_be_bytes() } else { value.to_le_bytes() };
-    let index = |vertex: usize| i32::try_from(vertex).unwrap();
-    let index = |vertex: usize| if encoding == "binary_big_endian" { index(vertex).to_be_bytes() } else { index(vertex).to_le_bytes() };
-    for vertex in vertices {
-        match encoding {
-            "ascii" => file.extend(format!("{}\n", words(&exact(*vertex), " ")).bytes()),
-            _ => file.extend(vertex.iter().flat_map(|value| number(*value))),
-        }
-    }
-    for triangle in triangles {
-        match encoding {
-            "ascii" => file.extend(format!("3 {}\n", words(triangle, " ")).bytes()),
-            _ => file.extend([3].into_iter().chain(triangle.iter().flat_map(|vertex| index(*vertex)))),
-        }
-    }
-    file
-}
-
-fn obj(vertices: &[[f32; 3]], triangles: &[[usize; 3]]) -> String {
-    let vertices = vertices.iter().map(|vertex| format!("v {}\n", words(&exact(*vertex), " ")));
-    let faces = triangles.iter().map(|triangle| format!("f {}\n", words(&triangle.map(|vertex| vertex + 1), " ")));
-    vertices.chain(faces).collect::<Vec<_>>().concat()
-}
-
-fn ascii_stl(facets: &[[[f64; 3]; 3]]) -> String {
-    let vertex = |corner: &[f64; 3]| format!("vertex {}\n", words(corner, " "));
-    let facet =
-        |corners: &[[f64; 3]; 3]| format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", corners.each_ref().map(vertex).concat());
-    format!("solid surface\n{}endsolid surface\n", facets.iter().map(facet).collect::<Vec<_>>().concat())
-}
-
 #[test]
-fn facets_are_the_same_in_six_encodings() {
+fn facets_are_the_same_in_seven_encodings() {
     let (vertices, triangles) = surface(30, 40);
     let expected: Vec<[[f64; 3]; 3]> = triangles.iter().map(|triangle| triangle.map(|vertex| exact(vertices[vertex]))).collect();
-    let single: Vec<[[f32; 3]; 3]> = triangles.iter().map(|triangle| triangle.map(|vertex| vertices[vertex])).collect();
     for file in [
         ascii_stl(&expected).into_bytes(),
-        binary_stl("", &single),
+        binary_stl("", &facets_of(&vertices, &triangles)),
         obj(&vertices, &triangles).into_bytes(),
         ply("ascii", &vertices, &triangles),
         ply("binary_little_endian", &vertices, &triangles),
         ply("binary_big_endian", &vertices, &triangles),
+        three_mf("inch", &vertices, &triangles),
     ] {
         assert!(facets(&file) == expected, "{}", String::from_utf8_lossy(&file[..100]));
     }

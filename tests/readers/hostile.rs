@@ -4,7 +4,7 @@ use super::*;
 
 /// Pushes `part` until the reader refuses, and tells after how many bytes.
 fn refused_after(head: &[u8], part: &[u8], name: &str) -> (usize, Fault) {
-    let mut reader = Reader::new(Hint::new(None, Some(name)));
+    let mut reader = Reader::new(FormatHint::new(None, Some(name)));
     let mut recorder = Recorder::default();
     reader.push(head, &mut recorder).unwrap();
     for count in 1..=100_000_000 / part.len() {
@@ -75,7 +75,7 @@ fn vertices_are_limited() {
     };
     let obj = |count: usize| format!("{}f 1 2 3\n", "v 0 0 0\n".repeat(count));
     let result = |file: String| {
-        let mut reader = Reader::new(Hint::default()).with_vertex_limit(10);
+        let mut reader = Reader::new(FormatHint::default()).with_vertex_limit(10);
         let mut recorder = Recorder::default();
         reader.push(file.as_bytes(), &mut recorder)?;
         reader.finish(&mut recorder).map(|summary| summary.facets)
@@ -102,7 +102,7 @@ fn counts_take_no_memory() {
     let before = pages();
     let readers: Vec<Reader> = (0..40)
         .map(|index| {
-            let mut reader = Reader::new(Hint::default());
+            let mut reader = Reader::new(FormatHint::default());
             reader.push(if index % 2 == 0 { head.as_bytes() } else { &stl }, &mut Nothing).unwrap();
             reader.push(&padding, &mut Nothing).unwrap();
             reader

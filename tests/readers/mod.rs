@@ -3,13 +3,16 @@
 mod cutting;
 mod formats_agree;
 mod hostile;
+mod libraries;
 mod obj;
 mod ply;
 mod stl;
 mod text;
+mod three_mf;
 
+use crate::writers::binary_stl;
 use scallopd::surface::Sink;
-use scallopd::surface::read::{Fault, FaultKind, Format, Hint, Notes, Reader, Summary};
+use scallopd::surface::read::{Fault, FaultKind, Format, FormatHint, Notes, Reader, Summary};
 
 /// Keeps all that a reader hands out.
 #[derive(Debug, Default, Clone, PartialEq)]
@@ -30,11 +33,11 @@ impl Sink for Recorder {
 
 /// Reads a whole file in one chunk, of which its sender says nothing.
 fn read(file: impl AsRef<[u8]>) -> Result<(Recorder, Summary), Fault> {
-    read_in_chunks(&[file.as_ref()], Hint::default()).1
+    read_in_chunks(&[file.as_ref()], FormatHint::default()).1
 }
 
 /// What the sink has got, and how reading ended.
-fn read_in_chunks(chunks: &[&[u8]], hint: Hint) -> (Recorder, Result<(Recorder, Summary), Fault>) {
+fn read_in_chunks(chunks: &[&[u8]], hint: FormatHint) -> (Recorder, Result<(Recorder, Summary), Fault>) {
     let mut reader = Reader::new(hint);
     let mut recorder = Recorder::default();
     for chunk in chunks {
@@ -65,18 +68,6 @@ fn facets(file: impl AsRef<[u8]>) -> Vec<[[f64; 3]; 3]> {
 /// The sentence with which a file is refused.
 fn refusal(file: impl AsRef<[u8]>) -> String {
     read(file).unwrap_err().to_string()
-}
-
-/// A binary STL with this header, padded, and these facets, whose normals are NaN.
-fn binary_stl(header: &str, facets: &[[[f32; 3]; 3]]) -> Vec<u8> {
-    let mut file = header.as_bytes().to_vec();
-    file.resize(80, 0);
-    file.extend(u32::try_from(facets.len()).unwrap().to_le_bytes());
-    for facet in facets {
-        file.extend([f32::NAN; 3].iter().chain(facet.as_flattened()).flat_map(|value| value.to_le_bytes()));
-        file.extend([0xab, 0xcd]);
-    }
-    file
 }
 
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];

@@ -46,7 +46,7 @@ fn statements_without_shape_are_passed_over() {
     );
     let (recorder, summary) = read(file).unwrap();
     assert_eq!(recorder.facets, [[A, B, C]]);
-    assert_eq!(summary, Summary { format: Format::Obj, points: 0, facets: 1, notes: Notes::default() });
+    assert_eq!(summary, Summary { format: Format::Obj, points: 0, facets: 1, unit: None, notes: Notes::default() });
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! PLY in its three encodings.
 
 use super::*;
-use scallopd::surface::read::Place;
+use crate::writers::words;
+use scallopd::surface::read::FileLocation;
 
 const ASCII: &str = "ply\nformat ascii 1.0\ncomment by nobody\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
     element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0.5\n1 1 0.75\n0 1 0.25\n3 0 1 2\n4 0 1 2 3\n";
@@ -74,7 +75,7 @@ fn all_three_encodings_give_the_same_surface() {
         assert_eq!(facets(file), SURFACE);
     }
     assert_eq!(read(small(true)).unwrap().1.format, Format::PlyBigEndian);
-    assert_eq!(read(ASCII).unwrap().1, Summary { format: Format::PlyAscii, points: 0, facets: 3, notes: Notes::default() });
+    assert_eq!(read(ASCII).unwrap().1, Summary { format: Format::PlyAscii, points: 0, facets: 3, unit: None, notes: Notes::default() });
     // 2 range grids, 4294967295 of nothing, 1 material, 1 edge.
     assert_eq!(read(rich(false)).unwrap().1.notes, Notes { other_elements: 4_294_967_299, ..Notes::default() });
 }
@@ -141,7 +142,7 @@ fn a_file_cut_anywhere_is_refused() {
         for length in 0..file.len() {
             let fault = read(&file[..length]).unwrap_err();
             if length >= body {
-                assert_eq!((fault.kind(), fault.place()), (FaultKind::Truncated, Place::Byte(length as u64)), "{fault}");
+                assert_eq!((fault.kind(), fault.location()), (FaultKind::Truncated, FileLocation::Byte(length as u64)), "{fault}");
             }
         }
     }
@@ -168,7 +169,6 @@ fn headers_that_describe_no_surface_are_refused() {
         ("element vertex 4", "element vertex 0", "line 10: expected a vertex, found 0 vertices in the header"),
         ("element vertex 4", "element point 4", "line 10: expected an element vertex, found the end of the header without it"),
         ("element face 2", "element vertex 2", "line 8: expected one element of this name, found \"vertex\""),
-        ("element face 2", "element tristrips 2", "line 8: expected faces, found triangle strips; export the surface with faces"),
         ("list uchar int vertex_indices", "list float int vertex_indices", "line 9: expected integers, found \"vertex_indices\""),
         ("list uchar int vertex_indices", "list uchar float vertex_indices", "line 9: expected integers, found \"vertex_indices\""),
         (
@@ -224,14 +224,47 @@ fn binary_rows_that_are_wrong_are_refused_with_their_byte() {
         read(file).unwrap_err()
     };
     let nan = with(12 + 4, &f32::NAN.to_le_bytes());
-    assert_eq!((nan.kind(), nan.place(), nan.found()), (FaultKind::OutOfRange, Place::Byte((body + 16) as u64), "NaN"));
+    assert_eq!((nan.kind(), nan.location(), nan.found()), (FaultKind::OutOfRange, FileLocation::Byte((body + 16) as u64), "NaN"));
     for number in [4_i32, -1, i32::MIN, i32::MAX] {
         let fault = with(48 + 1 + 8, &number.to_le_bytes());
         assert_eq!(
-            (fault.kind(), fault.place(), fault.found()),
-            (FaultKind::OutOfRange, Place::Byte((body + 57) as u64), &*number.to_string())
+            (fault.kind(), fault.location(), fault.found()),
+            (FaultKind::OutOfRange, FileLocation::Byte((body + 57) as u64), &*number.to_string())
         );
     }
     let two = with(48, &[2]);
     assert_eq!((two.kind(), two.found()), (FaultKind::Malformed, "two"));
+}
+
+#[test]
+fn triangle_strips_are_read_in_all_encodings() {
+    let head = |encoding: &str| {
+        format!(
+            "ply\nformat {encoding} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+        )
+    };
+    // A strip of two triangles, a break, one more, and a vertex that is repeated to turn without a triangle.
+    let strip = [0_i32, 1, 3, 2, -1, 0, 1, 2, 2];
+    let expected = [[A, B, D], [D, B, C], [A, B, C]];
+    let vertices = [A, B, C, D].map(|vertex| words(&vertex, " ") + "\n").concat();
+    let strip_words = words(&strip, " ");
+    assert_eq!(facets(format!("{}{vertices}9 {strip_words}\n", head("ascii"))), expected);
+    for big in [false, true] {
+        let mut to = Bytes { big, bytes: head(if big { "binary_big_endian" } else { "binary_little_endian" }).into_bytes() };
+        for value in [A, B, C, D].as_flattened() {
+            #[allow(clippy::cast_possible_truncation, reason = "quarters are exact")]
+            let value = *value as f32;
+            put!(to, value);
+        }
+        put!(to, 9_i32);
+        for vertex in strip {
+            put!(to, vertex);
+        }
+        let bytes: Vec<&[u8]> = to.bytes.chunks(1).collect();
+        assert_eq!(read_in_chunks(&bytes, FormatHint::default()).1.unwrap().0.facets, expected);
+        assert_eq!(facets(&to.bytes), expected);
+    }
+    let missing = refusal(format!("{}{vertices}3 0 1 4\n", head("ascii")));
+    assert_eq!(missing, "line 14: expected the number of one of 4 vertices, from 0, found \"4\"");
+    assert_eq!(read(format!("{}{vertices}2 0 1\n", head("ascii"))).unwrap_err().kind(), FaultKind::Empty);
 }

@@ -63,7 +63,7 @@ fn what_is_not_stl_is_refused_with_its_line() {
     ] {
         assert!(ASCII.contains(wrong));
         let file = ASCII.replacen(wrong, right, 1);
-        assert_eq!(read_in_chunks(&[file.as_bytes()], Hint::default()).1.unwrap_err().to_string(), sentence, "{file}");
+        assert_eq!(read_in_chunks(&[file.as_bytes()], FormatHint::default()).1.unwrap_err().to_string(), sentence, "{file}");
     }
     assert_eq!(refusal("solid part\nendsolid part\n"), "line 3: expected \"facet\", found the end of the file");
 }
@@ -86,7 +86,7 @@ fn ascii_cut_anywhere_ends_well_only_between_facets() {
                 fault.found() == "the end of the file"
                     || fault.found() == "an empty file"
                     || length < 90
-                    || fault.place() == last_line(head),
+                    || fault.location() == last_line(head),
                 "{fault}"
             ),
         }
@@ -94,8 +94,8 @@ fn ascii_cut_anywhere_ends_well_only_between_facets() {
 }
 
 /// A word that is cut off is refused where it stands, in the last line.
-fn last_line(text: &str) -> scallopd::surface::read::Place {
-    scallopd::surface::read::Place::Line(text.split('\n').count() as u64)
+fn last_line(text: &str) -> scallopd::surface::read::FileLocation {
+    scallopd::surface::read::FileLocation::Line(text.split('\n').count() as u64)
 }
 
 #[test]
@@ -129,7 +129,10 @@ fn binary_cut_anywhere_is_refused() {
     for length in 0..file.len() {
         let fault = read(&file[..length]).unwrap_err();
         if length > 84 {
-            assert_eq!((fault.kind(), fault.place()), (FaultKind::Truncated, scallopd::surface::read::Place::Byte(length as u64)));
+            assert_eq!(
+                (fault.kind(), fault.location()),
+                (FaultKind::Truncated, scallopd::surface::read::FileLocation::Byte(length as u64))
+            );
         }
     }
 }

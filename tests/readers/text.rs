@@ -1,6 +1,7 @@
 //! Points in text.
 
 use super::*;
+use scallopd::surface::Unit;
 
 const TWO: [[f64; 3]; 2] = [[1.5, -2.0, 3.25], [4.0, 5.5, -6.0]];
 
@@ -81,7 +82,10 @@ fn numbers_may_stand_in_quotation_marks() {
 fn further_columns_are_counted() {
     let (recorder, summary) = read("1.5 -2 3.25 255 0 0\n4 5.5 -6 note\n").unwrap();
     assert_eq!(recorder.points, TWO);
-    assert_eq!(summary, Summary { format: Format::Text, points: 2, facets: 0, notes: Notes { further_columns: 3, ..Notes::default() } });
+    assert_eq!(
+        summary,
+        Summary { format: Format::Text, points: 2, facets: 0, unit: None, notes: Notes { further_columns: 3, ..Notes::default() } }
+    );
     assert_eq!(read("1,2,3").unwrap().1.notes, Notes::default());
 }
 
@@ -94,7 +98,8 @@ fn one_point_is_read() {
 fn what_is_not_three_numbers_is_refused_with_its_line() {
     for (file, sentence) in [
         ("1,2\n", "line 1: expected three numbers, found two"),
-        ("6400\n1 2 3\n", "line 1: expected three numbers, found one"),
+        ("6400\n", "line 2: expected three numbers, found the end of the file"),
+        ("6400\n7\n", "line 2: expected three numbers, found one"),
         ("x,y,z\n\n1,2,3\n\n1,2\n", "line 5: expected three numbers between commas, found two"),
         ("1;2;3\n4;5\n", "line 2: expected three numbers between semicolons, found two"),
         ("1 2 3\n4\n", "line 2: expected three numbers between blanks, found one"),
@@ -103,7 +108,7 @@ fn what_is_not_three_numbers_is_refused_with_its_line() {
         ("1\t2\t3\n1\t\t3\n", "line 2: expected a number, found nothing"),
         ("1,2,3\n1,2x,3\n", "line 2: expected a number, found \"2x\""),
         ("1,2,3\nx,y,z\n", "line 2: expected a number, found \"x\""),
-        ("a,x,y,z\n7,1,2\n", "line 2: expected numbers in the columns that the header names x, y and z, found \"7,1,2\""),
+        ("a,x,y,z\n7,1,2\n", "line 2: expected 4 columns, as the header names, found 3"),
         ("x,y,w\n1,2,3\n", "line 1: expected three numbers, or a header that names x, y and z, found \"x,y,w\""),
         ("x,y,z\nx,y,z\n", "line 2: expected three numbers, found \"x,y,z\""),
         ("hello\n", "line 1: expected three numbers, or a header that names x, y and z, found \"hello\""),
@@ -131,9 +136,149 @@ fn numbers_that_are_no_coordinates_are_refused() {
 }
 
 #[test]
-fn text_in_other_encodings_is_named() {
-    let utf_16: Vec<u8> = "\u{feff}1,2,3\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
-    assert_eq!(refusal(utf_16), "byte 0: expected text with points, STL, OBJ or PLY, found UTF-16 text; save it as UTF-8");
+fn text_in_utf_16_is_read() {
+    let text = "\u{feff}X;Y;Z\r\n1,5;-2;3,25\r\n4;5,5;-6\r\n";
+    for unit in [u16::to_le_bytes, u16::to_be_bytes] {
+        let file: Vec<u8> = text.encode_utf16().flat_map(unit).collect();
+        assert_eq!(points(&file), TWO);
+        let bytes: Vec<&[u8]> = file.chunks(1).collect();
+        assert_eq!(read_in_chunks(&bytes, FormatHint::default()).1.unwrap().0.points, TWO);
+    }
+    let stl: Vec<u8> = "\u{feff}solid a\n".encode_utf16().chain(std::iter::repeat_n(0x20, 1 << 17)).flat_map(u16::to_le_bytes).collect();
+    assert_eq!(read(stl).unwrap_err().kind(), FaultKind::TooLarge);
     // A header in Latin-1 is no obstacle.
-    assert_eq!(points(b"X [\xb5m];Y [\xb5m];Z [\xb5m]\n1;2;3\n"), [[1.0, 2.0, 3.0]]);
+    let (recorder, summary) = read(b"X [\xb5m];Y [\xb5m];Z [\xb5m]\n1;2;3\n").unwrap();
+    assert_eq!((recorder.points, summary.unit), (vec![[1.0, 2.0, 3.0]], Some(Unit::Micrometre)));
+}
+
+#[test]
+fn what_tools_write_around_the_points_is_read() {
+    for file in [
+        "sep=;\nx;y;z\n1,5;-2;3,25\n4;5,5;-6\n",
+        "SEP=,\r\n1.5,-2,3.25\r\n4,5.5,-6\r\n",
+        "2\n1.5 -2 3.25 100 0 0 0\n4 5.5 -6 90 1 2 3\n",
+        "//X Y Z\n2\n1.5 -2 3.25\n4 5.5 -6\n",
+        "# y x z\n-2 1.5 3.25\n5.5 4 -6\n",
+        "# z, y, x, i\n3.25,-2,1.5,7\n-6,5.5,4,8\n",
+        "# the x, y and z of a scan\n1.5 -2 3.25\n4 5.5 -6\n",
+        "x,y,z\nmm,mm,mm\n1.5,-2,3.25\n4,5.5,-6\n",
+        "x;y;z;\n1.5;-2;3.25;\n4;5.5;-6;\n",
+        "\"Points:0\",\"Points:1\",\"Points:2\",\"Normals:0\"\n1.5,-2,3.25,0\n4,5.5,-6,0\n",
+        "Normals_0,Points_2,Points_1,Points_0\n0,3.25,-2,1.5\n0,-6,5.5,4\n",
+        "1.5\u{a0}-2\u{a0}3.25\n4\u{a0}5.5\u{a0}-6\n",
+        "1.5;\u{a0}-2;3.25\n4;5.5\u{a0};-6\u{202f}\n",
+        "X\u{a0}[mm];Y;Z\n1.5;-2;3.25\n4;5.5;-6\n",
+        "1.5,-2,3.25\n4,5.5,-6\n\x1a",
+        "1.5,-2,3.25\r\n4,5.5,-6\r\n\0\0\0",
+        "1.5,-2,3.25\n4,5.5,-6\x1a",
+    ] {
+        assert_eq!(points(file), TWO, "{file:?}");
+    }
+}
+
+#[test]
+fn the_unit_of_a_header_reaches_the_summary() {
+    for (file, unit) in [
+        ("x,y,z\n1,2,3\n", None),
+        ("X [in],Y [in],Z [in]\n1,2,3\n", Some(Unit::Inch)),
+        ("x_m;y_m;z_m\n1;2;3\n", Some(Unit::Metre)),
+        ("X [mm] Y [mm] Z [mm]\n1 2 3\n", Some(Unit::Millimetre)),
+        ("pos_x_ft,pos_y_ft,pos_z_ft\n1,2,3\n", Some(Unit::Foot)),
+        ("x(\u{b5}m)\ty(\u{b5}m)\tz(\u{3bc}m)\n1\t2\t3\n", Some(Unit::Micrometre)),
+        ("x,y,z\n[cm],[cm],[cm]\n1,2,3\n", Some(Unit::Centimetre)),
+        ("# x[in] y[in] z[in]\n1 2 3\n", Some(Unit::Inch)),
+        ("x in,y in,z in\n1,2,3\n", Some(Unit::Inch)),
+        ("x [mm],y,z\n1,2,3\n", Some(Unit::Millimetre)),
+    ] {
+        assert_eq!(read(file).unwrap().1.unit, unit, "{file:?}");
+    }
+}
+
+#[test]
+fn text_that_can_be_read_in_two_ways_is_refused_with_both() {
+    for (file, sentence) in [
+        (
+            "1,5,2,5,3,5\n4,0,5,5,6,5\n",
+            "line 1: expected a semicolon, tab or blank between numbers with decimal commas, or a decimal point, found \"1,5,2,5,3,5\": either 6 columns between commas, or three numbers with decimal commas",
+        ),
+        (
+            "1,5, 2,5, 3,5\n4,0, 5,5, 6,5\n",
+            "line 1: expected a semicolon, tab or blank between numbers with decimal commas, or a decimal point, found \"1,5, 2,5, 3,5\": either 6 columns between commas, or three numbers with decimal commas",
+        ),
+        (
+            "1,5,2,3\n4,5,5,6,5\n",
+            "line 1: expected a semicolon, tab or blank between numbers with decimal commas, or a decimal point, found \"1,5,2,3\": either 5 columns between commas, or three numbers with decimal commas",
+        ),
+        (
+            "x,y,z\n1,5,2,5,3,5\n",
+            "line 2: expected three columns, as the header names, found 6 fields; either 6 columns between commas, or three numbers with decimal commas",
+        ),
+        (
+            "x,y,z\n1,2,3\n1,5,2,5,3,5\n",
+            "line 3: expected three columns, as the header names, found 6 fields; either 6 columns between commas, or three numbers with decimal commas",
+        ),
+        ("pos_x,dir_x,y,z\n1,2,3,4\n", "line 1: expected one column that is x, found \"pos_x\" and \"dir_x\", which both could be"),
+        ("x,y,z,x,y,z\n1,2,3,4,5,6\n", "line 1: expected one column that is x, found \"x\" and \"x\", which both could be"),
+        ("x [mm],y [mm],z [um]\n1,2,3\n", "line 1: expected one unit for x, y and z, found different ones"),
+        ("x,y,z [um]\n1,2,3\n", "line 1: expected one unit for x, y and z, found a unit for some of them; the others are in it, or in mm"),
+        ("x [in],y [in],z [in]\nmm,mm,mm\n1,2,3\n", "line 2: expected the unit that the header names, found \"mm,mm,mm\""),
+        (
+            "6400\n1 2 3\n",
+            "line 1: expected 6400 points, as this line counts them, found 1 lines of data; either points are missing or too many, or the line is no count",
+        ),
+        (
+            "1 2 3 4\n2 3 4 5\n3 4 5 6\n4 5 6 7\n",
+            "line 1: expected a header that names x, y and z, found 4 lines of 4 numbers: either a square matrix of heights, or points and their properties",
+        ),
+        (
+            "1 2\u{a0}345 3 4\n",
+            "line 1: expected one kind of space between numbers, found ordinary and no-break spaces; either all separate numbers, or the no-break ones separate thousands",
+        ),
+    ] {
+        assert_eq!(refusal(file), sentence, "{file:?}");
+    }
+    let wide = "0.5 ".repeat(13) + "\n";
+    let fault = read(wide.repeat(5)).unwrap_err();
+    assert_eq!((fault.kind(), fault.expected()), (FaultKind::Ambiguous, "at most 12 numbers in a line without a header"));
+    // What has a decimal point, a sign or a blank where a fraction cannot have it is read.
+    for file in ["1,2,3,255,0,0\n1.5,2,3,255,0,0\n", "1,-2,3,4,5,6\n1,2,3,4,5,6\n", "1, 2, 3, 4, 5, 6\n", "1,2,3,4\n5,6,7,8\n"] {
+        assert!(read(file).is_ok(), "{file:?}");
+    }
+    assert_eq!(
+        refusal("x [km],y [km],z [km]\n1,2,3\n"),
+        "line 1: expected columns in micrometres, mm, cm, m, inches or feet, found \"km\""
+    );
+}
+
+#[test]
+fn rows_of_another_length_than_the_header_are_refused() {
+    for (file, sentence) in [
+        ("x,y,z,note\n1,2,3\n", "line 2: expected 4 columns, as the header names, found 3"),
+        ("x,y,z,note\n1,2,3,a\n1,2,3\n", "line 3: expected 4 columns, as the header names, found 3"),
+        ("x y z\n1 2 3\n4 5 6 7\n", "line 3: expected 3 columns, as the header names, found 4"),
+        ("x;y;z\n1;2;3\n4;5;6;7;8\n", "line 3: expected 3 columns, as the header names, found 5"),
+    ] {
+        assert_eq!(refusal(file), sentence, "{file:?}");
+    }
+    assert_eq!(points("x,y,z,note\n1,2,3,\n"), [[1.0, 2.0, 3.0]]);
+}
+
+#[test]
+fn ascii_pcd_is_read() {
+    let file = "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS rgb y x z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 2 1 1 1\nWIDTH 3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ascii\n7 8 -2 1.5 3.25\n0 0 nan nan nan\n9 9 5.5 4 -6\n";
+    let (recorder, summary) = read(file).unwrap();
+    assert_eq!((recorder.points, summary.format), (TWO.to_vec(), Format::Pcd));
+    assert_eq!(summary.notes, Notes { further_columns: 2, missing_points: 1, ..Notes::default() });
+    for (wrong, right, sentence) in [
+        ("POINTS 3", "POINTS 4", "line 15: expected 4 points, as the header states, found the end of the file after 3"),
+        ("5.5 4 -6", "5.5 4", "line 14: expected 5 numbers, as the header states, found 4"),
+        (
+            "DATA ascii",
+            "DATA binary",
+            "line 11: expected PCD with the data ascii, found PCD with the data \"binary\"; save it with the data ascii",
+        ),
+        ("rgb y x z", "rgb y x w", "line 11: expected the fields x, y and z, found a header without one of them"),
+    ] {
+        assert_eq!(refusal(file.replace(wrong, right)), sentence);
+    }
 }

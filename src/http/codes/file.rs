@@ -7,10 +7,11 @@ use axum::http::StatusCode;
 codes! {
     /// A fault of an uploaded file.
     FileFault {
-        UnknownFormat = "unknown-format": "The file's format is not supported", "Send points in text, STL, OBJ or PLY; name the file or its media type.";
+        UnknownFormat = "unknown-format": "The file's format is not supported", "Send points in text or PCD, STL, OBJ, PLY or 3MF; name the file or its media type.";
         MalformedFile = "malformed-file": "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
         TruncatedFile = "truncated-file": "The file is cut off", "Send the whole file.";
         FileTooLarge = "file-too-large": "The file exceeds a limit of its reader", "Reduce what the detail names.";
+        AmbiguousFile = "ambiguous-file": "The file can be read in two ways", "Write the file so that only one of the readings named in the detail fits.";
         OutOfRange = "out-of-range": "A number in the file is out of range", "Check the line or byte that the detail names, and the unit.";
         EmptyFile = "empty-file": "The file has no surface", "Export the surface again; check that it is selected.";
     }
@@ -23,7 +24,7 @@ impl FileFault {
             Self::UnknownFormat => StatusCode::UNSUPPORTED_MEDIA_TYPE,
             Self::MalformedFile | Self::TruncatedFile => StatusCode::BAD_REQUEST,
             Self::FileTooLarge => StatusCode::PAYLOAD_TOO_LARGE,
-            Self::OutOfRange | Self::EmptyFile => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::AmbiguousFile | Self::OutOfRange | Self::EmptyFile => StatusCode::UNPROCESSABLE_ENTITY,
         }
     }
 }
@@ -35,6 +36,7 @@ impl From<FaultKind> for FileFault {
             FaultKind::Malformed => Self::MalformedFile,
             FaultKind::Truncated => Self::TruncatedFile,
             FaultKind::TooLarge => Self::FileTooLarge,
+            FaultKind::Ambiguous => Self::AmbiguousFile,
             FaultKind::OutOfRange => Self::OutOfRange,
             FaultKind::Empty => Self::EmptyFile,
         }

@@ -21,6 +21,7 @@ codes! {
         FurtherColumns = "further-columns": "Columns beside x, y and z were left out", "Check that the first three columns are the coordinates.";
         TrailingBytes = "trailing-bytes": "Bytes after the end of the data were left out", "Check that the file's count is right.";
         OtherElements = "other-elements": "Elements other than vertices and faces were left out", "None is needed.";
+        MissingPoints = "missing-points": "Points without coordinates were left out", "None is needed; scanners write them where they saw nothing.";
         CrossedPolygons = "crossed-polygons": "Polygons cross themselves", "Check the mesh; their area is uncertain.";
         MissingEnd = "missing-end": "The file ends inside a solid", "Check that the file is whole.";
     }

@@ -13,7 +13,7 @@ use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectS
 use crate::http::wire::{SURFACE, Sourced};
 use crate::http::worker_pool::Work;
 use crate::surface::SampledSurface;
-use crate::surface::read::{self, Format, Hint, Lot, Reader};
+use crate::surface::read::{self, Format, FormatHint, Reader, TextBlock};
 use axum::body::Bytes;
 use axum::extract::State;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -121,7 +121,7 @@ impl Received {
 /// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
 /// is received; no more than these two are held.
 async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
-    let mut reader = Reader::new(Hint::new(head.media_type.as_deref(), head.file_name.as_deref()));
+    let mut reader = Reader::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()));
     let mut surface = SampledSurface::new();
     // What the reader holds; a block adds a few times its size, for which there is room beside the budget.
     let mut held = work.reserve(0)?;
@@ -178,19 +178,19 @@ impl Block {
         Ok(block)
     }
 
-    /// Passes the pieces to the reader; lots that can be read apart go to all threads. Their sums are added in their order,
+    /// Passes the pieces to the reader; blocks of text that can be read apart go to all threads. Their sums are added in their order,
     /// so that the same file has the same sums, to the bit.
     fn read(&self, reader: &mut Reader, surface: &mut SampledSurface) -> Result<(), read::Fault> {
-        let mut lots = Vec::new();
-        self.pieces.iter().try_for_each(|piece| reader.push_in_lots(piece, surface, &mut lots))?;
-        let sum = |lot: Lot| {
+        let mut blocks = Vec::new();
+        self.pieces.iter().try_for_each(|piece| reader.push_in_blocks(piece, surface, &mut blocks))?;
+        let sum = |text_block: TextBlock| {
             let mut part = SampledSurface::new();
-            (lot.read(&mut part), part)
+            (text_block.read(&mut part), part)
         };
-        let parts: Vec<_> = lots.into_par_iter().map(sum).collect();
+        let parts: Vec<_> = blocks.into_par_iter().map(sum).collect();
         parts.into_iter().try_for_each(|(read, part)| {
             surface.merge(&part);
-            reader.take_in(read)
+            reader.record_block(read)
         })
     }
 }
@@ -199,9 +199,11 @@ impl Block {
 fn format_label(format: Format) -> &'static str {
     match format {
         Format::Text => "text",
+        Format::Pcd => "pcd",
         Format::StlAscii | Format::StlBinary => "stl",
         Format::Obj => "obj",
         Format::PlyAscii | Format::PlyLittleEndian | Format::PlyBigEndian => "ply",
+        Format::ThreeMf => "3mf",
     }
 }
 
@@ -224,7 +226,7 @@ mod tests {
 
     /// The shape of a text that comes in pieces and blocks of these sizes.
     fn shape(text: &[u8], piece: usize, pieces: usize) -> String {
-        let (mut reader, mut surface) = (Reader::new(Hint::default()), SampledSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), SampledSurface::new());
         let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();
         for pieces in all.chunks(pieces) {
             Block { pieces: pieces.to_vec() }.read(&mut reader, &mut surface).unwrap();
@@ -244,11 +246,11 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_in_a_lot_has_its_line_in_the_file() {
+    fn a_fault_in_a_text_block_has_its_line_in_the_file() {
         let text = "1.5,2,3\n".repeat(100_000) + "1.5,2\n" + &"1.5,2,3\n".repeat(100_000);
-        let (mut reader, mut surface) = (Reader::new(Hint::default()), SampledSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), SampledSurface::new());
         let block = Block { pieces: vec![Bytes::from(text)] };
         let fault = block.read(&mut reader, &mut surface).unwrap_err();
-        assert_eq!(fault.place(), read::Place::Line(100_001));
+        assert_eq!(fault.location(), read::FileLocation::Line(100_001));
     }
 }

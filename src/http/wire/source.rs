@@ -31,6 +31,11 @@ pub(crate) enum Source {
     PlyLittleEndian,
     /// A binary PLY file, big end first.
     PlyBigEndian,
+    /// A PCD file with data in text.
+    Pcd,
+    /// A 3MF package.
+    #[serde(rename = "3mf")]
+    ThreeMf,
 }
 
 impl From<Format> for Source {
@@ -43,6 +48,8 @@ impl From<Format> for Source {
             Format::PlyAscii => Self::PlyAscii,
             Format::PlyLittleEndian => Self::PlyLittleEndian,
             Format::PlyBigEndian => Self::PlyBigEndian,
+            Format::Pcd => Self::Pcd,
+            Format::ThreeMf => Self::ThreeMf,
         }
     }
 }
@@ -102,6 +109,7 @@ fn of_notes(notes: Notes) -> impl Iterator<Item = Warning> {
         (notes.further_columns, WarningCode::FurtherColumns, "columns beside x, y and z were left out"),
         (notes.trailing_bytes, WarningCode::TrailingBytes, "bytes after the end that the file's counts give were left out"),
         (notes.other_elements, WarningCode::OtherElements, "elements other than vertices and faces were left out"),
+        (notes.missing_points, WarningCode::MissingPoints, "points without coordinates were left out"),
         (
             notes.crossed_polygons,
             WarningCode::CrossedPolygons,

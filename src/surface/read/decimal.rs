@@ -1,9 +1,9 @@
-//! Decimal numbers out of bytes, correctly rounded, without allocation on the ways that files take.
+//! Parsing of decimal numbers from bytes: correctly rounded, and without allocation for the spellings that are common in files.
 
 use super::LARGEST_COORDINATE;
 use super::fault::{FaultKind, Flaw, quoted};
 
-/// The number at the start of `text` and the bytes that it takes, or `None` where no number starts. `mark` is the decimal mark,
+/// The number at the start of `text` and its length in bytes, or `None` where no number starts. `mark` is the decimal mark,
 /// point or comma.
 ///
 /// A number is `[+-] digits [mark digits] [e [+-] digits]`, with digits on one side of the mark at least; `E`, and Fortran's `d`
@@ -45,7 +45,7 @@ pub(super) fn number(text: &[u8], mark: u8) -> Option<(f64, usize)> {
     Some((value, at))
 }
 
-/// The digits from `at` on, appended to `value`, and where they end. More than 19 digits wrap, which the caller must notice.
+/// The digits from `at` on, appended to `value`, and where they end. More than 19 digits wrap around; the caller checks for that.
 fn digits(text: &[u8], mut at: usize, mut value: u64) -> (u64, usize) {
     while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
         value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
@@ -54,7 +54,7 @@ fn digits(text: &[u8], mut at: usize, mut value: u64) -> (u64, usize) {
     (value, at)
 }
 
-/// The digits of an exponent; what no double reaches stays at a million.
+/// The digits of an exponent, saturated at a million, which no double reaches.
 fn power(text: &[u8], mut at: usize) -> (i64, usize) {
     let mut value = 0;
     while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
@@ -78,7 +78,7 @@ fn exact(mantissa: u64, exponent: i64) -> Option<f64> {
     Some(if exponent < 0 { mantissa / power } else { mantissa * power })
 }
 
-/// By the standard library, which takes neither a comma nor Fortran's `d`.
+/// Parses with the standard library, which accepts neither a comma nor Fortran's `d`.
 fn rounded(token: &[u8], mark: u8) -> Option<f64> {
     let token = std::str::from_utf8(token).ok()?;
     if mark == b'.' && !token.contains(['d', 'D']) {
@@ -98,7 +98,7 @@ pub(super) fn unbounded(found: &str) -> Flaw {
     Flaw::new(FaultKind::OutOfRange, format!("a finite coordinate of at most {LARGEST_COORDINATE:e} in magnitude"), found.to_owned())
 }
 
-/// A word that must be a coordinate as a whole, with a decimal point; `expected` says what it is.
+/// The coordinate that the whole of `word` is, with a decimal point; `expected` describes it in a fault.
 pub(super) fn coordinate(word: &[u8], expected: &'static str) -> Result<f64, Flaw> {
     match number(word, b'.') {
         Some((value, length)) if length == word.len() => bounded(value, word),
@@ -107,7 +107,7 @@ pub(super) fn coordinate(word: &[u8], expected: &'static str) -> Result<f64, Fla
     }
 }
 
-/// Whether `word` is one of the spellings that programs write for infinity and for what is not a number.
+/// Whether `word` is one of the spellings that programs write for infinity and NaN.
 pub(super) fn names_no_finite_number(word: &[u8]) -> bool {
     let word = word.strip_prefix(b"-").or_else(|| word.strip_prefix(b"+")).unwrap_or(word);
     let starts = |name: &[u8]| word.get(..name.len()).is_some_and(|head| head.eq_ignore_ascii_case(name));

@@ -1,39 +1,50 @@
-//! What a reader says when it cannot go on: where in the file, what would have been right there, and what stands there instead.
+//! The fault of a surface file: its location, what is expected there, and what was found.
 
 use std::borrow::Cow;
 use std::fmt;
+use std::sync::Arc;
 
-/// A place in a file, as its author can find it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+/// A location in a file, as its author can find it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FileLocation {
     /// A line of a text file, counted from 1.
     Line(u64),
     /// A byte of a binary file, counted from 0.
     Byte(u64),
+    /// A byte of a file in an archive, counted from 0 after inflation.
+    Entry {
+        /// The path of the file in the archive.
+        path: Arc<str>,
+        /// The byte.
+        byte: u64,
+    },
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(number) => write!(f, "line {number}"),
             Self::Byte(offset) => write!(f, "byte {offset}"),
+            Self::Entry { path, byte } => write!(f, "{path}, byte {byte}"),
         }
     }
 }
 
-/// In what way a file is wrong, for a caller that answers the ways differently.
+/// In what way a file is wrong, for a caller that answers them differently.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
-    /// Not one of the formats that are read, or not in an encoding that is.
+    /// Not one of the formats or encodings that are read; the fault names it where it is known.
     UnknownFormat,
-    /// Not written as the format asks.
+    /// Not written as the format requires.
     Malformed,
     /// A number that is not finite, beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE), or an index of a vertex that is not there.
     OutOfRange,
-    /// Ends before what it promises.
+    /// Ends before the size that it states.
     Truncated,
-    /// Larger than a limit of the reader: length of a line, corners of a face, number of vertices.
+    /// Larger than a limit of the reader: length of a line, corners of a face, number of vertices, size of an archive.
     TooLarge,
+    /// Can be read in two ways that give different surfaces; both are named.
+    Ambiguous,
     /// Holds neither a point nor a facet.
     Empty,
 }
@@ -41,18 +52,18 @@ pub enum FaultKind {
 /// Why a file was refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    place: Place,
+    location: FileLocation,
     flaw: Flaw,
 }
 
 impl Fault {
-    /// The fault of a text that `before` lines precede which were not counted.
+    /// The fault with `before` lines added to its line number.
     pub(super) fn after_lines(self, before: u64) -> Self {
-        let place = match self.place {
-            Place::Line(number) => Place::Line(before + number),
-            Place::Byte(_) => self.place,
+        let location = match self.location {
+            FileLocation::Line(number) => FileLocation::Line(before + number),
+            other => other,
         };
-        Self { place, ..self }
+        Self { location, ..self }
     }
 
     /// In what way the file is wrong.
@@ -63,17 +74,17 @@ impl Fault {
 
     /// Where in the file.
     #[must_use]
-    pub fn place(&self) -> Place {
-        self.place
+    pub fn location(&self) -> FileLocation {
+        self.location.clone()
     }
 
-    /// What would have been right there.
+    /// What is expected there.
     #[must_use]
     pub fn expected(&self) -> &str {
         &self.flaw.expected
     }
 
-    /// What stands there: a description, or a short quotation with its special characters escaped.
+    /// What was found: a description, or a short quotation with its special characters escaped.
     #[must_use]
     pub fn found(&self) -> &str {
         &self.flaw.found
@@ -82,13 +93,13 @@ impl Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: expected {}, found {}", self.place, self.flaw.expected, self.flaw.found)
+        write!(f, "{}: expected {}, found {}", self.location, self.flaw.expected, self.flaw.found)
     }
 }
 
 impl std::error::Error for Fault {}
 
-/// A fault whose place the caller knows better.
+/// A fault whose location the caller knows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Flaw {
     kind: FaultKind,
@@ -106,7 +117,7 @@ impl Flaw {
         self.kind
     }
 
-    /// What does not follow the format's grammar, quoted.
+    /// A violation of the format's grammar, quoted.
     #[cold]
     pub(super) fn malformed(expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
         Self::new(FaultKind::Malformed, expected, quoted(found))
@@ -114,16 +125,24 @@ impl Flaw {
 
     #[cold]
     pub(super) fn at_line(self, number: u64) -> Fault {
-        Fault { place: Place::Line(number), flaw: self }
+        Fault { location: FileLocation::Line(number), flaw: self }
+    }
+
+    /// The fault of a file in an archive; its path is cut to 200 characters, with control characters escaped.
+    #[cold]
+    pub(super) fn in_entry(self, path: &str, byte: u64) -> Fault {
+        let path: String =
+            path.chars().take(200).flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect();
+        Fault { location: FileLocation::Entry { path: path.into(), byte }, flaw: self }
     }
 
     #[cold]
     pub(super) fn at_byte(self, offset: u64) -> Fault {
-        Fault { place: Place::Byte(offset), flaw: self }
+        Fault { location: FileLocation::Byte(offset), flaw: self }
     }
 }
 
-/// `text` in quotation marks, cut to 40 characters, with its control characters escaped so that it can be shown anywhere.
+/// `text` in quotation marks, cut to 40 characters, with its control characters escaped.
 pub(super) fn quoted(text: &[u8]) -> String {
     const LONGEST: usize = 40;
     if text.is_empty() {

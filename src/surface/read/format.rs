@@ -1,17 +1,23 @@
-//! Which format a file has: by its content first, then by what its sender says of it.
+//! Detection of a file's format, by its content first, then by its media type and name.
 
 use super::fault::{Fault, FaultKind, Flaw};
+use super::known::{KNOWN_AT_START, by_statement};
 use super::lines::{Words, line_end, trimmed};
 use std::fmt;
 
-/// The bytes that decide, at most: licence texts in comments at the start of a file are shorter.
+/// How many bytes are looked at, at most: licence texts in comments at the start of a file are shorter.
 pub(super) const HEAD: usize = 1 << 16;
 
-/// A format of a file, as it was read.
+/// What a file should be, in faults.
+pub(super) const EXPECTED: &str = "points in text, PCD, STL, OBJ, PLY or 3MF";
+
+/// The format of a file that was read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Points in lines of text: CSV, TSV, XYZ and their like.
+    /// Points in lines of text: CSV, TSV, XYZ, PTS and the like.
     Text,
+    /// PCD of the Point Cloud Library, with data in text.
+    Pcd,
     /// STL in text.
     StlAscii,
     /// STL in 50-byte records.
@@ -20,65 +26,74 @@ pub enum Format {
     Obj,
     /// PLY with a body of text.
     PlyAscii,
-    /// PLY with a binary body, little end first.
+    /// PLY with a binary body, little-endian.
     PlyLittleEndian,
-    /// PLY with a binary body, big end first.
+    /// PLY with a binary body, big-endian.
     PlyBigEndian,
+    /// 3MF, the 3D Manufacturing Format.
+    ThreeMf,
 }
 
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Text => "text",
+            Self::Pcd => "ASCII PCD",
             Self::StlAscii => "ASCII STL",
             Self::StlBinary => "binary STL",
             Self::Obj => "OBJ",
             Self::PlyAscii => "ASCII PLY",
             Self::PlyLittleEndian => "binary PLY, little-endian",
             Self::PlyBigEndian => "binary PLY, big-endian",
+            Self::ThreeMf => "3MF",
         })
     }
 }
 
-/// What the sender of a file says about its format, for content that leaves it open.
+/// The format that a file's sender states, for content that leaves it open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Hint(Option<Said>);
+pub struct FormatHint(Option<NamedFormat>);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Said {
+enum NamedFormat {
     Text,
     Stl,
     Obj,
     Ply,
+    ThreeMf,
 }
 
-impl Hint {
-    /// What a media type, with or without parameters, and a file name tell. The media type counts first; general ones such as
-    /// `text/plain` and `application/octet-stream` tell nothing.
+impl FormatHint {
+    /// The format by a media type, with or without parameters, or else by the extension of a file name. General media types such as
+    /// `text/plain` and `application/octet-stream` state no format.
     #[must_use]
     pub fn new(media_type: Option<&str>, file_name: Option<&str>) -> Self {
         Self(media_type.and_then(by_media_type).or_else(|| file_name.and_then(by_name)))
     }
 }
 
-fn by_media_type(media_type: &str) -> Option<Said> {
+fn by_media_type(media_type: &str) -> Option<NamedFormat> {
     let essence = media_type.split(';').next().unwrap_or_default().trim().to_ascii_lowercase();
     match essence.as_str() {
-        "text/csv" | "text/tab-separated-values" => Some(Said::Text),
-        "model/stl" | "model/x.stl-ascii" | "model/x.stl-binary" | "application/sla" | "application/vnd.ms-pki.stl" => Some(Said::Stl),
-        "model/obj" | "application/wavefront-obj" => Some(Said::Obj),
-        "model/ply" | "application/ply" => Some(Said::Ply),
+        "text/csv" | "text/tab-separated-values" => Some(NamedFormat::Text),
+        "model/stl" | "model/x.stl-ascii" | "model/x.stl-binary" | "application/sla" | "application/vnd.ms-pki.stl" => {
+            Some(NamedFormat::Stl)
+        }
+        "model/obj" | "application/wavefront-obj" => Some(NamedFormat::Obj),
+        "model/ply" | "application/ply" => Some(NamedFormat::Ply),
+        "model/3mf" | "application/vnd.ms-package.3dmanufacturing-3dmodel+xml" => Some(NamedFormat::ThreeMf),
         _ => None,
     }
 }
 
-fn by_name(name: &str) -> Option<Said> {
+fn by_name(name: &str) -> Option<NamedFormat> {
     let (_, extension) = name.rsplit_once('.')?;
     match extension.trim().to_ascii_lowercase().as_str() {
-        "csv" | "tsv" | "txt" | "xyz" | "asc" | "dat" => Some(Said::Text),
-        "stl" | "stla" | "stlb" => Some(Said::Stl),
-        "obj" => Some(Said::Obj),
-        "ply" => Some(Said::Ply),
+        "csv" | "tsv" | "txt" | "xyz" | "asc" | "dat" | "pts" | "pcd" => Some(NamedFormat::Text),
+        "stl" | "stla" | "stlb" => Some(NamedFormat::Stl),
+        "obj" => Some(NamedFormat::Obj),
+        "ply" => Some(NamedFormat::Ply),
+        "3mf" => Some(NamedFormat::ThreeMf),
         _ => None,
     }
 }
@@ -87,70 +102,98 @@ fn by_name(name: &str) -> Option<Said> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Family {
     Text,
+    Pcd,
     StlAscii,
     StlBinary,
     Obj,
     Ply,
+    ThreeMf,
 }
 
-/// What the head of a file shows.
+/// The result of detection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Found {
+pub(super) struct Detected {
     pub(super) format: Family,
-    /// The bytes of a byte-order mark, which are no part of the text.
+    /// The length of a byte-order mark, which is not part of the text.
     pub(super) mark: usize,
 }
 
-/// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all.
-pub(super) fn find(head: &[u8], hint: Hint) -> Result<Found, Fault> {
+/// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all. `is_decoded` tells that it was converted to UTF-8
+/// from another encoding, and so is text.
+pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<Detected, Fault> {
     if head.is_empty() {
         return Err(Flaw::new(FaultKind::Empty, "a surface", "an empty file").at_byte(0));
     }
-    if let Some(other) = known_but_not_read(head) {
-        return Err(Flaw::new(FaultKind::UnknownFormat, "text with points, STL, OBJ or PLY", other).at_byte(0));
+    if let Some((_, name)) = KNOWN_AT_START.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Err(unknown(*name).at_byte(0));
+    }
+    if crate::archive::Archive::is_archive(head) {
+        return Ok(Detected { format: Family::ThreeMf, mark: 0 });
+    }
+    if is_utf_16(head) {
+        return Err(unknown("UTF-16 text without a byte-order mark; save it as UTF-8").at_byte(0));
     }
     let mark = if head.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     let text = &head[mark..];
     if let Some(format) = by_magic(text) {
-        return Ok(Found { format, mark });
+        return Ok(Detected { format, mark });
     }
     if let Some(at) = control_byte(text) {
         return match hint.0 {
-            None | Some(Said::Stl) => Ok(Found { format: Family::StlBinary, mark: 0 }),
+            Some(NamedFormat::Stl) if !is_decoded => Ok(Detected { format: Family::StlBinary, mark: 0 }),
+            None if !is_decoded && is_binary_stl(head) => Ok(Detected { format: Family::StlBinary, mark: 0 }),
+            None => Err(unknown("a binary file of no known format").at_byte((mark + at) as u64)),
             Some(_) => {
-                Err(Flaw::new(FaultKind::UnknownFormat, "text", format!("the control byte {:#04x}", text[at])).at_byte((mark + at) as u64))
+                Err(unknown(format!("a file with the control byte {:#04x}, which is not text", text[at])).at_byte((mark + at) as u64))
             }
         };
     }
-    Ok(Found { format: by_first_statement(text, hint), mark })
-}
-
-/// What other formats show by their first bytes, and text that is not UTF-8.
-fn known_but_not_read(head: &[u8]) -> Option<&'static str> {
-    const UTF_16: &str = "UTF-16 text; save it as UTF-8";
-    let starts = |magic: &[u8]| head.starts_with(magic);
-    // Text in the Latin alphabet has a null byte in every unit of UTF-16. A binary STL's header may, its numbers do not.
-    let every_second_null = |odd: usize| head.len() >= 4 && head.iter().skip(odd).step_by(2).all(|byte| *byte == 0);
-    let not_all_null = head.iter().any(|byte| *byte != 0);
-    match () {
-        () if starts(b"\xff\xfe") || starts(b"\xfe\xff") => Some(UTF_16),
-        () if not_all_null && (every_second_null(0) || every_second_null(1)) => Some(UTF_16),
-        () if starts(b"\x1f\x8b") => Some("a gzip archive inside the upload; send the file itself, or the whole request compressed"),
-        () if starts(b"PK\x03\x04") => Some("a ZIP archive, as 3MF and spreadsheets are"),
-        () if starts(b"ISO-10303-21") => Some("a STEP file; export it as STL or points"),
-        () if starts(b"glTF") => Some("a binary glTF file; export it as STL, OBJ or PLY"),
-        () if starts(b"%PDF") => Some("a PDF file"),
-        () => None,
+    if let Some(name) = by_statement(text) {
+        return Err(unknown(name).at_byte(mark as u64));
     }
+    Ok(Detected { format: by_first_statement(text, hint), mark })
 }
 
-/// PLY, and STL that begins as its description asks.
+fn unknown(found: impl Into<std::borrow::Cow<'static, str>>) -> Flaw {
+    Flaw::new(FaultKind::UnknownFormat, EXPECTED, found)
+}
+
+/// Whether a file without a byte-order mark is text in UTF-16: text in the Latin alphabet then has a null byte in every unit. A binary STL's
+/// header may have them, too, but its numbers do not.
+fn is_utf_16(head: &[u8]) -> bool {
+    let every_second_null = |odd: usize| head.len() >= 4 && head.iter().skip(odd).step_by(2).all(|byte| *byte == 0);
+    head.iter().any(|byte| *byte != 0) && (every_second_null(0) || every_second_null(1))
+}
+
+/// Whether a binary file is an STL: its length is what its count requires, or its first records hold coordinates. What is too short for
+/// one record is none.
+fn is_binary_stl(head: &[u8]) -> bool {
+    let Some((start, records)) = head.split_at_checked(84) else { return false };
+    let count = start.last_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+    if head.len() < HEAD && head.len() as u64 == 84 + 50 * u64::from(count) {
+        return true;
+    }
+    // Bytes that are no coordinates give exponents of all sizes; those of a part lie between a nanometre's part and 1e12.
+    let is_plausible = |bytes: &[u8; 4]| {
+        let size = f32::from_le_bytes(*bytes).abs();
+        size == 0.0 || (1e-20..=1e12).contains(&size)
+    };
+    let (records, _) = records.as_chunks::<50>();
+    let checked = records.iter().take(16);
+    let plausible = checked.clone().filter(|record| record[12..48].as_chunks::<4>().0.iter().all(is_plausible)).count();
+    plausible * 4 >= checked.len() * 3
+}
+
+/// PLY, PCD, and STL that begins as its specification requires.
 fn by_magic(text: &[u8]) -> Option<Family> {
     if text.starts_with(b"ply") && text.get(3).is_some_and(u8::is_ascii_whitespace) {
         return Some(Family::Ply);
     }
     let mut statements = statements(text);
     let first = statements.next()?;
+    if first.starts_with(b"# .PCD") || is_word(first, b"VERSION") {
+        return Some(Family::Pcd);
+    }
     if !is_word(first, b"solid") {
         return is_word(first, b"facet").then_some(Family::StlAscii);
     }
@@ -162,15 +205,20 @@ fn by_magic(text: &[u8]) -> Option<Family> {
     }
 }
 
-/// Where the first byte stands that no text has, in the first 134 bytes: a binary STL's header of 80 bytes, its count of 4, whose
-/// highest byte is such a control byte up to 150 million facets, and its first record of 50. Further on it is a fault of a text.
+/// The position of the first byte that no text has, in the first 134 bytes: a binary STL's header of 80 bytes, its count of 4, whose highest
+/// byte is such a control byte up to 150 million facets, and its first record of 50. Further on it is a fault of a text.
+///
+/// Null bytes and Ctrl-Z that end a text of several lines are its end, as old systems write it.
 fn control_byte(text: &[u8]) -> Option<usize> {
+    let is_end = |byte: &u8| matches!(byte, 0 | 0x1a);
+    let content = &text[..text.iter().rposition(|byte| !is_end(byte)).map_or(0, |last| last + 1)];
+    let text = if line_end(content).is_some() && text.len() != 84 { content } else { text };
     let is_control = |byte: &u8| *byte < b'\t' || *byte == 0x0b || (0x0e..b' ').contains(byte);
     text.iter().take(134).position(is_control)
 }
 
 /// The format of a text without a magic word.
-fn by_first_statement(text: &[u8], hint: Hint) -> Family {
+fn by_first_statement(text: &[u8], hint: FormatHint) -> Family {
     let first = statements(text).find(|line| !line.starts_with(b"#") && !line.starts_with(b"//"));
     if first.is_some_and(is_obj) {
         return Family::Obj;
@@ -179,10 +227,10 @@ fn by_first_statement(text: &[u8], hint: Hint) -> Family {
         return Family::Text;
     }
     match hint.0 {
-        None | Some(Said::Text) => Family::Text,
-        Some(Said::Stl) => Family::StlAscii,
-        Some(Said::Obj) => Family::Obj,
-        Some(Said::Ply) => Family::Ply,
+        None | Some(NamedFormat::Text | NamedFormat::ThreeMf) => Family::Text,
+        Some(NamedFormat::Stl) => Family::StlAscii,
+        Some(NamedFormat::Obj) => Family::Obj,
+        Some(NamedFormat::Ply) => Family::Ply,
     }
 }
 
@@ -198,12 +246,12 @@ fn is_obj(line: &[u8]) -> bool {
     }
 }
 
-fn starts_number(text: &[u8]) -> bool {
+pub(super) fn starts_number(text: &[u8]) -> bool {
     matches!(text, [b'0'..=b'9', ..] | [b'+' | b'-' | b'.', b'0'..=b'9' | b'.', ..])
 }
 
 /// The lines that are not blank, trimmed.
-fn statements(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(super) fn statements(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
     std::iter::from_fn(move || {
         while !text.is_empty() {
             let end = line_end(text).unwrap_or(text.len());
@@ -217,7 +265,7 @@ fn statements(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
     })
 }
 
-fn is_word(line: &[u8], word: &[u8]) -> bool {
+pub(super) fn is_word(line: &[u8], word: &[u8]) -> bool {
     Words::of(line).next().is_some_and(|first| first.eq_ignore_ascii_case(word))
 }
 
@@ -226,7 +274,7 @@ mod tests {
     use super::*;
 
     fn family(head: &[u8], name: &str) -> Family {
-        find(head, Hint::new(None, Some(name))).unwrap().format
+        detect(head, FormatHint::new(None, Some(name)), false).unwrap().format
     }
 
     fn binary_stl(header: &[u8]) -> Vec<u8> {
@@ -265,10 +313,18 @@ mod tests {
 
     #[test]
     fn the_media_type_counts_before_the_file_name() {
-        assert_eq!(Hint::new(Some("Model/STL; charset=x"), Some("a.obj")), Hint(Some(Said::Stl)));
-        assert_eq!(Hint::new(Some("text/plain"), Some("a.b.OBJ")), Hint(Some(Said::Obj)));
-        assert_eq!(Hint::new(Some("application/octet-stream"), Some("obj")), Hint(None));
-        assert_eq!(Hint::new(None, None), Hint::default());
+        assert_eq!(FormatHint::new(Some("Model/STL; charset=x"), Some("a.obj")), FormatHint(Some(NamedFormat::Stl)));
+        assert_eq!(FormatHint::new(Some("text/plain"), Some("a.b.OBJ")), FormatHint(Some(NamedFormat::Obj)));
+        assert_eq!(FormatHint::new(Some("application/octet-stream"), Some("obj")), FormatHint(None));
+        assert_eq!(FormatHint::new(None, None), FormatHint::default());
+    }
+
+    #[test]
+    fn a_binary_file_is_an_stl_where_its_length_or_its_numbers_fit() {
+        let noise: Vec<u8> = (0..2000_u32).map(|index| (index.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+        assert!(detect(&noise, FormatHint::default(), false).is_err());
+        assert_eq!(family(&noise, "a.stl"), Family::StlBinary);
+        assert_eq!(family(&[binary_stl(b"longer"), b"and more".to_vec()].concat(), "a"), Family::StlBinary);
     }
 
     #[test]
@@ -280,19 +336,35 @@ mod tests {
     #[test]
     fn what_is_known_but_not_read_is_named() {
         for (head, word) in [
-            (&b"\xff\xfe1\0"[..], "UTF-16"),
-            (b"1\0,\x002\0", "UTF-16"),
+            (&b"1\0,\x002\0"[..], "UTF-16"),
             (b"\x001\0,\x002", "UTF-16"),
             (b"\x1f\x8b\x08", "gzip"),
-            (b"PK\x03\x04rest", "ZIP"),
+            (b"7z\xbc\xaf\x27\x1c\0\x04", "7z"),
             (b"ISO-10303-21;", "STEP"),
+            (b"OFF\n8 6 12\n", "OFF"),
+            (b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n", "DXF"),
+            (b"999\nmade by us\n0\nSECTION\n", "DXF"),
+            (b"                                                                        S      1\n", "IGES"),
+            (b"{\"scene\": 0, \"asset\": {\"version\": \"2.0\"}}", "glTF"),
+            (b"glTF\x02\0\0\0", "glTF"),
+            (b"%\nO1000 (PART)\nG21\n", "G-code"),
+            (b"(made by us)\nN10 G21 G90\n", "G-code"),
+            (b"; made by us\nG21G90\n", "G-code"),
+            (b"\x89PNG\r\n\x1a\n", "PNG"),
+            (b"\xff\xd8\xff\xe0", "JPEG"),
+            (b"%PDF-1.7", "PDF"),
+            (b"<?xml version=\"1.0\"?>\n<COLLADA>", "COLLADA"),
+            (b"ncols 4\nnrows 6\n", "ESRI"),
+            (b"\x01\x02\x03\x04", "binary file"),
         ] {
-            let fault = find(head, Hint::default()).unwrap_err();
+            let fault = detect(head, FormatHint::default(), false).unwrap_err();
             assert_eq!(fault.kind(), FaultKind::UnknownFormat);
             assert!(fault.found().contains(word), "{fault}");
         }
-        let fault = find(b"1,2,3\n1,\x002,3\n", Hint::new(None, Some("a.csv"))).unwrap_err();
-        assert_eq!(fault.to_string(), "byte 8: expected text, found the control byte 0x00");
-        assert_eq!(find(b"", Hint::default()).unwrap_err().kind(), FaultKind::Empty);
+        let fault = detect(b"1,2,3\n1,\x002,3\n", FormatHint::new(None, Some("a.csv")), false).unwrap_err();
+        let sentence =
+            "byte 8: expected points in text, PCD, STL, OBJ, PLY or 3MF, found a file with the control byte 0x00, which is not text";
+        assert_eq!(fault.to_string(), sentence);
+        assert_eq!(detect(b"", FormatHint::default(), false).unwrap_err().kind(), FaultKind::Empty);
     }
 }

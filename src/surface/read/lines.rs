@@ -1,45 +1,45 @@
-//! Lines out of chunks that are cut anywhere, and words out of lines.
+//! Lines joined from chunks that end anywhere, and the words of a line.
 
 use super::fault::{Fault, FaultKind, Flaw};
 
-/// The longest line that is read, in bytes: far longer than any point, facet or polygon needs, and all that a reader of text holds.
+/// The longest line that is accepted, in bytes: far longer than any point, facet or polygon needs. It bounds what a reader of text holds.
 pub(super) const LONGEST_LINE: usize = 1 << 16;
 
 /// Joins chunks into lines. A line ends with LF, CR LF, or CR alone.
 #[derive(Debug)]
 pub(super) struct Lines {
-    /// The start of a line whose end has not arrived.
+    /// The incomplete line at the end of the last chunk.
     begun: Vec<u8>,
-    /// Lines that have ended.
+    /// How many lines are complete.
     ended: u64,
-    /// The last byte was a CR that ended a line, so that a LF right after it belongs to it.
+    /// The last chunk ended with a CR, so that a LF at the start of the next belongs to the same line end.
     after_cr: bool,
 }
 
 impl Lines {
-    /// `before` lines of the file have been read by others.
+    /// Numbers the lines as if `before` lines preceded them.
     pub(super) fn after(before: u64) -> Self {
         Self { begun: Vec::new(), ended: before, after_cr: false }
     }
 
-    /// Counts lines that others have read, between lines that this one reads.
+    /// Adds lines that were read elsewhere to the count.
     pub(super) fn skip(&mut self, lines: u64) {
         self.ended += lines;
-        // A line's end that is cut belongs to the others' text.
+        // A line end that was split between chunks belongs to those lines.
         self.after_cr = false;
     }
 
-    /// How many lines there were before the one that is being read.
+    /// How many lines precede the current one.
     pub(super) fn ended(&self) -> u64 {
         self.ended
     }
 
-    /// The number of the line that is being read, counted from 1.
+    /// The number of the current line, counted from 1.
     pub(super) fn number(&self) -> u64 {
         self.ended + 1
     }
 
-    /// Hands every line that ends in `chunk` to `each`, without its end.
+    /// Passes every line that ends in `chunk` to `each`, without its line end.
     pub(super) fn push(&mut self, mut chunk: &[u8], mut each: impl FnMut(&[u8], u64) -> Result<(), Flaw>) -> Result<(), Fault> {
         if self.after_cr
             && let Some((&first, rest)) = chunk.split_first()
@@ -73,10 +73,12 @@ impl Lines {
         self.begin(chunk)
     }
 
-    /// Hands out the last line, where no line end follows it.
+    /// Passes the last line to `each` where no line end follows it.
     pub(super) fn finish(&mut self, mut each: impl FnMut(&[u8], u64) -> Result<(), Flaw>) -> Result<(), Fault> {
         let number = self.number();
-        let last = std::mem::take(&mut self.begun);
+        let mut last = std::mem::take(&mut self.begun);
+        // Null bytes and Ctrl-Z after the last line are the end of a text, as old systems write it.
+        while last.pop_if(|byte| matches!(*byte, 0 | 0x1a)).is_some() {}
         if last.is_empty() { Ok(()) } else { each(&last, number).map_err(|flaw| flaw.at_line(number)) }
     }
 
@@ -94,23 +96,9 @@ pub(super) fn too_long() -> Flaw {
     Flaw::new(FaultKind::TooLarge, format!("at most {LONGEST_LINE} bytes in a line"), "a longer one")
 }
 
-/// Where the first CR or LF is. Eight bytes at a time: subtracting 1 from every byte of a word carries into the highest bit of
-/// those that were 0, and the lowest of these is exact.
+/// The position of the first CR or LF.
 pub(super) fn line_end(bytes: &[u8]) -> Option<usize> {
-    const ONES: u64 = u64::MAX / 0xff;
-    const HIGHEST: u64 = ONES << 7;
-    const LF: u64 = ONES * b'\n' as u64;
-    const CR: u64 = ONES * b'\r' as u64;
-    let zeros = |word: u64| word.wrapping_sub(ONES) & !word & HIGHEST;
-    let (words, rest) = bytes.as_chunks::<8>();
-    for (index, word) in words.iter().enumerate() {
-        let word = u64::from_le_bytes(*word);
-        let ends = zeros(word ^ LF) | zeros(word ^ CR);
-        if ends != 0 {
-            return Some(index * 8 + ends.trailing_zeros() as usize / 8);
-        }
-    }
-    rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).map(|at| words.len() * 8 + at)
+    memchr::memchr2(b'\n', b'\r', bytes)
 }
 
 /// Whether `byte` separates words inside a line.
@@ -215,12 +203,6 @@ mod tests {
             let edges: Vec<usize> = std::iter::once(0).chain(cuts).chain([text.len()]).collect();
             let chunks: Vec<&[u8]> = edges.windows(2).map(|pair| &text.as_bytes()[pair[0]..pair[1]]).collect();
             prop_assert_eq!(lines_of(&chunks), lines_of(&[text.as_bytes()]));
-        }
-
-        #[test]
-        fn the_first_end_is_found(bytes in proptest::collection::vec(prop_oneof![8 => any::<u8>(), 1 => Just(b'\n'), 1 => Just(b'\r')], 0..50)) {
-            let plain = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
-            prop_assert_eq!(line_end(&bytes), plain);
         }
     }
 }

@@ -1,11 +1,11 @@
-//! What OBJ and PLY have in common: vertices that are kept, because faces name them by number.
+//! Vertices and the current face of an indexed mesh, shared by the readers of OBJ and PLY.
 
 use super::Sink;
 use super::fault::{FaultKind, Flaw};
 use super::polygon::{Cut, Polygon};
 use super::vertices::Vertices;
 
-/// The vertices so far, and the face that is being read.
+/// The vertices read so far, and the face that is being read.
 #[derive(Debug)]
 pub(super) struct Mesh {
     vertices: Vertices,
@@ -16,7 +16,7 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// No vertices, with room for `limit`; memory is taken as they come.
+    /// An empty mesh of at most `limit` vertices; memory grows with the vertices that arrive.
     pub(super) fn new(limit: usize) -> Self {
         Self { vertices: Vertices::default(), limit, face: Polygon::default(), facets: 0, crossed: 0 }
     }
@@ -29,12 +29,12 @@ impl Mesh {
         &self.vertices
     }
 
-    /// Facets handed to the sink.
+    /// Facets passed to the sink.
     pub(super) fn facets(&self) -> u64 {
         self.facets
     }
 
-    /// Polygons that no cut into triangles represents.
+    /// Polygons whose outline crosses itself.
     pub(super) fn crossed(&self) -> u64 {
         self.crossed
     }
@@ -52,7 +52,18 @@ impl Mesh {
         self.vertices.get(vertex).map(|corner| self.face.add(*corner))
     }
 
-    /// Hands the face that has been read to the sink, in triangles, and begins another.
+    /// Passes a triangle of the vertices with these numbers to the sink, unless a number occurs twice; `None` where a vertex is missing.
+    pub(super) fn add_triangle<S: Sink>(&mut self, vertices: [usize; 3], sink: &mut S) -> Option<()> {
+        let [a, b, c] = vertices;
+        let corners = [*self.vertices.get(a)?, *self.vertices.get(b)?, *self.vertices.get(c)?];
+        if a != b && b != c && c != a {
+            self.facets += 1;
+            sink.facet(corners);
+        }
+        Some(())
+    }
+
+    /// Passes the current face to the sink as triangles, and starts the next.
     pub(super) fn close_face<S: Sink>(&mut self, sink: &mut S) -> Result<(), Flaw> {
         let corners = self.face.corners().len();
         if corners < 3 {

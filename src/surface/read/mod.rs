@@ -1,79 +1,94 @@
-//! Readers of the files in which surfaces come: text with points, STL, OBJ and PLY.
+//! Readers of surface files: points in text, ASCII PCD, STL, OBJ, PLY and 3MF.
 //!
-//! A [`Reader`] is given a file in chunks, cut anywhere, and hands points and facets to a [`Sink`] as it understands them. Where
-//! a file has facets the sink gets these, otherwise its points. Text and STL pass through without being held; OBJ and PLY, whose
-//! facets name vertices by number, hold their vertices and nothing else. A count that a file states is believed only as its
-//! data arrive.
+//! A [`Reader`] takes a file in chunks that end anywhere, and passes points and facets to a [`Sink`]. The sink gets the facets of a
+//! file that has them, otherwise its points. Text, PCD and STL are not held; OBJ and PLY, whose facets refer to vertices by number, hold
+//! the vertices; 3MF, whose directory stands at its end, holds the compressed file and its meshes. Memory grows with the data that
+//! arrive, not with the counts that a file states.
 //!
-//! What a reader does not understand it refuses with a [`Fault`] that names line or byte; what it leaves out on purpose it
-//! counts in the [`Summary`]. What the surface's moments are is no concern of this module, nor is the unit of the coordinates.
+//! A file that cannot be read, or can be read in two ways, is refused with a [`Fault`] that names line or byte. What is left out on
+//! purpose is counted in the [`Summary`]. Coordinates are passed on in the file's unit; where the file states one, the summary has it.
 
+mod blocks;
 mod decimal;
 mod fault;
 mod format;
+mod known;
 mod lines;
-mod lots;
 mod mesh;
 mod obj;
+mod pcd;
 mod ply;
 mod polygon;
 mod stl_ascii;
 mod stl_binary;
 mod text;
+mod three_mf;
+mod utf_16;
 mod vertices;
 
-pub use fault::{Fault, FaultKind, Place};
-pub use format::{Format, Hint};
-pub use lots::{Lot, LotRead};
+pub use blocks::{BlockOutcome, TextBlock};
+pub use fault::{Fault, FaultKind, FileLocation};
+pub use format::{Format, FormatHint};
+pub use three_mf::DEFAULT_ARCHIVE_LIMIT;
 
-use super::{LARGEST_COORDINATE, Sink};
-use format::{Found, HEAD};
+use super::{LARGEST_COORDINATE, Sink, Unit};
+use format::{Detected, HEAD};
+use utf_16::Utf16;
 
-/// The vertices that an OBJ or PLY file may have unless [`Reader::with_vertex_limit`] says otherwise: 480 MB of coordinates.
+/// The vertices that an OBJ, PLY or 3MF file may have unless [`Reader::with_vertex_limit`] says otherwise: 480 MB of coordinates.
 pub const DEFAULT_VERTEX_LIMIT: usize = 20_000_000;
 
-/// What was read.
+/// What a reader found in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Summary {
-    /// The format, as the content showed it.
+    /// The format, by the content.
     pub format: Format,
-    /// Points handed to the sink.
+    /// Points passed to the sink.
     pub points: u64,
-    /// Facets handed to the sink, a polygon of n corners counting n - 2.
+    /// Facets passed to the sink; a polygon of n corners counts n - 2.
     pub facets: u64,
-    /// What was left out on purpose, or taken although it looks odd.
+    /// The unit of the coordinates, where the file states one: 3MF always does, text may in its header. A caller that assumes another unit
+    /// for a text would read it wrongly.
+    pub unit: Option<Unit>,
+    /// What was left out on purpose, or accepted although it is unusual.
     pub notes: Notes,
 }
 
-/// What a reader left out on purpose, or took although it looks odd; all zero for a clean file.
+/// What a reader left out on purpose, or accepted although it is unusual; all zero for a clean file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Notes {
-    /// Text: columns beside x, y and z, as the first line of data has them.
+    /// Text and PCD: columns beside x, y and z, in the first line of data.
     pub further_columns: u64,
     /// Binary STL and PLY: bytes after the end that the file's counts give.
     pub trailing_bytes: u64,
-    /// OBJ: point and line elements. PLY: rows of elements other than vertices and faces. They are no part of a surface.
+    /// OBJ: point and line elements. PLY: rows of elements other than vertices, faces and triangle strips. 3MF: placed objects of the types
+    /// `support` and `other`. They are not part of a surface.
     pub other_elements: u64,
     /// OBJ and PLY: polygons whose outline crosses itself or doubles back, so that no cut into triangles gives their area.
     pub crossed_polygons: u64,
+    /// PCD: points without coordinates (`nan`), which stand for measurements without an echo.
+    pub missing_points: u64,
     /// ASCII STL: the file ends inside a solid, at the end of a facet. It may have been cut off.
     pub missing_end: bool,
 }
 
 /// Reads one file, whatever its format.
 ///
-/// Push the file's bytes in chunks of any size, then finish. What comes out, and what the sink gets, does not depend on where
-/// the chunks are cut. The format comes from the first 64 KiB, helped by the [`Hint`] where they leave it open.
+/// Push the file's bytes in chunks of any size, then finish. The result does not depend on where the chunks end. The format comes from
+/// the first 64 KiB, and from the [`FormatHint`] where they leave it open. Text in UTF-16 with a byte-order mark is converted.
 #[derive(Debug)]
 pub struct Reader {
-    hint: Hint,
+    hint: FormatHint,
     vertex_limit: usize,
+    archive_limit: usize,
+    /// The decoder of a file in UTF-16.
+    utf_16: Option<Utf16>,
     stage: Stage,
 }
 
 #[derive(Debug)]
 enum Stage {
-    /// The format is not known; what has arrived of the head is kept.
+    /// The format is not known yet; the first bytes are held.
     Head(Vec<u8>),
     Body(Box<Body>),
     Refused(Fault),
@@ -82,20 +97,30 @@ enum Stage {
 #[derive(Debug)]
 enum Body {
     Text(text::Reader),
+    Pcd(pcd::Reader),
     StlAscii(stl_ascii::Reader),
     StlBinary(stl_binary::Reader),
     Obj(obj::Reader),
     Ply(ply::Reader),
+    ThreeMf(three_mf::Reader),
 }
 
 impl Reader {
-    /// A reader for one file, of which the caller knows what `hint` says.
+    /// A reader for one file.
     #[must_use]
-    pub fn new(hint: Hint) -> Self {
-        Self { hint, vertex_limit: DEFAULT_VERTEX_LIMIT, stage: Stage::Head(Vec::new()) }
+    pub fn new(hint: FormatHint) -> Self {
+        let stage = Stage::Head(Vec::new());
+        Self { hint, vertex_limit: DEFAULT_VERTEX_LIMIT, archive_limit: DEFAULT_ARCHIVE_LIMIT, utf_16: None, stage }
     }
 
-    /// The same with room for `vertices` vertices of an OBJ or PLY file, 24 bytes each.
+    /// The same with room for `bytes` compressed bytes of a 3MF file.
+    #[must_use]
+    pub fn with_archive_limit(self, bytes: usize) -> Self {
+        Self { archive_limit: bytes, ..self }
+    }
+
+    /// The same with room for `vertices` vertices of an OBJ, PLY or 3MF file, 24 bytes each; a 3MF file may have twice as many triangles,
+    /// 12 bytes each, and place four times as many.
     #[must_use]
     pub fn with_vertex_limit(self, vertices: usize) -> Self {
         Self { vertex_limit: vertices, ..self }
@@ -110,25 +135,25 @@ impl Reader {
         self.remember(result)
     }
 
-    /// Takes the next bytes of a file of which all come this way, for a caller with several threads. Of long texts with points whole lots
-    /// are put off to `lots` instead of being handed to `sink`. The caller reads them where and when it likes, but tells the reader of
-    /// each by [`Reader::take_in`], in their order, before it pushes more; the points of a lot come after all that `sink` has by then.
+    /// Takes the next bytes of a file, for a caller with several threads that passes the whole file this way. Blocks of lines of long texts are
+    /// appended to `blocks` instead of being read. The caller reads them on any thread, and calls [`Reader::record_block`] for each, in
+    /// their order, before it pushes more. The points of a block follow all points that `sink` has by then.
     ///
     /// # Errors
     /// As [`Reader::push`].
-    pub fn push_in_lots<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, lots: &mut Vec<Lot>) -> Result<(), Fault> {
-        let result = self.advance(chunk, sink, Some(lots));
+    pub fn push_in_blocks<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, blocks: &mut Vec<TextBlock>) -> Result<(), Fault> {
+        let result = self.advance(chunk, sink, Some(blocks));
         self.remember(result)
     }
 
-    /// Takes note of what was in the next of the lots that were put off.
+    /// Records the result of reading the next of the blocks.
     ///
     /// # Errors
-    /// The lot's first [`Fault`], with its line counted from the start of the file; from then on that one again.
-    pub fn take_in(&mut self, read: LotRead) -> Result<(), Fault> {
+    /// The block's first [`Fault`], with its line counted from the start of the file; from then on that one again.
+    pub fn record_block(&mut self, read: BlockOutcome) -> Result<(), Fault> {
         let result = match &mut self.stage {
             Stage::Body(body) => match &mut **body {
-                Body::Text(reader) => reader.take_in(read),
+                Body::Text(reader) => reader.record_block(read),
                 _ => Ok(()),
             },
             Stage::Head(_) => Ok(()),
@@ -137,7 +162,7 @@ impl Reader {
         self.remember(result)
     }
 
-    /// Takes note that the file has ended.
+    /// Ends the file.
     ///
     /// # Errors
     /// The first [`Fault`] of the file, which may be that it ends here.
@@ -150,17 +175,20 @@ impl Reader {
         match self.stage {
             Stage::Body(body) => match *body {
                 Body::Text(reader) => reader.finish(sink),
+                Body::Pcd(reader) => reader.finish(sink),
                 Body::StlAscii(reader) => reader.finish(sink),
                 Body::StlBinary(reader) => reader.finish(),
                 Body::Obj(reader) => reader.finish(sink),
                 Body::Ply(reader) => reader.finish(sink),
+                Body::ThreeMf(reader) => reader.finish(sink),
             },
             Stage::Refused(fault) => Err(fault),
             Stage::Head(_) => unreachable!("a head is opened above"),
         }
     }
 
-    /// The memory that the reader holds beyond a fixed amount, in bytes: the vertices of an OBJ or PLY file. It grows by at most some
+    /// The memory that the reader holds beyond a fixed amount, in bytes: the vertices of an OBJ or PLY file, and a 3MF file as
+    /// it is received. It grows by at most some
     /// times the length of a chunk with each push.
     #[must_use]
     pub fn held_bytes(&self) -> usize {
@@ -168,7 +196,8 @@ impl Reader {
         match &**body {
             Body::Obj(reader) => reader.held_bytes(),
             Body::Ply(reader) => reader.held_bytes(),
-            Body::Text(_) | Body::StlAscii(_) | Body::StlBinary(_) => 0,
+            Body::ThreeMf(reader) => reader.held_bytes(),
+            Body::Text(_) | Body::Pcd(_) | Body::StlAscii(_) | Body::StlBinary(_) => 0,
         }
     }
 
@@ -179,9 +208,9 @@ impl Reader {
         result
     }
 
-    fn advance<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, mut lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
+    fn advance<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, mut blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
         match &mut self.stage {
-            Stage::Head(head) if head.is_empty() && chunk.len() >= HEAD => self.open(chunk, sink, lots),
+            Stage::Head(head) if head.is_empty() && chunk.len() >= HEAD => self.open(chunk, sink, blocks),
             Stage::Head(head) => {
                 let (part, rest) = chunk.split_at(chunk.len().min(HEAD - head.len()));
                 head.extend_from_slice(part);
@@ -189,41 +218,60 @@ impl Reader {
                     return Ok(());
                 }
                 let head = std::mem::take(head);
-                self.open(&head, sink, lots.as_deref_mut())?;
-                self.advance(rest, sink, lots)
+                self.open(&head, sink, blocks.as_deref_mut())?;
+                self.advance(rest, sink, blocks)
             }
-            Stage::Body(body) => body.push(chunk, sink, lots),
+            Stage::Body(body) => match &mut self.utf_16 {
+                Some(decoder) => body.push(&decoder.decode(chunk), sink, blocks),
+                None => body.push(chunk, sink, blocks),
+            },
             Stage::Refused(fault) => Err(fault.clone()),
         }
     }
 
-    /// Chooses the format by the first bytes of the file and has them read.
-    fn open<S: Sink>(&mut self, start: &[u8], sink: &mut S, lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
-        let Found { format, mark } = format::find(&start[..start.len().min(HEAD)], self.hint)?;
+    /// Detects the format by the first bytes of the file and starts to read it.
+    fn open<S: Sink>(&mut self, start: &[u8], sink: &mut S, blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
+        let decoded;
+        let (start, head) = match Utf16::by_mark(start) {
+            Some(mut decoder) => {
+                // The head ends at the same byte of the file, however the chunks end.
+                let (head, rest) = start.split_at(start.len().min(HEAD));
+                let head = decoder.decode(head);
+                decoded = [head.as_slice(), &decoder.decode(rest)].concat();
+                self.utf_16 = Some(decoder);
+                (decoded.as_slice(), head.len())
+            }
+            None => (start, start.len().min(HEAD)),
+        };
+        let Detected { format, mark } = format::detect(&start[..head], self.hint, self.utf_16.is_some())?;
         let mut body = Box::new(match format {
             format::Family::Text => Body::Text(text::Reader::new()),
+            format::Family::Pcd => Body::Pcd(pcd::Reader::new()),
             format::Family::StlAscii => Body::StlAscii(stl_ascii::Reader::new()),
             format::Family::StlBinary => Body::StlBinary(stl_binary::Reader::new()),
             format::Family::Obj => Body::Obj(obj::Reader::new(self.vertex_limit)),
             format::Family::Ply => Body::Ply(ply::Reader::new(self.vertex_limit, mark as u64)),
+            format::Family::ThreeMf => Body::ThreeMf(three_mf::Reader::new(self.archive_limit, self.vertex_limit)),
         });
-        body.push(&start[mark..], sink, lots)?;
+        body.push(&start[mark..], sink, blocks)?;
         self.stage = Stage::Body(body);
         Ok(())
     }
 }
 
 impl Body {
-    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, lots: Option<&mut Vec<Lot>>) -> Result<(), Fault> {
+    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
         match self {
-            Self::Text(reader) => match lots {
-                Some(lots) => reader.push_in_lots(chunk, sink, lots),
+            Self::Text(reader) => match blocks {
+                Some(blocks) => reader.push_in_blocks(chunk, sink, blocks),
                 None => reader.push(chunk, sink),
             },
+            Self::Pcd(reader) => reader.push(chunk, sink),
             Self::StlAscii(reader) => reader.push(chunk, sink),
             Self::StlBinary(reader) => reader.push(chunk, sink),
             Self::Obj(reader) => reader.push(chunk, sink),
             Self::Ply(reader) => reader.push(chunk, sink),
+            Self::ThreeMf(reader) => reader.push(chunk),
         }
     }
 }

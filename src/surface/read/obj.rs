@@ -1,9 +1,9 @@
 //! Wavefront OBJ: vertices (`v`) and polygons (`f`) that name them by number, from 1 at the start of the file or from -1 backwards.
 //!
-//! A face may name only vertices that stand before it. Weights and colours after a vertex, and texture coordinates and normals of
-//! a corner, are not looked at; nor are groups, materials and names. Point and line elements are no part of a surface and are
-//! counted. A file without faces is its vertices. Free-form curves and surfaces are refused: their control points do not lie on
-//! them. So are statements that OBJ does not have.
+//! A face may name only vertices that precede it. Weights and colours after a vertex, texture coordinates and normals of a corner,
+//! groups, materials and names are ignored. Point and line elements are not part of a surface and are counted. A file without faces
+//! yields its vertices as points. Free-form curves and surfaces are refused, because their control points do not lie on them. So are
+//! unknown statements.
 
 use super::decimal::coordinate;
 use super::fault::{Fault, FaultKind, Flaw, quoted};
@@ -21,7 +21,7 @@ pub(super) struct Reader {
 #[derive(Debug)]
 struct Content {
     mesh: Mesh,
-    /// The start of a statement that goes on in the next line.
+    /// The part of a statement that a backslash continues on the next line.
     begun: Vec<u8>,
     other_elements: u64,
 }
@@ -47,7 +47,7 @@ impl Reader {
         let mesh = &self.content.mesh;
         let notes = Notes { other_elements: self.content.other_elements, crossed_polygons: mesh.crossed(), ..Notes::default() };
         if mesh.facets() > 0 {
-            return Ok(Summary { format: Format::Obj, points: 0, facets: mesh.facets(), notes });
+            return Ok(Summary { format: Format::Obj, points: 0, facets: mesh.facets(), unit: None, notes });
         }
         if mesh.vertices().is_empty() {
             return Err(Flaw::new(FaultKind::Empty, "a vertex", "the end of the file").at_line(number));
@@ -55,12 +55,12 @@ impl Reader {
         for vertex in mesh.vertices().iter() {
             sink.point(*vertex);
         }
-        Ok(Summary { format: Format::Obj, points: mesh.vertices().len() as u64, facets: 0, notes })
+        Ok(Summary { format: Format::Obj, points: mesh.vertices().len() as u64, facets: 0, unit: None, notes })
     }
 }
 
 impl Content {
-    /// Takes a line. A backslash at its end joins the next to it, save in a comment, where it may end the name of a folder.
+    /// Reads a line. A backslash at its end continues the statement on the next line, except in a comment, where it may end a path.
     fn line<S: Sink>(&mut self, line: &[u8], sink: &mut S) -> Result<(), Flaw> {
         let line = trimmed(line);
         if self.begun.is_empty() && line.first() == Some(&b'#') {
@@ -78,7 +78,7 @@ impl Content {
         if goes_on { Ok(()) } else { self.end(sink) }
     }
 
-    /// Takes the statement that has been joined from lines.
+    /// Reads the statement that was joined from several lines.
     fn end<S: Sink>(&mut self, sink: &mut S) -> Result<(), Flaw> {
         let mut joined = std::mem::take(&mut self.begun);
         self.statement(&joined, sink)?;
@@ -124,7 +124,7 @@ impl Content {
     }
 }
 
-/// A vertex as a face names it: from the start, or backwards from the last.
+/// A vertex number as a face writes it: counted from the first vertex, or backwards from the last.
 #[derive(Debug, Clone, Copy)]
 struct VertexNumber {
     backwards: bool,
@@ -132,7 +132,7 @@ struct VertexNumber {
 }
 
 impl VertexNumber {
-    /// The place of the vertex, counted from 0, where `before` vertices have been read.
+    /// The index of the vertex, counted from 0, where `before` vertices have been read.
     fn resolve(self, before: usize) -> Option<usize> {
         if self.backwards { before.checked_sub(self.count).filter(|_| self.count > 0) } else { self.count.checked_sub(1) }
     }
@@ -145,7 +145,7 @@ fn vertex_number(word: &[u8]) -> Result<VertexNumber, Flaw> {
     let mut at = start;
     let mut count: usize = 0;
     while let Some(digit) = word.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
-        // What no index reaches stays out of reach.
+        // A saturated count is out of range like the number it stands for.
         count = count.saturating_mul(10).saturating_add(usize::from(digit));
         at += 1;
     }
@@ -160,7 +160,7 @@ fn vertex_number(word: &[u8]) -> Result<VertexNumber, Flaw> {
     Ok(VertexNumber { backwards, count })
 }
 
-/// Statements that have no part in where the surface is; the others are refused.
+/// Accepts statements that do not affect the shape, and refuses the others.
 fn ignored(keyword: &[u8]) -> Result<(), Flaw> {
     const WITHOUT_SHAPE: [&[u8]; 22] = [
         b"vt",

@@ -1,30 +1,30 @@
-//! Polygons cut into triangles that keep to the polygon's side, so that area, moments and direction are those of the polygon.
+//! Triangulation of polygons: the triangles have the polygon's orientation, so that area, moments and normals are the polygon's.
 //!
-//! A fan from the first corner does for every convex polygon and many others. Where a triangle of the fan would be turned over,
-//! ears are cut off one after the other instead [Meisters 1975, two ears theorem].
+//! A fan from the first corner covers every convex polygon and many others. Where a triangle of the fan would have the opposite
+//! orientation, ear clipping is used instead [Meisters 1975, two ears theorem].
 
 use super::fault::{FaultKind, Flaw};
 
 /// The most corners of a polygon.
 const MOST_CORNERS: usize = 1 << 16;
 
-/// The most corners of a polygon that no fan covers: the work on ears grows with their square.
+/// The most corners of a polygon that no fan covers: the time of ear clipping grows with their square.
 const MOST_CORNERS_BY_EARS: usize = 512;
 
-/// Part of a polygon's area by which a triangle may be turned over and pass: corners in single precision are off by 6e-8 of their
-/// size, which turns over triangles whose corners should be in line.
+/// The share of a polygon's area by which a triangle may have the opposite orientation: corners in single precision are rounded by 6e-8
+/// of their size, which reverses triangles whose corners should be collinear.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// How a polygon was cut.
+/// How well the triangles represent the polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cut {
     /// The triangles are the polygon.
     Exact,
-    /// The outline crosses itself: the triangles have its area vector, but some are turned over.
+    /// The outline crosses itself: the triangles have its area vector, but some have the opposite orientation.
     Crossed,
 }
 
-/// A polygon, and room for cutting it that is used again for the next.
+/// A polygon, and buffers for its triangulation that are reused for the next.
 #[derive(Debug, Default)]
 pub(super) struct Polygon {
     corners: Vec<[f64; 3]>,
@@ -48,7 +48,7 @@ impl Polygon {
         Ok(())
     }
 
-    /// Hands the triangles to `emit`, in the order of the corners.
+    /// Passes the triangles to `emit`, in the order of the corners.
     pub(super) fn cut(&mut self, mut emit: impl FnMut([[f64; 3]; 3])) -> Result<Cut, Flaw> {
         let corners = &self.corners[..];
         if let &[a, b, c] = corners {
@@ -76,7 +76,7 @@ impl Polygon {
 /// Whether a fan from the first corner covers a polygon.
 enum Fan {
     Fits,
-    /// Some triangles are turned over against the polygon, whose area vector (doubled) this is.
+    /// Some triangles have the opposite orientation; with the polygon's area vector, doubled.
     TurnsOver([f64; 3]),
     /// The triangles cancel each other.
     Crosses,
@@ -92,7 +92,7 @@ fn judge(corners: &[[f64; 3]]) -> Fan {
         area = [area[0] + triangle[0], area[1] + triangle[1], area[2] + triangle[2]];
         sizes += dot(triangle, triangle).sqrt();
     }
-    // A line rather than a polygon: whatever its triangles do, they cover nothing.
+    // A line rather than a polygon: its triangles have no area, whatever their orientation.
     if sizes <= NEGLIGIBLE * extent {
         return Fan::Fits;
     }
@@ -103,13 +103,13 @@ fn judge(corners: &[[f64; 3]]) -> Fan {
     if triangles().all(|triangle| dot(triangle, area) >= -NEGLIGIBLE * square) { Fan::Fits } else { Fan::TurnsOver(area) }
 }
 
-/// What is left of a polygon while ears are cut off it, seen along its normal, counter-clockwise.
+/// The remaining outline during ear clipping, projected along the polygon's normal, counter-clockwise.
 #[derive(Debug, Default)]
 struct Ring {
     flat: Vec<[f64; 2]>,
     next: Vec<usize>,
     previous: Vec<usize>,
-    /// Corners at which the outline turns inwards: only they can stand in the way of an ear.
+    /// Reflex corners: only they can lie inside an ear.
     inward: Vec<usize>,
 }
 
@@ -119,10 +119,10 @@ impl Ring {
         let mut left = corners.len();
         let mut at = 0;
         let mut refused = 0;
-        // Corners on the border of an ear block it at first; where that leaves no ear, as where two parts of the outline run along
-        // each other, only those inside do.
+        // At first a corner on the border of an ear blocks it. Where that leaves no ear, as where two parts of the outline coincide, only
+        // corners strictly inside block.
         let mut strict = false;
-        // Each corner is looked at a few times in an ordinary polygon; this many times means that it is not one.
+        // A simple polygon needs a few tests for each corner; this many mean that the polygon is not simple.
         let mut looks = 16 * corners.len();
         while left > 3 && looks > 0 {
             looks -= 1;
@@ -194,7 +194,7 @@ impl Ring {
     fn is_ear(&self, corner: usize, strict: bool) -> bool {
         let turn = self.turn(corner);
         if turn <= 0.0 {
-            // Corners in line: nothing is cut off with the middle one.
+            // Collinear corners: removing the middle one does not change the area.
             return turn == 0.0;
         }
         let [a, b, c] = [self.previous[corner], corner, self.next[corner]].map(|corner| self.flat[corner]);
@@ -210,7 +210,7 @@ impl Ring {
         self.next[before] = after;
         self.previous[after] = before;
         self.inward.retain(|inward| *inward != corner);
-        // An ear that is cut off turns its neighbours outwards, if at all.
+        // Clipping an ear can make its neighbours convex, but not reflex.
         for neighbour in [before, after] {
             if self.turn(neighbour) >= 0.0 {
                 self.inward.retain(|inward| *inward != neighbour);
@@ -225,7 +225,7 @@ fn same(a: [f64; 2], b: [f64; 2]) -> bool {
     a == b
 }
 
-/// Twice the area of the triangle a, b, p: positive where p is to the left of the way from a to b.
+/// Twice the signed area of the triangle a, b, p: positive where p is to the left of the line from a to b.
 fn side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
@@ -247,7 +247,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The triangles of a polygon given in a plane, laid on a slope, with their areas along the slope's normal.
+    /// The triangles of a plane polygon that is placed on a slope.
     fn cut(outline: &[[f64; 2]]) -> (Cut, Vec<[[f64; 3]; 3]>) {
         let mut polygon = Polygon::default();
         for [u, v] in outline {
@@ -272,7 +272,7 @@ mod tests {
         let area = shoelace(outline);
         assert_eq!(cut, Cut::Exact);
         assert_eq!(triangles.len(), outline.len() - 2);
-        // All on the polygon's side and its area in sum: then they cannot overlap.
+        // If all have the polygon's orientation and their areas sum to its area, they cannot overlap.
         assert!(triangles.iter().all(|triangle| along_normal(*triangle) >= -NEGLIGIBLE * area), "{triangles:?}");
         approx::assert_relative_eq!(triangles.iter().map(|triangle| along_normal(*triangle)).sum::<f64>(), area, max_relative = 1e-12);
     }
@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn an_outline_that_crosses_itself_is_told() {
+    fn an_outline_that_crosses_itself_is_reported() {
         assert_eq!(cut(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]).0, Cut::Crossed);
         assert_eq!(cut(&[[0.0, 0.0], [3.0, 3.0], [3.0, 0.0], [0.0, 2.0]]).0, Cut::Crossed);
     }

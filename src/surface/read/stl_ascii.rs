@@ -1,25 +1,25 @@
-//! STL in text: `solid`, then facets of three vertices each, then `endsolid`; as often as the file likes.
+//! Reader of ASCII STL: `solid`, facets of three vertices each, `endsolid`; any number of solids.
 //!
-//! Keywords may have any case and words may be spread over lines in any way, save that the name of a solid ends with its line.
-//! Normals are not looked at, since corners tell them: zero and NaN pass. The last `endsolid` may be missing, and so may one
-//! before another `solid`.
+//! Keywords may have any case and words may be spread over lines in any way, except that the name of a solid ends with its line.
+//! Normals are ignored, because the corners define them: zero and NaN are accepted. The last `endsolid` may be missing, and so may
+//! one before another `solid`.
 
 use super::decimal::{coordinate, number};
 use super::fault::{Fault, FaultKind, Flaw};
 use super::lines::{Lines, Words, trimmed_start};
 use super::{Format, LARGEST_COORDINATE, Notes, Sink, Summary};
 
-/// The words of a facet in their order; `Any` stands for a number.
+/// The words of a facet in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
     /// Between facets.
     Between,
     Normal,
-    /// A number of the normal, of which there are this many before.
+    /// A number of the normal, after this many others.
     Direction(u8),
     Outer,
     Loop,
-    /// The keyword of a corner, of which there are this many before.
+    /// The keyword of a corner, after this many others.
     Vertex(u8),
     /// A coordinate of a corner: which corner, which axis.
     Coordinate(u8, u8),
@@ -37,7 +37,7 @@ pub(super) struct Reader {
 #[derive(Debug)]
 struct State {
     step: Step,
-    /// Inside a solid, or after a facet that had none around it.
+    /// Inside a solid, or after a facet outside any solid.
     in_solid: bool,
     corners: [[f64; 3]; 3],
     facets: u64,
@@ -64,7 +64,7 @@ impl Reader {
             return Err(Flaw::new(FaultKind::Empty, step.expected(), end).at_line(self.lines.number()));
         }
         let notes = Notes { missing_end: in_solid, ..Notes::default() };
-        Ok(Summary { format: Format::StlAscii, points: 0, facets, notes })
+        Ok(Summary { format: Format::StlAscii, points: 0, facets, unit: None, notes })
     }
 }
 
@@ -105,7 +105,7 @@ impl State {
         Ok(())
     }
 
-    /// Takes a word between facets, and tells whether the rest of its line is a solid's name.
+    /// Reads a word between facets, and returns whether the rest of its line is a solid's name.
     fn between(&mut self, word: &[u8]) -> Result<bool, Flaw> {
         if word.eq_ignore_ascii_case(b"facet") {
             self.step = Step::Normal;
@@ -127,7 +127,7 @@ impl State {
         let keyword =
             |name: &[u8], next| if word.eq_ignore_ascii_case(name) { Ok(next) } else { Err(Flaw::malformed(self.step.expected(), word)) };
         self.step = match self.step {
-            Step::Between => unreachable!("the caller sees to it"),
+            Step::Between => unreachable!("the caller handles words between facets"),
             Step::Normal => keyword(b"normal", Step::Direction(0))?,
             Step::Direction(_) if word.eq_ignore_ascii_case(b"outer") => return Err(Flaw::malformed(self.step.expected(), word)),
             Step::Direction(2) => Step::Outer,
@@ -155,7 +155,7 @@ fn after_corner(corner: u8) -> Step {
     if corner < 2 { Step::Vertex(corner + 1) } else { Step::EndLoop }
 }
 
-/// The point of a line that is nothing but a vertex, as nearly all are; whatever else is left to be read word by word.
+/// The point of a line that holds exactly one vertex, as nearly all do; other lines are read word by word.
 fn vertex_line(line: &[u8]) -> Option<[f64; 3]> {
     let line = trimmed_start(line);
     let (keyword, mut rest) = line.split_at_checked(6)?;

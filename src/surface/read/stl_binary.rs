@@ -1,7 +1,7 @@
-//! Binary STL: a header of 80 bytes that says nothing, a count of 4, and for each facet 50 bytes: normal and corners in single
-//! precision, little end first, and 2 bytes to which programs give meanings of their own.
+//! Reader of binary STL: a header of 80 bytes without meaning, a count of 4 bytes, and a record of 50 bytes for each facet: normal and
+//! corners in single precision, little-endian, and 2 bytes that programs use in different ways.
 //!
-//! Normals are not looked at, since corners tell them. Bytes after the last facet are counted.
+//! Normals are ignored, because the corners define them. Bytes after the last facet are counted.
 
 use super::decimal::unbounded;
 use super::fault::{Fault, FaultKind, Flaw};
@@ -16,10 +16,10 @@ const FIRST_CORNER: usize = 12;
 /// The reader of binary STL.
 #[derive(Debug)]
 pub(super) struct Reader {
-    /// The start of a piece, header with count or record, whose end has not arrived.
+    /// The incomplete header or record at the end of the last chunk.
     begun: [u8; START],
     length: usize,
-    /// The facets that the file promises, once it has.
+    /// The count in the header, once it has arrived.
     promised: Option<u64>,
     facets: u64,
     trailing_bytes: u64,
@@ -60,7 +60,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Moves bytes from `chunk` to the piece that has begun until it has `size` of them, and tells whether it has.
+    /// Moves bytes from `chunk` to the incomplete header or record until it has `size` of them, and returns whether it has.
     fn complete(&mut self, chunk: &mut &[u8], size: usize) -> bool {
         let (part, rest) = chunk.split_at(chunk.len().min(size - self.length));
         self.begun[self.length..self.length + part.len()].copy_from_slice(part);
@@ -109,7 +109,7 @@ impl Reader {
             return Err(Flaw::new(FaultKind::Empty, "a facet", found).at_byte(HEADER as u64));
         }
         let notes = Notes { trailing_bytes: self.trailing_bytes, ..Notes::default() };
-        Ok(Summary { format: Format::StlBinary, points: 0, facets: self.facets, notes })
+        Ok(Summary { format: Format::StlBinary, points: 0, facets: self.facets, unit: None, notes })
     }
 }
 

@@ -1,4 +1,4 @@
-//! The body of PLY in text: a row a line.
+//! The body of ASCII PLY: one row in each line.
 
 use super::super::Format;
 use super::super::decimal::coordinate;
@@ -39,6 +39,7 @@ impl Rows {
             return Ok(());
         };
         let kind = element.kind;
+        surface.begin_row(kind);
         let mut words = Words::of(content);
         let mut vertex = [0.0; 3];
         for property in &element.properties {
@@ -53,7 +54,7 @@ impl Rows {
                     for _ in 0..count {
                         let item = word(&mut words, &element.name)?;
                         if corners {
-                            add_corner(item, surface)?;
+                            add_corner(item, surface, sink)?;
                         }
                     }
                 }
@@ -65,7 +66,7 @@ impl Rows {
         match kind {
             Kind::Vertex => surface.vertex(vertex, sink)?,
             Kind::Face => surface.mesh.close_face(sink)?,
-            Kind::Other => {}
+            Kind::TriStrips | Kind::Other => {}
         }
         self.advance();
         Ok(())
@@ -79,10 +80,10 @@ fn word<'a>(words: &mut Words<'a>, element: &str) -> Result<&'a [u8], Flaw> {
     })
 }
 
-fn add_corner(word: &[u8], surface: &mut Surface) -> Result<(), Flaw> {
+fn add_corner<S: Sink>(word: &[u8], surface: &mut Surface, sink: &mut S) -> Result<(), Flaw> {
     let number = integer(word);
     if number.is_none() && integer(word.strip_prefix(b"-").unwrap_or(word)).is_none() {
         return Err(Flaw::malformed("the number of a vertex", word));
     }
-    surface.corner(number, &|| quoted(word))
+    surface.corner(number, &|| quoted(word), sink)
 }

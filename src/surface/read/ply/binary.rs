@@ -1,4 +1,4 @@
-//! The binary body of PLY: rows without anything between them, their numbers in either byte order.
+//! The body of binary PLY: rows without separators, in either byte order.
 
 use super::super::decimal::unbounded;
 use super::super::fault::{Fault, FaultKind, Flaw};
@@ -14,7 +14,7 @@ pub(super) struct Body {
     steps: Vec<Step>,
     /// Which of the steps comes next.
     step: usize,
-    /// What is still to come of the list that is being read: items that are corners, bytes of others.
+    /// The rest of the current list: a number of items where they are corners, else a number of bytes.
     left: Option<u64>,
     vertex: [f64; 3],
     input: Input,
@@ -45,8 +45,11 @@ impl Body {
 
     pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], surface: &mut Surface, sink: &mut S) -> Result<(), Fault> {
         while let Some(kind) = self.rows.element().map(|element| element.kind) {
+            if self.step == 0 && self.left.is_none() {
+                surface.begin_row(kind);
+            }
             while self.step < self.steps.len() {
-                if !self.read_step(&mut chunk, surface)? {
+                if !self.read_step(&mut chunk, surface, sink)? {
                     return Ok(());
                 }
                 self.step += 1;
@@ -54,7 +57,7 @@ impl Body {
             let ended = match kind {
                 Kind::Vertex => surface.vertex(self.vertex, sink),
                 Kind::Face => surface.mesh.close_face(sink),
-                Kind::Other => Ok(()),
+                Kind::TriStrips | Kind::Other => Ok(()),
             };
             ended.map_err(|flaw| flaw.at_byte(self.input.offset))?;
             self.rows.advance();
@@ -72,9 +75,9 @@ impl Body {
         self.rows.missing().map_or(Ok(self.format), |flaw| Err(flaw.at_byte(end)))
     }
 
-    /// Reads what has arrived of the next step, and tells whether that is all.
+    /// Reads the next step as far as it has arrived, and returns whether it is complete.
     #[inline]
-    fn read_step(&mut self, chunk: &mut &[u8], surface: &mut Surface) -> Result<bool, Fault> {
+    fn read_step<S: Sink>(&mut self, chunk: &mut &[u8], surface: &mut Surface, sink: &mut S) -> Result<bool, Fault> {
         let start = self.input.offset;
         match &self.steps[self.step] {
             Step::Scalars { size, coordinates } => {
@@ -90,12 +93,19 @@ impl Body {
             }
             Step::List { count, item, corners } => {
                 let (count, item, corners) = (*count, *item, *corners);
-                self.read_list(count, item, corners, chunk, surface)
+                self.read_list((count, item, corners), chunk, surface, sink)
             }
         }
     }
 
-    fn read_list(&mut self, count: Type, item: Type, corners: bool, chunk: &mut &[u8], surface: &mut Surface) -> Result<bool, Fault> {
+    fn read_list<S: Sink>(
+        &mut self,
+        list: (Type, Type, bool),
+        chunk: &mut &[u8],
+        surface: &mut Surface,
+        sink: &mut S,
+    ) -> Result<bool, Fault> {
+        let (count, item, corners) = list;
         let mut left = if let Some(left) = self.left {
             left
         } else {
@@ -112,7 +122,7 @@ impl Body {
                 let start = self.input.offset;
                 let Some(bytes) = self.input.take(chunk, item.size()) else { break };
                 let number = integer(item, self.format, bytes);
-                surface.corner(u64::try_from(number).ok(), &|| number.to_string()).map_err(|flaw| flaw.at_byte(start))?;
+                surface.corner(u64::try_from(number).ok(), &|| number.to_string(), sink).map_err(|flaw| flaw.at_byte(start))?;
                 left -= 1;
             }
         } else {
@@ -142,12 +152,12 @@ fn steps(element: &Element) -> Vec<Step> {
     steps
 }
 
-/// Pieces of known size out of chunks that are cut anywhere.
+/// Pieces of known size joined from chunks that end anywhere.
 #[derive(Debug)]
 struct Input {
-    /// The start of a piece whose end has not arrived.
+    /// The incomplete piece at the end of the last chunk.
     begun: Vec<u8>,
-    /// It has become whole and has been used.
+    /// The piece was completed and used.
     used: bool,
     /// Bytes of the file before the next piece.
     offset: u64,
@@ -180,7 +190,7 @@ impl Input {
         self.used.then_some(&self.begun)
     }
 
-    /// Passes over up to `bytes` bytes, and tells how many have arrived.
+    /// Skips up to `bytes` bytes, and returns how many have arrived.
     fn skip(&mut self, chunk: &mut &[u8], bytes: u64) -> u64 {
         let passed = usize::try_from(bytes).unwrap_or(usize::MAX).min(chunk.len());
         *chunk = &chunk[passed..];

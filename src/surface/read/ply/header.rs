@@ -1,13 +1,13 @@
-//! The header of PLY: lines from `ply` to `end_header`.
+//! The header of PLY: the lines from `ply` to `end_header`.
 
 use super::super::Format;
 use super::super::fault::{Fault, FaultKind, Flaw, quoted};
 use super::super::lines::Words;
 
-/// The longest header, in bytes: what all its elements and properties take stays under it, too.
+/// The longest header, in bytes; it also bounds the memory for elements and properties.
 const LONGEST_HEADER: u64 = 1 << 16;
 
-/// A header that has been understood and has what a surface needs.
+/// A complete header that describes a surface.
 #[derive(Debug)]
 pub(super) struct Header {
     pub(super) format: Format,
@@ -17,7 +17,7 @@ pub(super) struct Header {
 #[derive(Debug)]
 pub(super) struct Element {
     pub(super) kind: Kind,
-    /// In quotation marks, fit to be shown.
+    /// In quotation marks, with special characters escaped.
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
@@ -27,6 +27,7 @@ pub(super) struct Element {
 pub(super) enum Kind {
     Vertex,
     Face,
+    TriStrips,
     Other,
 }
 
@@ -81,14 +82,14 @@ impl Type {
     }
 }
 
-/// Joins chunks into the header's lines and reads them.
+/// Joins chunks into the lines of the header and reads them.
 #[derive(Debug)]
 pub(super) struct HeaderLines {
     begun: Vec<u8>,
-    /// What ends a line, once the first has ended: after `end_header` and a CR, a LF may be the first byte of binary data, so that
-    /// it is part of the line's end only if it has been so before.
+    /// The line end of the first line, which holds for all. After `end_header` and a CR, a LF may be the first byte of binary data; it is
+    /// part of the line end only if it was so before.
     ending: Option<u8>,
-    /// The first line has met a CR and waits for the byte after it.
+    /// The first line ended with a CR; the next byte shows whether a LF belongs to it.
     after_cr: bool,
     ended: u64,
     skipped: u64,
@@ -98,7 +99,7 @@ pub(super) struct HeaderLines {
 }
 
 impl HeaderLines {
-    /// `skipped` bytes of the file have been passed over.
+    /// `skipped` bytes of the file precede the header.
     pub(super) fn after(skipped: u64) -> Self {
         Self { begun: Vec::new(), ending: None, after_cr: false, ended: 0, skipped, bytes: 0, format: None, elements: Vec::new() }
     }
@@ -123,7 +124,7 @@ impl HeaderLines {
         Flaw::new(FaultKind::Truncated, "a header that ends with \"end_header\"", "the end of the file").at_line(self.ended + 1)
     }
 
-    /// Takes the header's part of `chunk`, and tells what it says when it is whole.
+    /// Takes the header's part off `chunk`, and returns the header when it is complete.
     pub(super) fn push(&mut self, chunk: &mut &[u8]) -> Result<Option<Header>, Fault> {
         while let Some((&byte, rest)) = chunk.split_first() {
             if self.after_cr && byte != b'\n' {
@@ -156,7 +157,7 @@ impl HeaderLines {
         Ok(None)
     }
 
-    /// Reads the line that has ended, and tells whether it ends the header.
+    /// Reads the complete line, and returns whether it ends the header.
     fn line(&mut self) -> Result<bool, Fault> {
         let mut line = std::mem::take(&mut self.begun);
         if self.ending == Some(b'\n') && line.last() == Some(&b'\r') {
@@ -208,7 +209,7 @@ impl HeaderLines {
         let kind = match name {
             b"vertex" => Kind::Vertex,
             b"face" => Kind::Face,
-            b"tristrips" => return Err(Flaw::new(FaultKind::Malformed, "faces", "triangle strips; export the surface with faces")),
+            b"tristrips" => Kind::TriStrips,
             _ => Kind::Other,
         };
         if kind != Kind::Other && self.elements.iter().any(|element| element.kind == kind) {
@@ -229,7 +230,7 @@ impl HeaderLines {
             let count = Type::of(words.next().unwrap_or_default())?;
             let item = Type::of(words.next().unwrap_or_default())?;
             let name = name(words)?;
-            let corners = element.kind == Kind::Face && matches!(name, b"vertex_indices" | b"vertex_index");
+            let corners = matches!(element.kind, Kind::Face | Kind::TriStrips) && matches!(name, b"vertex_indices" | b"vertex_index");
             if !count.is_integer() || (corners && !item.is_integer()) {
                 return Err(Flaw::malformed("integers", name));
             }
@@ -241,15 +242,15 @@ impl HeaderLines {
             let axis = axes.iter().position(|axis| *axis == name).filter(|_| element.kind == Kind::Vertex);
             Property::Scalar { number, axis }
         };
-        let means_something = matches!(property, Property::Scalar { axis: Some(_), .. } | Property::List { corners: true, .. });
-        if means_something && element.properties.iter().any(|other| other.means_the_same_as(&property)) {
+        let has_a_role = matches!(property, Property::Scalar { axis: Some(_), .. } | Property::List { corners: true, .. });
+        if has_a_role && element.properties.iter().any(|other| other.has_the_same_role_as(&property)) {
             return Err(Flaw::new(FaultKind::Malformed, "each coordinate and the corners once", "a second time"));
         }
         element.properties.push(property);
         Ok(())
     }
 
-    /// What the lines have said, if a surface can be read by it.
+    /// The header that the lines describe, if it describes a surface.
     fn header(&mut self) -> Result<Header, Flaw> {
         let missing = |what: &'static str| Flaw::new(FaultKind::Malformed, what, "the end of the header without it");
         let format = self.format.ok_or_else(|| missing("a format"))?;
@@ -261,12 +262,16 @@ impl HeaderLines {
                 return Err(missing(name));
             }
         }
-        if let Some(face) = place(Kind::Face).filter(|face| self.elements[*face].count > 0) {
+        for (kind, list, order) in [
+            (Kind::Face, "a list vertex_indices of the faces", "the element face before vertex"),
+            (Kind::TriStrips, "a list vertex_indices of the triangle strips", "the element tristrips before vertex"),
+        ] {
+            let Some(face) = place(kind).filter(|face| self.elements[*face].count > 0) else { continue };
             if !has(&self.elements[face], &|property| matches!(property, Property::List { corners: true, .. })) {
-                return Err(missing("a list vertex_indices of the faces"));
+                return Err(missing(list));
             }
             if face < vertex {
-                return Err(Flaw::new(FaultKind::Malformed, "vertices before faces", "the element face before vertex"));
+                return Err(Flaw::new(FaultKind::Malformed, "vertices before faces", order));
             }
         }
         Ok(Header { format, elements: std::mem::take(&mut self.elements) })
@@ -274,7 +279,7 @@ impl HeaderLines {
 }
 
 impl Property {
-    fn means_the_same_as(&self, other: &Self) -> bool {
+    fn has_the_same_role_as(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Scalar { axis: one, .. }, Self::Scalar { axis: other, .. }) => one == other,
             (Self::List { corners: one, .. }, Self::List { corners: other, .. }) => one == other,

@@ -1,19 +1,22 @@
-//! PLY: a header that describes elements and their properties, then the rows of one element after the other, as text or binary
-//! in either byte order.
+//! Reader of PLY: a header that describes elements and their properties, then the rows of one element after the other, as text or
+//! binary in either byte order.
 //!
 //! Vertices need scalars x, y and z of any type; faces a list `vertex_indices` or `vertex_index` of integers. Other properties
-//! and other elements are passed over, which the header tells how to do. Vertices must come before faces. A file without faces
-//! is its vertices, which then need not be kept. Triangle strips are refused.
+//! and other elements are skipped by their description in the header. Vertices must come before faces. A file without faces
+//! yields its vertices as points, which then are not held. Triangle strips (`tristrips`) are read as well: every vertex after the
+//! first two of a strip makes a triangle with the two before it, and -1 starts another strip.
 
 mod ascii;
 mod binary;
 mod header;
+mod strip;
 
 use super::fault::{Fault, FaultKind, Flaw};
 use super::mesh::{Mesh, too_many_vertices};
 use super::{Format, Notes, Sink, Summary};
 use header::{Element, Header, HeaderLines, Kind};
 use std::collections::VecDeque;
+use strip::Strip;
 
 /// The reader of PLY.
 #[derive(Debug)]
@@ -29,18 +32,20 @@ enum Stage {
     Binary(binary::Body),
 }
 
-/// What both bodies make of the rows that they read.
+/// The surface that the rows of either kind of body describe.
 #[derive(Debug)]
 struct Surface {
     mesh: Mesh,
-    /// Faces follow, so that vertices must be kept.
+    /// The strip that is being read, where the element is triangle strips.
+    strip: Option<Strip>,
+    /// Faces or strips follow, so that vertices must be held.
     keeps: bool,
     points: u64,
     other_elements: u64,
     trailing_bytes: u64,
 }
 
-/// Elements whose rows are still to come.
+/// The elements whose rows have not all been read.
 #[derive(Debug)]
 struct Rows {
     elements: VecDeque<Element>,
@@ -49,9 +54,9 @@ struct Rows {
 }
 
 impl Reader {
-    /// `skipped` bytes of the file have been passed over.
+    /// `skipped` bytes of the file precede the header.
     pub(super) fn new(vertex_limit: usize, skipped: u64) -> Self {
-        let surface = Surface { mesh: Mesh::new(vertex_limit), keeps: false, points: 0, other_elements: 0, trailing_bytes: 0 };
+        let surface = Surface { mesh: Mesh::new(vertex_limit), strip: None, keeps: false, points: 0, other_elements: 0, trailing_bytes: 0 };
         Self { stage: Stage::Header(HeaderLines::after(skipped)), surface }
     }
 
@@ -79,20 +84,23 @@ impl Reader {
             Stage::Binary(body) => body.finish()?,
         };
         let mesh = &self.surface.mesh;
+        if self.surface.keeps && mesh.facets() == 0 {
+            return Err(Flaw::new(FaultKind::Empty, "a triangle in the strips", "none").at_byte(0));
+        }
         let notes = Notes {
             trailing_bytes: self.surface.trailing_bytes,
             other_elements: self.surface.other_elements,
             crossed_polygons: mesh.crossed(),
             ..Notes::default()
         };
-        Ok(Summary { format, points: self.surface.points, facets: mesh.facets(), notes })
+        Ok(Summary { format, points: self.surface.points, facets: mesh.facets(), unit: None, notes })
     }
 }
 
 impl Surface {
     fn begin(&mut self, header: Header, lines: &HeaderLines) -> Result<Stage, Fault> {
         let count = |kind| header.elements.iter().filter(|element| element.kind == kind).map(|element| element.count).sum::<u64>();
-        self.keeps = count(Kind::Face) > 0;
+        self.keeps = count(Kind::Face) > 0 || count(Kind::TriStrips) > 0;
         self.other_elements = header
             .elements
             .iter()
@@ -122,10 +130,19 @@ impl Surface {
         Ok(())
     }
 
-    /// A corner of the face that is being read; `None` as the number of a vertex is a negative one.
-    fn corner(&mut self, vertex: Option<u64>, written: &dyn Fn() -> String) -> Result<(), Flaw> {
+    /// Starts to read a row of this kind.
+    fn begin_row(&mut self, kind: Kind) {
+        self.strip = (kind == Kind::TriStrips).then(Strip::default);
+    }
+
+    /// A corner of the current face or strip; `None` stands for a negative number.
+    fn corner<S: Sink>(&mut self, vertex: Option<u64>, written: &dyn Fn() -> String, sink: &mut S) -> Result<(), Flaw> {
         let number = vertex.and_then(|vertex| usize::try_from(vertex).ok());
-        number.and_then(|number| self.mesh.add_corner(number)).unwrap_or_else(|| {
+        let added = match &mut self.strip {
+            Some(strip) => strip.add(number, &mut self.mesh, sink).map(Ok),
+            None => number.and_then(|number| self.mesh.add_corner(number)),
+        };
+        added.unwrap_or_else(|| {
             let expected = format!("the number of one of {} vertices, from 0", self.mesh.vertices().len());
             Err(Flaw::new(FaultKind::OutOfRange, expected, written()))
         })
@@ -138,13 +155,13 @@ impl Rows {
         self.elements.front()
     }
 
-    /// Takes note that a row has been read.
+    /// Counts a row that has been read.
     fn advance(&mut self) {
         self.read += 1;
         self.settle();
     }
 
-    /// Leaves out elements without rows to come, and those without properties, whose rows are nothing.
+    /// Drops elements without further rows, and those without properties, whose rows are empty.
     fn settle(&mut self) {
         while self.element().is_some_and(|element| element.properties.is_empty() || self.read >= element.count) {
             self.elements.pop_front();
@@ -152,7 +169,7 @@ impl Rows {
         }
     }
 
-    /// Why a file cannot end here; nothing if it can.
+    /// The fault of a file that ends here, unless all rows have been read.
     fn missing(&self) -> Option<Flaw> {
         let element = self.element()?;
         let expected = format!("{} rows of the element {}, as the header says", element.count, element.name);

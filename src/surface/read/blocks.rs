@@ -1,50 +1,52 @@
-//! Long texts in lots of whole lines, which several threads can read at once. Where a lot ends depends on the text alone, not on the
-//! chunks in which it came, so that sums over lots come out the same every time. On which threads lots are read is the caller's affair.
+//! Blocks of whole lines of a long text, which several threads can read in parallel.
+//!
+//! Where a block ends depends on the text alone, not on the chunks in which it arrives, so that sums over blocks are reproducible to the
+//! bit. The caller chooses the threads.
 
 use super::Sink;
 use super::fault::Fault;
 use super::lines::{LONGEST_LINE, line_end};
 use super::text::{self, Layout};
 
-/// A lot ends with the line that passes this size: a thread's work of a few tenths of a millisecond.
+/// A block ends with the line that passes this size: a thread's work of a few tenths of a millisecond.
 const SIZE: usize = 1 << 17;
 
 /// Consecutive lines of a file with points in text, which can be read apart from the others.
 #[derive(Debug)]
-pub struct Lot {
+pub struct TextBlock {
     lines: Vec<u8>,
     layout: Layout,
 }
 
-/// What was in a lot, to be told to its [`Reader`](super::Reader).
+/// The result of reading a block, which the caller passes to [`Reader::record_block`](super::Reader::record_block).
 #[derive(Debug)]
-#[must_use = "the reader counts lines and points by it, and learns of faults"]
-pub struct LotRead {
+#[must_use = "the reader needs it for its counts of lines and points, and for faults"]
+pub struct BlockOutcome {
     pub(super) lines: u64,
     pub(super) points: u64,
-    /// The first fault, its line counted from the lot's start.
+    /// The first fault, its line counted from the block's start.
     pub(super) result: Result<(), Fault>,
 }
 
-impl Lot {
+impl TextBlock {
     pub(super) fn new(lines: Vec<u8>, layout: Layout) -> Self {
         Self { lines, layout }
     }
 
-    /// Hands the points of these lines to `sink`, up to the first fault.
-    pub fn read<S: Sink>(self, sink: &mut S) -> LotRead {
-        text::read_lot(&self.lines, self.layout, sink)
+    /// Passes the points of these lines to `sink`, up to the first fault.
+    pub fn read<S: Sink>(self, sink: &mut S) -> BlockOutcome {
+        text::read_block(&self.lines, self.layout, sink)
     }
 }
 
-/// Cuts a text into lots.
+/// Splits a text into blocks.
 #[derive(Debug, Default)]
-pub(super) struct Cutter {
+pub(super) struct BlockSplitter {
     begun: Vec<u8>,
 }
 
-impl Cutter {
-    /// Takes the next bytes of the text, up to the end of the lot that has begun, off `chunk`; the lot, if it has ended.
+impl BlockSplitter {
+    /// Moves bytes from `chunk` into the current block, and returns the block when it is complete.
     pub(super) fn next(&mut self, chunk: &mut &[u8]) -> Option<Vec<u8>> {
         if self.begun.is_empty() {
             self.begun.reserve_exact(SIZE + LONGEST_LINE);
@@ -53,12 +55,12 @@ impl Cutter {
         if chunk.is_empty() {
             return None;
         }
-        // The CR of the last line's end may have a LF after it.
+        // A CR at the end of the block may be the first half of a CR LF.
         if self.begun.len() == SIZE || self.begun.last() != Some(&b'\r') {
             let end = line_end(chunk);
             self.take(chunk, end.map_or(chunk.len(), |end| end + 1));
             if end.is_none() {
-                // A line that is too long is found to be so when the lot is read.
+                // The reader of the block refuses a line that is too long.
                 return (self.begun.len() > SIZE + LONGEST_LINE).then(|| std::mem::take(&mut self.begun));
             }
         }
@@ -68,7 +70,7 @@ impl Cutter {
         Some(std::mem::take(&mut self.begun))
     }
 
-    /// The lot that has begun and will not go on.
+    /// The last, incomplete block.
     pub(super) fn rest(self) -> Vec<u8> {
         self.begun
     }
@@ -83,7 +85,7 @@ impl Cutter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::read::{Hint, Reader, Summary};
+    use crate::surface::read::{FormatHint, Reader, Summary};
     use proptest::prelude::*;
 
     #[derive(Debug, Default, PartialEq)]
@@ -97,15 +99,15 @@ mod tests {
         fn facet(&mut self, _: [[f64; 3]; 3]) {}
     }
 
-    /// A text as it is read in lots, chunks of `size` at a time.
-    fn read_in_lots(text: &[u8], size: usize) -> (Points, Result<Summary, Fault>) {
-        let (mut reader, mut points) = (Reader::new(Hint::default()), Points::default());
+    /// Reads a text in blocks, from chunks of `size` bytes.
+    fn read_in_blocks(text: &[u8], size: usize) -> (Points, Result<Summary, Fault>) {
+        let (mut reader, mut points) = (Reader::new(FormatHint::default()), Points::default());
         for chunk in text.chunks(size) {
-            let mut lots = Vec::new();
-            let mut pushed = reader.push_in_lots(chunk, &mut points, &mut lots);
-            for lot in lots {
-                let read = lot.read(&mut points);
-                pushed = pushed.and(reader.take_in(read));
+            let mut blocks = Vec::new();
+            let mut pushed = reader.push_in_blocks(chunk, &mut points, &mut blocks);
+            for block in blocks {
+                let read = block.read(&mut points);
+                pushed = pushed.and(reader.record_block(read));
             }
             if let Err(fault) = pushed {
                 return (points, Err(fault));
@@ -116,21 +118,21 @@ mod tests {
     }
 
     fn read_at_once(text: &[u8]) -> (Points, Result<Summary, Fault>) {
-        let (mut reader, mut points) = (Reader::new(Hint::default()), Points::default());
+        let (mut reader, mut points) = (Reader::new(FormatHint::default()), Points::default());
         let result = reader.push(text, &mut points).and_then(|()| reader.finish(&mut points));
         (points, result)
     }
 
-    /// All lots of a text that comes in chunks of `size`, the unfinished one last.
-    fn lots(text: &[u8], size: usize) -> Vec<Vec<u8>> {
-        let (mut cutter, mut lots) = (Cutter::default(), Vec::new());
+    /// All blocks of a text that arrives in chunks of `size` bytes, the incomplete one last.
+    fn blocks(text: &[u8], size: usize) -> Vec<Vec<u8>> {
+        let (mut splitter, mut blocks) = (BlockSplitter::default(), Vec::new());
         for mut chunk in text.chunks(size) {
             while !chunk.is_empty() {
-                lots.extend(cutter.next(&mut chunk));
+                blocks.extend(splitter.next(&mut chunk));
             }
         }
-        lots.push(cutter.rest());
-        lots
+        blocks.push(splitter.rest());
+        blocks
     }
 
     fn text(ends: &[&str], lines: usize) -> Vec<u8> {
@@ -141,20 +143,20 @@ mod tests {
     fn a_lot_ends_with_the_line_that_passes_its_size() {
         for ends in [&["\n"][..], &["\r\n"], &["\r"], &["\r", "\n\n", "\r\n"]] {
             let text = text(ends, 40_000);
-            let lots = lots(&text, 10_000);
-            assert!(lots.len() > 3);
-            assert_eq!(lots.concat(), text);
-            for (lot, next) in lots.iter().zip(&lots[1..]) {
-                assert!(lot.len() > SIZE && line_end(&lot[SIZE..lot.len() - 2]).is_none());
-                assert!(lot.ends_with(b"\n") || (lot.ends_with(b"\r") && next.first() != Some(&b'\n')));
+            let blocks = blocks(&text, 10_000);
+            assert!(blocks.len() > 3);
+            assert_eq!(blocks.concat(), text);
+            for (block, next) in blocks.iter().zip(&blocks[1..]) {
+                assert!(block.len() > SIZE && line_end(&block[SIZE..block.len() - 2]).is_none());
+                assert!(block.ends_with(b"\n") || (block.ends_with(b"\r") && next.first() != Some(&b'\n')));
             }
         }
     }
 
     #[test]
-    fn an_endless_line_is_not_held_for_ever() {
-        let lots = lots(&vec![b'1'; 10 * SIZE], 1000);
-        assert!(lots.len() > 5 && lots.iter().all(|lot| lot.len() <= SIZE + LONGEST_LINE + 1000));
+    fn an_endless_line_does_not_accumulate() {
+        let blocks = blocks(&vec![b'1'; 10 * SIZE], 1000);
+        assert!(blocks.len() > 5 && blocks.iter().all(|block| block.len() <= SIZE + LONGEST_LINE + 1000));
     }
 
     #[test]
@@ -177,7 +179,7 @@ mod tests {
             let expected = read_at_once(&text);
             assert_eq!(expected.1.is_err(), is_faulty, "{:?}", expected.1);
             for size in [997, 65_536, 1 << 20] {
-                let found = read_in_lots(&text, size);
+                let found = read_in_blocks(&text, size);
                 assert!(found.1 == expected.1, "{:?} is not {:?}", found.1, expected.1);
                 assert!(is_faulty || found.0 == expected.0);
             }
@@ -189,7 +191,7 @@ mod tests {
         #[test]
         fn lots_are_the_same_however_the_text_comes(size in 1_usize..200_000) {
             let text = text(&["\n", "\r\n", "\r"], 30_000);
-            prop_assert_eq!(lots(&text, size), lots(&text, text.len()));
+            prop_assert_eq!(blocks(&text, size), blocks(&text, text.len()));
         }
     }
 }

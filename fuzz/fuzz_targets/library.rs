@@ -1,0 +1,26 @@
+//! Tool libraries: the first byte chooses between the bytes as they are and a zip with them as one file.
+
+#![no_main]
+
+mod packing;
+
+use scallopd::tooling::{MOST_TOOLS, ToolLibrary};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let Some((first, content)) = bytes.split_first() else { return };
+    let names = ["tools.json", "a.fctb", "a.csv", "a.fctl"];
+    let result = match first % 5 {
+        4 => ToolLibrary::read(content, Some("library")),
+        name => ToolLibrary::read(&packing::zip(&[(names[usize::from(name)], content)]), Some("library")),
+    };
+    match result {
+        Ok(library) => {
+            assert!(library.tools().len() <= MOST_TOOLS && (!library.tools().is_empty() || library.others().count() > 0));
+            for tool in library.tools() {
+                assert!(tool.cutter.corner_radius() <= tool.cutter.outer_radius());
+                assert!(tool.name.chars().all(|c| !c.is_control()));
+            }
+        }
+        Err(fault) => assert!(fault.to_string().chars().all(|c| !c.is_control())),
+    }
+});

@@ -1,0 +1,32 @@
+//! Triangle strips of PLY.
+
+use super::super::mesh::Mesh;
+use super::Sink;
+
+/// A strip while it is read.
+#[derive(Debug, Default)]
+pub(super) struct Strip {
+    /// The last two vertices, as far as there are.
+    last: [Option<usize>; 2],
+    /// The next triangle has the opposite orientation, as every second one.
+    is_odd: bool,
+}
+
+impl Strip {
+    /// Adds the vertex of this number, and passes the triangle that it closes to the sink; no number starts another strip. The answer is
+    /// `None` where the vertex is missing.
+    pub(super) fn add<S: Sink>(&mut self, vertex: Option<usize>, mesh: &mut Mesh, sink: &mut S) -> Option<()> {
+        let Some(vertex) = vertex else {
+            *self = Self::default();
+            return Some(());
+        };
+        mesh.vertices().get(vertex)?;
+        if let [Some(first), Some(second)] = self.last {
+            let corners = if self.is_odd { [second, first, vertex] } else { [first, second, vertex] };
+            mesh.add_triangle(corners, sink)?;
+            self.is_odd = !self.is_odd;
+        }
+        self.last = [self.last[1], Some(vertex)];
+        Some(())
+    }
+}

@@ -1,0 +1,214 @@
+//! How the lines of a text are split into columns and numbers.
+
+use super::super::decimal::{bounded, names_no_finite_number, number, unbounded};
+use super::super::fault::{FaultKind, Flaw, quoted};
+use super::super::lines::{trimmed, trimmed_start};
+
+/// What separates columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Separator {
+    Semicolon,
+    Tab,
+    Comma,
+    /// Any run of spaces and tabs.
+    Blanks,
+}
+
+impl Separator {
+    /// In the order in which they are tried: where a line can be read with two of them, the first is meant. Decimal commas leave
+    /// `1,5;2,5;3,5` to the semicolon, and `1, 2, 3` is not three numbers between blanks.
+    pub(super) const ALL: [Self; 4] = [Self::Semicolon, Self::Tab, Self::Comma, Self::Blanks];
+
+    pub(super) fn byte(self) -> u8 {
+        match self {
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
+            Self::Comma => b',',
+            Self::Blanks => b' ',
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Semicolon => "three numbers between semicolons",
+            Self::Tab => "three numbers between tabs",
+            Self::Comma => "three numbers between commas",
+            Self::Blanks => "three numbers between blanks",
+        }
+    }
+
+    /// Splits a field and the separator after it off `rest`; what remains is `None` at the end of the line.
+    fn split(self, rest: &[u8]) -> (&[u8], Option<&[u8]>) {
+        let rest = if self == Self::Tab { rest } else { trimmed_start(rest) };
+        let quotation = if rest.starts_with(b"\"") { quotation_end(rest) } else { 0 };
+        let separates = |byte: &u8| *byte == self.byte() || (self == Self::Blanks && *byte == b'\t');
+        match rest[quotation..].iter().position(separates) {
+            None => (trimmed(rest), None),
+            Some(at) => {
+                let (field, rest) = (&rest[..quotation + at], &rest[quotation + at + 1..]);
+                let rest = if self == Self::Blanks { trimmed_start(rest) } else { rest };
+                (trimmed(field), (self != Self::Blanks || !rest.is_empty()).then_some(rest))
+            }
+        }
+    }
+
+    pub(super) fn fields(self, line: &[u8]) -> impl Iterator<Item = &[u8]> {
+        let mut rest = Some(line);
+        std::iter::from_fn(move || {
+            let (field, after) = self.split(rest?);
+            rest = after;
+            Some(field)
+        })
+    }
+}
+
+/// Where the quotation ends with which `text` begins; a doubled quotation mark does not end it.
+fn quotation_end(text: &[u8]) -> usize {
+    let mut at = 1;
+    while let Some(byte) = text.get(at) {
+        at += 1;
+        if *byte == b'"' {
+            if text.get(at) != Some(&b'"') {
+                return at;
+            }
+            at += 1;
+        }
+    }
+    at
+}
+
+/// How the lines of a file are read.
+#[derive(Debug, Clone, Copy)]
+pub(in super::super) struct Layout {
+    pub(super) separator: Separator,
+    /// The decimal mark, once a coordinate has shown it.
+    pub(super) mark: Option<u8>,
+    /// Column and axis of the three coordinates, by rising column.
+    pub(super) columns: [(usize, usize); 3],
+    /// The number of columns that a header names, which every line must have.
+    pub(super) width: Option<usize>,
+}
+
+impl Layout {
+    /// The point in `line`.
+    pub(super) fn point(&mut self, line: &[u8]) -> Result<[f64; 3], Flaw> {
+        let mut point = [0.0; 3];
+        let mut rest = Some(line);
+        let mut column = 0;
+        for (read, (wanted, axis)) in self.columns.into_iter().enumerate() {
+            while column < wanted {
+                rest = rest.and_then(|rest| self.separator.split(rest).1);
+                column += 1;
+            }
+            let Some(field) = rest else { return Err(self.too_few(read)) };
+            (point[axis], rest) = self.number(field)?;
+            column += 1;
+        }
+        match self.width {
+            Some(width) => self.check_width(column, rest, width).map(|()| point),
+            None => Ok(point),
+        }
+    }
+
+    /// Checks that `read` columns and those in `rest` are as many as the header names. A separator at the end of the line makes no column.
+    fn check_width(&self, read: usize, rest: Option<&[u8]>, width: usize) -> Result<(), Flaw> {
+        let further = match rest {
+            None => 0,
+            Some(rest) if trimmed(rest).is_empty() => usize::from(read < width),
+            Some(rest) => {
+                let (mut count, mut is_last_empty) = (0, false);
+                for field in self.separator.fields(rest) {
+                    count += 1;
+                    is_last_empty = field.is_empty();
+                }
+                count - usize::from(is_last_empty && read + count > width)
+            }
+        };
+        if read + further == width { Ok(()) } else { Err(self.unequal(read + further, width)) }
+    }
+
+    #[cold]
+    fn unequal(&self, count: usize, width: usize) -> Flaw {
+        if self.separator == Separator::Comma && width == 3 && (4..=6).contains(&count) && self.mark != Some(b'.') {
+            let found = format!("{count} fields; either {count} columns between commas, or three numbers with decimal commas");
+            return Flaw::new(FaultKind::Ambiguous, "three columns, as the header names", found);
+        }
+        Flaw::new(FaultKind::Malformed, format!("{width} columns, as the header names"), count.to_string())
+    }
+
+    /// The number at the start of `rest`, and what follows the separator after it.
+    #[inline]
+    fn number<'a>(&mut self, rest: &'a [u8]) -> Result<(f64, Option<&'a [u8]>), Flaw> {
+        let start = match self.separator {
+            Separator::Tab => rest,
+            _ => trimmed_start(rest),
+        };
+        let mark = self.mark.unwrap_or(b'.');
+        if let Some((value, length)) = number(start, mark)
+            && let Some(rest) = self.after(&start[length..])
+        {
+            let token = &start[..length];
+            if self.mark.is_none() && token.contains(&mark) {
+                self.mark = Some(mark);
+            }
+            return Ok((bounded(value, token)?, rest));
+        }
+        self.odd_number(start)
+    }
+
+    /// What follows the separator at the start of `rest`; the outer `None` where no separator stands there.
+    #[inline]
+    #[allow(clippy::option_option, reason = "the inner one is the end of the line, as everywhere here")]
+    fn after<'a>(&self, rest: &'a [u8]) -> Option<Option<&'a [u8]>> {
+        match rest.first() {
+            None => Some(None),
+            Some(byte) if *byte == self.separator.byte() && self.separator != Separator::Blanks => Some(Some(&rest[1..])),
+            Some(b' ' | b'\t') => {
+                let rest = trimmed_start(rest);
+                match rest.first() {
+                    None => Some(None),
+                    Some(_) if self.separator == Separator::Blanks => Some(Some(rest)),
+                    Some(byte) if *byte == self.separator.byte() => Some(Some(&rest[1..])),
+                    Some(_) => None,
+                }
+            }
+            Some(_) => None,
+        }
+    }
+
+    /// The number in an unusual field: with a decimal comma as the first mark of the file, in quotation marks, or after blanks between tabs;
+    /// else the reason why it is no number.
+    fn odd_number<'a>(&mut self, rest: &'a [u8]) -> Result<(f64, Option<&'a [u8]>), Flaw> {
+        let (field, after) = self.separator.split(rest);
+        let bare = trimmed(field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\"")).unwrap_or(field));
+        let whole = |mark| number(bare, mark).filter(|(_, length)| *length == bare.len());
+        let (value, mark) = match (self.mark, self.separator) {
+            (Some(mark), _) => (whole(mark), mark),
+            (None, Separator::Comma) => (whole(b'.'), b'.'),
+            (None, _) => whole(b'.').map_or_else(|| (whole(b','), b','), |found| (Some(found), b'.')),
+        };
+        match value {
+            Some((value, _)) => {
+                if bare.contains(&mark) {
+                    self.mark = Some(mark);
+                }
+                Ok((bounded(value, bare)?, after))
+            }
+            None if names_no_finite_number(bare) => Err(unbounded(&quoted(bare))),
+            None => Err(Flaw::malformed(self.expected_number(), field)),
+        }
+    }
+
+    fn expected_number(&self) -> &'static str {
+        match self.mark {
+            Some(b',') => "a number with a decimal comma, as before",
+            Some(_) if self.separator != Separator::Comma => "a number with a decimal point, as before",
+            _ => "a number",
+        }
+    }
+
+    #[cold]
+    fn too_few(&self, read: usize) -> Flaw {
+        Flaw::new(FaultKind::Malformed, self.separator.name(), ["none", "one", "two"][read.min(2)])
+    }
+}

@@ -1,0 +1,286 @@
+//! Reader of points in lines of text, as spreadsheets, measuring machines and scanners write them: a point in each line, its coordinates
+//! in columns.
+//!
+//! The first line of data shows the separator of the file: semicolon, tab, comma or blanks, whichever first yields three numbers; a line
+//! `sep=;` states it. The decimal mark is a point, or, where the comma does not separate, a comma; the first coordinate with a mark
+//! decides. A header may name the columns x, y and z, in any order and case, and their unit, also in a comment or with a row of units
+//! below; without one they are the first three. Under a header every line must have its columns. A line with one whole number before the
+//! points is their count, as in PTS. Lines that are blank or begin with `#` or `//` are comments.
+//!
+//! A table that can be read in two ways is refused with [`FaultKind::Ambiguous`].
+
+mod doubt;
+mod header;
+mod layout;
+
+pub(super) use layout::Layout;
+
+use super::blocks::{BlockOutcome, BlockSplitter, TextBlock};
+use super::fault::{Fault, FaultKind, Flaw};
+use super::lines::{Lines, trimmed, trimmed_start};
+use super::{Format, Notes, Sink, Summary, Unit};
+use doubt::Doubt;
+use header::Header;
+use layout::Separator;
+use std::borrow::Cow;
+
+/// The reader of points in text.
+#[derive(Debug)]
+pub(super) struct Reader {
+    lines: Lines,
+    table: Table,
+    blocks: BlockSplitter,
+}
+
+#[derive(Debug, Default)]
+struct Table {
+    /// The separator that a line `sep=` states.
+    stated: Option<Separator>,
+    header: Option<Header>,
+    /// The last comment that could be a header.
+    comment: Option<Header>,
+    unit: Option<Unit>,
+    /// The count of points before them, with its line.
+    count: Option<(u64, u64)>,
+    layout: Option<Layout>,
+    doubt: Option<Doubt>,
+    points: u64,
+    further_columns: u64,
+}
+
+impl Reader {
+    pub(super) fn new() -> Self {
+        Self { lines: Lines::after(0), table: Table::default(), blocks: BlockSplitter::default() }
+    }
+
+    pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
+    }
+
+    /// Takes the next bytes of a text that arrives this way as a whole. Blocks are appended to `blocks` once the lines before have shown how
+    /// all are to be read.
+    pub(super) fn push_in_blocks<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S, blocks: &mut Vec<TextBlock>) -> Result<(), Fault> {
+        while !chunk.is_empty() {
+            let Some(lines) = self.blocks.next(&mut chunk) else { continue };
+            match self.table.layout {
+                Some(layout) if layout.mark.is_some() => blocks.push(TextBlock::new(lines, layout)),
+                _ => self.push(&lines, sink)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Records the result of reading the next of the blocks.
+    pub(super) fn record_block(&mut self, read: BlockOutcome) -> Result<(), Fault> {
+        self.table.points += read.points;
+        let before = self.lines.ended();
+        self.lines.skip(read.lines);
+        read.result.map_err(|fault| fault.after_lines(before))
+    }
+
+    pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
+        let rest = std::mem::take(&mut self.blocks).rest();
+        self.push(&rest, sink)?;
+        self.lines.finish(|line, number| self.table.line(line, number, sink))?;
+        let table = self.table;
+        if table.points == 0 {
+            return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(self.lines.number()));
+        }
+        if let Some((count, line)) = table.count.filter(|(count, _)| *count != table.points) {
+            let found = format!("{} lines of data; either points are missing or too many, or the line is no count", table.points);
+            return Err(Flaw::new(FaultKind::Ambiguous, format!("{count} points, as this line counts them"), found).at_line(line));
+        }
+        let has_mark = table.layout.is_some_and(|layout| layout.mark.is_some());
+        if let Some((flaw, line)) = table.doubt.as_ref().and_then(|doubt| doubt.flaw(table.points, has_mark)) {
+            return Err(flaw.at_line(line));
+        }
+        let notes = Notes { further_columns: table.further_columns, ..Notes::default() };
+        Ok(Summary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
+    }
+}
+
+/// Reads lines that all have the same layout.
+pub(super) fn read_block<S: Sink>(text: &[u8], layout: Layout, sink: &mut S) -> BlockOutcome {
+    let mut lines = Lines::after(0);
+    let mut table = Table { layout: Some(layout), ..Table::default() };
+    let result = lines.push(text, |line, number| table.line(line, number, sink));
+    BlockOutcome { lines: lines.ended(), points: table.points, result }
+}
+
+impl Table {
+    fn line<S: Sink>(&mut self, line: &[u8], number: u64, sink: &mut S) -> Result<(), Flaw> {
+        let content = trimmed_start(line);
+        if content.is_empty() {
+            return Ok(());
+        }
+        if content[0] == b'#' || content.starts_with(b"//") {
+            if self.layout.is_none() {
+                self.comment(content);
+            }
+            return Ok(());
+        }
+        let point = if let Some(layout) = &mut self.layout {
+            match layout.point(line) {
+                Ok(point) => point,
+                Err(flaw) => point_between_hard_blanks(layout, line).unwrap_or(Err(flaw))?,
+            }
+        } else {
+            let cleaned = without_hard_blanks(line);
+            let Some(point) = self.first(&cleaned, number)? else { return Ok(()) };
+            if matches!(cleaned, Cow::Owned(_)) && self.layout.is_some_and(|layout| layout.separator == Separator::Blanks) {
+                refuse_mixed_blanks(line)?;
+            }
+            point
+        };
+        if let Some(doubt) = &mut self.doubt {
+            doubt.look_at(line);
+        }
+        self.points += 1;
+        sink.point(point);
+        Ok(())
+    }
+
+    /// A comment before the data may name the columns.
+    fn comment(&mut self, comment: &[u8]) {
+        let content = without_hard_blanks(comment);
+        let content = trimmed_start(content.strip_prefix(b"//").unwrap_or_else(|| &content[1..]));
+        if let Ok(Some(header)) = Header::read(content, self.separators()) {
+            self.comment = Some(header);
+        }
+    }
+
+    fn separators(&self) -> &'static [Separator] {
+        let all = &Separator::ALL;
+        self.stated.and_then(|stated| all.iter().position(|separator| *separator == stated)).map_or(all, |at| &all[at..=at])
+    }
+
+    /// Reads a line before any data: the first of them, a header, a row of units, a count or a separator. Only data have a point.
+    fn first(&mut self, line: &[u8], number: u64) -> Result<Option<[f64; 3]>, Flaw> {
+        if self.header.is_none()
+            && let Some(separator) = stated_separator(line)
+        {
+            self.stated = Some(separator?);
+            return Ok(None);
+        }
+        for separator in self.separators() {
+            let fields = separator.fields(line).count();
+            let header = self.header.or_else(|| self.comment.filter(|comment| comment.width == fields || comment.width == 3));
+            let columns = header.map_or([(0, 0), (1, 1), (2, 2)], |header| header.columns);
+            let mut layout = Layout { separator: *separator, mark: None, columns, width: self.header.map(|header| header.width) };
+            match layout.point(line) {
+                Ok(point) => {
+                    if header.is_none() && self.count.is_none() {
+                        self.doubt = Some(Doubt::about(line, *separator, number)?);
+                    }
+                    self.unit = self.unit.or(header.and_then(|header| header.unit));
+                    self.layout = Some(layout);
+                    self.further_columns = fields.saturating_sub(3) as u64;
+                    return Ok(Some(point));
+                }
+                Err(flaw) if matches!(flaw.kind(), FaultKind::OutOfRange | FaultKind::Ambiguous) => return Err(flaw),
+                Err(_) => {}
+            }
+        }
+        if let Some(header) = &self.header {
+            if let Some(unit) = header.units_row(line, self.separators())?.filter(|_| self.unit.is_none()) {
+                self.unit = Some(unit);
+                return Ok(None);
+            }
+        } else if let Some(header) = Header::read(line, self.separators())? {
+            self.header = Some(header);
+            return Ok(None);
+        } else if self.count.is_none()
+            && let Some(count) = whole(trimmed(line))
+        {
+            self.count = Some((count, number));
+            return Ok(None);
+        }
+        Err(self.no_point(trimmed(line)))
+    }
+
+    #[cold]
+    fn no_point(&self, line: &[u8]) -> Flaw {
+        let separator = Separator::ALL.into_iter().max_by_key(|separator| separator.fields(line).count()).unwrap_or(Separator::Blanks);
+        let fields = separator.fields(line).count();
+        let numbers = separator
+            .fields(line)
+            .take_while(|field| field.first().is_some_and(|byte| matches!(byte, b'0'..=b'9' | b'-' | b'+' | b'.')))
+            .count();
+        match (&self.header, numbers) {
+            (Some(header), _) if numbers >= 3 && fields != header.width => {
+                Flaw::new(FaultKind::Malformed, format!("{} columns, as the header names", header.width), fields.to_string())
+            }
+            (Some(header), _) if header.columns[2].0 > 2 => {
+                Flaw::malformed("numbers in the columns that the header names x, y and z", line)
+            }
+            (_, 1) => Flaw::new(FaultKind::Malformed, "three numbers", "one"),
+            (_, 2) => Flaw::new(FaultKind::Malformed, "three numbers", "two"),
+            (Some(_), _) => Flaw::malformed("three numbers", line),
+            (None, _) => Flaw::malformed("three numbers, or a header that names x, y and z", line),
+        }
+    }
+}
+
+/// The separator that a line such as `sep=;` states, as Excel reads and writes it.
+fn stated_separator(line: &[u8]) -> Option<Result<Separator, Flaw>> {
+    let line = trimmed_start(line);
+    let stated = line.get(4..).filter(|_| line[..4].eq_ignore_ascii_case(b"sep="))?;
+    Some(match stated {
+        b";" => Ok(Separator::Semicolon),
+        b"," => Ok(Separator::Comma),
+        b"\t" => Ok(Separator::Tab),
+        b" " => Ok(Separator::Blanks),
+        other => Err(Flaw::malformed("a semicolon, comma, tab or blank after sep=", other)),
+    })
+}
+
+/// A whole number of at most 18 digits.
+fn whole(text: &[u8]) -> Option<u64> {
+    let is_whole = text.len() <= 18 && text.iter().all(u8::is_ascii_digit);
+    std::str::from_utf8(text).ok().filter(|_| is_whole)?.parse().ok()
+}
+
+/// `line` with ordinary blanks in place of no-break spaces, in UTF-8 and in Latin-1.
+fn without_hard_blanks(line: &[u8]) -> Cow<'_, [u8]> {
+    if memchr::memchr2(0xa0, 0xaf, line).is_none() {
+        return Cow::Borrowed(line);
+    }
+    let mut cleaned = Vec::with_capacity(line.len());
+    let mut rest = line;
+    while let Some((&byte, after)) = rest.split_first() {
+        // A no-break space, a narrow one, and one in Latin-1, which is no part of a longer character.
+        let skipped = match rest {
+            [0xc2, 0xa0, ..] => 2,
+            [0xe2, 0x80, 0xaf, ..] => 3,
+            [0xa0, ..] if cleaned.last().is_none_or(u8::is_ascii) => 1,
+            _ => 0,
+        };
+        if skipped > 0 {
+            cleaned.push(b' ');
+            rest = &rest[skipped..];
+        } else {
+            cleaned.push(byte);
+            rest = after;
+        }
+    }
+    Cow::Owned(cleaned)
+}
+
+/// The point of a line with no-break spaces; `None` where it has none.
+#[cold]
+fn point_between_hard_blanks(layout: &mut Layout, line: &[u8]) -> Option<Result<[f64; 3], Flaw>> {
+    let Cow::Owned(cleaned) = without_hard_blanks(line) else { return None };
+    if layout.separator == Separator::Blanks
+        && let Err(flaw) = refuse_mixed_blanks(line)
+    {
+        return Some(Err(flaw));
+    }
+    Some(layout.point(&cleaned))
+}
+
+/// Refuses ordinary and no-break spaces in one line: the latter could separate thousands.
+fn refuse_mixed_blanks(line: &[u8]) -> Result<(), Flaw> {
+    let is_mixed = trimmed(line).iter().any(|byte| matches!(byte, b' ' | b'\t'));
+    let found = "ordinary and no-break spaces; either all separate numbers, or the no-break ones separate thousands";
+    if is_mixed { Err(Flaw::new(FaultKind::Ambiguous, "one kind of space between numbers", found)) } else { Ok(()) }
+}

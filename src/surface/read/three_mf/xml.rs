@@ -1,0 +1,119 @@
+//! Elements of an XML file in an archive, read as a stream in bounded memory.
+
+use super::super::fault::{Fault, FaultKind, Flaw, quoted};
+use super::package_flaw;
+use crate::archive::Archive;
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event as Parsed};
+use std::borrow::Cow;
+use std::io::{self, BufRead, BufReader};
+
+/// The longest tag or text between two tags, in bytes.
+const LONGEST_EVENT: u64 = 1 << 20;
+
+/// The deepest nesting of elements.
+const DEEPEST: usize = 64;
+
+/// What is read of a file: its elements.
+pub(super) enum Event<'a> {
+    /// A start tag. An empty element has an end as well.
+    Start(Element<'a>),
+    End,
+}
+
+/// An element with its attributes.
+pub(super) struct Element<'a>(BytesStart<'a>);
+
+/// Passes the elements of a file to `each`.
+pub(super) fn read(archive: &Archive, path: &str, mut each: impl FnMut(Event<'_>) -> Result<(), Flaw>) -> Result<(), Fault> {
+    let missing = || Flaw::new(FaultKind::Malformed, "this file in the package", "nothing").in_entry(path, 0);
+    let entry = archive.file(path).ok_or_else(missing)?;
+    let content = archive.read(entry).map_err(|fault| package_flaw(&fault).in_entry(path, 0))?;
+    let mut reader = Reader::from_reader(Metered { inner: BufReader::with_capacity(1 << 16, content), read: 0 });
+    reader.config_mut().expand_empty_elements = true;
+    let (mut buffer, mut depth) = (Vec::new(), 0);
+    loop {
+        buffer.clear();
+        reader.get_mut().read = 0;
+        let position = reader.buffer_position();
+        let result = match reader.read_event_into(&mut buffer) {
+            Ok(Parsed::Start(_)) if depth == DEEPEST => {
+                Err(Flaw::new(FaultKind::TooLarge, format!("at most {DEEPEST} nested elements"), "more"))
+            }
+            Ok(Parsed::Start(element)) => {
+                depth += 1;
+                each(Event::Start(Element(element)))
+            }
+            Ok(Parsed::End(_)) => {
+                depth -= 1;
+                each(Event::End)
+            }
+            Ok(Parsed::Eof) if depth > 0 => Err(Flaw::new(FaultKind::Truncated, "the end of every element", "the end of the file")),
+            Ok(Parsed::Eof) => return Ok(()),
+            Ok(Parsed::DocType(_)) => Err(Flaw::new(FaultKind::Malformed, "no document type definition", "one")),
+            Ok(_) => Ok(()),
+            Err(error) => Err(flaw(archive, &error)),
+        };
+        result.map_err(|flaw| flaw.in_entry(path, position))?;
+    }
+}
+
+fn flaw(archive: &Archive, error: &quick_xml::Error) -> Flaw {
+    match error {
+        quick_xml::Error::Io(error) if error.kind() == io::ErrorKind::QuotaExceeded => {
+            Flaw::new(FaultKind::TooLarge, format!("at most {LONGEST_EVENT} bytes in a tag or text"), "more")
+        }
+        quick_xml::Error::Io(error) => package_flaw(&archive.fault(error)),
+        error => Flaw::new(FaultKind::Malformed, "well-formed XML", quoted(error.to_string().as_bytes())),
+    }
+}
+
+impl Element<'_> {
+    /// The name without a prefix.
+    pub(super) fn name(&self) -> &str {
+        local(self.0.name().into_inner())
+    }
+
+    /// The value of the attribute of this name, with any prefix.
+    pub(super) fn attribute(&self, name: &str) -> Option<String> {
+        self.attributes().find(|(key, _)| local(key) == name).map(|(_, value)| value.into_owned())
+    }
+
+    /// All attributes, with their prefixes.
+    pub(super) fn attributes(&self) -> impl Iterator<Item = (&str, Cow<'_, str>)> {
+        let mut attributes = self.0.attributes();
+        attributes.with_checks(false);
+        attributes.filter_map(Result::ok).map(|attribute| (attribute.key.into_inner(), attribute.value))
+    }
+}
+
+/// A name without its prefix.
+fn local(name: &str) -> &str {
+    name.rsplit_once(':').map_or(name, |(_, local)| local)
+}
+
+/// Bounds the bytes that are read for one event, which the parser collects in its buffer.
+struct Metered<R> {
+    inner: R,
+    read: u64,
+}
+
+impl<R: BufRead> io::Read for Metered<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.inner.read(buffer)
+    }
+}
+
+impl<R: BufRead> BufRead for Metered<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.read > LONGEST_EVENT {
+            return Err(io::ErrorKind::QuotaExceeded.into());
+        }
+        self.inner.fill_buf()
+    }
+
+    fn consume(&mut self, amount: usize) {
+        self.read += amount as u64;
+        self.inner.consume(amount);
+    }
+}

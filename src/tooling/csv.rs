@@ -1,0 +1,203 @@
+//! Cutters in CSV, one in each line under a header: `name,type,diameter_mm,corner_radius_mm,teeth,spindle_speed_rpm,max_feed_per_tooth_mm`,
+//! with `_in` for inches in place of `_mm`; also `number`, `flute_length_mm` and `preset`.
+//!
+//! Columns may come in any order; those with other names are not read. The separator is a comma, a semicolon or a tab, whichever splits
+//! the header; a line `sep=;` before it is read. A decimal comma stands where the comma does not separate, or in quotation marks.
+
+use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number};
+use super::fault::{Flaw, LibraryFault, quoted};
+use super::shape::Shape;
+use super::{ReadTool, ToolLibrary, ToolParts};
+use crate::quantity::Length;
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Column {
+    Name,
+    Kind,
+    Number,
+    Teeth,
+    SpindleSpeed,
+    Preset,
+    Diameter(LengthUnit),
+    CornerRadius(LengthUnit),
+    MaxFeedPerTooth(LengthUnit),
+    FluteLength(LengthUnit),
+}
+
+/// The largest table, in bytes: 400 for each of 10,000 tools. It bounds the number of fields, too.
+const LARGEST: usize = 4 << 20;
+
+/// Reads a table of cutters.
+pub(super) fn read(text: &str, file: &str) -> Result<ToolLibrary, LibraryFault> {
+    if text.len() > LARGEST {
+        return Err(Flaw::too_large(format!("a table of at most {LARGEST} bytes"), format!("{} bytes", text.len())).in_file(file));
+    }
+    let (separator, text) = separator(text);
+    let mut records = ::csv::ReaderBuilder::new()
+        .delimiter(separator)
+        .flexible(true)
+        .has_headers(false)
+        .comment(Some(b'#'))
+        .trim(::csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let mut record = ::csv::StringRecord::new();
+    let mut table: Option<Table> = None;
+    let mut library = ToolLibrary::default();
+    let mut position = 0;
+    loop {
+        let more = records.read_record(&mut record);
+        if !more.map_err(|error| Flaw::malformed("a table in CSV", super::shortened(&error.to_string())).in_file(file))? {
+            break;
+        }
+        if record.iter().all(str::is_empty) {
+            continue;
+        }
+        let Some(table) = &table else {
+            table = Some(Table::of(&record).map_err(|flaw| flaw.in_file(file))?);
+            continue;
+        };
+        position += 1;
+        let row = Row { table, record: &record };
+        let tool = row.read(position).and_then(|tool| library.add(tool));
+        tool.map_err(|flaw| flaw.of_tool(file, position, row.text(Column::Name)))?;
+    }
+    if table.is_none() {
+        return Err(Flaw::new(super::LibraryFaultKind::Empty, "a header and a line for each cutter", "nothing").in_file(file));
+    }
+    Ok(library)
+}
+
+/// The separator, and the text after a line that states it.
+fn separator(text: &str) -> (u8, &str) {
+    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
+    let stated = first.trim().get(..4).filter(|start| start.eq_ignore_ascii_case("sep="));
+    if let (Some(_), &[byte]) = (stated, first.trim_end_matches(['\r', '\n']).as_bytes().get(4..).unwrap_or_default()) {
+        return (byte, rest);
+    }
+    let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
+    let count = |separator: char| header.matches(separator).count();
+    let separator = [';', '\t', ','].into_iter().max_by_key(|separator| count(*separator)).unwrap_or(',');
+    (u8::try_from(separator).unwrap_or(b','), text)
+}
+
+/// The columns of a table.
+struct Table {
+    columns: Vec<Option<Column>>,
+}
+
+impl Table {
+    fn of(header: &::csv::StringRecord) -> Result<Self, Flaw> {
+        let columns = header.iter().map(column).collect::<Result<Vec<_>, _>>()?;
+        let has = |wanted: &dyn Fn(&Column) -> bool| columns.iter().flatten().any(wanted);
+        if !has(&|column| *column == Column::Kind) || !has(&|column| matches!(column, Column::Diameter(_))) {
+            let found = quoted(&header.iter().collect::<Vec<_>>().join(","));
+            let expected =
+                "a tool library: JSON of Fusion or FreeCAD, a zip of them, or CSV with the columns type and diameter_mm or diameter_in";
+            return Err(Flaw::new(super::LibraryFaultKind::UnknownFormat, expected, found));
+        }
+        for (index, column) in columns.iter().enumerate() {
+            if let Some(column) = column
+                && columns[..index].iter().flatten().any(|other| std::mem::discriminant(other) == std::mem::discriminant(column))
+            {
+                return Err(Flaw::malformed("each quantity in one column, in one unit", format!("{} again", quoted(&header[index]))));
+            }
+        }
+        Ok(Self { columns })
+    }
+}
+
+/// What a column of this name holds; `None` where it is not read.
+fn column(name: &str) -> Result<Option<Column>, Flaw> {
+    type OfLength = fn(LengthUnit) -> Column;
+    let bare = name.trim().to_lowercase().replace([' ', '-'], "_");
+    let lengths: [(&str, OfLength); 4] = [
+        ("diameter", Column::Diameter),
+        ("corner_radius", Column::CornerRadius),
+        ("max_feed_per_tooth", Column::MaxFeedPerTooth),
+        ("flute_length", Column::FluteLength),
+    ];
+    for (quantity, column) in lengths {
+        match bare.strip_prefix(quantity) {
+            Some("_mm") => return Ok(Some(column(LengthUnit::MILLIMETRE))),
+            Some("_in") => return Ok(Some(column(LengthUnit::INCH))),
+            Some(_) => return Err(Flaw::malformed(format!("{quantity}_mm or {quantity}_in"), quoted(name))),
+            None => {}
+        }
+    }
+    Ok(match bare.as_str() {
+        "name" => Some(Column::Name),
+        "type" => Some(Column::Kind),
+        "number" => Some(Column::Number),
+        "teeth" => Some(Column::Teeth),
+        "spindle_speed_rpm" => Some(Column::SpindleSpeed),
+        "preset" => Some(Column::Preset),
+        _ => None,
+    })
+}
+
+/// A line of a table.
+struct Row<'a> {
+    table: &'a Table,
+    record: &'a ::csv::StringRecord,
+}
+
+impl<'a> Row<'a> {
+    fn read(&self, position: usize) -> Result<ReadTool, Flaw> {
+        let named = self.table.columns.len();
+        let extra = self.record.iter().skip(named).any(|field| !field.is_empty());
+        if self.record.len() < named || extra {
+            return Err(Flaw::malformed(format!("{named} fields, as the header has"), self.record.len().to_string()));
+        }
+        let kind =
+            self.text(Column::Kind).ok_or_else(|| Flaw::missing("ball_end, toroidal, flat_end or another type").of_member("type"))?;
+        let shape = match kind.to_lowercase().replace(['_', '-'], " ").as_str() {
+            "ball" | "ball end" | "ball nose" | "ball end mill" => Shape::Ball,
+            "toroidal" | "torus" | "bull nose" | "bullnose" | "bull nose end mill" => Shape::BullNose,
+            "flat" | "flat end" | "end mill" | "flat end mill" => Shape::Flat,
+            _ => return Ok(ReadTool::Other(kind.to_owned())),
+        };
+        let diameter = self.length(|column| matches!(column, Column::Diameter(_)))?.0;
+        let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("diameter"))?;
+        let (corner_radius, is_stated) = self.length(|column| matches!(column, Column::CornerRadius(_)))?;
+        let cutter = shape.cutter(diameter, corner_radius, is_stated).map_err(|flaw| flaw.of_member("corner_radius"))?;
+        let parts = ToolParts {
+            name: self.text(Column::Name).map(str::to_owned),
+            number: self.number(Column::Number, "number", |value| tool_number(value).map(Some))?,
+            teeth: self.number(Column::Teeth, "teeth", teeth)?,
+            spindle_speed_rpm: self.number(Column::SpindleSpeed, "spindle_speed_rpm", spindle_speed)?,
+            max_feed_per_tooth: self.length(|column| matches!(column, Column::MaxFeedPerTooth(_)))?.0,
+            flute_length: self.length(|column| matches!(column, Column::FluteLength(_)))?.0,
+            preset: self.text(Column::Preset).map(str::to_owned),
+        };
+        Ok(ReadTool::Finishing(Box::new(parts.with(cutter, position))))
+    }
+
+    /// The first column that `wanted` accepts, and its field, unless that is empty.
+    fn field(&self, wanted: impl Fn(&Column) -> bool) -> Option<(Column, &'a str)> {
+        let mut columns = self.table.columns.iter().zip(self.record).filter_map(|(column, field)| Some(((*column)?, field)));
+        columns.find(|(column, _)| wanted(column)).filter(|(_, field)| !field.is_empty())
+    }
+
+    fn text(&self, wanted: Column) -> Option<&'a str> {
+        self.field(|column| *column == wanted).map(|(_, field)| field)
+    }
+
+    fn number<T>(&self, wanted: Column, name: &'static str, read: impl Fn(f64) -> Result<Option<T>, Flaw>) -> Result<Option<T>, Flaw> {
+        self.text(wanted).map_or(Ok(None), |field| number(field).and_then(read)).map_err(|flaw| flaw.of_member(name))
+    }
+
+    /// A length, and whether its field is filled; 0 stands for one that is not known.
+    fn length(&self, wanted: impl Fn(&Column) -> bool) -> Result<(Option<Length>, bool), Flaw> {
+        let Some((column, field)) = self.field(wanted) else { return Ok((None, false)) };
+        let (name, unit) = match column {
+            Column::Diameter(unit) => ("diameter", unit),
+            Column::CornerRadius(unit) => ("corner_radius", unit),
+            Column::MaxFeedPerTooth(unit) => ("max_feed_per_tooth", unit),
+            Column::FluteLength(unit) => ("flute_length", unit),
+            _ => return Ok((None, false)),
+        };
+        let length = number(field).and_then(|value| unit.length_unless_zero(value)).map_err(|flaw| flaw.of_member(name))?;
+        Ok((length, true))
+    }
+}

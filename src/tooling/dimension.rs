@@ -1,0 +1,134 @@
+//! Numbers and lengths as tool libraries write them: with a decimal point or comma, with or without a unit.
+
+use super::fault::{Flaw, quoted};
+use super::{HIGHEST_SPINDLE_SPEED, MOST_TEETH};
+use crate::quantity::Length;
+
+/// A unit of length, in mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LengthUnit(f64);
+
+impl LengthUnit {
+    pub(super) const MILLIMETRE: Self = Self(1.0);
+    pub(super) const INCH: Self = Self(25.4);
+
+    /// The unit of this name.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        let mm = match name.to_lowercase().as_str() {
+            "um" | "µm" | "μm" => 1e-3,
+            "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => 1.0,
+            "cm" => 10.0,
+            "m" => 1000.0,
+            "in" | "inch" | "inches" | "\"" => 25.4,
+            "mil" | "thou" => 0.0254,
+            _ => return None,
+        };
+        Some(Self(mm))
+    }
+
+    /// The length of `value` such units; zero or less is out of range.
+    pub(super) fn length(self, value: f64) -> Result<Length, Flaw> {
+        Length::from_mm(value * self.0).map_err(|bounds| {
+            let expected = format!("a length from {} mm to {} mm", bounds.minimum, bounds.maximum);
+            Flaw::out_of_range(expected, shown(value * self.0))
+        })
+    }
+
+    /// The same, where libraries write 0 for a length that is not known.
+    pub(super) fn length_unless_zero(self, value: f64) -> Result<Option<Length>, Flaw> {
+        if value == 0.0 { Ok(None) } else { self.length(value).map(Some) }
+    }
+}
+
+/// The number that the whole of `text` is, blanks aside, with a decimal point or a decimal comma. Both together are refused, because the
+/// comma may separate thousands.
+pub(super) fn number(text: &str) -> Result<f64, Flaw> {
+    let bare = text.trim();
+    let wrong = || Flaw::malformed("a number with a decimal point or a decimal comma", quoted(bare));
+    let is_plain = bare.bytes().all(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.' | b',' | b'e' | b'E'));
+    let marks = bare.bytes().filter(|byte| matches!(byte, b'.' | b',')).count();
+    if !is_plain || marks > 1 {
+        return Err(wrong());
+    }
+    let value: f64 = bare.replace(',', ".").parse().map_err(|_| wrong())?;
+    if value.is_finite() { Ok(value) } else { Err(Flaw::out_of_range("a finite number", quoted(bare))) }
+}
+
+/// A number and the unit after it, as in `6.0000 mm`, `0,25 in` or `1/4"` without the fraction.
+pub(super) fn number_with_unit(text: &str) -> Result<(f64, LengthUnit), Flaw> {
+    let bare = text.trim();
+    let digits = bare.rfind(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',')).map_or(0, |at| at + 1);
+    let (value, unit) = bare.split_at(digits);
+    let unit = LengthUnit::named(unit.trim())
+        .ok_or_else(|| Flaw::malformed("a length with its unit, such as \"6.0 mm\" or \"0.25 in\"", quoted(bare)))?;
+    Ok((number(value)?, unit))
+}
+
+/// A length in mm as faults show it, rounded to a nanometre.
+pub(super) fn shown(mm: f64) -> String {
+    format!("{} mm", (mm * 1e6).round() / 1e6)
+}
+
+/// A number of teeth; 0 stands for one that is not known.
+pub(super) fn teeth(value: f64) -> Result<Option<u32>, Flaw> {
+    let whole = whole(value).filter(|teeth| *teeth <= MOST_TEETH);
+    let teeth = whole.ok_or_else(|| Flaw::out_of_range(format!("a whole number of teeth up to {MOST_TEETH}"), value.to_string()))?;
+    Ok((teeth > 0).then_some(teeth))
+}
+
+/// The number of a tool.
+pub(super) fn tool_number(value: f64) -> Result<u32, Flaw> {
+    whole(value).ok_or_else(|| Flaw::out_of_range("a whole number that is not negative", value.to_string()))
+}
+
+/// A spindle speed, in rpm; 0 stands for one that is not known.
+pub(super) fn spindle_speed(value: f64) -> Result<Option<f64>, Flaw> {
+    if value == 0.0 {
+        return Ok(None);
+    }
+    let is_fine = (1.0..=HIGHEST_SPINDLE_SPEED).contains(&value);
+    let wrong = || Flaw::out_of_range(format!("a spindle speed from 1 to {HIGHEST_SPINDLE_SPEED} rpm"), value.to_string());
+    if is_fine { Ok(Some(value)) } else { Err(wrong()) }
+}
+
+fn whole(value: f64) -> Option<u32> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked to be whole and within 32 bits")]
+    let whole = (value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value)).then_some(value as u32);
+    whole
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "decimal fractions are parsed to the nearest double")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_one_decimal_mark() {
+        for (text, value) in [("6", 6.0), (" 0.25 ", 0.25), ("5,00", 5.0), ("-1e-3", -1e-3), ("\u{a0}3,5", 3.5)] {
+            assert_eq!(number(text).unwrap(), value, "{text}");
+        }
+        for text in ["", ",", "1,234.5", "1.2.3", "six", "0x10", "1 2", "nan", "inf", "1e999"] {
+            assert!(number(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn lengths_carry_their_unit() {
+        for (text, mm) in [("6.0000 mm", 6.0), ("5,00 mm", 5.0), ("0.25 in", 6.35), ("0.25\"", 6.35), ("3\u{a0}cm", 30.0), ("500 µm", 0.5)]
+        {
+            let (value, unit) = number_with_unit(text).unwrap();
+            approx::assert_relative_eq!(unit.length(value).unwrap().mm(), mm, max_relative = 1e-15);
+        }
+        for text in ["6", "mm", "", "6 furlongs", "six mm", "1,000.0 mm"] {
+            assert!(number_with_unit(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn counts_are_whole_and_bounded() {
+        assert_eq!((teeth(0.0), teeth(4.0)), (Ok(None), Ok(Some(4))));
+        assert!([-1.0, 2.5, 101.0, 1e30, f64::NAN].into_iter().all(|value| teeth(value).is_err()));
+        assert_eq!((spindle_speed(0.0), spindle_speed(12e3)), (Ok(None), Ok(Some(12e3))));
+        assert!([-1.0, 0.5, 1e8, f64::NAN].into_iter().all(|value| spindle_speed(value).is_err()));
+    }
+}

@@ -1,0 +1,46 @@
+//! The finishing cutter of a shape, a diameter and a corner radius, as libraries state them.
+
+use super::dimension::shown;
+use super::fault::Flaw;
+use crate::milling::Cutter;
+use crate::quantity::Length;
+
+/// The shapes that finish a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    Ball,
+    BullNose,
+    Flat,
+}
+
+/// The relative difference within which a corner radius is half the diameter: libraries round inches to four decimals.
+const BALL_TOLERANCE: f64 = 1e-2;
+
+impl Shape {
+    /// The cutter of this shape. A ball needs no corner radius. A bull-nose cutter whose corner is half the diameter is a ball, and one
+    /// without a corner radius, where it is stated as 0, is flat.
+    ///
+    /// # Errors
+    /// The flaw of the corner radius, in mm: missing on a bull-nose, not half the diameter on a ball, above 0 on a flat cutter, or larger
+    /// than half the diameter.
+    pub(super) fn cutter(self, diameter: Length, corner_radius: Option<Length>, is_stated: bool) -> Result<Cutter, Flaw> {
+        let half = diameter.mm() / 2.0;
+        let is_half = |radius: Length| (radius.mm() - half).abs() <= BALL_TOLERANCE * half;
+        match (self, corner_radius) {
+            (Self::Ball, Some(radius)) if !is_half(radius) => {
+                Err(Flaw::out_of_range(format!("half the diameter of the ball, {}", shown(half)), shown(radius.mm())))
+            }
+            (Self::Ball, _) => Ok(Cutter::ball_end(diameter)),
+            (Self::Flat, Some(radius)) => {
+                Err(Flaw::out_of_range("0 or nothing on a flat end mill; a cutter with a corner is a bull nose", shown(radius.mm())))
+            }
+            (Self::BullNose, None) if !is_stated => Err(Flaw::missing("the corner radius of a bull nose end mill")),
+            (Self::Flat | Self::BullNose, None) => Ok(Cutter::flat_end(diameter)),
+            // Within a rounding of half the diameter.
+            (Self::BullNose, Some(radius)) if (radius.mm() - half).abs() <= 1e-9 * half => Ok(Cutter::ball_end(diameter)),
+            (Self::BullNose, Some(radius)) => Cutter::toroidal(diameter, radius).map_err(|_| {
+                Flaw::out_of_range(format!("a corner radius of at most half the diameter, {}", shown(half)), shown(radius.mm()))
+            }),
+        }
+    }
+}

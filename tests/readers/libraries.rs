@@ -1,0 +1,344 @@
+//! Tool libraries in the forms in which Fusion, FreeCAD and spreadsheets write them, and libraries that are refused.
+
+use crate::writers::{directory_alone, zip};
+use approx::assert_relative_eq;
+use scallopd::milling::CutterKind;
+use scallopd::tooling::{LibraryFaultKind, LibraryTool, MOST_TOOLS, ToolLibrary};
+use serde_json::{Value, json};
+
+fn read(bytes: impl AsRef<[u8]>) -> ToolLibrary {
+    ToolLibrary::read(bytes.as_ref(), Some("mills")).unwrap()
+}
+
+/// The only tool of a library.
+fn only(bytes: impl AsRef<[u8]>) -> LibraryTool {
+    let mut tools = read(bytes).into_tools();
+    assert_eq!(tools.len(), 1);
+    tools.remove(0)
+}
+
+fn refusal(bytes: impl AsRef<[u8]>) -> String {
+    ToolLibrary::read(bytes.as_ref(), Some("mills")).unwrap_err().to_string()
+}
+
+fn fusion(tools: &[Value]) -> Vec<u8> {
+    json!({"data": tools, "version": 36}).to_string().into_bytes()
+}
+
+/// A bull nose as Fusion's sample library has it: 5/8 in with a corner of 0.03 in, on a holder in millimetres, with two presets.
+fn bull_nose() -> Value {
+    json!({
+        "BMC": "carbide", "GRADE": "Mill Generic", "type": "bull nose end mill", "unit": "inches", "vendor": "", "guid": "00000000-0000-4000-8000-000000000001",
+        "description": "5/8\" R.03 bull nose", "product-id": "BN-625-03", "product-link": "",
+        "geometry": {"CSP": false, "DC": 0.625, "HAND": true, "LB": 1.9, "LCF": 1.25, "NOF": 4, "NT": 1, "OAL": 3.5, "RE": 0.03, "SFDM": 0.625, "SIG": 0, "TA": 0, "shoulder-length": 1.3},
+        "holder": {"type": "holder", "unit": "millimeters", "description": "BT40", "segments": [{"height": 10, "lower-diameter": 40, "upper-diameter": 40}]},
+        "post-process": {"break-control": false, "comment": "", "diameter-offset": 7, "length-offset": 7, "live": true, "manual-tool-change": false, "number": 7, "turret": 0},
+        "start-values": {"presets": [
+            {"name": "Aluminum - Roughing", "material": {"category": "all", "query": "aluminum", "use-hardness": false}, "n": 5000, "v_f": 80, "f_z": 0.004, "v_c": 818, "stepover": 0.3, "stepdown": 0.1, "use-stepover": true},
+            {"name": "Aluminum - Finishing", "n": 8000.5, "v_f": 64, "f_z": 0.002, "v_c": 1309}
+        ]},
+        "expressions": {"tool_diameter": "0.625 in"}, "reference_guid": ""
+    })
+}
+
+fn with(mut tool: Value, pointer: &str, value: Value) -> Value {
+    *tool.pointer_mut(pointer).unwrap() = value;
+    tool
+}
+
+fn without(mut tool: Value, parent: &str, member: &str) -> Value {
+    tool.pointer_mut(parent).unwrap().as_object_mut().unwrap().remove(member);
+    tool
+}
+
+#[test]
+fn a_fusion_tool_in_inches_is_read_in_millimetres() {
+    let tool = only(fusion(&[bull_nose()]));
+    assert_eq!((tool.name.as_str(), tool.number, tool.teeth), ("5/8\" R.03 bull nose", Some(7), Some(4)));
+    assert_eq!(tool.cutter.kind(), CutterKind::Toroidal);
+    assert_relative_eq!(tool.cutter.outer_radius().mm(), 0.3125 * 25.4, max_relative = 1e-15);
+    assert_relative_eq!(tool.cutter.corner_radius().mm(), 0.03 * 25.4, max_relative = 1e-15);
+    assert_relative_eq!(tool.flute_length.unwrap().mm(), 1.25 * 25.4, max_relative = 1e-15);
+}
+
+#[test]
+fn the_finishing_preset_gives_speed_and_feed() {
+    let tool = only(fusion(&[bull_nose()]));
+    assert_eq!((tool.preset.as_deref(), tool.spindle_speed_rpm), (Some("Aluminum - Finishing"), Some(8000.5)));
+    assert_relative_eq!(tool.max_feed_per_tooth.unwrap().mm(), 0.002 * 25.4, max_relative = 1e-15);
+    // Without one that says so, the first.
+    let tool = only(fusion(&[with(bull_nose(), "/start-values/presets/1/name", json!("Steel"))]));
+    assert_eq!((tool.preset.as_deref(), tool.spindle_speed_rpm), (Some("Aluminum - Roughing"), Some(5000.0)));
+    // Without a feed per tooth it follows from the feed rate: 80 / (4 5000) = 0.004 in.
+    let tool = only(fusion(&[with(with(bull_nose(), "/start-values/presets/1/name", json!("")), "/start-values/presets/0/f_z", json!(0))]));
+    assert_relative_eq!(tool.max_feed_per_tooth.unwrap().mm(), 0.004 * 25.4, max_relative = 1e-15);
+    let tool = only(fusion(&[with(bull_nose(), "/start-values/presets", json!([]))]));
+    assert_eq!((tool.preset, tool.spindle_speed_rpm, tool.max_feed_per_tooth), (None, None, None));
+}
+
+#[test]
+fn a_ball_without_a_corner_radius_is_half_its_diameter() {
+    let ball = with(with(bull_nose(), "/type", json!("ball end mill")), "/unit", json!("millimeters"));
+    for ball in [
+        without(ball.clone(), "/geometry", "RE"),
+        with(ball.clone(), "/geometry/RE", json!(0)),
+        with(ball.clone(), "/geometry/RE", json!(0.3125)),
+    ] {
+        let tool = only(fusion(&[ball]));
+        assert_eq!((tool.cutter.kind(), tool.cutter.corner_radius().mm()), (CutterKind::BallEnd, 0.3125));
+    }
+    let flat = with(bull_nose(), "/type", json!("flat end mill"));
+    for flat in [without(flat.clone(), "/geometry", "RE"), with(flat.clone(), "/geometry/RE", json!(0))] {
+        assert_eq!(only(fusion(&[flat])).cutter.kind(), CutterKind::FlatEnd);
+    }
+}
+
+#[test]
+fn tools_that_finish_no_surface_are_counted_by_type() {
+    let other =
+        |kind: &str| json!({"type": kind, "unit": "millimeters", "geometry": {"DC": "none", "segments": [1, [2]]}, "description": kind});
+    let tapered = with(bull_nose(), "/geometry/TA", json!(3));
+    let library = read(fusion(&[other("drill"), bull_nose(), other("holder"), other("drill"), other("tap right hand"), tapered]));
+    assert_eq!(library.tools().len(), 1);
+    let others: Vec<_> = library.others().collect();
+    assert_eq!(others, [("drill", 2), ("holder", 1), ("tap right hand", 1), ("tapered bull nose end mill", 1)]);
+}
+
+#[test]
+fn a_tools_file_is_a_zip_with_one_library() {
+    let library = read(zip(&[("tools.json", &fusion(&[bull_nose(), bull_nose()]))]));
+    assert_eq!(library.tools().len(), 2);
+    let utf_8 = [b"\xef\xbb\xbf".as_slice(), &fusion(&[bull_nose()])].concat();
+    assert_eq!(read(utf_8).tools().len(), 1);
+}
+
+#[test]
+fn faults_of_fusion_name_file_tool_and_member() {
+    let unit = "\"millimeters\" or \"inches\"";
+    for (tool, sentence) in [
+        (without(bull_nose(), "/geometry", "DC"), "geometry.DC: expected the diameter of the cutter, found nothing".to_owned()),
+        (without(bull_nose(), "/geometry", "RE"), "geometry.RE: expected the corner radius of a bull nose end mill, found nothing".into()),
+        (without(bull_nose(), "", "unit"), format!("unit: expected {unit}, found nothing")),
+        (with(bull_nose(), "/unit", json!("furlongs")), format!("unit: expected {unit}, found \"furlongs\"")),
+        (with(bull_nose(), "/unit", json!([1])), format!("unit: expected {unit}, found an array")),
+        (
+            with(bull_nose(), "/geometry/DC", json!("wide")),
+            "geometry.DC: expected a number with a decimal point or a decimal comma, found \"wide\"".into(),
+        ),
+        (
+            with(bull_nose(), "/geometry/DC", json!(-1)),
+            "geometry.DC: expected a length from 0.000001 mm to 1000000 mm, found -25.4 mm".into(),
+        ),
+        (
+            with(bull_nose(), "/geometry/RE", json!(0.5)),
+            "geometry.RE: expected a corner radius of at most half the diameter, 7.9375 mm, found 12.7 mm".into(),
+        ),
+        (with(bull_nose(), "/geometry/NOF", json!(2.5)), "geometry.NOF: expected a whole number of teeth up to 100, found 2.5".into()),
+        (
+            with(bull_nose(), "/post-process/number", json!(-7)),
+            "post-process.number: expected a whole number that is not negative, found -7".into(),
+        ),
+        (
+            with(bull_nose(), "/start-values/presets/1/n", json!(1e9)),
+            "start-values.presets.n: expected a spindle speed from 1 to 1000000 rpm, found 1000000000".into(),
+        ),
+        (
+            with(bull_nose(), "/type", json!("ball end mill")),
+            "geometry.RE: expected half the diameter of the ball, 7.9375 mm, found 0.762 mm".into(),
+        ),
+        (
+            with(bull_nose(), "/type", json!("flat end mill")),
+            "geometry.RE: expected 0 or nothing on a flat end mill; a cutter with a corner is a bull nose, found 0.762 mm".into(),
+        ),
+    ] {
+        let file = fusion(&[bull_nose(), tool]);
+        assert_eq!(refusal(&file), format!("mills, tool 2 \"5/8\" R.03 bull nose\", {sentence}"));
+        let fault = ToolLibrary::read(&zip(&[("shop/tools.json", &file)]), Some("mills.tools")).unwrap_err();
+        assert_eq!((fault.file(), fault.tool()), ("mills.tools/shop/tools.json", Some("tool 2 \"5/8\" R.03 bull nose\"")));
+        assert!(fault.member().is_some_and(|member| sentence.starts_with(member)));
+    }
+}
+
+fn bit(name: &str, shape: &str, parameters: &Value) -> Vec<u8> {
+    json!({"version": 2, "name": name, "shape": shape, "parameter": parameters, "attribute": {}}).to_string().into_bytes()
+}
+
+#[test]
+fn freecad_tools_carry_units_and_decimal_commas() {
+    let tool = only(bit(
+        "6 mm Ball End",
+        "ballend.fcstd",
+        &json!({"CuttingEdgeHeight": "40,0000 mm", "Diameter": "5,00 mm", "Flutes": "0", "Length": "50,00 mm", "Chipload": "0,0000 mm"}),
+    ));
+    assert_eq!(
+        (tool.name.as_str(), tool.cutter.kind(), tool.teeth, tool.max_feed_per_tooth),
+        ("6 mm Ball End", CutterKind::BallEnd, None, None)
+    );
+    assert_eq!((tool.cutter.outer_radius().mm(), tool.flute_length.unwrap().mm()), (2.5, 40.0));
+    for (shape, parameters, corner) in [
+        ("bullnose.fcstd", json!({"Diameter": "6.0000 mm", "FlatRadius": "1.5000 mm", "Flutes": 4}), 1.5),
+        ("Shapes/bullnose.fcstd", json!({"Diameter": "6.0000 mm", "CornerRadius": "0.5 mm", "Chipload": "0.05 mm"}), 0.5),
+        ("torus.fcstd", json!({"Diameter": "0.25 in", "TorusRadius": "0.0625 in"}), 1.5875),
+        ("endmill.fcstd", json!({"Diameter": "5.00 mm"}), 0.0),
+        ("bullnose.fcstd", json!({"Diameter": "6 mm", "FlatRadius": "3 mm"}), 0.0),
+        ("bullnose.fcstd", json!({"Diameter": "6 mm", "FlatRadius": "0 mm"}), 3.0),
+    ] {
+        assert_relative_eq!(only(bit("a", shape, &parameters)).cutter.corner_radius().mm(), corner, max_relative = 1e-14);
+    }
+    let mut second: Value = serde_json::from_slice(&bit("a", "mine.fcstd", &json!({"Diameter": "5.00 mm"}))).unwrap();
+    second["shape-type"] = json!("Ballend");
+    assert_eq!(only(second.to_string()).cutter.kind(), CutterKind::BallEnd);
+    assert_eq!(read(bit("a", "drill.fcstd", &json!({}))).others().collect::<Vec<_>>(), [("drill", 1)]);
+}
+
+#[test]
+fn a_zip_of_freecad_tools_takes_their_numbers_from_the_list() {
+    let list = json!({"tools": [{"nr": 3, "path": "ball.fctb"}, {"nr": 12, "path": "Bit/END.fctb"}], "version": 1}).to_string();
+    let ball = bit("ball", "ballend.fcstd", &json!({"Diameter": "6.0 mm", "Flutes": "2"}));
+    let end = bit("end", "endmill.fcstd", &json!({"Diameter": "8.0 mm"}));
+    let files: [(&str, &[u8]); 5] = [
+        ("Bit/ball.fctb", &ball),
+        ("Bit/end.fctb", &end),
+        ("Library/mine.fctl", list.as_bytes()),
+        ("Shape/a.fcstd", b"PK\x03\x04"),
+        ("__MACOSX/._ball.fctb", b"\0\x05"),
+    ];
+    let library = read(zip(&files));
+    let tools: Vec<_> = library.tools().iter().map(|tool| (tool.name.as_str(), tool.number)).collect();
+    assert_eq!((tools, library.skipped_files()), (vec![("ball", Some(3)), ("end", Some(12))], 2));
+    let fault = ToolLibrary::read(&zip(&files[1..]), Some("a.zip")).unwrap_err();
+    assert_eq!(
+        fault.to_string(),
+        "a.zip/Library/mine.fctl, tool 1, path: expected every listed tool in the zip, found no file \"ball.fctb\" in the zip"
+    );
+    assert!(refusal(list).contains("send a zip of them all"));
+}
+
+#[test]
+fn faults_of_freecad_name_the_member() {
+    for (shape, parameters, sentence) in [
+        (
+            "ballend.fcstd",
+            json!({"Diameter": "6"}),
+            "parameter.Diameter: expected a length with its unit, such as \"6.0 mm\" or \"0.25 in\", found \"6\"",
+        ),
+        ("ballend.fcstd", json!({}), "parameter.Diameter: expected the diameter of the cutter, found nothing"),
+        (
+            "ballend.fcstd",
+            json!({"Diameter": "1,000.5 mm"}),
+            "parameter.Diameter: expected a number with a decimal point or a decimal comma, found \"1,000.5\"",
+        ),
+        (
+            "bullnose.fcstd",
+            json!({"Diameter": "6 mm"}),
+            "parameter.CornerRadius: expected the corner radius of a bull nose end mill, found nothing",
+        ),
+        (
+            "bullnose.fcstd",
+            json!({"Diameter": "6 mm", "FlatRadius": "4 mm"}),
+            "parameter.FlatRadius: expected a flat inside the diameter, of a radius up to 3 mm, found 4 mm",
+        ),
+        (
+            "ballend.fcstd",
+            json!({"Diameter": "6 mm", "Flutes": "two"}),
+            "parameter.Flutes: expected a number with a decimal point or a decimal comma, found \"two\"",
+        ),
+    ] {
+        assert_eq!(refusal(bit("a", shape, &parameters)), format!("mills, tool 1 \"a\", {sentence}"));
+    }
+}
+
+#[test]
+fn a_table_is_read_in_any_layout() {
+    let comma = "name,type,diameter_mm,corner_radius_mm,teeth,spindle_speed_rpm,max_feed_per_tooth_mm\nB6,ball_end,6.0,,2,12000,0.05\nT10,toroidal,10,1.5,4,,\n";
+    let semicolon = "\u{feff}sep=;\r\nNumber;Name;Type;Diameter mm;corner_radius_mm;Flute length mm;teeth;vendor\r\n5;B6;ball end;6,0;3,0;12,5;2;x\r\n\r\n6;T10;bull nose;10;1,5;;4;y\r\n";
+    for text in [comma.to_owned(), comma.replace(',', "\t").replace('.', ","), semicolon.to_owned(), comma.replace("6.0", "\"6,0\"")] {
+        let tools = read(&text).into_tools();
+        let described: Vec<_> = tools
+            .iter()
+            .map(|tool| (tool.name.as_str(), tool.cutter.outer_radius().mm(), tool.cutter.corner_radius().mm(), tool.teeth))
+            .collect();
+        assert_eq!(described, [("B6", 3.0, 3.0, Some(2)), ("T10", 5.0, 1.5, Some(4))], "{text}");
+    }
+    assert_relative_eq!(read(semicolon).tools()[0].flute_length.unwrap().mm(), 12.5, max_relative = 1e-15);
+    let utf_16: Vec<u8> = format!("\u{feff}{comma}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert_eq!(read(utf_16).tools().len(), 2);
+    let inches = only("type,diameter_in,number,name\nflat_end,0.5,9,\n");
+    assert_relative_eq!(inches.cutter.outer_radius().mm(), 6.35, max_relative = 1e-15);
+    assert_eq!((inches.name.as_str(), inches.number), ("tool 9", Some(9)));
+}
+
+#[test]
+fn faults_of_a_table_name_line_and_column() {
+    let head = "name,type,diameter_mm,corner_radius_mm,teeth\n";
+    for (row, sentence) in [
+        ("A,toroidal,10,,4", "tool 1 \"A\", corner_radius: expected the corner radius of a bull nose end mill, found nothing"),
+        ("A,toroidal,10,6,4", "tool 1 \"A\", corner_radius: expected a corner radius of at most half the diameter, 5 mm, found 6 mm"),
+        ("A,ball_end,,,", "tool 1 \"A\", diameter: expected the diameter of the cutter, found nothing"),
+        ("A,ball_end,six,,", "tool 1 \"A\", diameter: expected a number with a decimal point or a decimal comma, found \"six\""),
+        ("A,ball_end,6,5,,,2", "tool 1 \"A\": expected 5 fields, as the header has, found 7"),
+        ("A,ball_end,6", "tool 1 \"A\": expected 5 fields, as the header has, found 3"),
+        ("A,,6,,", "tool 1 \"A\", type: expected ball_end, toroidal, flat_end or another type, found nothing"),
+    ] {
+        assert_eq!(refusal(format!("{head}{row}\n")), format!("mills, {sentence}"));
+    }
+    assert_eq!(refusal("type,diameter\nball_end,6\n"), "mills: expected diameter_mm or diameter_in, found \"diameter\"");
+    assert_eq!(
+        refusal("type,diameter_mm,diameter_in\n"),
+        "mills: expected each quantity in one column, in one unit, found \"diameter_in\" again"
+    );
+}
+
+#[test]
+fn files_that_are_no_library_are_refused() {
+    for (file, kind) in [
+        (b"".as_slice(), LibraryFaultKind::Empty),
+        (b"solid part\n", LibraryFaultKind::UnknownFormat),
+        (b"x,y,z\n1,2,3\n", LibraryFaultKind::UnknownFormat),
+        (b"\x89PNG\r\n\x1a\n\0\0", LibraryFaultKind::UnknownFormat),
+        (b"{}", LibraryFaultKind::UnknownFormat),
+        (b"[1, 2]", LibraryFaultKind::Malformed),
+        (b"{\"data\": 5}", LibraryFaultKind::Malformed),
+        (b"{\"data\": []}", LibraryFaultKind::Empty),
+        (b"{\"data\": [{\"type\": \"drill\"}", LibraryFaultKind::Malformed),
+        (b"type,diameter_mm\n", LibraryFaultKind::Empty),
+        (b"PK\x03\x04 and nothing else", LibraryFaultKind::Malformed),
+    ] {
+        let fault = ToolLibrary::read(file, None).unwrap_err();
+        assert_eq!(fault.kind(), kind, "{fault}");
+        assert_eq!(fault.file(), "the library");
+    }
+}
+
+#[test]
+fn hostile_libraries_are_refused_within_their_limits() {
+    let kind = |bytes: &[u8]| ToolLibrary::read(bytes, None).unwrap_err().kind();
+    let zeros = vec![b' '; 40 << 20];
+    assert_eq!(kind(&zip(&[("a.json", &zeros)])), LibraryFaultKind::TooLarge);
+    // Every entry is within the limit, but not their sum.
+    let quarter = zeros[..10 << 20].to_vec();
+    let bomb: Vec<(String, &[u8])> = (0..5).map(|index| (format!("{index}.csv"), quarter.as_slice())).collect();
+    let bomb: Vec<(&str, &[u8])> = bomb.iter().map(|(name, content)| (name.as_str(), *content)).collect();
+    assert_eq!(kind(&zip(&bomb)), LibraryFaultKind::TooLarge);
+    let inner = zip(&[("tools.json", &fusion(&[bull_nose()]))]);
+    for name in ["a.tools", "a.zip", "a.json"] {
+        let fault = ToolLibrary::read(&zip(&[(name, &inner)]), Some("b.zip")).unwrap_err();
+        assert_eq!(fault.to_string(), format!("b.zip/{name}: expected no zip inside a zip, found one"));
+    }
+    let many = "B6,ball_end,6\n".repeat(MOST_TOOLS + 1);
+    assert_eq!(kind(format!("name,type,diameter_mm\n{many}").as_bytes()), LibraryFaultKind::TooLarge);
+    let drills = format!("{{\"data\": [{}{{\"type\": \"drill\"}}]}}", "{\"type\": \"drill\"},".repeat(MOST_TOOLS));
+    assert_eq!(kind(drills.as_bytes()), LibraryFaultKind::TooLarge);
+    let deep = format!("{{\"data\": [{}", "[".repeat(1 << 20));
+    assert_eq!(kind(deep.as_bytes()), LibraryFaultKind::Malformed);
+    let list = format!("{{\"tools\": [{}{{}}]}}", "{},".repeat(1 << 20));
+    assert_eq!(kind(&zip(&[("a.fctl", list.as_bytes())])), LibraryFaultKind::Malformed);
+    assert_eq!(kind(",".repeat(5 << 20).as_bytes()), LibraryFaultKind::TooLarge);
+    assert_eq!(kind(&vec![b'x'; 33 << 20]), LibraryFaultKind::TooLarge);
+}
+
+#[test]
+fn a_zip_of_many_entries_is_refused_at_the_limit() {
+    let fault = ToolLibrary::read(&directory_alone(600_000), None).unwrap_err();
+    assert_eq!((fault.kind(), fault.found()), (LibraryFaultKind::TooLarge, "a ZIP archive of more than 20000 entries"));
+}

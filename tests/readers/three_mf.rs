@@ -1,0 +1,184 @@
+//! 3MF packages: units, components, build items, and packages that ask for more than they bring.
+
+use super::*;
+use crate::writers::{RELATIONSHIPS, directory_alone, mesh_object, model, package, zip};
+use scallopd::surface::Unit;
+use scallopd::surface::read::FileLocation;
+
+const VERTICES: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];
+
+fn triangle_object(id: u32) -> String {
+    mesh_object(id, &VERTICES, &[[0, 1, 2]])
+}
+
+fn components(id: u32, components: &str) -> String {
+    format!("<object id=\"{id}\"><components>{components}</components></object>")
+}
+
+fn moved(by: [f64; 3]) -> [[f64; 3]; 3] {
+    VERTICES.map(|[x, y, z]| [x + by[0], y + by[1], z + by[2]])
+}
+
+#[test]
+fn the_unit_reaches_the_summary() {
+    for (attributes, unit) in [
+        ("", Unit::Millimetre),
+        ("unit=\"micron\"", Unit::Micrometre),
+        ("unit=\"millimeter\"", Unit::Millimetre),
+        ("unit='centimeter'", Unit::Centimetre),
+        ("unit=\"inch\"", Unit::Inch),
+        ("unit=\"foot\"", Unit::Foot),
+        ("unit=\"meter\"", Unit::Metre),
+    ] {
+        let (recorder, summary) = read(package(&model(attributes, &triangle_object(1), "<item objectid=\"1\"/>"))).unwrap();
+        assert_eq!((summary.format, summary.facets, summary.unit), (Format::ThreeMf, 1, Some(unit)));
+        assert_eq!(recorder.facets, [VERTICES]);
+    }
+    assert_eq!((Unit::Micrometre.mm(), Unit::Foot.mm()), (1e-3, 304.8));
+}
+
+#[test]
+fn components_and_items_are_placed() {
+    let objects = triangle_object(7)
+        + &components(8, "<component objectid=\"7\"/><component objectid=\"7\" transform=\"1 0 0 0 1 0 0 0 1 10 0 0\"/>")
+        + &components(9, "<component objectid=\"8\" transform=\"1 0 0 0 1 0 0 0 1 0 20 0\"></component>");
+    let items = "<item objectid=\"9\" transform=\"1 0 0 0 1 0 0 0 1 0 0 5\"/><item objectid=\"7\"/>";
+    let expected = [moved([0.0, 20.0, 5.0]), moved([10.0, 20.0, 5.0]), VERTICES];
+    assert_eq!(facets(package(&model("", &objects, items))), expected);
+}
+
+#[test]
+fn a_reflection_keeps_the_outer_side_out() {
+    let items = "<item objectid=\"1\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\"/>";
+    let facet = facets(package(&model("", &triangle_object(1), items)))[0];
+    assert_eq!(facet, [[0.0, 0.0, 0.0], [0.0, 1.0, 0.25], [-1.0, 0.0, 0.5]]);
+}
+
+#[test]
+fn objects_in_other_model_files_are_read() {
+    let root = model(
+        "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" requiredextensions=\"p\"",
+        &components(2, "<component p:path=\"/3D/Objects/part.model\" objectid=\"5\"/>"),
+        "<item objectid=\"2\"/>",
+    );
+    let part = model("", &triangle_object(5), "");
+    let file = |part: &str| {
+        zip(&[("_rels/.rels", RELATIONSHIPS.as_bytes()), ("3D/3dmodel.model", root.as_bytes()), ("3d/objects/PART.model", part.as_bytes())])
+    };
+    assert_eq!(facets(file(&part)), [VERTICES]);
+    let inches = refusal(file(&part.replace("<model ", "<model unit=\"inch\" ")));
+    assert_eq!(inches, "3D/Objects/part.model, byte 0: expected one unit in all models of the package, found another");
+}
+
+#[test]
+fn support_is_left_out_and_counted() {
+    let objects = triangle_object(1) + &triangle_object(2).replace("type=\"model\"", "type=\"support\"");
+    let (recorder, summary) = read(package(&model("", &objects, "<item objectid=\"2\"/><item objectid=\"1\"/>"))).unwrap();
+    assert_eq!((recorder.facets.len(), summary.notes), (1, Notes { other_elements: 1, ..Notes::default() }));
+}
+
+#[test]
+fn what_is_no_surface_is_refused_with_its_file() {
+    let item = "<item objectid=\"1\"/>";
+    let place = "3D/3dmodel.model, byte ";
+    for (model, sentence) in [
+        (model("", &triangle_object(1), ""), "expected a build item with a mesh, found none"),
+        (model("", "", item), "expected the number of an object, found 1"),
+        (
+            model("", &triangle_object(1).replace("v3=\"2\"", "v3=\"3\""), item),
+            "expected the number of one of 3 vertices, from 0, found \"3\"",
+        ),
+        (
+            model("", &triangle_object(1).replace("z=\"0.5\"", "z=\"nan\""), item),
+            "expected a finite coordinate of at most 1e12 in magnitude, found \"nan\"",
+        ),
+        (model("", &triangle_object(1).replace("z=\"0.5\"", ""), item), "expected a vertex with x, y and z, found one of them missing"),
+        (model("", &(triangle_object(1) + &triangle_object(1)), item), "expected each object number once, found 1"),
+        (
+            model("unit=\"furlong\"", &triangle_object(1), item),
+            "expected micron, millimeter, centimeter, inch, foot or meter, found \"furlong\"",
+        ),
+        (
+            model(
+                "requiredextensions=\"b\" xmlns:b=\"http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02\"",
+                &triangle_object(1),
+                item,
+            ),
+            "expected a model of meshes and components alone, found the required extension \"beamlattice/2017/02\"",
+        ),
+        (
+            model("", &triangle_object(1), "<item objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 0 0 0 0\"/>"),
+            "expected a transform that is not singular, found \"1 0 0 0 1 0 0 0 0 0 0 0\"",
+        ),
+        (
+            model("", &triangle_object(1), "<item objectid=\"1\" transform=\"1e12 0 0 0 1 0 0 0 1 1 0 0\"/>"),
+            "expected a finite coordinate of at most 1e12 in magnitude, found a vertex beyond it after placing its object",
+        ),
+        ("<!DOCTYPE a [<!ENTITY b \"c\">]><model></model>".into(), "expected no document type definition, found one"),
+        ("<html></html>".into(), "expected the element model, found \"html\""),
+        ("<model><build>".into(), "expected the end of every element, found the end of the file"),
+    ] {
+        let found = refusal(package(&model));
+        assert!(found.starts_with(place) && found.ends_with(sentence), "{found}");
+    }
+    let fault = read(package("<model></build>")).unwrap_err();
+    assert_eq!((fault.kind(), fault.expected()), (FaultKind::Malformed, "well-formed XML"));
+    assert_eq!(fault.location(), FileLocation::Entry { path: "3D/3dmodel.model".into(), byte: 7 });
+}
+
+#[test]
+fn archives_that_are_no_package_are_named() {
+    for (name, found) in
+        [("xl/workbook.xml", "an Excel workbook"), ("Document.xml", "a FreeCAD document"), ("part.stl", "a ZIP archive that is no 3MF")]
+    {
+        let fault = read(zip(&[(name, b"<a/>")])).unwrap_err();
+        assert_eq!(fault.kind(), FaultKind::UnknownFormat);
+        assert!(fault.found().starts_with(found), "{fault}");
+    }
+    assert_eq!(read(&package("<model/>")[..200]).unwrap_err().kind(), FaultKind::Malformed);
+}
+
+#[test]
+fn components_that_multiply_are_refused() {
+    let layer = |id: u32| components(id, &format!("<component objectid=\"{}\"/>", id - 1).repeat(10));
+    let objects = triangle_object(1) + &(2..12).map(layer).collect::<String>();
+    let fault = read(package(&model("", &objects, "<item objectid=\"11\"/>"))).unwrap_err();
+    assert_eq!(
+        (fault.kind(), fault.expected()),
+        (FaultKind::TooLarge, "components nested at most 32 deep, and at most 100000 objects placed")
+    );
+    let cycle = components(1, "<component objectid=\"2\"/>") + &components(2, "<component objectid=\"1\"/>");
+    assert_eq!(read(package(&model("", &cycle, "<item objectid=\"1\"/>"))).unwrap_err().kind(), FaultKind::TooLarge);
+}
+
+#[test]
+fn hostile_packages_are_refused_within_their_limits() {
+    let limited = |file: &[u8]| {
+        let mut reader = Reader::new(FormatHint::default()).with_vertex_limit(1000).with_archive_limit(1 << 20);
+        reader.push(file, &mut Recorder::default())?;
+        reader.finish(&mut Recorder::default())
+    };
+    let refused = |file: &[u8]| {
+        let fault = limited(file).unwrap_err();
+        assert_eq!(fault.kind(), FaultKind::TooLarge, "{fault}");
+        fault.expected().to_owned()
+    };
+    let item = "<item objectid=\"1\"/>";
+    let vertices = mesh_object(1, &vec![[0.0; 3]; 1001], &[]);
+    assert_eq!(refused(&package(&model("", &vertices, item))), "at most 1000 vertices");
+    let triangles = mesh_object(1, &VERTICES, &vec![[0, 1, 2]; 2001]);
+    assert_eq!(refused(&package(&model("", &triangles, item))), "at most 2000 triangles");
+    let placed = mesh_object(1, &VERTICES, &vec![[0, 1, 2]; 2000]);
+    assert_eq!(refused(&package(&model("", &placed, &item.repeat(3)))), "at most 4000 facets after placing all components");
+    let long = model("", &" ".repeat(3 << 20), item);
+    assert_eq!(refused(&package(&long)), "at most 1048576 bytes in a tag or text");
+    let deep = model("", &"<a>".repeat(100), item);
+    assert_eq!(refused(&package(&deep)), "at most 64 nested elements");
+    let many = model("", "<object id=\"1\"/>", &item.repeat(100_001));
+    assert_eq!(refused(&package(&many)), "at most 100000 objects, components and build items");
+    assert_eq!(refused(&directory_alone(20_000)), "a 3MF package within its limits");
+    assert_eq!(refused(&directory_alone(600_000)), "a 3MF file of at most 1048576 bytes");
+    let mut reader = Reader::new(FormatHint::default());
+    reader.push(&directory_alone(4_000_000), &mut Recorder::default()).unwrap();
+    assert_eq!(reader.finish(&mut Recorder::default()).unwrap_err().kind(), FaultKind::TooLarge);
+}
