@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, FaultKind, Flaw};
 use super::known::{KNOWN_AT_START, by_statement};
-use super::lines::{Words, line_end, trimmed};
+use super::lines::{Words, is_word, line_end, starts_number, statements};
 use std::fmt;
 
 /// How many bytes are looked at, at most: licence texts in comments at the start of a file are shorter.
@@ -244,29 +244,6 @@ fn is_obj(line: &[u8]) -> bool {
         b"mtllib" | b"usemtl" | b"o" | b"g" => true,
         _ => false,
     }
-}
-
-pub(super) fn starts_number(text: &[u8]) -> bool {
-    matches!(text, [b'0'..=b'9', ..] | [b'+' | b'-' | b'.', b'0'..=b'9' | b'.', ..])
-}
-
-/// The lines that are not blank, trimmed.
-pub(super) fn statements(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
-    std::iter::from_fn(move || {
-        while !text.is_empty() {
-            let end = line_end(text).unwrap_or(text.len());
-            let line = trimmed(&text[..end]);
-            text = text.get(end + 1..).unwrap_or_default();
-            if !line.is_empty() {
-                return Some(line);
-            }
-        }
-        None
-    })
-}
-
-pub(super) fn is_word(line: &[u8], word: &[u8]) -> bool {
-    Words::of(line).next().is_some_and(|first| first.eq_ignore_ascii_case(word))
 }
 
 #[cfg(test)]

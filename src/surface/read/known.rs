@@ -1,7 +1,6 @@
 //! Formats that are known and not read, so that a refusal names them.
 
-use super::format::{is_word, starts_number, statements};
-use super::lines::{Words, line_end};
+use super::lines::{Words, is_word, line_end, starts_number, statements};
 
 /// Formats by their first bytes.
 pub(super) const KNOWN_AT_START: [(&[u8], &str); 31] = [

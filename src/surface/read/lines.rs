@@ -149,6 +149,31 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
+/// Whether a number starts here.
+pub(super) fn starts_number(text: &[u8]) -> bool {
+    matches!(text, [b'0'..=b'9', ..] | [b'+' | b'-' | b'.', b'0'..=b'9' | b'.', ..])
+}
+
+/// The lines that are not blank, trimmed.
+pub(super) fn statements(mut text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    std::iter::from_fn(move || {
+        while !text.is_empty() {
+            let end = line_end(text).unwrap_or(text.len());
+            let line = trimmed(&text[..end]);
+            text = text.get(end + 1..).unwrap_or_default();
+            if !line.is_empty() {
+                return Some(line);
+            }
+        }
+        None
+    })
+}
+
+/// Whether the first word of the line is `word`, in either case.
+pub(super) fn is_word(line: &[u8], word: &[u8]) -> bool {
+    Words::of(line).next().is_some_and(|first| first.eq_ignore_ascii_case(word))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

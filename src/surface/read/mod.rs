@@ -8,7 +8,6 @@
 //! A file that cannot be read, or can be read in two ways, is refused with a [`Fault`] that names line or byte. What is left out on
 //! purpose is counted in the [`Summary`]. Coordinates are passed on in the file's unit; where the file states one, the summary has it.
 
-mod blocks;
 mod decimal;
 mod fault;
 mod format;
@@ -26,9 +25,9 @@ mod three_mf;
 mod utf_16;
 mod vertices;
 
-pub use blocks::{BlockOutcome, TextBlock};
 pub use fault::{Fault, FaultKind, FileLocation};
 pub use format::{Format, FormatHint};
+pub use text::{BlockOutcome, TextBlock};
 pub use three_mf::DEFAULT_ARCHIVE_LIMIT;
 
 use super::{LARGEST_COORDINATE, Sink, Unit};

@@ -9,16 +9,19 @@
 //!
 //! A table that can be read in two ways is refused with [`FaultKind::Ambiguous`].
 
+mod blocks;
 mod doubt;
 mod header;
 mod layout;
 
 pub(super) use layout::Layout;
 
-use super::blocks::{BlockOutcome, BlockSplitter, TextBlock};
+pub use blocks::{BlockOutcome, TextBlock};
+
 use super::fault::{Fault, FaultKind, Flaw};
 use super::lines::{Lines, trimmed, trimmed_start};
 use super::{Format, Notes, Sink, Summary, Unit};
+use blocks::BlockSplitter;
 use doubt::Doubt;
 use header::Header;
 use layout::Separator;

@@ -3,10 +3,10 @@
 //! Where a block ends depends on the text alone, not on the chunks in which it arrives, so that sums over blocks are reproducible to the
 //! bit. The caller chooses the threads.
 
-use super::Sink;
-use super::fault::Fault;
-use super::lines::{LONGEST_LINE, line_end};
-use super::text::{self, Layout};
+use super::super::fault::Fault;
+use super::super::lines::{LONGEST_LINE, line_end};
+use super::{Layout, read_block};
+use crate::surface::Sink;
 
 /// A block ends with the line that passes this size: a thread's work of a few tenths of a millisecond.
 const SIZE: usize = 1 << 17;
@@ -18,7 +18,7 @@ pub struct TextBlock {
     layout: Layout,
 }
 
-/// The result of reading a block, which the caller passes to [`Reader::record_block`](super::Reader::record_block).
+/// The result of reading a block, which the caller passes to [`Reader::record_block`](crate::surface::read::Reader::record_block).
 #[derive(Debug)]
 #[must_use = "the reader needs it for its counts of lines and points, and for faults"]
 pub struct BlockOutcome {
@@ -35,7 +35,7 @@ impl TextBlock {
 
     /// Passes the points of these lines to `sink`, up to the first fault.
     pub fn read<S: Sink>(self, sink: &mut S) -> BlockOutcome {
-        text::read_block(&self.lines, self.layout, sink)
+        read_block(&self.lines, self.layout, sink)
     }
 }
 
