@@ -17,7 +17,7 @@ fn pass(corner: f64, slope: f64, alpha: f64) -> Pass {
         r => Cutter::toroidal(mm(10.0), mm(r)).expect("a corner under 5 mm"),
     };
     let contact = Contact::from_degrees(slope, alpha).expect("a contact");
-    Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE }
+    Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None }
 }
 
 /// Times heights and inverses of one model; `black_box` keeps the compiler from working them out beforehand.

@@ -52,7 +52,7 @@ struct Comparison {
 fn compare(slope_deg: f64, alpha_deg: f64, feed: f64) -> Result<Comparison, NoAnswer> {
     let cutter = Cutter::toroidal(mm(2.0 * OUTER_RADIUS), mm(CORNER_RADIUS)).expect("a corner that fits");
     let contact = Contact::from_degrees(slope_deg, alpha_deg).expect("a contact");
-    let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE };
+    let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
     let analytic = Analytic::new(pass)?;
     let step_over = analytic.max_step_over(mm(STEP_OVER_HEIGHT), None)?;
     let envelope = Envelope::new(pass)?.scallop_height(step_over, Some(mm(feed))).map(ScallopHeight::total)?.mm();

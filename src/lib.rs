@@ -7,6 +7,7 @@ pub mod http;
 pub mod memory_budget;
 pub mod milling;
 pub mod motion;
+pub mod numerics;
 pub mod planning;
 pub mod quantity;
 pub mod server;

@@ -1,6 +1,5 @@
-//! Physical quantities whose existence proves that they are valid: finite, and inside bounds in which no formula of this crate
-//! over- or underflows. Inside they are millimetres, radians and seconds; conversions from other units belong to the border
-//! of the program (`http`), not here.
+//! Checked physical quantities: every value is finite and within bounds in which no formula of this crate overflows or underflows.
+//! Internal units are mm, rad and s. Conversions from other units belong in `http`.
 
 use std::fmt;
 
@@ -36,14 +35,14 @@ impl OutOfRange {
 pub struct Length(f64);
 
 impl Length {
-    /// No length at all. Only results can be zero: a length that is stated is at least [`Length::SMALLEST`].
+    /// Zero length. Only results can be zero: a user-supplied length is at least [`Length::SMALLEST`].
     pub const ZERO: Self = Self(0.0);
-    /// The smallest length that can be stated, 1 nm, in mm.
+    /// The smallest length that is accepted, 1 nm, in mm.
     pub const SMALLEST: f64 = 1e-6;
-    /// The largest length that can be stated, 1 km, in mm.
+    /// The largest length that is accepted, 1 km, in mm.
     pub const LARGEST: f64 = 1e6;
 
-    /// A length that somebody states (a dimension, a setting, a tolerance), from 1 nm to 1 km, in mm.
+    /// A user-supplied length (a dimension, a setting, a tolerance), from 1 nm to 1 km, in mm.
     ///
     /// # Errors
     /// [`OutOfRange`] outside these bounds.
@@ -51,7 +50,7 @@ impl Length {
         OutOfRange::check(mm, Self::SMALLEST, Self::LARGEST).map(Self)
     }
 
-    /// A length that a formula yields. The formula's domain makes it finite and not negative.
+    /// A computed length. The formula's domain makes it finite and not negative.
     pub(crate) fn computed(mm: f64) -> Self {
         debug_assert!(mm.is_finite() && mm >= 0.0, "a computed length must be finite and not negative, got {mm}");
         Self(mm)
@@ -76,12 +75,12 @@ impl std::ops::Add for Length {
 pub struct Area(f64);
 
 impl Area {
-    /// The smallest area that can be stated, the square of [`Length::SMALLEST`], in mm^2.
+    /// The smallest area that is accepted, the square of [`Length::SMALLEST`], in mm^2.
     pub const SMALLEST: f64 = 1e-12;
-    /// The largest area that can be stated, the square of [`Length::LARGEST`], in mm^2.
+    /// The largest area that is accepted, the square of [`Length::LARGEST`], in mm^2.
     pub const LARGEST: f64 = 1e12;
 
-    /// An area that somebody states, in mm^2.
+    /// A user-supplied area, in mm^2.
     ///
     /// # Errors
     /// [`OutOfRange`] outside [`Area::SMALLEST`] to [`Area::LARGEST`].
@@ -89,7 +88,7 @@ impl Area {
         OutOfRange::check(mm2, Self::SMALLEST, Self::LARGEST).map(Self)
     }
 
-    /// An area that a formula yields. The formula's domain makes it finite and not negative.
+    /// A computed area. The formula's domain makes it finite and not negative.
     pub(crate) fn computed(mm2: f64) -> Self {
         debug_assert!(mm2.is_finite() && mm2 >= 0.0, "a computed area must be finite and not negative, got {mm2}");
         Self(mm2)
@@ -102,17 +101,17 @@ impl Area {
     }
 }
 
-/// The form factor mu of a rectangle or of what resembles one: its long side over its short side, so at least 1.
+/// The form factor mu of a rectangle, or of a surface that a rectangle stands for: long side over short side, at least 1.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct FormFactor(f64);
 
 impl FormFactor {
     /// The form factor of a square.
     pub const SQUARE: Self = Self(1.0);
-    /// The largest form factor that can be stated: 1 mm wide and 1 km long.
+    /// The largest form factor that is accepted: 1 mm wide and 1 km long.
     pub const LARGEST: f64 = 1e6;
 
-    /// A form factor that somebody states, from 1 to [`FormFactor::LARGEST`].
+    /// A user-supplied form factor, from 1 to [`FormFactor::LARGEST`].
     ///
     /// # Errors
     /// [`OutOfRange`] outside these bounds.
@@ -120,7 +119,7 @@ impl FormFactor {
         OutOfRange::check(mu, 1.0, Self::LARGEST).map(Self)
     }
 
-    /// A form factor that a formula yields. The formula's domain makes it finite and at least 1.
+    /// A computed form factor. The formula's domain makes it finite and at least 1.
     pub(crate) fn computed(mu: f64) -> Self {
         debug_assert!(mu.is_finite() && mu >= 1.0, "a computed form factor must be finite and at least 1, got {mu}");
         Self(mu)
@@ -133,12 +132,12 @@ impl FormFactor {
     }
 }
 
-/// A span of time that a formula yields: finite and not negative, in seconds.
+/// A computed span of time: finite and not negative, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Time(f64);
 
 impl Time {
-    /// A time that a formula yields. The formula's domain makes it finite and not negative.
+    /// A computed time. The formula's domain makes it finite and not negative.
     pub(crate) fn computed(seconds: f64) -> Self {
         debug_assert!(seconds.is_finite() && seconds >= 0.0, "a computed time must be finite and not negative, got {seconds}");
         Self(seconds)
@@ -158,17 +157,17 @@ impl std::ops::Add for Time {
     }
 }
 
-/// A speed that a machine reaches: positive, kept in mm/s and stated, as feed rates are, in mm/min.
+/// A speed of a machine: positive. The internal unit is mm/s; feed rates are given in mm/min.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Speed(f64);
 
 impl Speed {
-    /// The smallest speed that can be stated, in mm/min.
+    /// The smallest speed that is accepted, in mm/min.
     pub const SMALLEST: f64 = 1e-3;
-    /// The largest speed that can be stated, in mm/min: a kilometre a minute.
+    /// The largest speed that is accepted, in mm/min: a kilometre a minute.
     pub const LARGEST: f64 = 1e6;
 
-    /// A speed that somebody states, in mm/min.
+    /// A user-supplied speed, in mm/min.
     ///
     /// # Errors
     /// [`OutOfRange`] outside [`Speed::SMALLEST`] to [`Speed::LARGEST`].
@@ -179,24 +178,61 @@ impl Speed {
         }
     }
 
+    /// A speed that a formula yields, in mm/s. The formula's domain makes it finite and positive.
+    pub(crate) fn computed(mm_s: f64) -> Self {
+        debug_assert!(mm_s.is_finite() && mm_s > 0.0, "a computed speed must be finite and positive, got {mm_s}");
+        Self(mm_s)
+    }
+
     /// The speed in mm/s.
     #[must_use]
     pub fn mm_s(self) -> f64 {
         self.0
     }
+
+    /// The speed in mm/min.
+    #[must_use]
+    pub fn mm_min(self) -> f64 {
+        self.0 * 60.0
+    }
 }
 
-/// An acceleration that a machine reaches: positive, kept in mm/s^2 and stated, as in machines' data sheets, in m/s^2.
+/// The rotational speed of a spindle: positive, in revolutions per minute.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct SpindleSpeed(f64);
+
+impl SpindleSpeed {
+    /// The smallest spindle speed that can be stated, in rev/min.
+    pub const SMALLEST: f64 = 1e-3;
+    /// The largest spindle speed that can be stated, in rev/min; air-bearing spindles reach 3e5.
+    pub const LARGEST: f64 = 1e6;
+
+    /// A spindle speed that somebody states, in rev/min.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] outside [`SpindleSpeed::SMALLEST`] to [`SpindleSpeed::LARGEST`].
+    pub fn from_rpm(rpm: f64) -> Result<Self, OutOfRange> {
+        OutOfRange::check(rpm, Self::SMALLEST, Self::LARGEST).map(Self)
+    }
+
+    /// The spindle speed in rev/min.
+    #[must_use]
+    pub fn rpm(self) -> f64 {
+        self.0
+    }
+}
+
+/// An acceleration of a machine: positive. The internal unit is mm/s^2; data sheets give m/s^2.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Acceleration(f64);
 
 impl Acceleration {
-    /// The smallest acceleration that can be stated, in m/s^2.
+    /// The smallest acceleration that is accepted, in m/s^2.
     pub const SMALLEST: f64 = 1e-4;
-    /// The largest acceleration that can be stated, in m/s^2.
+    /// The largest acceleration that is accepted, in m/s^2.
     pub const LARGEST: f64 = 1e5;
 
-    /// An acceleration that somebody states, in m/s^2.
+    /// A user-supplied acceleration, in m/s^2.
     ///
     /// # Errors
     /// [`OutOfRange`] outside [`Acceleration::SMALLEST`] to [`Acceleration::LARGEST`].
@@ -214,17 +250,17 @@ impl Acceleration {
     }
 }
 
-/// A jerk, the rate at which acceleration changes: positive, kept in mm/s^3 and stated in m/s^3.
+/// A jerk, the rate of change of the acceleration: positive. The internal unit is mm/s^3; data sheets give m/s^3.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Jerk(f64);
 
 impl Jerk {
-    /// The smallest jerk that can be stated, in m/s^3.
+    /// The smallest jerk that is accepted, in m/s^3.
     pub const SMALLEST: f64 = 1e-4;
-    /// The largest jerk that can be stated, in m/s^3: a control without a jerk limit, for every purpose here.
+    /// The largest jerk that is accepted, in m/s^3: in practice a control without a jerk limit.
     pub const LARGEST: f64 = 1e8;
 
-    /// A jerk that somebody states, in m/s^3.
+    /// A user-supplied jerk, in m/s^3.
     ///
     /// # Errors
     /// [`OutOfRange`] outside [`Jerk::SMALLEST`] to [`Jerk::LARGEST`].
@@ -298,7 +334,7 @@ impl Angle {
         if y < 0.0 { Self::of_vector(-x, -y) } else { Self::of_vector(x, y) }
     }
 
-    /// An angle that a formula yields, in radians.
+    /// A computed angle, in radians.
     pub(crate) fn from_radians(radians: f64) -> Self {
         let (sin, cos) = radians.sin_cos();
         Self { radians, sin, cos }

@@ -21,6 +21,7 @@ mod refusal;
 mod request_id;
 mod routes;
 mod wire;
+mod workbench;
 pub mod worker_pool;
 
 pub use app_state::AppState;
@@ -54,6 +55,7 @@ pub fn routes() -> Routes {
         .merge(health_routes())
         .documented(Single, routes!(pages::openapi))
         .nested(Single, pages::routes())
+        .nested(Single, workbench::routes())
 }
 
 /// The OpenAPI document, as `openapi/openapi.json` holds it.

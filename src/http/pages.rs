@@ -1,21 +1,20 @@
-//! What people and tools look at: the front page, the interactive documentation and the OpenAPI document.
+//! The interactive documentation and the OpenAPI document.
 
 use super::app_state::AppState;
 use super::openapi_json;
 use axum::Router;
 use axum::http::header;
-use axum::response::{Html, IntoResponse};
+use axum::response::{IntoResponse, Redirect};
 use axum::routing::get;
 use std::sync::LazyLock;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
-/// The pages. They are left out of the OpenAPI document: no program calls them.
+/// The documentation's scripts and styles, under the page that [`super::workbench`] serves. They are left out of the OpenAPI document: no
+/// program calls them.
 pub(super) fn routes() -> Router<AppState> {
-    let documentation = SwaggerUi::new("/docs").config(Config::from("/openapi.json").try_it_out_enabled(true));
-    Router::new().route("/", get(async || Html(FRONT))).merge(documentation)
+    let documentation = SwaggerUi::new("/docs/ui").config(Config::from("/openapi.json").try_it_out_enabled(true));
+    Router::new().route("/docs", get(async || Redirect::to("/docs/"))).merge(documentation)
 }
-
-const FRONT: &str = include_str!("front.html");
 
 /// The OpenAPI document
 ///

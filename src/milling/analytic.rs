@@ -2,6 +2,7 @@
 //!
 //! Formulas: Segonds et al. 2017, eq. 3 and 8 (effective radii), 9 and 12-15 (heights), 16-18 (runout).
 
+use super::gouging;
 use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::{Angle, Length};
 
@@ -70,6 +71,7 @@ pub struct Analytic {
     across: EffectiveRadius,
     along: EffectiveRadius,
     climb: Angle,
+    relative_curvature: f64,
 }
 
 impl Analytic {
@@ -78,8 +80,9 @@ impl Analytic {
     /// # Errors
     /// - [`NoAnswer::FlatFloor`] at slope 0, unless the cutter is a ball-end;
     /// - [`NoAnswer::SharpEdge`] where the effective radius is 0: a flat-end cutter fed along the level line;
-    /// - [`NoAnswer::Gouges`] on a concave surface whose radius does not exceed the effective radius.
+    /// - [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
+        let relative_curvature = gouging::relative_curvature(&pass)?;
         let across = EffectiveRadius::across_feed(pass.cutter.widened(pass.runout.radial()), pass.contact);
         let along = EffectiveRadius::along_feed(pass.cutter, pass.contact);
         let (Some(effective_radius), Some(_)) = (across.finite(), along.finite()) else {
@@ -88,13 +91,19 @@ impl Analytic {
         if across.0 == 0.0 {
             return Err(NoAnswer::SharpEdge);
         }
-        if across.0.recip() + pass.surface.per_mm() <= 0.0 {
-            return Err(NoAnswer::Gouges { effective_radius });
+        // The groove's circle alone, too, has to be more curved than the surface across the feed, whatever helps along it.
+        if across.0.recip() + pass.surface.across_per_mm() <= 0.0 {
+            return Err(NoAnswer::Gouges { smallest_radius: Some(effective_radius) });
         }
         // The climb as printed [Segonds 2017, eq. 16], S cos(alpha); exact is atan(tan(S) cos(alpha)). A zigzag runs the line both
         // ways, so its sign is taken off.
         let climb = Angle::from_radians(pass.contact.slope().radians() * pass.contact.alpha().cos().abs());
-        Ok(Self { pass, across, along, climb })
+        Ok(Self { pass, across, along, climb, relative_curvature })
+    }
+
+    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own.
+    pub(super) fn relative_curvature(&self) -> f64 {
+        self.relative_curvature
     }
 
     /// The effective radius across the feed, as h1 uses it.
@@ -156,8 +165,10 @@ impl Analytic {
 
     /// h1 on the curved surface, [`groove_height`].
     fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
-        let height = groove_height(self.across.0.recip(), self.pass.surface.per_mm(), step_over.mm());
-        height.map(Length::computed).ok_or_else(|| NoAnswer::PassesDoNotOverlap { largest_step_over: self.largest_step_over() })
+        let largest_step_over = self.largest_step_over();
+        let height = groove_height(self.across.0.recip(), self.pass.surface.across_per_mm(), step_over.mm());
+        let height = height.filter(|_| step_over <= largest_step_over);
+        height.map(Length::computed).ok_or(NoAnswer::PassesDoNotOverlap { largest_step_over })
     }
 
     /// The step-over that leaves the height h1, in closed form.
@@ -169,13 +180,15 @@ impl Analytic {
         if height > self.step_over_height(largest_step_over)? {
             return Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over });
         }
-        let (k, c, h) = (self.across.0.recip(), self.pass.surface.per_mm(), height.mm());
+        let (k, c, h) = (self.across.0.recip(), self.pass.surface.across_per_mm(), height.mm());
         let w = h * (2.0 - h * k) / (2.0 * (k + c) * (1.0 + h * c));
         Ok(Length::computed(2.0 * (w * (2.0 - c * c * w)).sqrt()))
     }
 
+    /// The step-over up to which the grooves meet, and seen from above the passes are not further apart than the cutter, R + rr in place of R, is wide.
     fn largest_step_over(&self) -> Length {
-        largest_groove_distance(self.across.0.recip(), self.pass.surface.per_mm())
+        let width = 2.0 * self.pass.cutter.widened(self.pass.runout.radial()).outer_radius().mm() / self.pass.contact.spacing_ratio();
+        largest_groove_distance(self.across.0.recip(), self.pass.surface.across_per_mm(), width)
     }
 
     /// h2, or with runout its upper bound [Segonds 2017, eq. 14 and 18].
@@ -198,7 +211,7 @@ impl Analytic {
 /// Printed as A - Dq with A = R_eff cos(beta) - rho (1 - cos(beta)), Dq = sqrt(R_eff^2 - (1 + R_eff/rho)^2 s^2/4) and
 /// sin(beta) = s / 2 rho. With a = A/R_eff, d = Dq/R_eff it equals s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), which neither cancels nor
 /// knows a special case: k = 0 is a flat, c = 0 a plane.
-pub(super) fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
+fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
     let sin_beta = c * s / 2.0;
     let offset = (k + c) * s / 2.0;
     if sin_beta.abs() > 1.0 || offset > 1.0 {
@@ -211,10 +224,10 @@ pub(super) fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
     Some(s * offset / ((1.0 + cos_beta) * (a + d)))
 }
 
-/// The step-over at which such grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, and never more than a hollow's
-/// width 2 |rho|. A rounding less, so that it lies in the domain of [`groove_height`].
-pub(super) fn largest_groove_distance(k: f64, c: f64) -> Length {
-    Length::computed((2.0 / (k + c)).min(2.0 / c.abs()) * (1.0 - 2.0 * f64::EPSILON))
+/// The step-over at which such grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, never more than the surface's
+/// width 2 |rho|, and never more than `width`. A rounding less, so that it lies in the domain of [`groove_height`].
+fn largest_groove_distance(k: f64, c: f64, width: f64) -> Length {
+    Length::computed((2.0 / (k + c)).min(2.0 / c.abs()).min(width) * (1.0 - 2.0 * f64::EPSILON))
 }
 
 #[cfg(test)]
@@ -233,6 +246,7 @@ mod tests {
                 contact: Contact::from_degrees(45.0, alpha).unwrap(),
                 surface,
                 runout: Runout::NONE,
+                teeth: None,
             };
             assert_eq!(Analytic::new(pass(90.0)).err(), Some(NoAnswer::SharpEdge));
             let down_hill = Analytic::new(pass(0.0)).unwrap();

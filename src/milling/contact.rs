@@ -1,4 +1,4 @@
-//! Where and how the cutter touches the surface: slope and feed direction, from angles or from vectors.
+//! The contact between cutter and surface: slope and feed direction about the tool axis, from angles or from vectors.
 
 use crate::quantity::{Angle, OutOfRange};
 use nalgebra::Vector3;
@@ -6,11 +6,12 @@ use std::fmt;
 
 /// A contact between cutter and surface: the slope S, and the feed's direction as two angles to the line of steepest slope.
 ///
-/// - `alpha` is measured in the horizontal XY plane,
-/// - `theta` in the tangent plane, tan(theta) = tan(alpha) cos(S).
+/// - `alpha` is measured in the plane normal to the tool axis (the horizontal plane), counter-clockwise seen against the axis from above, from
+///   the line of steepest slope to the feed; from its uphill or its downhill end is the same, because the period is 180 deg,
+/// - `theta` in the tangent plane, counter-clockwise seen from outside, tan(theta) = tan(alpha) cos(S).
 ///
 /// Formulas written for one are wrong for the other, so both are kept. On a vertical wall all feeds but the vertical one have
-/// `alpha` = 90 deg, and only `theta` tells them apart.
+/// `alpha` = 90 deg, and only `theta` distinguishes them. The signs of both matter only where the surface is twisted against the feed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     slope: Angle,
@@ -18,7 +19,7 @@ pub struct Contact {
     theta: Angle,
 }
 
-/// Why two vectors, or two angles, do not describe a contact.
+/// Why angles or vectors do not describe a contact. Each variant names the one at fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ContactError {
     /// The slope is outside 0 to 90 deg.
@@ -27,12 +28,14 @@ pub enum ContactError {
     FeedAngle(OutOfRange),
     /// The normal has no length, or a component that is not finite.
     NormalWithoutDirection,
-    /// The normal points down: a cutter from above cannot touch there.
+    /// The normal points away from the tool axis by more than 90 deg: the cutter cannot touch there.
     NormalPointsDown,
     /// The feed has no length, or a component that is not finite.
     FeedWithoutDirection,
     /// The feed runs along the normal, so it has no direction in the surface.
     FeedAlongNormal,
+    /// The tool axis has no length, or a component that is not finite.
+    ToolAxisWithoutDirection,
 }
 
 impl fmt::Display for ContactError {
@@ -42,8 +45,9 @@ impl fmt::Display for ContactError {
             Self::FeedAngle(_) => f.write_str("the feed angle must be a finite number of degrees"),
             Self::NormalWithoutDirection => f.write_str("the normal must have a length; it points out of the part"),
             Self::NormalPointsDown => f.write_str(
-                "the normal points down (z < 0), where a cutter from above cannot touch; give the normal that points out of the part",
+                "the normal points away from the tool axis (normal . tool_axis < 0, the axis being +Z unless stated), where the cutter cannot touch; give the normal that points out of the part",
             ),
+            Self::ToolAxisWithoutDirection => f.write_str("the tool axis must have a length; it points from the tip to the spindle"),
             Self::FeedWithoutDirection => f.write_str("the feed vector must have a length"),
             Self::FeedAlongNormal => {
                 f.write_str("the feed runs along the normal and has no direction in the surface; give a feed that follows the surface")
@@ -54,15 +58,18 @@ impl fmt::Display for ContactError {
 
 impl std::error::Error for ContactError {}
 
-/// Sine of the angle between feed and normal under which the feed counts as running along the normal: vectors are commonly
+/// Sine of the angle between feed and normal up to which the feed counts as running along the normal: vectors are commonly
 /// printed with six digits, so a smaller angle is their rounding.
 const ALONG_NORMAL: f64 = 1e-6;
 
+/// How far normal . axis of unit vectors can be below 0 by rounding alone: three products and their sums, each rounded to half an epsilon.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
+
 impl Contact {
-    /// A contact from the slope S and the angle alpha between feed and steepest slope, seen from above.
+    /// A contact from the slope S and the angle alpha from the steepest line to the feed, counter-clockwise seen from above.
     ///
-    /// alpha and alpha + 180 deg are the same feed line, and so are alpha and -alpha by symmetry. At S = 0 alpha has no meaning.
-    /// At S = 90 deg, alpha = 90 deg is the feed along the wall and every other alpha the vertical feed.
+    /// alpha and alpha + 180 deg are the same feed line; alpha and -alpha differ only where the surface is twisted. At S = 0 alpha has no
+    /// meaning. At S = 90 deg, alpha = 90 deg is the feed along the wall and every other alpha the vertical feed.
     ///
     /// # Errors
     /// [`ContactError::Slope`] unless 0 <= S <= 90 deg, [`ContactError::FeedAngle`] for an alpha that is not finite.
@@ -80,25 +87,31 @@ impl Contact {
         Self { slope, alpha: Angle::ZERO, theta: Angle::ZERO }
     }
 
-    /// A contact from the surface's normal, pointing out of the part, and the feed vector, both of any length.
+    /// A contact from the surface's normal n, pointing out of the part, the feed vector, and the tool axis a, which points from the tip to the
+    /// spindle and is +Z where it is `None`. All may have any length.
     ///
-    /// Only the feed's part in the tangent plane counts. With n at slope S, D its horizontal direction and Z up, the tangent
-    /// plane is spanned by the steepest descent u = (D cos S, -sin S) and the level direction v = Z x D; theta is the angle
-    /// of the feed from u towards v, and alpha that of its projection on the XY plane from D.
+    /// Only the feed's part in the tangent plane counts. The tangent plane is spanned by the level direction v = a x n / |a x n| and the
+    /// steepest descent u = v x n; theta is the angle of the feed from u towards v, and alpha that of its projection on the plane normal to the axis.
+    /// Where n runs along the axis every direction is level, and u is the projection of X (of Y where the axis runs along X).
     ///
     /// # Errors
-    /// The [`ContactError`] that says which vector has no direction, points down, or follows the normal.
-    pub fn from_vectors(normal: [f64; 3], feed: [f64; 3]) -> Result<Self, ContactError> {
+    /// The [`ContactError`] that names the vector which has no direction, points down, or follows the normal.
+    pub fn from_vectors(normal: [f64; 3], feed: [f64; 3], tool_axis: Option<[f64; 3]>) -> Result<Self, ContactError> {
         let normal = direction(normal).ok_or(ContactError::NormalWithoutDirection)?;
         let feed = direction(feed).ok_or(ContactError::FeedWithoutDirection)?;
-        if normal.z < 0.0 {
-            return Err(ContactError::NormalPointsDown);
-        }
-        let slope = Angle::of_vector(normal.z, normal.x.hypot(normal.y)).ok_or(ContactError::NormalWithoutDirection)?;
-        // On a floor every horizontal direction is as steep as any other.
-        let down_hill = Angle::of_vector(normal.x, normal.y).unwrap_or(Angle::ZERO);
-        let steepest = Vector3::new(down_hill.cos() * slope.cos(), down_hill.sin() * slope.cos(), -slope.sin());
-        let level = Vector3::new(-down_hill.sin(), down_hill.cos(), 0.0);
+        let axis = tool_axis.map_or(Some(Vector3::z()), direction).ok_or(ContactError::ToolAxisWithoutDirection)?;
+        let up = match normal.dot(&axis) {
+            up if up >= 0.0 => up,
+            up if up >= -ROUNDING && tool_axis.is_some() => 0.0,
+            _ => return Err(ContactError::NormalPointsDown),
+        };
+        let level = axis.cross(&normal);
+        let slope = Angle::of_vector(up, level.norm()).ok_or(ContactError::NormalWithoutDirection)?;
+        let level = direction(level.into()).unwrap_or_else(|| {
+            let reference = if axis.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+            axis.cross(&reference).normalize()
+        });
+        let steepest = level.cross(&normal);
         let (along_steepest, along_level) = (feed.dot(&steepest), feed.dot(&level));
         if along_steepest.hypot(along_level) <= ALONG_NORMAL {
             return Err(ContactError::FeedAlongNormal);

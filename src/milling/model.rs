@@ -1,4 +1,4 @@
-//! The choice between the models, behind one set of questions.
+//! A pass under the model that is chosen for it, behind one set of functions.
 
 use super::{Analytic, EffectiveRadius, Envelope, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::Length;
@@ -51,6 +51,15 @@ impl JudgedPass {
         match self.judge {
             Judge::Analytic(_) => Model::Analytic,
             Judge::Envelope(_) => Model::Envelope,
+        }
+    }
+
+    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0 where the cutter gouges.
+    #[must_use]
+    pub fn relative_curvature(&self) -> f64 {
+        match &self.judge {
+            Judge::Analytic(model) => model.relative_curvature(),
+            Judge::Envelope(model) => model.relative_curvature(),
         }
     }
 

@@ -5,7 +5,6 @@ use std::fmt;
 
 /// A pass that is described validly but has no answer. Each variant carries the bound that it broke.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub enum NoAnswer {
     /// On a floor the groove of a toroidal or flat-end cutter has no curvature, which the analytic model is made of.
     FlatFloor,
@@ -19,17 +18,14 @@ pub enum NoAnswer {
         /// The distance of marks at which they just meet.
         largest_mark_spacing: Length,
     },
-    /// The surface is hollower than the cutter, which cannot touch it without cutting into it beside the contact.
+    /// The surface is more concave than the cutter fits into: beside the contact the cutter cuts into it.
     Gouges {
-        /// The effective radius, which the surface's radius must exceed.
-        effective_radius: Length,
+        /// The radius of curvature that just takes the cutter: the stated concave radius, or the smaller concave principal radius, times
+        /// 1 - lambda. `None` where the cutter gouges away from the contact, or where a flat gouges whatever the radius.
+        smallest_radius: Option<Length>,
     },
-    /// The surface is hollow where the cutter is flat or its side straight: it cuts in whatever the hollow's radius.
-    FlatGouges,
     /// A flat-end cutter's edge runs along the cut: its circle has no radius, which the analytic model needs.
     SharpEdge,
-    /// The same on a curved surface, where the envelope takes the curvature's share from the analytic model.
-    SharpEdgeOnCurve,
     /// The passes lie above each other when seen from above.
     PassesCoincideFromAbove,
     /// The step-over alone leaves as much as the tolerance allows, so that no feed is possible.
@@ -72,19 +68,16 @@ impl fmt::Display for NoAnswer {
                 "the marks of neighbouring teeth do not overlap and leave uncut material between them; they must be at most {:.6} mm apart, so reduce the feed per tooth",
                 largest_mark_spacing.mm()
             ),
-            Self::Gouges { effective_radius } => write!(
+            Self::Gouges { smallest_radius: Some(radius) } => write!(
                 f,
-                "the cutter gouges: a concave surface radius must exceed the effective radius, {:.6} mm; take a smaller cutter or another feed direction",
-                effective_radius.mm()
+                "the cutter gouges the concave surface: its radius of curvature must exceed {:.6} mm for this cutter at this contact; take a smaller cutter or a ball-end cutter",
+                radius.mm()
             ),
-            Self::FlatGouges => f.write_str(
-                "the cutter's flat bottom or straight side lies across the hollow and gouges it whatever its radius; take a ball-end cutter or another feed direction",
+            Self::Gouges { smallest_radius: None } => f.write_str(
+                "the cutter gouges the concave surface with its flat or its far side, away from the contact; take a smaller cutter or a ball-end cutter",
             ),
             Self::SharpEdge => f.write_str(
                 "in this feed direction a flat-end cutter's sharp edge makes the cut, and the analytic model has no circle to put in its place; model \"envelope\" has an answer",
-            ),
-            Self::SharpEdgeOnCurve => f.write_str(
-                "the surface's curvature enters by a correction that needs a circle, and in this feed direction a flat-end cutter's sharp edge has none; take another feed direction, a cutter with a corner radius, or leave the curvature out",
             ),
             Self::PassesCoincideFromAbove => {
                 f.write_str("the feed runs along a vertical wall, where passes lie above each other and cannot be spaced by vertical planes; give the step-over along the surface")

@@ -1,8 +1,9 @@
 //! What a finishing pass is made of, whatever the model that judges it: cutter, contact, the surface's curvature, runout, and the
 //! spacing of the passes.
 
-use super::{Contact, Cutter, NoAnswer};
+use super::{Contact, Cutter, NoAnswer, SurfaceCurvature};
 use crate::quantity::{Angle, Length, OutOfRange};
+use std::num::NonZeroU32;
 
 /// One contact of a finishing pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,45 +12,12 @@ pub struct Pass {
     pub cutter: Cutter,
     /// Slope and feed direction.
     pub contact: Contact,
-    /// How the surface bends across the feed.
+    /// The curvature of the surface at the contact.
     pub surface: SurfaceCurvature,
     /// How far the teeth run out.
     pub runout: Runout,
-}
-
-/// The surface's curvature in the plane normal to the feed, 1/rho in 1/mm: positive where it is convex (its centre inside the
-/// part), negative where it is concave, 0 for a plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceCurvature(f64);
-
-impl SurfaceCurvature {
-    /// A plane.
-    pub const PLANE: Self = Self(0.0);
-    /// The smallest radius that can be stated, in mm.
-    pub const SMALLEST_RADIUS: f64 = Length::SMALLEST;
-    /// The largest radius that can be stated, in mm; beyond it a surface is a plane for every purpose of a machine tool.
-    pub const LARGEST_RADIUS: f64 = 1e12;
-
-    /// From the radius rho in mm: positive convex, negative concave.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] with the bounds of |rho|, for a radius that is 0, beyond them, or not a number.
-    pub fn from_radius_mm(radius: f64) -> Result<Self, OutOfRange> {
-        OutOfRange::check(radius.abs(), Self::SMALLEST_RADIUS, Self::LARGEST_RADIUS)?;
-        Ok(Self(radius.recip()))
-    }
-
-    /// 1/rho, in 1/mm.
-    #[must_use]
-    pub fn per_mm(self) -> f64 {
-        self.0
-    }
-
-    /// |rho|, `None` for a plane.
-    #[must_use]
-    pub fn radius(self) -> Option<Length> {
-        (self.0 != 0.0).then(|| Length::computed(self.0.abs().recip()))
-    }
+    /// z, the number of teeth; `None` where it is unknown. Only runout depends on it, which then takes 2 teeth.
+    pub teeth: Option<NonZeroU32>,
 }
 
 /// How far the teeth run out of the circle on which they should cut [Segonds 2017, eq. 16-18]. Both are assumed small against the
@@ -93,6 +61,11 @@ impl Runout {
     #[must_use]
     pub fn magnitude(self) -> Length {
         Length::computed(self.radial.hypot(self.axial))
+    }
+
+    /// delta = |rr| sin(S) + |ar| cos(S), by how much the shallowest tooth reaches less deep into a surface of the slope S than the deepest, in mm.
+    pub(super) fn depth(self, slope: Angle) -> f64 {
+        self.radial * slope.sin() + self.axial.abs() * slope.cos()
     }
 
     /// f'_z, the step from tooth mark to tooth mark that runout makes of the feed per tooth f_z, where the feed climbs at `climb`

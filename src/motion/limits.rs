@@ -1,4 +1,4 @@
-//! What a machine's drives and control allow along a straight line.
+//! The limits of a machine along a straight line: feed rate, acceleration and jerk.
 
 use crate::quantity::{Acceleration, Jerk, Length, Speed, Time};
 

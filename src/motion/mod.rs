@@ -1,12 +1,13 @@
-//! How fast a machine moves: what limits its drives, typical machines, and the time of a straight move between two stops.
-//! Nothing here knows of cutters or surfaces.
+//! Machine limits, machine presets, and the time of a straight move with limited jerk. Independent of cutters and surfaces.
 //!
 //! Source: Herraz et al. 2020, doi:10.1007/s00170-020-06087-y, section 2.2, with the case that it leaves out.
 
 mod limits;
+mod machine;
 mod presets;
 mod travel_time;
 
 pub use limits::MachineLimits;
+pub use machine::Machine;
 pub use presets::{PRESETS, Preset};
 pub use travel_time::{TravelCase, travel_time};

@@ -1,4 +1,4 @@
-//! Machines to start from where one's own values are not at hand.
+//! Named machines with typical limits.
 
 use super::MachineLimits;
 use crate::quantity::{Acceleration, Jerk, Speed};
@@ -6,9 +6,9 @@ use crate::quantity::{Acceleration, Jerk, Speed};
 /// A named machine with its limits and where they come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preset {
-    /// The name by which it is asked for; stable.
+    /// The stable name used in requests.
     pub name: &'static str,
-    /// Which machines it stands for.
+    /// The class of machines.
     pub description: &'static str,
     /// Feed rate of finishing, acceleration and jerk.
     pub limits: MachineLimits,

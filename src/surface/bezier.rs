@@ -1,6 +1,6 @@
 //! Bezier patches, sampled evenly in their parameters.
 
-use super::{LARGEST_COORDINATE, SampledSurface};
+use super::{Grid, LARGEST_COORDINATE, SampledSurface, Sink};
 use crate::quantity::OutOfRange;
 use std::fmt;
 
@@ -108,6 +108,28 @@ impl Bezier {
             }
         }
         Ok(surface)
+    }
+
+    /// Hands the facets of the patch to `sink`: 2 x `samples`^2 of them, with corners at the corners of the quads of [`Bezier::sampled`].
+    ///
+    /// # Errors
+    /// [`OutOfRange`] for a number of samples outside 2 to [`Bezier::LARGEST_SAMPLES`].
+    ///
+    /// # Panics
+    /// Never: the grid gets as many points as it has rows times columns.
+    pub fn tessellate<S: Sink>(&self, samples: usize, sink: S) -> Result<S, OutOfRange> {
+        count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
+        #[expect(clippy::cast_precision_loss, reason = "up to 1000")]
+        let corner = |index: usize| index as f64 / samples as f64;
+        let across: Vec<_> = (0..=samples).map(|j| weights(self.columns, corner(j)).0).collect();
+        let mut grid = Grid::into_sink(samples + 1, samples + 1, sink).expect("at least 3 rows and columns");
+        for i in 0..=samples {
+            let curve = self.curve(&weights(self.rows, corner(i)).0);
+            for weights in &across {
+                grid.point(blend(&curve, weights));
+            }
+        }
+        Ok(grid.finish().expect("as many points as rows times columns"))
     }
 
     /// The control points of the curve at a fixed u, or of its derivative.

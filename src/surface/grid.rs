@@ -6,12 +6,12 @@ use std::fmt;
 /// Makes facets of the points of a grid as they come, row after row; it holds one row.
 ///
 /// Each quad of neighbours is two facets, divided along the diagonal from its first point to its last. The sense in which rows and
-/// columns run is not stated by anybody, so the side of the grid that shows more of itself from above is its outer side.
+/// columns run is not part of the input, so the side of the grid that shows more of itself from above is its outer side.
 #[derive(Debug, Clone)]
-pub struct Grid {
+pub struct Grid<S = SampledSurface> {
     rows: usize,
     columns: usize,
-    surface: SampledSurface,
+    sink: S,
     received: usize,
     /// The last point of each column so far.
     row: Vec<[f64; 3]>,
@@ -49,16 +49,25 @@ impl fmt::Display for GridError {
 impl std::error::Error for GridError {}
 
 impl Grid {
-    /// An empty grid of that size.
+    /// An empty grid of that size, whose facets are summed up.
     ///
     /// # Errors
     /// [`GridError::TooFewRowsOrColumns`].
     pub fn new(rows: usize, columns: usize) -> Result<Self, GridError> {
+        Self::into_sink(rows, columns, SampledSurface::new())
+    }
+}
+
+impl<S: Sink> Grid<S> {
+    /// An empty grid of that size, whose facets go to `sink`.
+    ///
+    /// # Errors
+    /// [`GridError::TooFewRowsOrColumns`].
+    pub fn into_sink(rows: usize, columns: usize, sink: S) -> Result<Self, GridError> {
         if rows < 2 || columns < 2 {
             return Err(GridError::TooFewRowsOrColumns);
         }
-        let (surface, corner) = (SampledSurface::new(), [0.0; 3]);
-        Ok(Self { rows, columns, surface, received: 0, row: Vec::new(), corner, seen_from_above: 0.0 })
+        Ok(Self { rows, columns, sink, received: 0, row: Vec::new(), corner: [0.0; 3], seen_from_above: 0.0 })
     }
 
     /// The next point. Points beyond the last one are counted only.
@@ -85,21 +94,21 @@ impl Grid {
     fn facet(&mut self, corners: [[f64; 3]; 3]) {
         let [a, b, c] = corners;
         self.seen_from_above += (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        self.surface.facet(corners);
+        self.sink.facet(corners);
     }
 
-    /// The surface of the whole grid.
+    /// The sink with all facets of the grid, turned over where the grid shows more of its back from above.
     ///
     /// # Errors
     /// [`GridError::WrongNumberOfPoints`].
-    pub fn finish(mut self) -> Result<SampledSurface, GridError> {
+    pub fn finish(mut self) -> Result<S, GridError> {
         let expected = self.rows.saturating_mul(self.columns);
         if self.received != expected {
             return Err(GridError::WrongNumberOfPoints { expected, received: self.received });
         }
         if self.seen_from_above < 0.0 {
-            self.surface.turn_over();
+            self.sink.turn_over();
         }
-        Ok(self.surface)
+        Ok(self.sink)
     }
 }

@@ -5,6 +5,7 @@ mod bounds;
 mod facets;
 mod grid;
 mod lanes;
+pub mod mesh;
 mod moments;
 mod piece;
 mod principal_axes;
@@ -12,14 +13,17 @@ pub mod read;
 mod sampled;
 mod shape;
 mod slope;
+mod triangulation;
 
 pub use bezier::{Bezier, BezierError};
 pub use bounds::Bounds;
 pub use grid::{Grid, GridError};
+pub use mesh::{FinishFacet, Mesh, MeshBuilder, MeshError};
 pub use moments::Moments;
 pub use principal_axes::PrincipalAxes;
 pub use sampled::{Basis, Facing, SampledSurface, Unit};
 pub use shape::{Shape, ShapeError};
+pub use triangulation::LONG_EDGE;
 
 /// The largest magnitude of a coordinate, in the unit in which it is given: the fourth powers that moments need stay below 1e50, so that no
 /// sum over a surface can overflow.
@@ -32,4 +36,6 @@ pub trait Sink {
     fn point(&mut self, point: [f64; 3]);
     /// A triangle of the surface, its corners counter-clockwise when seen from outside the part.
     fn facet(&mut self, corners: [[f64; 3]; 3]);
+    /// Takes the other side of every facet for the outer one; to be called after the last facet. Does nothing where sides do not count.
+    fn turn_over(&mut self) {}
 }

@@ -106,14 +106,6 @@ impl SampledSurface {
         }
     }
 
-    /// Takes the other side of every facet for the outer one.
-    pub(super) fn turn_over(&mut self) {
-        self.settle();
-        if let Some(sums) = &mut self.sums {
-            sums.facets.pieces.swap(UP, DOWN);
-        }
-    }
-
     /// How many points came that are not part of a facet.
     #[must_use]
     pub fn points(&self) -> u64 {
@@ -207,6 +199,13 @@ impl Sink for SampledSurface {
         let waiting = self.waiting.get_or_insert_with(|| Box::new(Block::empty()));
         if waiting.push(corners) {
             waiting.sum(&mut sums.facets);
+        }
+    }
+
+    fn turn_over(&mut self) {
+        self.settle();
+        if let Some(sums) = &mut self.sums {
+            sums.facets.pieces.swap(UP, DOWN);
         }
     }
 }

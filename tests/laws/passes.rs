@@ -51,7 +51,7 @@ pub(crate) fn feed_angles() -> impl Strategy<Value = f64> {
 pub(crate) fn plane_passes() -> impl Strategy<Value = Pass> {
     (cutters(), slopes(), feed_angles()).prop_map(|(cutter, slope, alpha)| {
         let contact = Contact::from_degrees(slope, alpha).unwrap();
-        Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE }
+        Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None }
     })
 }
 

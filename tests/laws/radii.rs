@@ -64,7 +64,7 @@ proptest! {
     #[test]
     fn on_a_wall_the_slant_of_the_feed_decides(outer in 0.5..10.0_f64, share in 0.05..0.95_f64, theta in 0.0..180.0_f64) {
         let (cutter, theta) = (toroidal(outer, share), theta.to_radians());
-        let contact = Contact::from_vectors([1.0, 0.0, 0.0], [0.0, theta.sin(), -theta.cos()]).unwrap();
+        let contact = Contact::from_vectors([1.0, 0.0, 0.0], [0.0, theta.sin(), -theta.cos()], None).unwrap();
         let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
         let found = EffectiveRadius::across_feed(cutter, contact).finite().unwrap().mm();
         assert_abs_diff_eq!(found, core * theta.cos().powi(2) + corner, epsilon = 1e-14 * outer);
@@ -77,7 +77,7 @@ proptest! {
         let near = |tilt: f64| {
             let (sin, cos) = (tilt.cos(), tilt.sin());
             let feed = [cos * theta.cos(), theta.sin(), -sin * theta.cos()];
-            let contact = Contact::from_vectors([sin, 0.0, cos], feed).unwrap();
+            let contact = Contact::from_vectors([sin, 0.0, cos], feed, None).unwrap();
             EffectiveRadius::across_feed(cutter, contact).finite().unwrap().mm()
         };
         // (R - r) cos^2(theta) (1/sin S - 1), and 1/sin S - 1 is cos^2(S) / 2 to the next order.

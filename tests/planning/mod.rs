@@ -8,6 +8,7 @@ mod formats;
 mod published;
 mod recommendation;
 mod upload;
+mod zigzag;
 
 use serde_json::{Value, json};
 

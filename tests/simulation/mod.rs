@@ -1,11 +1,12 @@
 //! Model `envelope` against a simulation that knows only the cutter's solid: the model's height is never exceeded, and it is reached.
 //!
-//! The default run takes 240 configurations. More, on a finer grid of seeds, by one command:
+//! The default run takes some hundred configurations of each kind. More by one command:
 //!
 //! ```sh
-//! SCALLOPD_SIMULATIONS=5000 cargo test --release --test integration simulation
+//! SCALLOPD_SIMULATIONS=5000 cargo test --release --test integration simulation -- --nocapture
 //! ```
 
+mod curved;
 mod solid;
 
 use scallopd::milling::{Contact, Cutter, Envelope, NoAnswer, Pass, Runout, SurfaceCurvature};
@@ -65,7 +66,7 @@ impl Case {
         };
         let (slope_deg, alpha_deg) = (random.with_ends(0.0, 90.0), random.with_ends(0.0, 90.0));
         let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();
-        let envelope = Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE })?;
+        let envelope = Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None })?;
         let left = 1e-3 * 100.0_f64.powf(random.unit());
         let step_over = match envelope.max_step_over(mm(left), None) {
             // Along a wall no step-over leaves anything.
@@ -89,13 +90,13 @@ impl Case {
 }
 
 /// The configurations to simulate.
-fn wanted() -> usize {
-    std::env::var("SCALLOPD_SIMULATIONS").map_or(240, |count| count.parse().expect("SCALLOPD_SIMULATIONS must be a count"))
+fn wanted(default: usize) -> usize {
+    std::env::var("SCALLOPD_SIMULATIONS").map_or(default, |count| count.parse().expect("SCALLOPD_SIMULATIONS must be a count"))
 }
 
 #[test]
 fn the_height_is_never_exceeded_and_is_reached() {
-    let wanted = wanted();
+    let wanted = wanted(240);
     let mut random = Random(20_261_121);
     let (mut reached, mut without_answer) = (Vec::new(), 0);
     while reached.len() < wanted {

@@ -10,7 +10,7 @@ use crate::http::problem::Problem;
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, ObjectSchema, for_runs_of_items, items};
 use crate::http::wire::{
     BatchContact, ContactParameters, Failure, Figures, MODEL, SharedParameters, Summary, Warning, batch_contact_schemas, model_name,
-    model_warnings, no_answer, warning_code,
+    no_answer, warning_code,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, Model, NoAnswer};
@@ -155,7 +155,7 @@ impl<C: Calculation> Part<C> {
         for (column, figure) in self.columns.iter_mut().zip(C::figures()) {
             column.push(index, (figure.get)(figures));
         }
-        for warning in model_warnings(pass, figures.step_over, figures.feed_per_tooth) {
+        for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {
             match self.warnings.iter_mut().find(|known| known.code == warning_code(warning)) {
                 Some(known) => known.contacts = known.contacts.map(|contacts| contacts + 1),
                 None => self.warnings.push(Warning { contacts: Some(1), first_index: Some(index), ..Warning::from(warning) }),

@@ -6,12 +6,13 @@ use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, ObjectSchema};
 use crate::http::wire::{
-    CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, model_warnings, no_answer,
+    CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
 };
 use crate::milling::{Envelope, JudgedPass, Model, NoAnswer, Pass, StepOver};
 use axum::Json;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::marker::PhantomData;
+use std::num::NonZeroU32;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -94,7 +95,7 @@ impl<C: Calculation> Request<C> {
         let (shared, contact, pass) = (self.shared?, self.contact?, pass?);
         let figures = work_out(&self.calculation?, &shared, &pass, step_over?, &self.parameters)?;
         let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, step_over.ok().flatten())))?;
-        let mut warnings: Vec<Warning> = model_warnings(&pass, figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
+        let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
         let check = check(&pass, &figures, &mut warnings);
         Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
     }
@@ -112,7 +113,13 @@ pub(super) fn judge(
     contact: StatedContact,
     parameters: &ContactParameters,
 ) -> Result<Result<JudgedPass, NoAnswer>, Faulted> {
-    let pass = Pass { cutter: shared.tool.cutter, contact: contact.contact, surface: parameters.curvature()?, runout: shared.runout };
+    let pass = Pass {
+        cutter: shared.tool.cutter,
+        contact: contact.contact,
+        surface: parameters.curvature()?,
+        runout: shared.runout,
+        teeth: shared.tool.teeth.and_then(NonZeroU32::new),
+    };
     Ok(JudgedPass::new(shared.model, pass))
 }
 

@@ -19,6 +19,11 @@ codes! {
         SmallSurface = "small-surface": "The surface is smaller than the method was proved for", "Treat the critical slope as an estimate.";
         FewPasses = "few-passes": "The passes are few", "Count whole passes: the number is not rounded.";
         StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";
+        MeanSlopeFarFromPlane = "mean-slope-far-from-plane": "The mean slope is far from the slope of the best plane", "Use method \"surface\".";
+        AreaFarFromSize = "area-far-from-size": "The area is far from the characteristic size", "Use method \"surface\".";
+        SeveralPieces = "several-pieces": "The surface is in several pieces", "Send or select one piece at a time.";
+        SimulationDisagrees = "simulation-disagrees": "The simulation on the surface takes another time", "Use method \"surface\".";
+        SimulationPrefersOther = "simulation-prefers-other": "The simulation on the surface names another cutter", "Use method \"surface\".";
     }
 }
 
@@ -38,6 +43,11 @@ impl From<Weakness> for ConfidenceCode {
             Weakness::SmallSurface => Self::SmallSurface,
             Weakness::FewPasses => Self::FewPasses,
             Weakness::StepOverExceedsCutter => Self::StepOverExceedsCutter,
+            Weakness::MeanSlopeFarFromPlane => Self::MeanSlopeFarFromPlane,
+            Weakness::AreaFarFromSize => Self::AreaFarFromSize,
+            Weakness::SeveralPieces => Self::SeveralPieces,
+            Weakness::SimulationDisagrees => Self::SimulationDisagrees,
+            Weakness::SimulationPrefersOther => Self::SimulationPrefersOther,
         }
     }
 }

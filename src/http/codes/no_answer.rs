@@ -28,8 +28,8 @@ pub(crate) enum ProblemFigure {
     MaxStepOver,
     /// The step-over at which the passes just meet.
     LargestStepOver,
-    /// The effective radius of the contact.
-    EffectiveRadius,
+    /// The smallest concave radius that the cutter fits.
+    SmallestRadius,
     /// What the feed alone leaves.
     FeedHeight,
 }
@@ -43,9 +43,10 @@ impl ProblemFigure {
             Self::LargestStepOver => {
                 ("largest_step_over_mm", "the step-over at which the passes just meet; absent where the feed is what has no limit")
             }
-            Self::EffectiveRadius => {
-                ("effective_radius_mm", "R_eff, which a concave surface radius must exceed; absent where the cutter gouges at any radius")
-            }
+            Self::SmallestRadius => (
+                "smallest_radius_mm",
+                "the smallest concave radius of the surface that the cutter fits; absent where the cutter gouges at any radius",
+            ),
             Self::FeedHeight => ("feed_height_mm", "the height that the feed's marks alone leave"),
         }
     }
@@ -63,7 +64,7 @@ impl NoAnswerCode {
             Self::ToleranceExceeded => (&[ProblemFigure::StepOverHeight, ProblemFigure::MaxStepOver], &[]),
             Self::PassesDoNotOverlap => (&[ProblemFigure::LargestStepOver], &[]),
             Self::ToleranceSetsNoLimit => (&[], &[ProblemFigure::LargestStepOver]),
-            Self::Gouging => (&[], &[ProblemFigure::EffectiveRadius]),
+            Self::Gouging => (&[], &[ProblemFigure::SmallestRadius]),
             Self::ToleranceExceededByFeed => (&[ProblemFigure::FeedHeight], &[]),
             Self::FlatFloor
             | Self::MarksDoNotOverlap
@@ -81,9 +82,10 @@ impl NoAnswerCode {
                 (Self::PassesDoNotOverlap, vec![(ProblemFigure::LargestStepOver, largest_step_over.mm())])
             }
             NoAnswer::MarksDoNotOverlap { largest_mark_spacing: _ } => (Self::MarksDoNotOverlap, Vec::new()),
-            NoAnswer::Gouges { effective_radius } => (Self::Gouging, vec![(ProblemFigure::EffectiveRadius, effective_radius.mm())]),
-            NoAnswer::FlatGouges => (Self::Gouging, Vec::new()),
-            NoAnswer::SharpEdge | NoAnswer::SharpEdgeOnCurve => (Self::SharpEdge, Vec::new()),
+            NoAnswer::Gouges { smallest_radius } => {
+                (Self::Gouging, smallest_radius.map(|radius| (ProblemFigure::SmallestRadius, radius.mm())).into_iter().collect())
+            }
+            NoAnswer::SharpEdge => (Self::SharpEdge, Vec::new()),
             NoAnswer::PassesCoincideFromAbove => (Self::PassesCoincideFromAbove, Vec::new()),
             NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over } => (
                 Self::ToleranceExceeded,
@@ -113,10 +115,9 @@ mod tests {
             NoAnswer::FlatFloor,
             NoAnswer::PassesDoNotOverlap { largest_step_over: length },
             NoAnswer::MarksDoNotOverlap { largest_mark_spacing: length },
-            NoAnswer::Gouges { effective_radius: length },
-            NoAnswer::FlatGouges,
+            NoAnswer::Gouges { smallest_radius: Some(length) },
+            NoAnswer::Gouges { smallest_radius: None },
             NoAnswer::SharpEdge,
-            NoAnswer::SharpEdgeOnCurve,
             NoAnswer::PassesCoincideFromAbove,
             NoAnswer::StepOverUsesUpTolerance { step_over_height: length, max_step_over: length },
             NoAnswer::FeedUsesUpTolerance { feed_height: length },

@@ -50,7 +50,7 @@ struct SurfaceAnswer {
     /// The angle between the plane that fits best and the horizontal.
     #[schema(minimum = 0, maximum = 90)]
     slope_deg: f64,
-    /// The mean of the slopes of all facets or samples. Only where facets or a patch tell slopes.
+    /// The mean of the slopes of all facets or samples. Only where facets or a patch have slopes.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
     mean_slope_deg: Option<f64>,
@@ -83,7 +83,7 @@ struct SurfaceAnswer {
     centroid_mm: [f64; 3],
     /// The box around what the shape was taken of.
     bounds_mm: BoundsAnswer,
-    /// The area. Only where facets or a patch tell it.
+    /// The area. Only where facets or a patch have one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     area_mm2: Option<f64>,

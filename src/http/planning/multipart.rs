@@ -41,7 +41,7 @@ enum Within {
     Epilogue,
 }
 
-/// What a part says of itself.
+/// The head of a part.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Head {
     pub(super) name: Option<String>,

@@ -178,7 +178,7 @@ impl Block {
         Ok(block)
     }
 
-    /// Has the reader read it: what can be read apart on as many threads as there are. The sums over such lots are added in their order,
+    /// Passes the pieces to the reader; lots that can be read apart go to all threads. Their sums are added in their order,
     /// so that the same file has the same sums, to the bit.
     fn read(&self, reader: &mut Reader, surface: &mut SampledSurface) -> Result<(), read::Fault> {
         let mut lots = Vec::new();

@@ -59,7 +59,7 @@ impl AngleMembers {
 
 impl VectorMembers {
     fn contact(&self) -> Result<Result<StatedContact, ContactError>, Faulted> {
-        let contact = Contact::from_vectors(self.normal?, self.feed?);
+        let contact = Contact::from_vectors(self.normal?, self.feed?, None);
         Ok(contact.map(|contact| StatedContact { contact, slope_member: NORMAL.name }))
     }
 }
@@ -95,7 +95,7 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
             ContactError::Slope(_) => SLOPE.name,
             ContactError::FeedAngle(_) => FEED_ANGLE.name,
             ContactError::NormalWithoutDirection | ContactError::NormalPointsDown => NORMAL.name,
-            ContactError::FeedWithoutDirection | ContactError::FeedAlongNormal => FEED.name,
+            ContactError::FeedWithoutDirection | ContactError::FeedAlongNormal | ContactError::ToolAxisWithoutDirection => FEED.name,
         };
         faults.add(&object.path().member(member), RequestFault::NoDirection, error)
     })

@@ -30,4 +30,4 @@ pub(crate) use parameters::{ContactParameters, SharedParameters, States, TOLERAN
 pub(crate) use source::{Source, Sourced};
 pub(crate) use summary::{Check, Extreme, Failure, Summary};
 pub(crate) use surface::SURFACE;
-pub(crate) use warning::{Warning, model_warnings, warning_code};
+pub(crate) use warning::{Warning, warning_code};

@@ -20,7 +20,7 @@ pub(crate) fn no_answer(cause: NoAnswer, path: &JsonPath<'_>, contact: StatedCon
             path.member(step_over::member_of(step_over))
         }
         NoAnswer::MarksDoNotOverlap { .. } | NoAnswer::FeedUsesUpTolerance { .. } => path.member(FEED_PER_TOOTH.name),
-        NoAnswer::Gouges { .. } | NoAnswer::FlatGouges | NoAnswer::SharpEdgeOnCurve => path.member(SURFACE_RADIUS.name),
+        NoAnswer::Gouges { .. } => path.member(SURFACE_RADIUS.name),
         NoAnswer::SharpEdge => path.member(CUTTER.name),
         NoAnswer::RunoutUsesUpTolerance => path.member(RUNOUT.name),
         NoAnswer::ToleranceLimitsNoStepOver { .. } | NoAnswer::ToleranceLimitsNoFeed { .. } => path.member(TOLERANCE.name),

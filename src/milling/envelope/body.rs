@@ -1,14 +1,15 @@
-//! The cutter as a convex solid, seen from its contact with the surface.
+//! The cutter as a convex solid over the surface, in coordinates from their contact.
 
-use crate::milling::{Contact, Cutter};
+use crate::milling::{Contact, Cutter, SurfaceCurvature};
 use crate::quantity::Angle;
 
 /// The solid that a turning cutter fills, with its side continued upwards: a horizontal disc of radius a = R - r, with everything
 /// above it (the core), and whatever is nearer to that than r. It is a Minkowski sum of convex sets, so it is convex, and so is the
 /// distance to its core.
 ///
-/// Places are given from the contact: x along the feed, y to its side in the tangent plane, p along the surface's normal n. With
+/// Places are given from the contact: x along the feed, y to its side in the tangent plane, p over the **surface**, along its normal n at the contact. With
 /// u the steepest descent and v = Z x D the level line, the feed is u cos(theta) + v sin(theta) and the side -u sin(theta) + v cos(theta).
+/// The surface is 1/2 u'Ku under the tangent plane, so that the place is p - 1/2 u'Ku over the tangent plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     core: f64,
@@ -17,6 +18,8 @@ pub(super) struct Body {
     along_steepest: f64,
     along_level: f64,
     axis: f64,
+    surface: SurfaceCurvature,
+    concave: bool,
 }
 
 /// How far a place is from the body, negative inside, with its derivatives along the feed, to the side and along the normal, and
@@ -32,22 +35,57 @@ pub(super) struct Distance {
     pub(super) bend_to_height: f64,
 }
 
+/// The radii of curvature of cutter and surface against each other at the contact, in the axes of the feed: the inverse of C^-1 + K, in mm. Where the cutter
+/// is a paraboloid, the groove of a pass has the radius `across`, and its lowest places beside the contact are `skew`/`across` ahead of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RelativeRadii {
+    pub(super) across: f64,
+    pub(super) skew: f64,
+}
+
 impl Body {
-    pub(super) fn new(cutter: Cutter, contact: Contact) -> Self {
+    pub(super) fn new(cutter: Cutter, contact: Contact, surface: SurfaceCurvature) -> Self {
         let (core, corner, slope) = (cutter.core_radius().mm(), cutter.corner_radius().mm(), contact.slope());
-        // Neither turning the feed round nor mirroring the feed at the steepest line changes what a pass leaves.
-        let (along_steepest, along_level) = (contact.theta().cos().abs(), contact.theta().sin().abs());
-        Self { core, corner, slope, along_steepest, along_level, axis: core + corner * slope.sin() }
+        let (cos, sin) = (contact.theta().cos(), contact.theta().sin());
+        // Neither turning the feed round nor mirroring feed and surface at the steepest line changes what a pass leaves.
+        let surface = if (cos < 0.0) == (sin < 0.0) || cos == 0.0 || sin == 0.0 { surface } else { surface.mirrored() };
+        Self {
+            core,
+            corner,
+            slope,
+            along_steepest: cos.abs(),
+            along_level: sin.abs(),
+            axis: core + corner * slope.sin(),
+            surface,
+            concave: surface.principal_per_mm()[1] < 0.0,
+        }
     }
 
-    /// The offset dx/dy of the lowest places beside the contact from its normal plane, where the body is an ellipsoid: with
-    /// the curvature radii r along the steepest line and q = a/sin(S) + r along the level one, the quadratic form's least place is
-    /// x/y = sin cos (1/r - 1/q) / (cos^2/r + sin^2/q). A first guess only.
-    pub(super) fn skew(&self) -> f64 {
-        let (c, s) = (self.along_steepest, self.along_level);
-        let ratio = self.corner * self.slope.sin() / (self.core + self.corner * self.slope.sin());
-        let bend = c * c + s * s * ratio;
-        if bend > 0.0 { s * c * (1.0 - ratio) / bend } else { 0.0 }
+    /// C (1 + K C)^-1 = (C + det(C) adj(K)) / (1 + tr(K C) + det(K) det(C)), where C holds the cutter's radii of curvature, r along the steepest
+    /// line and q = a/sin(S) + r along the level one, turned into the axes of the feed. For first guesses only: near the floor q is bounded by what
+    /// no cut reaches.
+    pub(super) fn relative_radii(&self) -> RelativeRadii {
+        let (c, s, r) = (self.along_steepest, self.along_level, self.corner);
+        let q = if self.core > 0.0 { (self.core / self.slope.sin()).min(1e6 * self.core) + r } else { r };
+        let (along, across, skew, det) = (r * c * c + q * s * s, r * s * s + q * c * c, (q - r) * s * c, r * q);
+        let (k_f, k_t, k_ft) = (self.surface.along_per_mm(), self.surface.across_per_mm(), self.surface.twist_per_mm());
+        let whole = 1.0 + k_f * along + 2.0 * k_ft * skew + k_t * across + (k_f * k_t - k_ft * k_ft) * det;
+        RelativeRadii { across: (across + det * k_f) / whole, skew: (skew - det * k_ft) / whole }
+    }
+
+    /// A length that no place of the cutter's lower body is further from the contact than.
+    pub(super) fn reach(&self) -> f64 {
+        2.0 * (self.core + self.corner)
+    }
+
+    /// Whether the surface has a concave direction, so that the section need not be convex.
+    pub(super) fn is_concave(&self) -> bool {
+        self.concave
+    }
+
+    /// Whether the line from the contact to a place on the body at the height p runs inside the body, as far as a few places on it show.
+    pub(super) fn reaches(&self, x: f64, y: f64, p: f64) -> bool {
+        [0.2, 0.4, 0.6, 0.8].into_iter().all(|share| self.distance(share * x, share * y, p).value <= 1e-9 * p)
     }
 
     /// The signed distance to the body at (x, y, p).
@@ -62,6 +100,10 @@ impl Body {
     #[inline]
     pub(super) fn distance(&self, x: f64, y: f64, p: f64) -> Distance {
         let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
+        let (k_f, k_t, k_ft) = (self.surface.along_per_mm(), self.surface.across_per_mm(), self.surface.twist_per_mm());
+        // How the surface falls away, and what of a step along the feed or to the side is a fall.
+        let (fall_by_feed, fall_by_side) = (k_f * x + k_ft * y, k_ft * x + k_t * y);
+        let p = p - 0.5 * (x * fall_by_feed + y * fall_by_side);
         let steep = x * self.along_steepest - y * self.along_level;
         let level = x * self.along_level + y * self.along_steepest;
         let (d, e) = (p * sin + steep * cos, p * cos - steep * sin);
@@ -81,26 +123,28 @@ impl Body {
         };
         // The radial unit vector; on the axis the core's floor is nearer than its side, so that its direction does not matter.
         let (radial_d, radial_level) = if radius > 0.0 { (-b / radius, level / radius) } else { (-1.0, 0.0) };
-        let (by_d, by_level, by_z) = (out * radial_d, out * radial_level, -down);
-        let by_steep = by_d * cos - by_z * sin;
-        // The distance bends along the meridian's tangent, down * radial + out * Z, and around the axis. Of these the feed has the
-        // parts cos(theta) and sin(theta) times those of the steepest and the level line, the side -sin(theta) and cos(theta) times them.
-        let meridian_steep = down * radial_d * cos - out * sin;
-        let (meridian_level, meridian_height) = (down * radial_level, down * radial_d * sin + out * cos);
-        let (around_steep, around_level, around_height) = (-radial_level * cos, radial_d, -radial_level * sin);
-        let feed = |steep: f64, level: f64| steep * self.along_steepest + level * self.along_level;
-        let side = |steep: f64, level: f64| level * self.along_steepest - steep * self.along_level;
-        let along_meridian = meridian * feed(meridian_steep, meridian_level);
-        let around = if out > 0.0 && radius > 0.0 { out / radius * feed(around_steep, around_level) } else { 0.0 };
-        let bend = |meridian_part: f64, around_part: f64| along_meridian * meridian_part + around * around_part;
+        // A vector's parts along the feed, to the side and along the normal; of these the feed has the parts cos(theta) and sin(theta) times those of the
+        // steepest and the level line, the side -sin(theta) and cos(theta) times them. Against the surface, a step along the normal is a step over the tangent
+        // plane, less what the surface falls.
+        let parts = |d: f64, level: f64, z: f64| {
+            let (steep, height) = (d * cos - z * sin, d * sin + z * cos);
+            let feed = steep * self.along_steepest + level * self.along_level;
+            let side = level * self.along_steepest - steep * self.along_level;
+            (feed - height * fall_by_feed, side - height * fall_by_side, height)
+        };
+        let (by_feed, by_side, by_height) = parts(out * radial_d, out * radial_level, -down);
+        // The distance bends along the meridian's tangent and around the axis, and with the surface.
+        let along = parts(down * radial_d, down * radial_level, out);
+        let around = parts(-radial_level, radial_d, 0.0);
+        let around_axis = if out > 0.0 && radius > 0.0 { out / radius } else { 0.0 };
         Distance {
             value,
-            by_feed: feed(by_steep, by_level),
-            by_side: side(by_steep, by_level),
-            by_height: by_d * sin + by_z * cos,
-            bend: bend(feed(meridian_steep, meridian_level), feed(around_steep, around_level)),
-            bend_to_side: bend(side(meridian_steep, meridian_level), side(around_steep, around_level)),
-            bend_to_height: bend(meridian_height, around_height),
+            by_feed,
+            by_side,
+            by_height,
+            bend: meridian * along.0 * along.0 + around_axis * around.0 * around.0 - by_height * k_f,
+            bend_to_side: meridian * along.0 * along.1 + around_axis * around.0 * around.1 - by_height * k_ft,
+            bend_to_height: meridian * along.0 * along.2 + around_axis * around.0 * around.2,
         }
     }
 }

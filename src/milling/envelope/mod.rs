@@ -6,22 +6,24 @@
 //! a bound, and reached.
 //!
 //! What is assumed: a tooth prints the whole body at its place, that is, the feed per revolution is small against the cutter's
-//! circumference; the cutter's side is as long as the wall that it passes; passes are parallel and the surface is a plane, but for a
-//! correction that is the analytic model's. This file has the model's answers, `ridge` the search for the height on a plane, `newton` its
-//! quick way, which the inverses take as well, `body` the cutter's solid and `root` the searches for roots.
+//! circumference; the cutter's side is as long as the wall that it passes; passes are parallel, and the surface is of the second order:
+//! what changes along it is left out. This file has the model's answers, `section` the general search, `newton` a quicker one that proves its outcome,
+//! `chord` what both search along the feed, and `body` the cutter's solid.
 
 mod body;
+mod chord;
 mod newton;
-mod ridge;
-mod root;
+mod section;
 
-use super::analytic::{groove_height, largest_groove_distance};
-use super::{Contact, Cutter, CutterKind, EffectiveRadius, NoAnswer, Pass, ScallopHeight};
+use super::gouging;
+use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
+use crate::numerics::bracketed_root;
 use crate::quantity::{Angle, Length};
 use body::Body;
 use newton::{Lengths, Sought};
-use ridge::Ridge;
-use root::bracketed_root;
+use section::{Pattern, Section};
+use std::convert::Infallible;
+use std::num::NonZeroU32;
 
 /// The envelope model at one contact. It has an answer at every slope from 0 to 90 deg, for every cutter.
 ///
@@ -33,18 +35,21 @@ use root::bracketed_root;
 /// passes' distance and f the marks' distance seen from above, something stays uncut from top to bottom unless d^2 + f^2 <= 4 R^2;
 /// that is an error. On a wall along which the feed runs d is 0 whatever s.
 ///
-/// **Curved surfaces.** What the analytic model says that the curvature changes, h1 on the curved surface less h1 on the plane, is
-/// added to both heights. This part is not exact.
+/// **Curved surfaces.** Heights count over the surface 1/2 u'Ku under the tangent plane, in which the relative curvature of cutter and surface is exact; the third
+/// order is left out.
 ///
-/// **Runout.** The outer radius is R + rr, and the tooth marks are as far apart as [`super::Runout::mark_spacing`] says, with the exact
-/// climb of the feed.
+/// **Runout.** Heights count from the surface that the deepest tooth touches, whose radius is R + |rr|. The shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep. A pass clears
+/// what a deep mark and a shallow one, the feed per tooth apart, leave in the worse order; or what deep marks alone leave, z f_z apart.
 #[derive(Debug, Clone, Copy)]
 pub struct Envelope {
     pass: Pass,
     cutter: Cutter,
     body: Body,
     climb: Angle,
-    /// 1/R_eff of the analytic model, for the correction on curved surfaces and for first guesses; 0 on a flat.
+    /// delta, by how much the shallowest tooth reaches less deep than the deepest.
+    drop: f64,
+    relative_curvature: f64,
+    /// The curvature of the groove against the surface, for first guesses.
     groove_curvature: f64,
 }
 
@@ -52,76 +57,94 @@ impl Envelope {
     /// Places the cutter on the surface.
     ///
     /// # Errors
-    /// On a concave surface whose radius does not exceed the effective radius [`NoAnswer::Gouges`], or [`NoAnswer::FlatGouges`] where
-    /// that radius is infinite.
-    /// [`NoAnswer::SharpEdgeOnCurve`] on a curved surface where it is 0.
+    /// [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
+        let relative_curvature = gouging::relative_curvature(&pass)?;
         let cutter = pass.cutter.widened(pass.runout.radial());
-        let effective_radius = EffectiveRadius::across_feed(cutter, pass.contact).finite();
-        let groove_curvature = effective_radius.map_or(0.0, |radius| radius.mm().recip());
-        let curvature = pass.surface.per_mm();
-        if curvature != 0.0 && groove_curvature.is_infinite() {
-            return Err(NoAnswer::SharpEdgeOnCurve);
-        }
-        if curvature < 0.0 && groove_curvature + curvature <= 0.0 {
-            return Err(effective_radius.map_or(NoAnswer::FlatGouges, |effective_radius| NoAnswer::Gouges { effective_radius }));
-        }
-        Ok(Self { pass, cutter, body: Body::new(cutter, pass.contact), climb: pass.contact.climb(), groove_curvature })
+        let body = Body::new(cutter, pass.contact, pass.surface);
+        let drop = pass.runout.depth(pass.contact.slope());
+        let groove_curvature = body.relative_radii().across.recip();
+        Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature })
+    }
+
+    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own.
+    pub(super) fn relative_curvature(&self) -> f64 {
+        self.relative_curvature
     }
 
     /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
     ///
     /// # Errors
-    /// - [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`];
-    /// - [`NoAnswer::Gouges`] or [`NoAnswer::FlatGouges`] where a hollow sinks more between two passes than the cutter leaves there.
+    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
-        let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
-        let Some(feed_per_tooth) = feed_per_tooth else {
-            return Ok(ScallopHeight { step_over: step_over_height, feed: Length::ZERO });
-        };
-        let spacing = self.pass.runout.mark_spacing(feed_per_tooth, self.climb);
+        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0))?;
+        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(step_over.mm(), self.pattern(feed.mm())))?;
         // h is never under h1; where marks leave next to nothing, rounding may put it there.
-        let feed = (self.height_on_plane(step_over.mm(), spacing.mm())? - on_plane).max(0.0);
-        Ok(ScallopHeight { step_over: step_over_height, feed: Length::computed(feed) })
+        let feed = (total - step_over_height).max(0.0);
+        Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
     }
 
     /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
     ///
     /// # Errors
-    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
+    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
     /// step-over in [`Envelope::scallop_height`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        let on_plane = self.height_on_plane(step_over.mm(), 0.0)?;
-        let step_over_height = self.with_curvature(on_plane, step_over.mm())?;
-        let used_up = |within: f64| {
-            let max_step_over = self.max_step_over_within(tolerance, 0.0, within)?;
+        let s = step_over.mm();
+        let step_over_height = Length::computed(self.height(s, Pattern::even(0.0))?);
+        let used_up = || {
+            let max_step_over = self.max_step_over(tolerance, None)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
         };
         if step_over_height >= tolerance {
-            // Not beyond the step-over itself: in a hollow the height can fall again under the tolerance there.
-            return used_up(step_over.mm());
+            return used_up();
         }
+        let largest = self.largest_feed(s);
         let room = tolerance.mm() - step_over_height.mm();
-        let largest_spacing = self.largest_mark_spacing(step_over.mm());
-        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt();
-        let ridge = Lengths { level: on_plane + room, step_over: step_over.mm(), mark_spacing: guess.min(largest_spacing) };
-        let spacing = match self.held_by_section(ridge, Sought::MarkSpacing) {
-            Some(found) if (Length::SMALLEST..=largest_spacing).contains(&found.mark_spacing) => Reached::At(found.mark_spacing),
-            _ => largest_within(on_plane + room, guess, Length::SMALLEST, largest_spacing, |spacing| {
-                self.height_on_plane(step_over.mm(), spacing)
-            })?,
-        };
-        let (runout, climb) = (self.pass.runout, self.climb);
-        match spacing {
-            // Room for less than any feed that can be stated.
-            Reached::BeforeSmallest { .. } => used_up(self.largest_step_over(0.0)),
-            Reached::At(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
-            Reached::Nowhere => match runout.feed_per_tooth(Length::computed(largest_spacing), climb) {
-                Some(largest_feed_per_tooth) => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }),
-                None => Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_spacing) }),
-            },
+        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().min(largest);
+        let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
+        let quick = if self.drop == 0.0 { self.quickly(lengths, Sought::MarkSpacing) } else { None };
+        if let Some(feed) = quick.map(|found| found.mark_spacing).filter(|feed| (Length::SMALLEST..=largest).contains(feed)) {
+            return Ok(Length::computed(feed));
         }
+        match self.feed_held(tolerance.mm(), s, guess, largest) {
+            Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
+            Some(feed) => Ok(Length::computed(feed)),
+            // Room for less than any feed that can be stated.
+            None => used_up(),
+        }
+    }
+
+    /// The largest feed per tooth up to `largest` at which the pass clears the step-over s down to the height p; `None` where none does from [`Length::SMALLEST`] on.
+    fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
+        let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
+        let mut low = guess.clamp(Length::SMALLEST, largest);
+        let mut high;
+        if excess(low) <= 0.0 {
+            loop {
+                high = (2.0 * low).min(largest);
+                if excess(high) > 0.0 {
+                    break;
+                }
+                if high >= largest {
+                    return Some(largest);
+                }
+                low = high;
+            }
+        } else {
+            loop {
+                high = low;
+                low = (low / 2.0).max(Length::SMALLEST);
+                if excess(low) <= 0.0 {
+                    break;
+                }
+                if low <= Length::SMALLEST {
+                    return None;
+                }
+            }
+        }
+        let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), |logarithm| Ok::<_, Infallible>(excess(logarithm.exp())));
+        Some(logarithm.exp())
     }
 
     /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
@@ -129,73 +152,89 @@ impl Envelope {
     /// # Errors
     /// - [`NoAnswer::FeedUsesUpTolerance`] where even passes [`Length::SMALLEST`] apart leave the tolerance;
     /// - [`NoAnswer::MarksDoNotOverlap`];
-    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] where no step-over up to the largest one leaves the tolerance;
-    /// - [`NoAnswer::Gouges`] or [`NoAnswer::FlatGouges`] where the cutter cuts into a hollow before the step-over leaves the tolerance.
+    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] where no step-over up to the largest one leaves the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        let spacing = feed_per_tooth.map_or(0.0, |feed| self.pass.runout.mark_spacing(feed, self.climb).mm());
-        self.max_step_over_within(tolerance, spacing, self.largest_step_over(spacing))
-    }
-
-    /// The same for marks `spacing` apart, among the step-overs up to `largest_step_over`.
-    fn max_step_over_within(&self, tolerance: Length, spacing: f64, largest_step_over: f64) -> Result<Length, NoAnswer> {
-        let height = |step_over: f64| {
-            let on_plane = self.height_on_plane(step_over, spacing)?;
-            self.with_curvature(on_plane, step_over).map(Length::mm)
-        };
-        // From above: the circle of the groove's radius, or near the floor what the cutter's flat and corner leave there.
+        let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
+        let largest = self.largest_step_over(pattern.spacing);
+        if largest < Length::SMALLEST {
+            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(Length::SMALLEST)) });
+        }
+        let p = tolerance.mm();
+        // From above: the groove's parabola, or near the floor what the cutter's flat and corner leave there.
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
-        let on_floor = 2.0 * (core + (2.0 * corner * tolerance.mm()).sqrt());
-        let guess = (8.0 * tolerance.mm() / self.groove_curvature).sqrt().min(on_floor);
-        if self.pass.surface.per_mm() == 0.0 {
-            let ridge = Lengths { level: tolerance.mm(), step_over: guess.min(largest_step_over), mark_spacing: spacing };
-            if let Some(found) = self.held_by_section(ridge, Sought::StepOver)
-                && (Length::SMALLEST..=largest_step_over).contains(&found.step_over)
-            {
-                return Ok(Length::computed(found.step_over));
+        let on_floor = 2.0 * (core + (2.0 * corner * p).sqrt());
+        let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
+        let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
+        let quick = if pattern.is_even() { self.quickly(lengths, Sought::StepOver) } else { None };
+        let width = quick.map_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p), |found| found.step_over);
+        // Where only the passes' overlap ends the interval, it ends there to a rounding.
+        if width >= largest * (1.0 - 1e-12) {
+            Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
+        } else if width < Length::SMALLEST {
+            Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(self.height(Length::SMALLEST, pattern)?) })
+        } else {
+            if self.body.is_concave() && width > self.body.reach() {
+                // Wider than the cutter on a concave surface: only where the height grows up to there.
+                self.height(width, pattern)?;
             }
-        }
-        match largest_within(tolerance.mm(), guess, Length::SMALLEST, largest_step_over, height)? {
-            Reached::At(step_over) => Ok(Length::computed(step_over)),
-            Reached::Nowhere => Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest_step_over) }),
-            Reached::BeforeSmallest { height } => Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(height) }),
+            Ok(Length::computed(width))
         }
     }
 
-    /// The largest step-over or distance of marks that the cutter's section at a height holds, near the one in `ridge`; `None` where that is
-    /// not certain, and where heights have a closed form, which makes a search over them as quick.
-    fn held_by_section(&self, ridge: Lengths, sought: Sought) -> Option<Lengths> {
+    /// The marks of a feed per tooth.
+    fn pattern(&self, feed: f64) -> Pattern {
+        let teeth = self.pass.teeth.map_or(2, NonZeroU32::get);
+        Pattern { spacing: feed, deep_spacing: f64::from(teeth) * feed, drop: self.drop, shallow_pairs: teeth > 2 }
+    }
+
+    /// The ridge by the quick search; `None` where its outcome is not proved, and where a sharp edge or a wall makes that hopeless.
+    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
         let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
-        let searched = slope.sin() != 0.0 && slope.cos() != 0.0 && !(sharp && ridge.mark_spacing == 0.0);
-        if searched { newton::solve(&self.body, sought, ridge) } else { None }
+        let hopeless = slope.sin() == 0.0 || slope.cos() == 0.0 || (sharp && lengths.mark_spacing == 0.0);
+        if hopeless { None } else { newton::solve(&self.body, sought, lengths) }
     }
 
-    /// h on a plane, for passes s apart whose tooth marks lie f apart, both in the tangent plane.
-    fn height_on_plane(&self, s: f64, f: f64) -> Result<f64, NoAnswer> {
+    /// h for passes s apart with a pattern of marks, both in the tangent plane.
+    fn height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
+        let f = pattern.spacing;
         let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
-        let (outer, core, corner) = (self.cutter.outer_radius().mm(), self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
-        if across > 2.0 * outer {
+        let outer = self.cutter.outer_radius().mm();
+        if across > 2.0 * outer || s > self.largest_step_over(0.0) {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
         }
         if across.hypot(along) > 2.0 * outer {
-            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_mark_spacing(s)) });
+            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
-        let slope = self.contact().slope();
+        if !pattern.is_even() {
+            return self.searched_height(s, pattern, self.guess(s, pattern));
+        }
+        if self.pass.surface.is_plane()
+            && let Some(closed) = self.closed_form(s, f)
+        {
+            return Ok(closed);
+        }
+        let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
+        let quick = self.quickly(lengths, Sought::Level).map(|found| found.level);
+        quick.map_or_else(|| self.searched_height(s, pattern, lengths.level), Ok)
+    }
+
+    /// h on a plane for marks of equal depth, where it has a closed form.
+    fn closed_form(&self, s: f64, f: f64) -> Option<f64> {
+        let (slope, outer) = (self.contact().slope(), self.cutter.outer_radius().mm());
         if slope.cos() == 0.0 {
             // Only the cylinder touches a wall.
-            return Ok(circle_height(outer, across.hypot(along)));
+            return Some(circle_height(outer, (s * self.spacing_ratio()).hypot(f * self.climb.cos())));
         }
         if slope.sin() == 0.0 {
             // The corners of the rectangle between two teeth of two passes lie on the flat or on the corner's round.
-            let beyond_flat = s.hypot(f) - 2.0 * core;
-            return Ok(if beyond_flat > 0.0 { circle_height(corner, beyond_flat) } else { 0.0 });
+            let beyond_flat = s.hypot(f) - 2.0 * self.cutter.core_radius().mm();
+            return Some(if beyond_flat > 0.0 { circle_height(self.cutter.corner_radius().mm(), beyond_flat) } else { 0.0 });
         }
-        if self.cutter.kind() == CutterKind::BallEnd && self.ball_alone(s, f) {
-            return Ok(circle_height(outer, s.hypot(f)));
+        match self.cutter.kind() {
+            CutterKind::BallEnd if self.ball_alone(s, f) => Some(circle_height(outer, s.hypot(f))),
+            CutterKind::FlatEnd if f == 0.0 => Some(self.edge_height(s)),
+            _ => None,
         }
-        if self.cutter.kind() == CutterKind::FlatEnd && f == 0.0 {
-            return Ok(self.edge_height(s));
-        }
-        Ok(Ridge::new(&self.body, s, f).level(self.guess(s, f), self.highest(s, f)))
     }
 
     fn contact(&self) -> Contact {
@@ -241,65 +280,39 @@ impl Envelope {
         2.0 * outer * sin * (delta / 2.0).sin().powi(2)
     }
 
-    /// About h, for a search to start from: the heights of circles, of the groove's analytic radius and of R along the feed. For the
-    /// groove that is less than h near the floor, from where Newton's steps rise steadily; from far above they overshoot.
-    fn guess(&self, s: f64, f: f64) -> f64 {
+    /// About h, for a search to start from: the parabola of the groove, and along the feed that of radius R. For the groove that is less than h near
+    /// the floor, from where Newton's steps rise steadily; from far above they overshoot.
+    fn guess(&self, s: f64, pattern: Pattern) -> f64 {
         let outer = self.cutter.outer_radius().mm();
-        s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer)
+        let f = if pattern.is_even() {
+            pattern.spacing
+        } else {
+            // Circles of radius P that meet their copies raised by delta do so as if they were f + 2 P delta / f apart.
+            pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
+        };
+        // Above the whole cutter there is no section.
+        (s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer)).min(outer / 4.0)
     }
 
-    /// A height that h cannot exceed on slopes under 90 deg: that of a rectangle between the teeth, seen from above and centred on the
-    /// axis, which is as high as it must be to lie in the cylinder above the corner.
+    /// h by the general search.
     ///
-    /// Its corners have the radius sqrt(d^2 + f^2)/2 <= R seen from above. The centre of the disc in which the cylinder begins lies a
-    /// sin(S) + r cos^2(S) + r sin^2(S) over the surface. With gamma the climb, one side of the rectangle rises by f sin(gamma) and
-    /// the other, whose length d = s cos(S) / cos(gamma) runs at sin(theta) / cos(gamma) to the steepest line seen from above, by d
-    /// tan(S) sin(theta) / cos(gamma). The centre must be half of both above the disc, of which the part cos(S) counts.
-    fn highest(&self, s: f64, f: f64) -> f64 {
-        let (slope, theta, climb) = (self.contact().slope(), self.contact().theta(), self.climb);
-        let rise = f64::midpoint(f * climb.sin(), s * slope.sin() * theta.sin().abs() / (climb.cos() * climb.cos()));
-        self.cutter.core_radius().mm() * slope.sin() + self.cutter.corner_radius().mm() + rise * slope.cos()
+    /// # Errors
+    /// [`NoAnswer::Gouges`] where the concave surface passes through the cutter before the step-over is reached, so that no height has a section that wide: along the cutter's straight side.
+    fn searched_height(&self, s: f64, pattern: Pattern, guess: f64) -> Result<f64, NoAnswer> {
+        let level = Section::new(&self.body, pattern, 2.0 * s).level(s, guess);
+        if level <= Length::LARGEST { Ok(level) } else { Err(NoAnswer::Gouges { smallest_radius: None }) }
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding
     /// less, so that it is in the domain itself; never more than can be stated.
     fn largest_step_over(&self, f: f64) -> f64 {
         let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
-        let curvature = self.pass.surface.per_mm();
-        let grooves_meet = |curvature| largest_groove_distance(self.groove_curvature, curvature).mm();
-        if curvature == 0.0 {
-            on_plane
-        } else if curvature < 0.0 {
-            // In a hollow grooves meet further apart than on a plane, but the correction needs the plane's height, too.
-            on_plane.min(grooves_meet(curvature)).min(grooves_meet(0.0))
-        } else {
-            on_plane.min(grooves_meet(curvature))
-        }
+        on_plane.min(2.0 / self.pass.surface.across_per_mm().abs())
     }
 
-    /// The distance of marks up to which they overlap, seen from above, in passes s apart.
-    fn largest_mark_spacing(&self, s: f64) -> f64 {
+    /// The feed per tooth up to which marks overlap, seen from above, in passes s apart.
+    fn largest_feed(&self, s: f64) -> f64 {
         largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
-    }
-
-    /// Adds to a height on the plane what the analytic model says that the surface's curvature changes at the step-over s.
-    fn with_curvature(&self, on_plane: f64, s: f64) -> Result<Length, NoAnswer> {
-        let (k, c) = (self.groove_curvature, self.pass.surface.per_mm());
-        if c == 0.0 {
-            return Ok(Length::computed(on_plane));
-        }
-        let (Some(curved), Some(plane)) = (groove_height(k, c, s), groove_height(k, 0.0, s)) else {
-            return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
-        };
-        let height = on_plane + (curved - plane);
-        if height > 0.0 {
-            Ok(Length::computed(height))
-        } else if on_plane > 0.0 {
-            // The circle through the contact and the two ridges beside it is as hollow as the cutter is there.
-            Err(NoAnswer::Gouges { effective_radius: Length::computed(f64::midpoint(s * s / on_plane / 4.0, on_plane)) })
-        } else {
-            Err(NoAnswer::FlatGouges)
-        }
     }
 }
 
@@ -314,62 +327,6 @@ fn circle_height(radius: f64, chord: f64) -> f64 {
 fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
     let room = ((hypotenuse - leg) * (hypotenuse + leg)).max(0.0).sqrt();
     (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)
-}
-
-/// Where a height that grows reaches a target.
-enum Reached {
-    At(f64),
-    /// It stays under the target.
-    Nowhere,
-    /// It is not under the target even at the smallest place, but `height`.
-    BeforeSmallest {
-        height: f64,
-    },
-}
-
-/// Where in `[smallest, largest]` a height that grows reaches `target`. The search starts at `guess`.
-///
-/// The root is sought over the logarithm, in (h - target) / (h + target), where a power law is nearly a straight line.
-fn largest_within(
-    target: f64,
-    guess: f64,
-    smallest: f64,
-    largest: f64,
-    height: impl Fn(f64) -> Result<f64, NoAnswer>,
-) -> Result<Reached, NoAnswer> {
-    // That even the smallest place is over the target is the commonest reason for an error, and known at once.
-    if let Ok(height) = height(smallest)
-        && height >= target
-    {
-        return Ok(Reached::BeforeSmallest { height });
-    }
-    let excess = |height: f64| (height - target) / (height + target);
-    let mut at = guess.max(smallest).min(largest);
-    let (mut low, mut high) = (None::<(f64, f64)>, None::<(f64, f64)>);
-    // From the guess up by factors of 2, down by factors that square, so that a target out of reach is known after a few steps.
-    let mut shrink = 2.0;
-    let (low, high) = loop {
-        match height(at) {
-            Ok(height) if height < target => low = Some((at, excess(height))),
-            Ok(height) if at <= smallest => return Ok(Reached::BeforeSmallest { height }),
-            Ok(height) => high = Some((at, excess(height))),
-            // Nothing to be had so far out; coming back here from below, nothing was reached before.
-            Err(no_answer) if low.is_some() || at <= smallest => return Err(no_answer),
-            Err(_) => {}
-        }
-        match (low, high) {
-            (Some(low), Some(high)) => break (low, high),
-            (Some(_), None) if at >= largest => return Ok(Reached::Nowhere),
-            (Some(_), None) => at = (2.0 * at).min(largest),
-            (None, _) => {
-                at = (at / shrink).max(smallest);
-                shrink *= shrink;
-            }
-        }
-    };
-    // Between two places with a height, a place without one is in a hollow that the cutter gouges: it has no height left.
-    let over_logarithm = |u: f64| height(u.exp()).map_or(-1.0, excess);
-    Ok(Reached::At(bracketed_root((low.0.ln(), low.1), (high.0.ln(), high.1), over_logarithm).exp()))
 }
 
 #[cfg(test)]

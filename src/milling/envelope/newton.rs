@@ -9,10 +9,12 @@
 //! nowhere less than a mean of their tangents. With weights that make the mean independent of where the chords lie, its root bounds what
 //! is sought on one side; four places that are not outside the body bound it on the other. Where both bounds meet within a few
 //! roundings, it does not matter how the search came there.
+//!
+//! On a concave surface the distance is convex near the contact only. There the outcome is taken where the lines from the contact to all four
+//! places run inside the body.
 
-use super::body::{Body, Distance};
-use super::ridge::{Place, balance};
-use super::root::{Slope, rising_root};
+use super::body::Body;
+use super::chord::{Accuracy, Chord, Marks, balance};
 
 /// The height of the ridge, the step-over and the distance of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
@@ -38,15 +40,16 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths) -> Option
     let mut place = Place::start(body, lengths.step_over, lengths.mark_spacing);
     for _ in 0..MOST_STEPS {
         let s = lengths.step_over;
-        let near = Chord::near(body, &mut place.x, place.t, &lengths);
-        let far = Chord::near(body, &mut place.neighbour_x, place.t - s, &lengths);
+        let marks = Marks::even(lengths.mark_spacing);
+        let (p, reach) = (lengths.level, s + lengths.mark_spacing);
+        let near = Chord::search(body, &mut place.x, place.t, p, &marks, Accuracy::rough(p), reach);
+        let far = Chord::search(body, &mut place.neighbour_x, place.t - s, p, &marks, Accuracy::rough(p), reach);
         if !(near.by_side > 0.0 && far.by_side < 0.0) {
             // The chords have to lie on both sides of the deepest one; the change of slope between them tells about where that is.
             let aside = -s * f64::midpoint(near.by_side, far.by_side) / (near.by_side - far.by_side);
             if aside.is_nan() {
                 return None;
             }
-            let reach = s + lengths.mark_spacing;
             follow(&mut place, (&near, &far), aside.clamp(-reach, reach), Change::NONE);
             continue;
         }
@@ -71,6 +74,11 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths) -> Option
         lengths.step_over += change.wider;
         lengths.mark_spacing += change.longer;
         if proved {
+            let (t, f) = (place.t, marks.spacing);
+            let places = [(place.x, t), (place.x - f, t), (place.neighbour_x, t - s), (place.neighbour_x - f, t - s)];
+            if body.is_concave() && !places.into_iter().all(|(x, y)| body.reaches(x, y, p)) {
+                return None;
+            }
             return Some(lengths);
         }
     }
@@ -98,96 +106,23 @@ fn bounded(change: f64, length: f64) -> f64 {
 /// Moves the place by a step of t, and x of both chords as the step changes them.
 fn follow(place: &mut Place, (near, far): (&Chord, &Chord), aside: f64, change: Change) {
     place.t += aside;
-    place.x += near.shift.of(aside, change);
-    place.neighbour_x += far.shift.of(aside - change.wider, change);
+    place.x += near.shift.of(aside, change.rise, change.longer);
+    place.neighbour_x += far.shift.of(aside - change.wider, change.rise, change.longer);
 }
 
-/// The greater of the distances of a chord's ends where it is least along the feed, to first order in the other unknowns.
-struct Chord {
-    value: f64,
-    by_side: f64,
-    by_height: f64,
-    by_spacing: f64,
-    /// The greater distance at x itself.
-    furthest: f64,
-    shift: Shift,
+/// Where the search for the ridge stands: the offset t, and where both chords end along the feed.
+struct Place {
+    t: f64,
+    x: f64,
+    neighbour_x: f64,
 }
 
-/// How far off x is, and how it follows when the other unknowns change.
-#[derive(Default)]
-struct Shift {
-    off: f64,
-    by_side: f64,
-    by_height: f64,
-    by_spacing: f64,
-}
-
-impl Shift {
-    fn of(&self, aside: f64, change: Change) -> f64 {
-        self.off + self.by_side * aside + self.by_height * change.rise + self.by_spacing * change.longer
-    }
-}
-
-impl Chord {
-    /// The chord at the offset t. Where a Newton's step ends at an x that tells next to nothing about the best one, `x` is searched for.
-    fn near(body: &Body, x: &mut f64, t: f64, lengths: &Lengths) -> Self {
-        let (p, s, f) = (lengths.level, lengths.step_over, lengths.mark_spacing);
-        let (mut found, mut rising, mut falling) = (None, None, None);
-        *x = rising_root(*x, s + f, 2.0 * f64::EPSILON * (s + f), |x| {
-            let front = body.distance(x, t, p);
-            let slope = if f == 0.0 {
-                found = Self::point(&front).filter(|chord| front.value - chord.value <= 0.1 * p);
-                *(if front.by_feed < 0.0 { &mut falling } else { &mut rising }) = Some(front);
-                Slope { value: front.by_feed, derivative: front.bend }
-            } else {
-                let back = body.distance(x - f, t, p);
-                found = (front.by_feed > 0.0 && back.by_feed < 0.0).then(|| Self::between(&front, &back));
-                (rising, falling) = (Some(front), Some(back));
-                Slope { value: front.value - back.value, derivative: front.by_feed - back.by_feed }
-            };
-            // A root ends the search.
-            if found.is_some() { Slope { value: 0.0, ..slope } } else { slope }
-        });
-        found.unwrap_or_else(|| {
-            let alone = || body.distance(*x, t, p);
-            let (rising, falling) = (rising.or(falling).unwrap_or_else(alone), falling.or(rising).unwrap_or_else(alone));
-            Self { shift: Shift::default(), ..Self::between(&rising, &falling) }
-        })
-    }
-
-    /// The chord of no length, on the parabola that the distance is along the feed.
-    fn point(at: &Distance) -> Option<Self> {
-        if at.bend <= 0.0 {
-            return None;
-        }
-        let off = -at.by_feed / at.bend;
-        Some(Self {
-            value: at.value + at.by_feed * off / 2.0,
-            by_side: at.by_side + off * at.bend_to_side,
-            by_height: at.by_height + off * at.bend_to_height,
-            by_spacing: 0.0,
-            furthest: at.value,
-            shift: Shift { off, by_side: -at.bend_to_side / at.bend, by_height: -at.bend_to_height / at.bend, by_spacing: 0.0 },
-        })
-    }
-
-    /// The chord on the tangents at its ends, the front where the distance rises along the feed and the back, f behind it, where it falls.
-    fn between(front: &Distance, back: &Distance) -> Self {
-        let steepening = front.by_feed - back.by_feed;
-        let share = balance(front.by_feed, back.by_feed);
-        let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
-        Self {
-            value: mix(front.value, back.value),
-            by_side: mix(front.by_side, back.by_side),
-            by_height: mix(front.by_height, back.by_height),
-            by_spacing: -(1.0 - share) * back.by_feed,
-            furthest: front.value.max(back.value),
-            shift: Shift {
-                off: (back.value - front.value) / steepening,
-                by_side: (back.by_side - front.by_side) / steepening,
-                by_height: (back.by_height - front.by_height) / steepening,
-                by_spacing: -back.by_feed / steepening,
-            },
-        }
+impl Place {
+    /// Half-way between the passes, the chords where the body is a paraboloid.
+    fn start(body: &Body, step_over: f64, mark_spacing: f64) -> Self {
+        let (half_step, half_mark, radii) = (step_over / 2.0, mark_spacing / 2.0, body.relative_radii());
+        // A sharp edge fed along the level line has no radius across the feed; its lowest places are somewhere on the cutter.
+        let ahead = (radii.skew * half_step / radii.across.max(f64::MIN_POSITIVE)).clamp(-body.reach(), body.reach());
+        Self { t: half_step, x: half_mark + ahead, neighbour_x: half_mark - ahead }
     }
 }

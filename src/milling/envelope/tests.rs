@@ -20,7 +20,7 @@ fn cutter(outer_radius: f64, ratio: f64) -> Cutter {
 
 fn pass(cutter: Cutter, slope: f64, alpha: f64) -> Pass {
     let contact = Contact::from_degrees(slope, alpha).unwrap();
-    Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE }
+    Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None }
 }
 
 fn on_plane(cutter: Cutter, slope: f64, alpha: f64) -> Envelope {
@@ -35,8 +35,8 @@ fn curved(pass: Pass, radius: f64) -> Pass {
 fn by_theta(cutter: Cutter, slope: f64, theta: f64) -> Envelope {
     let (slope, theta) = (Angle::from_degrees(slope).unwrap(), Angle::from_degrees(theta).unwrap());
     let feed = [slope.cos() * theta.cos(), theta.sin(), -slope.sin() * theta.cos()];
-    let contact = Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed).unwrap();
-    Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE }).unwrap()
+    let contact = Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed, None).unwrap();
+    Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None }).unwrap()
 }
 
 /// Any cutter: flat-end, toroidal, ball-end.
@@ -52,7 +52,7 @@ fn quarter_turn() -> impl Strategy<Value = f64> {
 
 /// The general search, also where the model has a closed form.
 fn searched(envelope: &Envelope, s: f64, f: f64) -> f64 {
-    Ridge::new(&envelope.body, s, f).level(envelope.guess(s, f), envelope.highest(s, f))
+    Section::new(&envelope.body, Pattern::even(f), 2.0 * s).level(s, envelope.guess(s, Pattern::even(f)))
 }
 
 #[test]
@@ -119,21 +119,19 @@ proptest! {
         let s = share * outer;
         let other = step_over_height_of_outline(envelope.cutter, envelope.contact(), s);
         // The outline's coordinates are of the size of R, 10 mm, so that its levels carry a few roundings of 10 mm: 1e-14 mm.
-        approx::assert_abs_diff_eq!(envelope.height_on_plane(s, 0.0).unwrap(), other, epsilon = 2e-14 + 1e-12 * other);
+        approx::assert_abs_diff_eq!(envelope.height(s, Pattern::even(0.0)).unwrap(), other, epsilon = 2e-14 + 1e-12 * other);
     }
 
     #[test]
-    fn newton_and_the_nested_searches_agree(
+    fn the_quick_and_the_general_search_agree(
         cutter in cutters(), slope in 0.01..89.99_f64, theta in quarter_turn(), share in 0.001..0.9_f64, marks in 0.0..0.4_f64,
     ) {
         let envelope = by_theta(cutter, slope, theta);
         let s = share * cutter.outer_radius().mm();
-        let (ridge, guess, highest) = (Ridge::new(&envelope.body, s, marks), envelope.guess(s, marks), envelope.highest(s, marks));
-        let level = ridge.level(guess, highest);
-        let nested = ridge.level_by_nested_searches(guess, highest);
+        let lengths = Lengths { level: envelope.guess(s, Pattern::even(marks)), step_over: s, mark_spacing: marks };
+        let Some(quick) = envelope.quickly(lengths, Sought::Level) else { return Ok(()) };
         // Both end within some ten roundings of h.
-        approx::assert_relative_eq!(level, nested, max_relative = 1e-13);
-        prop_assert!(level < highest, "{level} reached the bound {highest}");
+        approx::assert_relative_eq!(quick.level, searched(&envelope, s, marks), max_relative = 1e-13);
     }
 
     #[test]
@@ -156,10 +154,9 @@ proptest! {
         let envelope = by_theta(cutter(radius, 0.0), slope, theta);
         // Up to where the passes are 2R apart seen from above, and up to 6R on steep walls: edges and sides meet in all their ways.
         let s = share * envelope.largest_step_over(0.0).min(6.0 * radius);
-        let ridge = Ridge::new(&envelope.body, s, 0.0);
-        let nested = ridge.level_by_nested_searches(envelope.guess(s, 0.0), envelope.highest(s, 0.0));
+        let general = searched(&envelope, s, 0.0);
         // The search finds the edge to the rounding of s, 60 mm at the most, hence h to a few times 1e-14 mm.
-        approx::assert_relative_eq!(envelope.height_on_plane(s, 0.0).unwrap(), nested, max_relative = 1e-13, epsilon = 5e-14);
+        approx::assert_relative_eq!(envelope.height(s, Pattern::even(0.0)).unwrap(), general, max_relative = 1e-13, epsilon = 5e-14);
     }
 
     #[test]
@@ -182,13 +179,13 @@ proptest! {
         // Within 1e-7 deg = 1.7e-9 rad of floor or wall every place of the body moves by less than 2e-9 * 30 mm along the normal.
         let moved = 6e-8;
         for f in [0.0, marks] {
-            let floor = by_theta(cutter, 0.0, theta).height_on_plane(s, f);
-            if let (Ok(floor), Ok(beside)) = (floor, by_theta(cutter, 1e-7, theta).height_on_plane(s, f)) {
+            let floor = by_theta(cutter, 0.0, theta).height(s, Pattern::even(f));
+            if let (Ok(floor), Ok(beside)) = (floor, by_theta(cutter, 1e-7, theta).height(s, Pattern::even(f))) {
                 approx::assert_abs_diff_eq!(beside, floor, epsilon = moved);
             }
             // Along the wall the cutter's side takes off what passes leave; beside it the rest is the side's rise over s.
-            let wall = by_theta(cutter, 90.0, theta).height_on_plane(s, f);
-            if let (Ok(wall), Ok(beside)) = (wall, by_theta(cutter, 90.0 - 1e-7, theta).height_on_plane(s, f))
+            let wall = by_theta(cutter, 90.0, theta).height(s, Pattern::even(f));
+            if let (Ok(wall), Ok(beside)) = (wall, by_theta(cutter, 90.0 - 1e-7, theta).height(s, Pattern::even(f)))
                 && (theta <= 0.0 || theta > 1.0)
             {
                 // A feed 1 deg beside the vertical makes the side reach s / tan(1 deg) = 57 s up, and rise as much more.
@@ -220,11 +217,11 @@ proptest! {
         let envelope = by_theta(cutter, slope, theta);
         let s = share * 2.0 * cutter.outer_radius().mm();
         if let (Ok(height), Ok(wider), Ok(faster)) =
-            (envelope.height_on_plane(s, marks), envelope.height_on_plane(more * s, marks), envelope.height_on_plane(s, more * marks))
+            (envelope.height(s, Pattern::even(marks)), envelope.height(more * s, Pattern::even(marks)), envelope.height(s, Pattern::even(more * marks)))
         {
             // Equal on a flat and along a wall; elsewhere 0.1 % more is far above the rounding of 1e-13.
             prop_assert!(wider >= height * (1.0 - 1e-13) && faster >= height * (1.0 - 1e-13), "{height} {wider} {faster}");
-            prop_assert!(height >= envelope.height_on_plane(s, 0.0).unwrap() * (1.0 - 1e-13));
+            prop_assert!(height >= envelope.height(s, Pattern::even(0.0)).unwrap() * (1.0 - 1e-13));
         }
     }
 
@@ -234,14 +231,14 @@ proptest! {
         cutter in cutters(), slope in 0.0..90.0_f64, alpha in 0.0..90.0_f64, share in prop_oneof![1 => Just(0.0), 3 => 0.01..1.0_f64],
     ) {
         let envelope = on_plane(cutter, slope, alpha);
-        for marks in [0.0, share * envelope.largest_mark_spacing(0.0)] {
+        for marks in [0.0, share * envelope.largest_feed(0.0)] {
             let s = envelope.largest_step_over(marks);
-            let (widest, before) = (envelope.height_on_plane(s, marks).unwrap(), envelope.height_on_plane(0.999 * s, marks).unwrap());
+            let (widest, before) = (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(0.999 * s, Pattern::even(marks)).unwrap());
             prop_assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {s}, {widest} there");
         }
         let s = share.max(0.01) * envelope.largest_step_over(0.0);
-        let marks = envelope.largest_mark_spacing(s);
-        let (widest, before) = (envelope.height_on_plane(s, marks).unwrap(), envelope.height_on_plane(s, 0.999 * marks).unwrap());
+        let marks = envelope.largest_feed(s);
+        let (widest, before) = (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(s, Pattern::even(0.999 * marks)).unwrap());
         prop_assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {marks}, {widest} there");
     }
 
@@ -270,29 +267,20 @@ proptest! {
     }
 
     #[test]
-    fn a_ball_end_cutter_on_a_curved_surface_leaves_what_the_analytic_model_says(
-        radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, theta in quarter_turn(), share in 0.01..0.3_f64,
+    fn a_ball_end_cutter_on_a_sphere_leaves_its_closed_form(
+        radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, theta in quarter_turn(), share in 0.01..0.3_f64, marks in 0.01..0.3_f64,
         hollow in prop::bool::ANY, roundness in 1.5..50.0_f64,
     ) {
-        let rho = if hollow { -roundness * radius } else { roundness * radius };
-        let pass = curved(by_theta(cutter(radius, 1.0), slope, theta).pass, rho);
-        let s = mm(share * radius);
-        let analytic = Analytic::new(pass).unwrap().scallop_height(s, None).unwrap();
-        let envelope = Envelope::new(pass).unwrap().scallop_height(s, None).unwrap();
-        // For a ball both plane heights are the same number, so that only their difference's rounding is left: of h1 on the plane, at
-        // most 3 times h1 in the hollow.
-        approx::assert_relative_eq!(envelope.step_over.mm(), analytic.step_over.mm(), max_relative = 1e-13);
+        let curvature = (if hollow { -roundness } else { roundness } * radius).recip();
+        let surface = SurfaceCurvature::from_components_per_mm(curvature, curvature, 0.0).unwrap();
+        let envelope = Envelope::new(Pass { surface, ..by_theta(cutter(radius, 1.0), slope, theta).pass }).unwrap();
+        let (s, f) = (share * radius, marks * radius);
+        // The ridge is half a diagonal of the rectangle between the marks away from each of its contacts.
+        let closed = circle_height(radius, s.hypot(f)) + curvature * (s * s + f * f) / 8.0;
+        let found = envelope.scallop_height(mm(s), Some(mm(f))).unwrap().total().mm();
+        // The plane's height is at most 3 times that on the concave sphere.
+        approx::assert_relative_eq!(found, closed, max_relative = 1e-12);
     }
-}
-
-#[test]
-fn runout_widens_the_cutter_and_moves_the_marks() {
-    let runout = Runout::NONE.with_radial_mm(0.01).unwrap().with_axial_mm(0.004).unwrap();
-    let plain = pass(cutter(5.0, 0.4), 40.0, 30.0);
-    let wide = Pass { cutter: plain.cutter.widened(mm(0.01)), ..plain };
-    let height = Envelope::new(Pass { runout, ..plain }).unwrap().scallop_height(mm(0.5), Some(mm(0.2))).unwrap();
-    let spacing = runout.mark_spacing(mm(0.2), plain.contact.climb());
-    assert_eq!(Ok(height), Envelope::new(wide).unwrap().scallop_height(mm(0.5), Some(spacing)));
 }
 
 #[test]
@@ -337,25 +325,12 @@ fn a_tolerance_that_is_used_up_or_limits_nothing_is_an_error_with_the_way_out() 
 }
 
 #[test]
-fn a_hollow_that_the_cutter_gouges_is_an_error() {
+fn a_concave_surface_that_the_cutter_gouges_is_an_error() {
     let gouges = |radius| Envelope::new(curved(pass(cutter(5.0, 0.4), 40.0, 0.0), radius)).map(|_| ());
-    // R_eff = 3/sin(40 deg) + 2 = 6.667.
-    assert!(matches!(gouges(-6.6), Err(NoAnswer::Gouges { .. })));
+    // The feed runs down the slope, and across it the cutter's radius is 3/sin(40 deg) + 2 = 6.667 mm.
+    let Err(NoAnswer::Gouges { smallest_radius: Some(smallest) }) = gouges(-6.6) else { panic!("no gouging") };
+    approx::assert_relative_eq!(smallest.mm(), 3.0 / 40.0_f64.to_radians().sin() + 2.0, max_relative = 1e-12);
     assert_eq!(gouges(-6.7), Ok(()));
-    assert_eq!(Envelope::new(curved(pass(cutter(5.0, 0.4), 0.0, 0.0), -1e6)).map(|_| ()), Err(NoAnswer::FlatGouges));
-    // At 89 deg along the wall the side lies nearly in the surface: 4.4 um over 0.4 mm, a circle of 4.6 mm, while the corner's radius
-    // is 2 mm.
-    let steep = Envelope::new(curved(pass(cutter(5.0, 0.4), 89.0, 90.0), -3.0)).unwrap();
-    assert!(matches!(steep.scallop_height(mm(0.4), None), Err(NoAnswer::Gouges { effective_radius }) if effective_radius.mm() > 3.0));
-    // Smaller steps leave under 10 um and wider ones gouge, so that no step-over leaves 10 um.
-    assert!(matches!(steep.max_step_over(mm(0.01), None), Err(NoAnswer::Gouges { .. })));
-}
-
-#[test]
-fn a_sharp_edge_along_the_cut_has_an_answer_on_a_plane_and_an_error_on_a_curve() {
-    let level_feed = pass(cutter(5.0, 0.0), 45.0, 90.0);
-    assert!(Envelope::new(level_feed).unwrap().scallop_height(mm(0.3), Some(mm(0.1))).is_ok());
-    for radius in [120.0, -120.0] {
-        assert_eq!(Envelope::new(curved(level_feed, radius)).err(), Some(NoAnswer::SharpEdgeOnCurve));
-    }
+    let floor = Envelope::new(curved(pass(cutter(5.0, 0.4), 0.0, 0.0), -1e6)).map(|_| ());
+    assert_eq!(floor, Err(NoAnswer::Gouges { smallest_radius: None }));
 }

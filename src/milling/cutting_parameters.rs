@@ -1,0 +1,192 @@
+//! Cutting parameters: the step-over and feed per tooth that finish the most area per time under a tolerance on the scallop height.
+
+use super::{JudgedPass, NoAnswer};
+use crate::quantity::Length;
+use std::fmt;
+
+/// The limits of the cutter's maker, the machine and the user on the cutting parameters. A largest feed rate is a largest feed per tooth: divided by
+/// spindle speed and number of teeth.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CuttingLimits {
+    max_feed_per_tooth: Option<Length>,
+    min_step_over: Option<Length>,
+    max_step_over: Option<Length>,
+}
+
+/// The smallest step-over exceeds the largest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CuttingLimitsError {
+    /// The largest step-over, which the smallest must not exceed.
+    pub max_step_over: Length,
+}
+
+impl fmt::Display for CuttingLimitsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the smallest step-over must not exceed the largest, {} mm", self.max_step_over.mm())
+    }
+}
+
+impl std::error::Error for CuttingLimitsError {}
+
+/// A limit that the cutting parameters reach.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitedBy {
+    /// The tolerance on the scallop height.
+    ScallopTolerance,
+    /// The largest feed per tooth.
+    MaxFeedPerTooth,
+    /// The smallest step-over.
+    MinStepOver,
+    /// The largest step-over.
+    MaxStepOver,
+}
+
+/// The fastest step-over and feed per tooth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CuttingParameters {
+    /// The step-over along the surface.
+    pub step_over: Length,
+    /// The feed per tooth.
+    pub feed_per_tooth: Length,
+    limited_by: [Option<LimitedBy>; 4],
+}
+
+impl CuttingParameters {
+    /// All limits that bind.
+    pub fn limited_by(&self) -> impl Iterator<Item = LimitedBy> + use<> {
+        self.limited_by.into_iter().flatten()
+    }
+}
+
+impl CuttingLimits {
+    /// No limits but the tolerance.
+    pub const NONE: Self = Self { max_feed_per_tooth: None, min_step_over: None, max_step_over: None };
+
+    /// Limits on the feed per tooth and on the step-over along the surface; `None` sets none.
+    ///
+    /// # Errors
+    /// [`CuttingLimitsError`] where the smallest step-over exceeds the largest.
+    pub fn new(
+        max_feed_per_tooth: Option<Length>,
+        min_step_over: Option<Length>,
+        max_step_over: Option<Length>,
+    ) -> Result<Self, CuttingLimitsError> {
+        match (min_step_over, max_step_over) {
+            (Some(smallest), Some(max_step_over)) if smallest > max_step_over => Err(CuttingLimitsError { max_step_over }),
+            _ => Ok(Self { max_feed_per_tooth, min_step_over, max_step_over }),
+        }
+    }
+}
+
+/// Places of the first search over the feed, evenly over its logarithm, and the ratio of the largest feed to the smallest. Where h is smooth the product has
+/// one maximum, and at less than a hundredth of the largest feed the marks no longer count.
+const PLACES: i32 = 10;
+const FEED_RANGE: f64 = 256.0;
+
+/// The ratio by which neighbouring feeds differ where the search ends. Around its maximum the product falls with the square of that:
+/// 1e-8.
+const CLOSE: f64 = 1e-4;
+
+/// Two lengths within this ratio count as equal where a limit is reached.
+const REACHED: f64 = 1e-9;
+
+impl JudgedPass {
+    /// The step-over s and feed per tooth f_z that maximise s f_z, the area finished per tooth and time, subject to h(s, f_z) <= `tolerance` and `limits`.
+    ///
+    /// h grows with both, so the tolerance binds unless limits on both do; along h = tolerance the search is over f_z alone, with the largest step-over at each.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::StepOverUsesUpTolerance`] where the smallest step-over leaves no feed, [`NoAnswer::RunoutUsesUpTolerance`],
+    ///   [`NoAnswer::FeedUsesUpTolerance`];
+    /// - [`NoAnswer::ToleranceLimitsNoFeed`], [`NoAnswer::ToleranceLimitsNoStepOver`] where neither tolerance nor limits bound the feed or the step-over;
+    /// - those of [`JudgedPass::scallop_height`].
+    pub fn fastest(&self, tolerance: Length, limits: &CuttingLimits) -> Result<CuttingParameters, NoAnswer> {
+        let smallest = limits.min_step_over.map_or(Length::computed(Length::SMALLEST), |smallest| smallest);
+        let largest_feed = self.largest_feed(tolerance, smallest, limits.max_feed_per_tooth)?;
+        let step_over = |feed: f64| self.widest(tolerance, Length::computed(feed), limits.max_step_over);
+        let area = |feed: f64| step_over(feed).map_or(0.0, |step_over| step_over.mm() * feed);
+
+        let ratio = FEED_RANGE.powf(-1.0 / f64::from(PLACES - 1));
+        let places = (0..PLACES).map(|place| largest_feed.mm() * ratio.powi(place)).map(|feed| (feed, area(feed)));
+        let fastest = |best: (f64, f64), next: (f64, f64)| if next.1 > best.1 { next } else { best };
+        let mut best = places.reduce(fastest).unwrap_or((largest_feed.mm(), 0.0));
+        // Where the largest step-over begins to bind the product has a corner, which the search would find only nearly.
+        if let Some(max_step_over) = limits.max_step_over
+            && let Ok(feed) = self.max_feed_per_tooth(tolerance, max_step_over)
+        {
+            let feed = feed.mm().min(largest_feed.mm());
+            best = fastest(best, (feed, area(feed)));
+        }
+        best = fastest(best, highest(best.0 * ratio, (best.0 / ratio).min(largest_feed.mm()), area));
+
+        let feed_per_tooth = Length::computed(best.0);
+        let mut step_over = self.widest(tolerance, feed_per_tooth, limits.max_step_over)?;
+        // The largest step-over keeps the tolerance to the rounding of its search.
+        if self.scallop_height(step_over, Some(feed_per_tooth))?.total() > tolerance {
+            step_over = Length::computed((step_over.mm() * (1.0 - 1e-11)).max(smallest.mm()));
+        }
+        if step_over < smallest {
+            // The search over the largest feed ends within a rounding of the smallest step-over.
+            step_over = smallest;
+        }
+        self.with_limits(tolerance, limits, step_over, feed_per_tooth)
+    }
+
+    /// The largest feed per tooth that limits and tolerance allow at the smallest step-over.
+    fn largest_feed(&self, tolerance: Length, smallest: Length, limit: Option<Length>) -> Result<Length, NoAnswer> {
+        let by_tolerance = match self.max_feed_per_tooth(tolerance, smallest) {
+            Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth })
+                if limit.is_some_and(|limit| limit <= largest_feed_per_tooth) =>
+            {
+                largest_feed_per_tooth
+            }
+            answer => answer?,
+        };
+        Ok(limit.map_or(by_tolerance, |limit| if limit < by_tolerance { limit } else { by_tolerance }))
+    }
+
+    /// The largest step-over at a feed per tooth, the largest one stated at the most.
+    fn widest(&self, tolerance: Length, feed: Length, limit: Option<Length>) -> Result<Length, NoAnswer> {
+        let widest = match (self.max_step_over(tolerance, Some(feed)), limit) {
+            (Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }), Some(limit)) if limit <= largest_step_over => limit,
+            (answer, _) => answer?,
+        };
+        Ok(limit.map_or(widest, |limit| if limit < widest { limit } else { widest }))
+    }
+
+    fn with_limits(
+        &self,
+        tolerance: Length,
+        limits: &CuttingLimits,
+        step_over: Length,
+        feed_per_tooth: Length,
+    ) -> Result<CuttingParameters, NoAnswer> {
+        let reached = |value: Length, limit: Length| (value.mm() / limit.mm() - 1.0).abs() <= REACHED;
+        let height = self.scallop_height(step_over, Some(feed_per_tooth))?.total();
+        let limited_by = [
+            reached(height, tolerance).then_some(LimitedBy::ScallopTolerance),
+            limits.max_feed_per_tooth.filter(|limit| reached(feed_per_tooth, *limit)).map(|_| LimitedBy::MaxFeedPerTooth),
+            limits.min_step_over.filter(|limit| reached(step_over, *limit)).map(|_| LimitedBy::MinStepOver),
+            limits.max_step_over.filter(|limit| reached(step_over, *limit)).map(|_| LimitedBy::MaxStepOver),
+        ];
+        Ok(CuttingParameters { step_over, feed_per_tooth, limited_by })
+    }
+}
+
+/// The place in `[low, high]` with the highest value of a function with one maximum, and that value, by golden sections of the logarithm.
+fn highest(low: f64, high: f64, function: impl Fn(f64) -> f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let (mut low, mut high) = (low.ln(), high.ln());
+    let at = |u: f64| (u.exp(), function(u.exp()));
+    let (mut left, mut right) = (at(high - GOLDEN * (high - low)), at(low + GOLDEN * (high - low)));
+    while high - low > CLOSE {
+        if left.1 > right.1 {
+            high = right.0.ln();
+            (left, right) = (at(high - GOLDEN * (high - low)), left);
+        } else {
+            low = left.0.ln();
+            (left, right) = (right, at(low + GOLDEN * (high - low)));
+        }
+    }
+    if left.1 > right.1 { left } else { right }
+}

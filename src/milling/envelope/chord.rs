@@ -1,0 +1,239 @@
+//! Where two neighbouring tooth marks of one pass leave least between them, at a lateral offset and a height.
+
+use super::body::{Body, Distance};
+
+/// Two tooth marks of one pass: how far apart along the feed, and by how much each reaches less deep than the deepest tooth.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Marks {
+    pub(super) spacing: f64,
+    pub(super) front_drop: f64,
+    pub(super) back_drop: f64,
+}
+
+impl Marks {
+    /// Marks of teeth that all reach equally deep.
+    pub(super) fn even(spacing: f64) -> Self {
+        Self { spacing, front_drop: 0.0, back_drop: 0.0 }
+    }
+}
+
+/// The least of the greater of two distances along the feed: from (x, t, p - front drop) and from (x - f, t, p - back drop) to the body. It is not positive where the section
+/// at the height p holds a chord of the length f at the offset t. With its derivatives, to first order in x.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Chord {
+    pub(super) value: f64,
+    pub(super) by_side: f64,
+    pub(super) by_height: f64,
+    pub(super) by_spacing: f64,
+    /// The greater distance at x itself.
+    pub(super) furthest: f64,
+    pub(super) shift: Shift,
+}
+
+/// How far off x is, and how it follows when the other unknowns change.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Shift {
+    pub(super) off: f64,
+    pub(super) by_side: f64,
+    pub(super) by_height: f64,
+    pub(super) by_spacing: f64,
+}
+
+impl Shift {
+    /// By how much x moves when the chord moves to the side, up, or becomes longer.
+    pub(super) fn of(&self, aside: f64, rise: f64, longer: f64) -> f64 {
+        self.off + self.by_side * aside + self.by_height * rise + self.by_spacing * longer
+    }
+}
+
+/// How much lower than at x the least value may be for a search to end, as a share of the height.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Accuracy {
+    crossing: f64,
+    round: f64,
+    corner: f64,
+}
+
+impl Accuracy {
+    /// For Newton's method on all unknowns at once, which corrects x along with them.
+    pub(super) fn rough(p: f64) -> Self {
+        Self { crossing: 0.1 * p, round: 0.1 * p, corner: 1e-15 * p }
+    }
+
+    /// For a value to a rounding of p. A crossing is then as near as its square. The parabola of a round is only as near as it is low, because the second derivative jumps where flat, corner
+    /// and side meet.
+    pub(super) fn full(p: f64) -> Self {
+        Self { crossing: 1e-9 * p, round: 1e-14 * p, corner: 1e-15 * p }
+    }
+}
+
+/// Halving a bracket of any length in play down to a rounding takes some 60 steps, and growing it to there some 40.
+const MOST_STEPS: usize = 120;
+
+impl Chord {
+    /// Searches the chord at the offset t and the height p, from `x` on, to an accuracy; `x` is then where the search ended.
+    ///
+    /// The greater of two convex functions is convex, and where it rises or falls brackets its least value. The steps are Newton's: to where the greater function is least, or to where
+    /// both are equal, whichever comes first. Where they do not shrink the bracket, tangents from both of its ends are intersected, which ends at once at a sharp
+    /// edge's corner, or it is halved.
+    #[inline]
+    pub(super) fn search(body: &Body, x: &mut f64, t: f64, p: f64, marks: &Marks, accuracy: Accuracy, mut reach: f64) -> Self {
+        let f = marks.spacing;
+        let alone = f == 0.0 && marks.front_drop == marks.back_drop;
+        let (mut falling, mut rising) = (None::<(f64, Distance)>, None::<(f64, Distance)>);
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut length = f64::INFINITY;
+        let mut best = None::<(f64, Self)>;
+        for step in 0..MOST_STEPS {
+            let front = body.distance(*x, t, p - marks.front_drop);
+            let back = if alone { front } else { body.distance(*x - f, t, p - marks.back_drop) };
+            let (is_front, active) = if front.value >= back.value { (true, front) } else { (false, back) };
+            if active.by_feed == 0.0 {
+                // The flat of the cutter, or its side along a wall.
+                return Self {
+                    value: active.value,
+                    by_side: active.by_side,
+                    by_height: active.by_height,
+                    by_spacing: 0.0,
+                    furthest: active.value,
+                    shift: Shift::default(),
+                };
+            }
+            let crossing = !alone && front.by_feed > 0.0 && back.by_feed < 0.0;
+            let to_least = -active.by_feed / active.bend;
+            let is_round = active.bend > 0.0;
+            let to_crossing = (back.value - front.value) / (front.by_feed - back.by_feed);
+            let by_crossing = crossing && !(is_round && to_least.abs() < to_crossing.abs());
+            if by_crossing {
+                let chord = Self::between(&front, &back);
+                if chord.furthest - chord.value <= accuracy.crossing {
+                    return chord;
+                }
+                best = Some((*x, chord));
+            } else if is_round {
+                let chord = Self::point(&active, if is_front { 0.0 } else { 1.0 });
+                if chord.furthest - chord.value <= accuracy.round {
+                    return chord;
+                }
+                best = Some((*x, chord));
+            }
+            if active.by_feed > 0.0 {
+                (high, rising) = (*x, Some((*x, active)));
+            } else {
+                (low, falling) = (*x, Some((*x, active)));
+            }
+            if let (Some(falling), Some(rising)) = (falling, rising) {
+                if !crossing {
+                    // At a corner both tangents stay; the value is between the tangents' and the active one, where on a round it is as near as the square.
+                    let chord = Self::between_places(&rising, &falling);
+                    best = Some((*x, chord));
+                    if active.value - chord.value <= accuracy.corner {
+                        return Self { furthest: active.value, ..chord };
+                    }
+                }
+                if high - low <= 2.0 * f64::EPSILON * low.abs().max(high.abs()).max(f64::MIN_POSITIVE) {
+                    break;
+                }
+            }
+            let newton = *x
+                + if by_crossing {
+                    to_crossing
+                } else if is_round {
+                    to_least
+                } else {
+                    f64::NAN
+                };
+            let open = low == f64::NEG_INFINITY || high == f64::INFINITY;
+            let next = if newton > low && newton < high && (newton - *x).abs() < if open { reach } else { 0.6 * length } {
+                newton
+            } else if open {
+                reach *= 2.0;
+                *x - (reach / 2.0).copysign(active.by_feed)
+            } else {
+                let tangents = match (falling, rising) {
+                    (Some((at, falling)), Some((rising_at, rising))) => {
+                        (rising.by_feed * rising_at - falling.by_feed * at - rising.value + falling.value)
+                            / (rising.by_feed - falling.by_feed)
+                    }
+                    _ => f64::NAN,
+                };
+                if step % 3 != 2 && tangents > low && tangents < high { tangents } else { f64::midpoint(low, high) }
+            };
+            if next == *x {
+                break;
+            }
+            length = (next - *x).abs();
+            *x = next;
+        }
+        let (at, chord) = best.unwrap_or_else(|| {
+            let at = body.distance(*x, t, p - marks.front_drop);
+            (
+                *x,
+                Self {
+                    value: at.value,
+                    by_side: at.by_side,
+                    by_height: at.by_height,
+                    by_spacing: 0.0,
+                    furthest: at.value,
+                    shift: Shift::default(),
+                },
+            )
+        });
+        *x = at;
+        chord
+    }
+
+    /// The chord where one distance alone is least and the other one less, on the parabola that it is along the feed. `back` is 1 for the place f behind x.
+    fn point(at: &Distance, back: f64) -> Self {
+        let off = -at.by_feed / at.bend;
+        Self {
+            value: at.value + at.by_feed * off / 2.0,
+            by_side: at.by_side + off * at.bend_to_side,
+            by_height: at.by_height + off * at.bend_to_height,
+            by_spacing: 0.0,
+            furthest: at.value,
+            shift: Shift { off, by_side: -at.bend_to_side / at.bend, by_height: -at.bend_to_height / at.bend, by_spacing: back },
+        }
+    }
+
+    /// The chord on the tangents at its ends, the front where the distance rises along the feed and the back, f behind it, where it falls.
+    fn between(front: &Distance, back: &Distance) -> Self {
+        let steepening = front.by_feed - back.by_feed;
+        let share = balance(front.by_feed, back.by_feed);
+        let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
+        Self {
+            value: mix(front.value, back.value),
+            by_side: mix(front.by_side, back.by_side),
+            by_height: mix(front.by_height, back.by_height),
+            by_spacing: -(1.0 - share) * back.by_feed,
+            furthest: front.value.max(back.value),
+            shift: Shift {
+                off: (back.value - front.value) / steepening,
+                by_side: (back.by_side - front.by_side) / steepening,
+                by_height: (back.by_height - front.by_height) / steepening,
+                by_spacing: -back.by_feed / steepening,
+            },
+        }
+    }
+
+    /// The chord on tangents at two places, one where the distance rises along the feed and one where it falls. Balanced, they do not depend on x: a lower bound of the least
+    /// value, and that value itself at a sharp edge's corner.
+    fn between_places((rising_x, rising): &(f64, Distance), (falling_x, falling): &(f64, Distance)) -> Self {
+        let share = balance(rising.by_feed, falling.by_feed);
+        let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
+        Self {
+            value: mix(rising.value, falling.value) - share * rising.by_feed * (rising_x - falling_x),
+            by_side: mix(rising.by_side, falling.by_side),
+            by_height: mix(rising.by_height, falling.by_height),
+            by_spacing: 0.0,
+            furthest: rising.value.max(falling.value),
+            shift: Shift::default(),
+        }
+    }
+}
+
+/// The weight of a rising slope against a falling one that makes their mean vanish; any weight does where neither slopes.
+pub(super) fn balance(rising: f64, falling: f64) -> f64 {
+    let whole = rising - falling;
+    if whole > 0.0 { (-falling / whole).clamp(0.0, 1.0) } else { 0.5 }
+}

@@ -1,0 +1,275 @@
+//! The cutter's section at a height over the surface: which lateral offsets a pass clears down to that height, whatever the phase of its teeth, and the height at which they
+//! are as wide as the step-over.
+//!
+//! A place at the height p over the surface stays uncut if no tooth's body covers it. Let the section {H <= p} have a chord of the length l(t) along the feed at the lateral offset
+//! t. One pass, its teeth f apart, leaves the places at t uncut for some phase exactly when l(t) < f. So something is left at the height p, for some phase of each pass, exactly when
+//! the interval {t: l(t) >= f} is narrower than the step-over s. The height that is left in the worst case is the least p at which it is s wide:
+//!
+//! h = min p such that (x, t, p), (x - f, t, p), (x', t - s, p) and (x' - f, t - s, p) all lie in the body.
+//!
+//! With runout a shallow tooth's chord end lies in the section at the height p - delta. Nothing is assumed on where the lowest place is or on symmetry. A feed f = 0 leaves two
+//! points and gives h1.
+//!
+//! In terms of the signed distance to the body, c(t, p) = min over x of max(distance(x, t, p), distance(x - f, t, p)). On planes and convex surfaces c is convex.
+
+use super::body::Body;
+use super::chord::{Accuracy, Chord, Marks};
+use crate::quantity::Length;
+
+/// The marks of one pass: teeth that reach delta deeper or less deep than their neighbours.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pattern {
+    /// The distance of neighbouring teeth's marks along the feed.
+    pub(super) spacing: f64,
+    /// The distance of the deepest tooth's own marks.
+    pub(super) deep_spacing: f64,
+    /// delta, by how much the shallowest tooth reaches less deep than the deepest.
+    pub(super) drop: f64,
+    /// Whether two shallow teeth can follow each other: with three teeth or more.
+    pub(super) shallow_pairs: bool,
+}
+
+impl Pattern {
+    pub(super) fn even(spacing: f64) -> Self {
+        Self { spacing, deep_spacing: spacing, drop: 0.0, shallow_pairs: false }
+    }
+
+    /// Whether all teeth reach equally deep, or only the same tooth marks.
+    pub(super) fn is_even(&self) -> bool {
+        self.drop == 0.0 || self.deep_spacing <= self.spacing
+    }
+}
+
+/// One end of the cleared interval.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    t: f64,
+    x: f64,
+    by_height: f64,
+}
+
+/// The cleared interval at a height, and how its width grows with the height.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    left: Edge,
+    right: Edge,
+}
+
+impl Interval {
+    fn width(&self) -> f64 {
+        self.right.t - self.left.t
+    }
+
+    fn by_height(&self) -> f64 {
+        self.right.by_height - self.left.by_height
+    }
+}
+
+/// The search at one contact for one pattern of marks.
+#[derive(Debug)]
+pub(super) struct Section<'a> {
+    body: &'a Body,
+    pattern: Pattern,
+    /// Widths beyond this need not be distinguished.
+    widest: f64,
+}
+
+/// Steps from the contact to an edge that lies in another part of the section.
+const MARCH: u8 = 64;
+
+/// No offset beyond this one is searched, in mm: twice the largest length that can be stated.
+const FURTHEST: f64 = 2.0 * Length::LARGEST;
+
+/// Bracketing and halving take some 60 steps at the most; Newton's method 3 to 6.
+const MOST_STEPS: usize = 80;
+
+impl<'a> Section<'a> {
+    pub(super) fn new(body: &'a Body, pattern: Pattern, widest: f64) -> Self {
+        Self { body, pattern, widest }
+    }
+
+    /// The width of the cleared interval at the height p, at most the widest one that is distinguished; 0 where the pass clears nothing down to p.
+    pub(super) fn width(&self, p: f64) -> f64 {
+        self.interval(p, None).map_or(0.0, |interval| interval.width().max(0.0))
+    }
+
+    /// The height at which the cleared interval is `width` wide, starting from `guess`.
+    ///
+    /// The square of the width is nearly linear in the height (for a paraboloid it is), so Newton's method works on that square, inside a bracket.
+    pub(super) fn level(&self, width: f64, guess: f64) -> f64 {
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut p = guess;
+        let mut last = None::<Interval>;
+        let least = f64::EPSILON.powi(2) * width;
+        for _ in 0..MOST_STEPS {
+            let found = self.interval(p, last.as_ref());
+            let excess = found.as_ref().map_or(-width, |interval| interval.width() - width);
+            if excess < 0.0 {
+                low = p
+            } else {
+                high = p
+            }
+            let newton = found.as_ref().map_or(f64::NAN, |interval| {
+                let (at, slope) = (interval.width(), interval.by_height());
+                p - excess * (at + width) / (2.0 * at * slope)
+            });
+            last = found;
+            if (newton - p).abs() <= 4.0 * f64::EPSILON * p {
+                return newton.max(low).min(high);
+            }
+            if (high < f64::INFINITY && high - low <= 4.0 * f64::EPSILON * high) || high < least {
+                return if high < least { 0.0 } else { high };
+            }
+            p = if newton > low && newton < high && (high < f64::INFINITY || newton < 16.0 * p) {
+                newton
+            } else if high == f64::INFINITY {
+                8.0 * p
+            } else if low == 0.0 {
+                p / 64.0
+            } else {
+                // In ratios while they are large: the height's size is unknown.
+                if high > 4.0 * low { (low * high).sqrt() } else { f64::midpoint(low, high) }
+            };
+        }
+        p
+    }
+
+    /// The cleared interval at the height p. `near` is one at another height, to start from.
+    ///
+    /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it (and shallow marks meet each other, where two can be neighbours), or
+    /// where deep marks alone meet.
+    fn interval(&self, p: f64, near: Option<&Interval>) -> Option<Interval> {
+        let pattern = &self.pattern;
+        if pattern.is_even() {
+            let marks = Marks::even(pattern.spacing);
+            let left = self.edge(p, &marks, -1.0, near.map(|near| &near.left), FURTHEST)?;
+            let right = self.edge(p, &marks, 1.0, near.map(|near| &near.right), left.t + self.widest)?;
+            return Some(Interval { left, right });
+        }
+        let before = Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: 0.0 };
+        let behind = Marks { spacing: pattern.spacing, front_drop: 0.0, back_drop: pattern.drop };
+        let deep = Marks::even(pattern.deep_spacing);
+        let left = |marks: &Marks| self.edge(p, marks, -1.0, near.map(|near| &near.left), FURTHEST);
+        let lefts = (left(&before), left(&behind), left(&deep));
+        let furthest_left = [lefts.0, lefts.1, lefts.2].iter().flatten().map(|edge| edge.t).fold(-FURTHEST, f64::max);
+        let right = |marks: &Marks| self.edge(p, marks, 1.0, near.map(|near| &near.right), furthest_left + self.widest);
+        let interval = |left: Option<Edge>, marks: &Marks| left.and_then(|left| Some(Interval { left, right: right(marks)? }));
+        let alternating = interval(lefts.0, &before).zip(interval(lefts.1, &behind)).map(|(a, b)| Interval {
+            left: if a.left.t > b.left.t { a.left } else { b.left },
+            right: if a.right.t < b.right.t { a.right } else { b.right },
+        });
+        let alternating = alternating.and_then(|interval| {
+            if !pattern.shallow_pairs {
+                return Some(interval);
+            }
+            // Between two shallow marks more can stay than between a deep and a shallow one.
+            let shallow = Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: pattern.drop };
+            let (shallow_left, shallow_right) = (left(&shallow)?, right(&shallow)?);
+            Some(Interval {
+                left: if shallow_left.t > interval.left.t { shallow_left } else { interval.left },
+                right: if shallow_right.t < interval.right.t { shallow_right } else { interval.right },
+            })
+        });
+        let alternating = alternating.filter(|interval| interval.width() >= 0.0);
+        match (alternating, interval(lefts.2, &deep)) {
+            (Some(a), Some(b)) => Some(Interval {
+                left: if a.left.t < b.left.t { a.left } else { b.left },
+                right: if a.right.t > b.right.t { a.right } else { b.right },
+            }),
+            (one, other) => one.or(other),
+        }
+    }
+
+    /// The furthest offset on `side` (1 or -1) at which the section holds a chord, `furthest` times `side` at the most.
+    ///
+    /// On a concave surface the cutter's height over it can fall again beyond a ridge, where the section has a second part. The edge meant is that of the part at the contact; where the
+    /// search has left it, the edge is sought again in small steps from the contact.
+    fn edge(&self, p: f64, marks: &Marks, side: f64, near: Option<&Edge>, furthest: f64) -> Option<Edge> {
+        let start = near.map_or_else(|| self.start(p, marks, side), |near| (near.t, near.x));
+        let found = self.edge_from(p, marks, side, start, (f64::NEG_INFINITY, f64::INFINITY), furthest);
+        let reached = |edge: &Edge| self.body.reaches(edge.x, edge.t, p) && self.body.reaches(edge.x - marks.spacing, edge.t, p);
+        match found {
+            Some(edge) if self.body.is_concave() && !reached(&edge) => {
+                let step = edge.t * side / f64::from(MARCH);
+                let (_, mut x) = self.start(p, marks, side);
+                let mut inner = f64::NEG_INFINITY;
+                for place in 0..=MARCH {
+                    let t = f64::from(place) * step;
+                    let chord = Chord::search(self.body, &mut x, t * side, p, marks, Accuracy::full(p), step + marks.spacing);
+                    if chord.value > 0.0 {
+                        let start = (0.5 * (inner + t) * side, x);
+                        return if inner >= 0.0 { self.edge_from(p, marks, side, start, (inner, t), furthest) } else { None };
+                    }
+                    inner = t;
+                }
+                found
+            }
+            _ => found,
+        }
+    }
+
+    /// Where the edge of a paraboloid with the curvature at the contact is.
+    fn start(&self, p: f64, marks: &Marks, side: f64) -> (f64, f64) {
+        let (radii, reach) = (self.body.relative_radii(), self.body.reach());
+        let t = (2.0 * p * radii.across).sqrt().max(p).min(reach) * side;
+        let ahead = (radii.skew / radii.across.max(f64::MIN_POSITIVE) * t).clamp(-reach, reach);
+        (t, ahead + marks.spacing / 2.0)
+    }
+
+    /// The edge by Newton's method on c over t, which from outside the section approaches steadily where c is convex; a bracket keeps it there.
+    fn edge_from(&self, p: f64, marks: &Marks, side: f64, start: (f64, f64), bracket: (f64, f64), furthest: f64) -> Option<Edge> {
+        let (mut t, mut x) = start;
+        let mut reach = t.abs() + marks.spacing;
+        // Offsets times `side`: inside the section, or on its other side; and outside on this side.
+        let (mut inner, mut outer) = bracket;
+        let mut is_inside = inner > f64::NEG_INFINITY;
+        let (mut on_inner, mut on_outer) = (None::<(f64, Chord)>, None::<(f64, Chord)>);
+        for _ in 0..MOST_STEPS {
+            let chord = Chord::search(self.body, &mut x, t, p, marks, Accuracy::full(p), reach);
+            let rise = chord.by_side * side;
+            let edge = |t: f64| Edge { t, x: x + chord.shift.off, by_height: -chord.by_height / chord.by_side };
+            if chord.value <= 0.0 && t * side >= furthest {
+                return Some(Edge { t: furthest * side, x, by_height: 0.0 });
+            }
+            let newton = t - chord.value / chord.by_side;
+            if rise > 0.0 && chord.value.abs() <= 1e-9 * p * chord.by_height.abs() {
+                return Some(edge(newton));
+            }
+            if chord.value > 0.0 && rise > 0.0 {
+                (outer, on_outer) = (t * side, Some((t, chord)));
+            } else {
+                is_inside |= chord.value <= 0.0;
+                (inner, on_inner) = (t * side, Some((t, chord)));
+            }
+            let open = outer == f64::INFINITY || inner == f64::NEG_INFINITY;
+            if !open && outer - inner <= 2.0 * f64::EPSILON * inner.abs().max(outer.abs()) {
+                return is_inside.then(|| edge(t));
+            }
+            let next = newton * side;
+            let next = if rise > 0.0 && next > inner && next < outer && (!open || (newton - t).abs() <= 4.0 * reach) {
+                next
+            } else if outer == f64::INFINITY {
+                reach *= 2.0;
+                t * side + reach / 2.0
+            } else if inner == f64::NEG_INFINITY {
+                reach *= 2.0;
+                t * side - reach / 2.0
+            } else if is_inside {
+                f64::midpoint(inner, outer)
+            } else if let (Some((inner_t, inner_chord)), Some((outer_t, outer_chord))) = (on_inner, on_outer) {
+                // Both outside, on either side of the section: where their tangents meet c is not less than there.
+                let meet = (outer_chord.by_side * outer_t - inner_chord.by_side * inner_t - outer_chord.value + inner_chord.value)
+                    / (outer_chord.by_side - inner_chord.by_side);
+                if inner_chord.value + inner_chord.by_side * (meet - inner_t) > 1e-9 * p * inner_chord.by_height.abs() {
+                    return None;
+                }
+                let meet = meet * side;
+                if meet > inner && meet < outer { meet } else { f64::midpoint(inner, outer) }
+            } else {
+                return None;
+            };
+            t = next * side;
+        }
+        None
+    }
+}

@@ -1,0 +1,142 @@
+//! Whether the cutter fits into a concave surface: near the contact by curvature, and under the whole cutter.
+
+use super::curvature::eigenvalues;
+use super::{NoAnswer, Pass, SurfaceCurvature};
+use crate::quantity::Length;
+
+/// The relative curvature lambda under which the second order of the surface is not enough.
+pub(super) const NEAR_GOUGING: f64 = 0.6;
+
+/// The smallest relative curvature of cutter and surface at the contact, as a share of the cutter's own:
+///
+/// lambda = 1 + the smallest eigenvalue of C^(1/2) K C^(1/2)
+///
+/// in the axes of the steepest line and the level line, where C = diag(r, (R - r)/sin(S) + r) holds the cutter's radii of curvature. 1 for K = 0. R
+/// includes the radial runout.
+///
+/// # Errors
+/// [`NoAnswer::Gouges`] where lambda <= 0, and where the height H of the cutter over the surface is negative anywhere under the cutter.
+pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
+    if pass.surface.is_plane() {
+        return Ok(1.0);
+    }
+    let cutter = pass.cutter.widened(pass.runout.radial());
+    let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+    let (sin, theta) = (pass.contact.slope().sin(), pass.contact.theta());
+    let [_, smallest] = pass.surface.principal_per_mm();
+    let flat = core > 0.0 && core / sin + corner > 1e300;
+    if flat {
+        // The flat lies in the tangent plane: any concave direction gouges whatever its radius, and no convex one does.
+        return if smallest < 0.0 { Err(NoAnswer::Gouges { smallest_radius: None }) } else { Ok(1.0) };
+    }
+    let level_radius = if core > 0.0 { core / sin + corner } else { corner };
+    let steepest = pass.surface.turned(-theta.sin(), theta.cos());
+    if pass.contact.slope().cos() == 0.0 && steepest.along_per_mm() < 0.0 {
+        // Above the contact with a wall the cutter's straight side lies in the tangent plane.
+        return Err(NoAnswer::Gouges { smallest_radius: None });
+    }
+    let root = (corner * level_radius).sqrt();
+    let [_, change] =
+        eigenvalues(corner * steepest.along_per_mm(), level_radius * steepest.across_per_mm(), root * steepest.twist_per_mm());
+    let lambda = 1.0 + change;
+    if lambda <= 0.0 {
+        return Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change) });
+    }
+    // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact, which fits into any surface
+    // that is less concave.
+    let footprint = Footprint { core, corner, sin, cos: pass.contact.slope().cos(), surface: steepest };
+    if smallest * level_radius < -1.0 && footprint.is_cut() {
+        return Err(NoAnswer::Gouges { smallest_radius: None });
+    }
+    Ok(lambda)
+}
+
+/// The concave principal radius times 1 - lambda: with it, lambda is 0. `change` is lambda - 1.
+fn smallest_radius(smallest_curvature: f64, change: f64) -> Option<Length> {
+    let radius = change / smallest_curvature;
+    (radius.is_finite() && radius > 0.0).then(|| Length::computed(radius))
+}
+
+/// The cutter's lower body, the flat and the corner's round, over a surface with the curvature `surface` in the axes of the steepest line and the level line.
+///
+/// Its lowest place over a surface with a concave direction lies on the round, the rim of the flat included: over the flat's disc H is a quadratic form
+/// that is not definite, which has no least place inside.
+struct Footprint {
+    core: f64,
+    corner: f64,
+    sin: f64,
+    cos: f64,
+    surface: SurfaceCurvature,
+}
+
+/// Places of the search's grid around the axis and down the round. H is a trigonometric polynomial of the second degree in both angles, so it has few
+/// extrema, none narrower than a few of these steps.
+const AROUND: u8 = 32;
+const DOWN: u8 = 8;
+
+impl Footprint {
+    /// H, the height over the surface along the normal, of the place on the round at the azimuth psi from the contact and with the normal at beta to the axis
+    /// (0 at the flat's rim, pi/2 where the side begins; S at the contact):
+    ///
+    /// p = a sin(S) (1 - cos(psi)) + r (1 - sin(S) sin(beta) cos(psi) - cos(S) cos(beta)),   H = p + 1/2 u'Ku
+    fn height(&self, (sin_psi, cos_psi): (f64, f64), (sin_beta, cos_beta): (f64, f64)) -> f64 {
+        let (a, r, sin, cos) = (self.core, self.corner, self.sin, self.cos);
+        let outwards = a * (1.0 - cos_psi) + r * (sin - sin_beta * cos_psi);
+        let upwards = r * (cos - cos_beta);
+        let level = (a + r * sin_beta) * sin_psi;
+        let steep = outwards * cos - upwards * sin;
+        let normal = outwards * sin + upwards * cos;
+        let surface = &self.surface;
+        let bend =
+            surface.along_per_mm() * steep * steep + 2.0 * surface.twist_per_mm() * steep * level + surface.across_per_mm() * level * level;
+        normal + bend / 2.0
+    }
+
+    /// Whether H is negative anywhere, by more than the rounding of its terms.
+    #[expect(clippy::cast_precision_loss, reason = "at most 32")]
+    fn is_cut(&self) -> bool {
+        let rounding = -1e-12 * (self.core + self.corner);
+        let step = (std::f64::consts::TAU / f64::from(AROUND), std::f64::consts::FRAC_PI_2 / f64::from(DOWN));
+        let around: [(f64, f64); AROUND as usize] = std::array::from_fn(|i| (step.0 * i as f64).sin_cos());
+        let down: [(f64, f64); DOWN as usize + 1] = std::array::from_fn(|j| (step.1 * j as f64).sin_cos());
+        let heights: [[f64; DOWN as usize + 1]; AROUND as usize] = around.map(|psi| down.map(|beta| self.height(psi, beta)));
+        if heights.iter().flatten().any(|height| *height < rounding) {
+            return true;
+        }
+        let last = usize::from(AROUND) - 1;
+        (0..=last).any(|i| {
+            (0..=usize::from(DOWN)).any(|j| {
+                let (before, after) = (if i == 0 { last } else { i - 1 }, if i == last { 0 } else { i + 1 });
+                let least = heights[before][j].min(heights[after][j]).min(heights[i][j.saturating_sub(1)]);
+                let least = least.min(heights[i][(j + 1).min(usize::from(DOWN))]);
+                heights[i][j] <= least && self.lowest_near((step.0 * i as f64, step.1 * j as f64), step) < rounding
+            })
+        })
+    }
+
+    /// The least H that a search downhill from a place of the grid finds; it halves its steps where no neighbour is lower.
+    fn lowest_near(&self, (mut psi, mut beta): (f64, f64), (mut psi_step, mut beta_step): (f64, f64)) -> f64 {
+        let at = |psi: f64, beta: f64| self.height(psi.sin_cos(), beta.sin_cos());
+        let mut lowest = at(psi, beta);
+        // 2^-24 of the first steps is 1e-8 rad, at which H is within 1e-16 of its least value against the cutter's radius.
+        let mut halvings = 0;
+        while halvings < 24 {
+            let before = lowest;
+            for (towards_psi, towards_beta) in
+                [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
+            {
+                let next = (psi + towards_psi * psi_step, (beta + towards_beta * beta_step).clamp(0.0, std::f64::consts::FRAC_PI_2));
+                let height = at(next.0, next.1);
+                if height < lowest {
+                    (lowest, psi, beta) = (height, next.0, next.1);
+                    break;
+                }
+            }
+            if lowest >= before {
+                (psi_step, beta_step) = (psi_step / 2.0, beta_step / 2.0);
+                halvings += 1;
+            }
+        }
+        lowest
+    }
+}

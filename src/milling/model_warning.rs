@@ -1,0 +1,128 @@
+//! Warnings about an answer: assumptions of the models that are near their limits.
+
+use super::gouging::NEAR_GOUGING;
+use super::{CutterKind, EffectiveRadius, JudgedPass, Model, Pass};
+use crate::quantity::Length;
+use std::fmt;
+
+/// An assumption of the model that is near its limit, with the figures that show it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ModelWarning {
+    /// Runout is not small against the feed per tooth: some teeth may leave no mark, and then the analytic feed's share is no bound.
+    RunoutNotSmall {
+        /// sqrt(rr^2 + ar^2) over f_z.
+        ratio: f64,
+    },
+    /// The step-over is wide against the groove, whose circle fits the cutter near the contact only.
+    StepOverWide {
+        /// Step-over over the effective diameter.
+        ratio: f64,
+    },
+    /// The feed per tooth is long against the mark, whose circle fits the cutter near the contact only.
+    FeedPerToothLong {
+        /// Feed per tooth over the transverse effective diameter.
+        ratio: f64,
+    },
+    /// The groove's circle is wider than any cut that the cutter can make.
+    EffectiveRadiusBeyondCutter {
+        /// The effective radius; `None` where it is infinite.
+        effective_radius: Option<Length>,
+        /// The cutter's diameter.
+        diameter: Length,
+    },
+    /// A flat-end cutter's corner leaves sharp marks, and wears.
+    SharpMarks,
+    /// On a curved surface at a slope under 10 deg, terms of the third order count, which the model leaves out.
+    CurvatureApproximate,
+    /// The cutter fits closely into the concave surface, so that the second order of its curvature is not enough.
+    NearGouging {
+        /// The smallest relative curvature as a share of the cutter's own: 1 on a plane, 0 where the cutter gouges.
+        lambda: f64,
+    },
+}
+
+impl fmt::Display for ModelWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::RunoutNotSmall { ratio } => {
+                write!(
+                    f,
+                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the feed's share is then no bound",
+                    ratio * 100.0
+                )
+            }
+            Self::StepOverWide { ratio } => write!(
+                f,
+                "the step-over is {:.1} % of the effective diameter; the circle that replaces the cutter fits it near the contact only",
+                ratio * 100.0
+            ),
+            Self::FeedPerToothLong { ratio } => write!(
+                f,
+                "the feed per tooth is {:.1} % of the transverse effective diameter; the circle that replaces the cutter fits it near the contact only",
+                ratio * 100.0
+            ),
+            Self::EffectiveRadiusBeyondCutter { effective_radius: Some(radius), diameter } => write!(
+                f,
+                "the effective radius, {:.3} mm, exceeds the cutter's diameter, {:.3} mm: the groove is flatter than the cutter is wide, and the scallop can be far higher than computed",
+                radius.mm(),
+                diameter.mm()
+            ),
+            Self::EffectiveRadiusBeyondCutter { effective_radius: None, .. } => f.write_str("the effective radius is infinite"),
+            Self::SharpMarks => {
+                f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
+            }
+            Self::CurvatureApproximate => f.write_str(
+                "the surface is curved and its slope is under 10 deg, where the slope's change along the surface counts, which the model leaves out; the height can be exceeded by a few percent",
+            ),
+            Self::NearGouging { lambda } => write!(
+                f,
+                "the cutter fits closely into the concave surface: the relative curvature is {lambda:.3} of the cutter's own, and under {NEAR_GOUGING} the height can be exceeded"
+            ),
+        }
+    }
+}
+
+/// The share from which runout is no longer small, and from which a chord is no longer short against its circle. At a fifth of the
+/// diameter, the height of the circle and that of its parabola differ by 1 %, which is what neglecting the next order costs.
+const A_FIFTH: f64 = 0.2;
+
+/// The slope in degrees under which the third order of a curved surface shows in model `envelope`.
+const STEEP_ENOUGH_DEG: f64 = 10.0;
+
+impl JudgedPass {
+    /// All warnings about this pass at a step-over along the surface and a feed per tooth; `None` leaves no marks.
+    ///
+    /// The limits of the circle and of the published runout concern model `analytic`, the third order of the curvature model `envelope`.
+    pub fn warnings(&self, step_over: Length, feed_per_tooth: Option<Length>) -> impl Iterator<Item = ModelWarning> + use<> {
+        let pass = self.pass();
+        let circle = match self.model() {
+            Model::Analytic => circle_warnings(pass, step_over, feed_per_tooth),
+            Model::Envelope => [None; 4],
+        };
+        let sharp = (pass.cutter.kind() == CutterKind::FlatEnd).then_some(ModelWarning::SharpMarks);
+        let third_order = self.model() == Model::Envelope && !pass.surface.is_plane() && pass.contact.slope().degrees() < STEEP_ENOUGH_DEG;
+        let approximate = third_order.then_some(ModelWarning::CurvatureApproximate);
+        let lambda = self.relative_curvature();
+        let near_gouging = (lambda < NEAR_GOUGING).then_some(ModelWarning::NearGouging { lambda });
+        circle.into_iter().chain([sharp, approximate, near_gouging]).flatten()
+    }
+}
+
+/// The warnings of a model with a circle in place of the cutter.
+fn circle_warnings(pass: &Pass, step_over: Length, feed_per_tooth: Option<Length>) -> [Option<ModelWarning>; 4] {
+    let runout = feed_per_tooth.and_then(|feed| {
+        let ratio = pass.runout.magnitude().mm() / feed.mm();
+        (ratio > A_FIFTH).then_some(ModelWarning::RunoutNotSmall { ratio })
+    });
+    let across = EffectiveRadius::across_feed(pass.cutter, pass.contact).finite();
+    let along = EffectiveRadius::along_feed(pass.cutter, pass.contact).finite();
+    let diameter = pass.cutter.outer_radius() + pass.cutter.outer_radius();
+    let share =
+        |chord: Length, radius: Option<Length>| radius.map(|radius| chord.mm() / (2.0 * radius.mm())).filter(|ratio| *ratio > A_FIFTH);
+    let wide = share(step_over, across).map(|ratio| ModelWarning::StepOverWide { ratio });
+    let long = feed_per_tooth.and_then(|feed| share(feed, along)).map(|ratio| ModelWarning::FeedPerToothLong { ratio });
+    let beyond = across
+        .is_none_or(|radius| radius > diameter)
+        .then_some(ModelWarning::EffectiveRadiusBeyondCutter { effective_radius: across, diameter });
+    [runout, wide, long, beyond]
+}

@@ -1,0 +1,352 @@
+//! Which part of a surface a cutter reaches: the surface seen from above, dilated and eroded with the cutter's profile.
+//!
+//! Symbols: R and r outer and corner radius, p(d) the height of the cutter's bottom over its tip at distance d from its axis, z(x, y) the surface, h the side of a
+//! raster cell, and e = h/sqrt(2), half a cell's diagonal.
+//!
+//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest that the tip can be, and m(x) = min over |u| <= R of t(x + u) + p(|u|) is what all
+//! tips together leave. m - z >= 0 is uncut: on the raster too, because the tip at a cell rests on every cell within R.
+//!
+//! **The raster's error.** On a plane it is none: offsets come in pairs u and -u, so that dilation lifts the plane by as much as erosion lowers it. On a curved
+//! surface the tip that touches at a cell may lie up to e beside all tips of the raster. A tip moved by e along the surface, of relative curvature 1/R - 1/rho in a
+//! hollow of radius rho, touches elsewhere and leaves e^2/2 (1/R)^2 / (1/R - 1/rho) = e^2/(2 R lambda), lambda = 1 - R/rho; on a slope S distances along the surface and
+//! heights along the normal grow by 1/cos S each, which makes e^2/(2 R lambda cos^3 S). With the smallest radius of the cutter's bottom, r, in place of R, and
+//! lambda = 1/3, hollows of at least 1.5 times the cutter's radius, this is the error stated, but at most 2 e tan S + e^2/(2 R lambda), which
+//! bounds the rise of the surface between tips where the corner is sharp. In tighter hollows the raster finds more uncut than there is: it errs towards
+//! refusing a cutter. Beside a sharp edge the raster sees the edge up to half a cell too far away; heights are too small by the change of p over that distance.
+
+use crate::milling::Cutter;
+use crate::numerics::raster::{Frame, Raster};
+use crate::quantity::Length;
+use crate::surface::Mesh;
+use crate::surface::mesh::ViewFromAbove;
+use rayon::prelude::*;
+
+/// 1 - R/rho of the tightest hollow for which the error holds.
+const LEAST_CLEARANCE: f64 = 1.0 / 3.0;
+
+/// The largest product of cells, those around the surface included, and offsets in the disc: about 10 ms a cutter. A cutter that takes more is tried on every
+/// second, third, ... cell. The surface of 100 x 80 mm on 256 cells takes discs of up to 6.5 mm in full.
+const WORK: f64 = 6e7;
+
+/// A surface on a raster, on which cutters are tried.
+#[derive(Debug, Clone)]
+pub struct ReachMap {
+    frame: Frame,
+    /// Heights over the middle of the surface's height; minus infinity where there is no surface.
+    heights: Vec<f32>,
+    /// For each cell the area of the machined surface over it, per area of the cell: 1/cos S, 0 where nothing is machined.
+    area: Vec<f32>,
+    /// The largest rounding of a height.
+    rounding: f64,
+}
+
+/// What a cutter leaves of a surface.
+#[derive(Debug, Clone)]
+pub struct Uncut {
+    /// The share of the machined area that stands higher than the scallop height and the raster's error there: 0 to 1.
+    pub share: f64,
+    /// The largest height left on the machined area, where it exceeds the raster's error; else 0.
+    pub height: Length,
+    /// How far that height may be off, where sharp edges hold the cutter: the change of the cutter's profile between the cells on both sides of the place
+    /// at which it rests, and the error on smooth surfaces.
+    pub height_error: Length,
+    /// The raster's error on a level part of the surface; on a slope it is larger.
+    pub level_error: Length,
+    /// The side of the cells that were used: a multiple of the surface's own for a cutter that is large against them.
+    pub cell: Length,
+    /// The height left in each cell of the surface, in mm; `None` where nothing is machined.
+    pub map: Raster<Option<f32>>,
+}
+
+/// p(d) for 0 <= d <= R: 0 up to R - r, then the corner's circle; the height of the cutter's bottom over its tip, in mm.
+fn profile(cutter: Cutter, d: f64) -> f64 {
+    let (r, over) = (cutter.corner_radius().mm(), d - cutter.core_radius().mm());
+    if over <= 0.0 {
+        return 0.0;
+    }
+    // r - sqrt(r^2 - over^2) without cancellation. At d = R rounding may leave over a little larger than r.
+    let root = (r * r - over * over).max(0.0).sqrt();
+    over.min(r) * over.min(r) / (r + root)
+}
+
+impl ReachMap {
+    /// The surface that `view` shows of `mesh`, of which the facets in `machined`, one entry for each facet of the mesh, are to be cut. The others hold the
+    /// cutter as well.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "heights in single precision; the rounding is part of the error")]
+    pub fn new(mesh: &Mesh, view: &ViewFromAbove, machined: &[bool]) -> Self {
+        let bounds = mesh.bounds();
+        let middle = 0.5 * (bounds.min[2] + bounds.max[2]);
+        let heights = view.heights.iter().map(|z| (z - middle) as f32).collect();
+        let area = view
+            .facets
+            .iter()
+            .enumerate()
+            .map(|(cell, _)| match view.facet(cell) {
+                // Facets that a view shows are no walls: n_z is at least 1e-4.
+                Some(facet) if machined[facet] => mesh.normal_and_area(facet).0[2].abs().recip() as f32,
+                _ => 0.0,
+            })
+            .collect();
+        let rounding = (bounds.max[2] - bounds.min[2]) * f64::from(f32::EPSILON);
+        Self { frame: view.frame, heights, area, rounding }
+    }
+
+    /// What a cutter leaves where it does not reach, `scallop_height` being allowed everywhere.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
+    pub fn uncut(&self, cutter: Cutter, scallop_height: Length) -> Uncut {
+        let radius = cutter.outer_radius().mm();
+        let stride = stride(self.frame, radius);
+        let coarse = Coarse::of(self, stride, radius);
+        let disc = Disc::new(cutter, coarse.cell, coarse.pad);
+        let tips = coarse.tips(&disc);
+        let cut = coarse.cut(&tips, &disc);
+
+        let half_diagonal = coarse.cell * std::f64::consts::FRAC_1_SQRT_2;
+        let bend = |r: f64| half_diagonal * half_diagonal / (2.0 * LEAST_CLEARANCE * r);
+        let error = |inverse_cosine: f64| {
+            let tangent = (inverse_cosine * inverse_cosine - 1.0).max(0.0).sqrt();
+            let rise = 2.0 * half_diagonal * tangent + bend(radius);
+            (bend(cutter.corner_radius().mm()) * inverse_cosine.powi(3)).min(rise) + self.rounding
+        };
+        let (mut machined, mut over, mut worst) = (0.0, 0.0, None::<(f64, usize)>);
+        let mut left = vec![None; coarse.columns * coarse.rows];
+        for row in 0..coarse.rows {
+            for column in 0..coarse.columns {
+                let fine = self.frame.index(column * stride, row * stride);
+                let area = f64::from(self.area[fine]);
+                if area == 0.0 {
+                    continue;
+                }
+                let cell = row * coarse.columns + column;
+                let height = f64::from(cut[cell]) - f64::from(self.heights[fine]);
+                machined += area;
+                left[cell] = Some(height as f32);
+                if height > error(area) {
+                    over += if height > scallop_height.mm() + error(area) { area } else { 0.0 };
+                    if worst.is_none_or(|(most, _)| height > most) {
+                        worst = Some((height, cell));
+                    }
+                }
+            }
+        }
+        let height_error = worst.map_or(error(1.0), |(_, cell)| {
+            let d = coarse.rest(cell, &tips, &disc);
+            let change = profile(cutter, (d + half_diagonal).min(radius)) - profile(cutter, (d - half_diagonal).max(0.0));
+            change + error(1.0)
+        });
+        let values = (0..self.frame.cells())
+            .map(|cell| {
+                let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
+                let coarse_cell = (row / stride).min(coarse.rows - 1) * coarse.columns + (column / stride).min(coarse.columns - 1);
+                if self.area[cell] > 0.0 { left[coarse_cell] } else { None }
+            })
+            .collect();
+        Uncut {
+            share: if machined > 0.0 { over / machined } else { 0.0 },
+            height: Length::computed(worst.map_or(0.0, |(height, _)| height)),
+            height_error: Length::computed(height_error),
+            level_error: Length::computed(error(1.0)),
+            cell: Length::computed(coarse.cell),
+            map: Raster { frame: self.frame, values },
+        }
+    }
+
+    /// [`ReachMap::uncut`] of several cutters, in their order, on all threads.
+    #[must_use]
+    pub fn uncut_of_each(&self, cutters: &[Cutter], scallop_height: Length) -> Vec<Uncut> {
+        cutters.par_iter().map(|&cutter| self.uncut(cutter, scallop_height)).collect()
+    }
+}
+
+/// The lowest height of the tip at (x, y) in mm at which the cutter does not cut into the surface: t(x, y) over the cells of a view. `None` where
+/// there is no surface under the cutter.
+///
+/// On a smooth surface it is too low by up to e^2/(2 r cos^3 S), on a level plane by nothing; beside a sharp edge by the change of p over half a cell.
+#[must_use]
+pub fn lowest_tip(view: &ViewFromAbove, cutter: Cutter, [x, y]: [f64; 2]) -> Option<f64> {
+    let radius = cutter.outer_radius().mm();
+    let frame = view.frame;
+    let (from, to) = (frame.nearest_cell([x - radius, y - radius]), frame.nearest_cell([x + radius, y + radius]));
+    let mut lowest = f64::NEG_INFINITY;
+    for row in from.1..=to.1 {
+        for column in from.0..=to.0 {
+            let z = view.heights[frame.index(column, row)];
+            let [u, v] = frame.centre(column, row);
+            let d = (u - x).hypot(v - y);
+            if d <= radius && z > lowest {
+                lowest = lowest.max(z - profile(cutter, d));
+            }
+        }
+    }
+    (lowest > f64::NEG_INFINITY).then_some(lowest)
+}
+
+/// The least stride from cell to cell with which the work for a cutter of this radius, in mm, is at most [`WORK`].
+#[expect(clippy::cast_precision_loss, reason = "strides are under 2^53")]
+fn stride(frame: Frame, radius: f64) -> usize {
+    let work = |stride: usize| {
+        let stride = stride as f64;
+        let offset = (radius / (frame.cell * stride)).floor();
+        let (columns, rows) = ((frame.columns as f64 / stride).ceil() + 2.0 * offset, (frame.rows as f64 / stride).ceil() + 2.0 * offset);
+        columns * rows * (std::f64::consts::PI * offset * offset).max(1.0)
+    };
+    // The work falls with the stride. With a stride as long as the surface one cell is left of it, and the work is 4 pi (R/(h stride))^4.
+    let (mut least, mut enough) = (1_usize, 1_usize);
+    while work(enough) > WORK {
+        (least, enough) = (enough, enough.saturating_mul(2));
+    }
+    while least < enough {
+        let middle = least.midpoint(enough);
+        if work(middle) > WORK { least = middle + 1 } else { enough = middle }
+    }
+    least
+}
+
+/// The surface on every stride-th cell, with empty cells around it: `pad` for the tips beside the surface, and as many for what these would touch.
+struct Coarse {
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    pad: usize,
+    /// Cells in a row: columns + 4 pad.
+    width: usize,
+    heights: Vec<f32>,
+}
+
+/// p at the offsets of a quarter of the disc, in cells.
+struct Disc {
+    /// For each offset along y from 0, p at the offsets along x from 0.
+    rows: Vec<Vec<f32>>,
+    cell: f64,
+}
+
+impl Disc {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "single precision; its rounding is part of the error")]
+    fn new(cutter: Cutter, cell: f64, pad: usize) -> Self {
+        let radius = cutter.outer_radius().mm();
+        let along = |dy: usize| {
+            let distances = (0..=pad).map(|dx| cell * (dx as f64).hypot(dy as f64));
+            distances.take_while(|&d| d <= radius).map(|d| profile(cutter, d) as f32).collect::<Vec<f32>>()
+        };
+        Self { rows: (0..=pad).map(along).take_while(|row| !row.is_empty()).collect(), cell }
+    }
+
+    /// All offsets of the disc, in a raster whose rows are `width` cells.
+    #[expect(clippy::cast_precision_loss, reason = "offsets are bounded by the work")]
+    fn offsets(&self, width: usize) -> Vec<Offset> {
+        let width = width.cast_signed();
+        let mut offsets = Vec::new();
+        for (dy, profile) in self.rows.iter().enumerate() {
+            for (dx, &p) in profile.iter().enumerate() {
+                let d = self.cell * (dx as f64).hypot(dy as f64);
+                let (dx, dy) = (dx.cast_signed(), dy.cast_signed());
+                offsets.extend([dy * width + dx, dy * width - dx, dx - dy * width, -dx - dy * width].map(|step| Offset { step, p, d }));
+            }
+        }
+        offsets
+    }
+}
+
+/// A cell of the disc: where it lies in memory, p there, and its distance from the axis in mm.
+struct Offset {
+    step: isize,
+    p: f32,
+    d: f64,
+}
+
+impl Coarse {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "offsets are bounded by the work"
+    )]
+    fn of(map: &ReachMap, stride: usize, radius: f64) -> Self {
+        let (columns, rows) = (map.frame.columns.div_ceil(stride), map.frame.rows.div_ceil(stride));
+        let cell = map.frame.cell * stride as f64;
+        let pad = (radius / cell).floor() as usize;
+        let width = columns + 4 * pad;
+        let mut heights = vec![f32::NEG_INFINITY; width * (rows + 4 * pad)];
+        for row in 0..rows {
+            for column in 0..columns {
+                heights[(row + 2 * pad) * width + column + 2 * pad] = map.heights[map.frame.index(column * stride, row * stride)];
+            }
+        }
+        Self { cell, columns, rows, pad, width, heights }
+    }
+
+    /// t at all cells of the surface and `pad` around it, placed as the heights are.
+    fn tips(&self, disc: &Disc) -> Vec<f32> {
+        let mut tips = vec![f32::NEG_INFINITY; self.heights.len()];
+        let mut pairs = vec![0.0; self.width];
+        for row in self.pad..self.rows + 3 * self.pad {
+            let out = row * self.width + self.pad..(row + 1) * self.width - self.pad;
+            for (dy, profile) in disc.rows.iter().enumerate() {
+                greater_of_each(&mut pairs, self.row(&self.heights, row + dy), self.row(&self.heights, row - dy));
+                for (dx, &p) in profile.iter().enumerate() {
+                    rest_on(&mut tips[out.clone()], &pairs, self.pad + dx, self.pad - dx, p);
+                }
+            }
+        }
+        tips
+    }
+
+    /// m at the cells of the surface, row after row. Computed as -(max of -t - p), the same operation as for the tips.
+    fn cut(&self, tips: &[f32], disc: &Disc) -> Vec<f32> {
+        let upside_down: Vec<f32> = tips.iter().map(|t| -t).collect();
+        let mut cut = vec![f32::NEG_INFINITY; self.columns * self.rows];
+        let mut pairs = vec![0.0; self.width];
+        for (row, out) in cut.chunks_exact_mut(self.columns).enumerate() {
+            let row = row + 2 * self.pad;
+            for (dy, profile) in disc.rows.iter().enumerate() {
+                greater_of_each(&mut pairs, self.row(&upside_down, row + dy), self.row(&upside_down, row - dy));
+                for (dx, &p) in profile.iter().enumerate() {
+                    rest_on(out, &pairs, 2 * self.pad + dx, 2 * self.pad - dx, p);
+                }
+            }
+            for value in out {
+                *value = -*value;
+            }
+        }
+        cut
+    }
+
+    fn row<'a>(&self, values: &'a [f32], row: usize) -> &'a [f32] {
+        &values[row * self.width..(row + 1) * self.width]
+    }
+
+    /// How far from the axis the cutter rests on the surface when it cuts deepest at a cell.
+    fn rest(&self, cell: usize, tips: &[f32], disc: &Disc) -> f64 {
+        let place = (cell / self.columns + 2 * self.pad) * self.width + cell % self.columns + 2 * self.pad;
+        let offsets = disc.offsets(self.width);
+        // The sums stay inside the padded rows: tips lie within `pad` of the surface, what they touch within `pad` of them.
+        let at = |place: usize, step: isize| place.wrapping_add_signed(step);
+        let cuts = offsets.iter().map(|offset| (at(place, offset.step), tips[at(place, offset.step)] + offset.p));
+        let Some((tip, _)) = cuts.min_by(|a, b| a.1.total_cmp(&b.1)) else { return 0.0 };
+        let contacts = offsets.iter().map(|offset| (offset.d, self.heights[at(tip, offset.step)] - offset.p));
+        contacts.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.0, |(d, _)| d)
+    }
+}
+
+/// The greater of two numbers in each place. Comparisons are one vector instruction, where f32::max also looks for NaN.
+fn greater_of_each(out: &mut [f32], a: &[f32], b: &[f32]) {
+    for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
+        *out = if a > b { a } else { b };
+    }
+}
+
+/// out[i] = max(out[i], max(values[i + right], values[i + left]) - p)
+fn rest_on(out: &mut [f32], values: &[f32], right: usize, left: usize, p: f32) {
+    let count = out.len();
+    let (right, left) = (&values[right..right + count], &values[left..left + count]);
+    for ((out, &a), &b) in out.iter_mut().zip(right).zip(left) {
+        let higher = (if a > b { a } else { b }) - p;
+        *out = if *out > higher { *out } else { higher };
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
+mod tests;

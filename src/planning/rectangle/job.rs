@@ -1,0 +1,194 @@
+//! What is given whatever the surface: two cutters to choose from, the scallop they may leave, and the machine.
+
+use crate::milling::{Contact, Cutter, CutterKind, EffectiveRadius, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::motion::MachineLimits;
+use crate::quantity::{Angle, Length};
+use std::fmt;
+
+/// A finishing job: a toroidal and a ball-end cutter, the scallop height sh that they may leave, and the machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Job {
+    toroidal: Cutter,
+    ball_end: Cutter,
+    scallop_height: Length,
+    machine: MachineLimits,
+    model: Model,
+    ball_end_step_over: Length,
+}
+
+/// Why cutters and scallop height do not make a job.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JobError {
+    /// The first cutter is not toroidal.
+    NotToroidal,
+    /// The second cutter is not a ball-end.
+    NotBallEnd,
+    /// The scallop would reach beyond the round of a cutter that leaves it.
+    ScallopTooHigh {
+        /// The smaller of the toroidal cutter's corner radius and the ball's radius.
+        largest: Length,
+    },
+    /// The ball-end cutter has no step-over at that height.
+    BallEnd(NoAnswer),
+}
+
+impl fmt::Display for JobError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotToroidal => f.write_str("the first cutter must be toroidal, with 0 < corner radius < half the diameter"),
+            Self::NotBallEnd => f.write_str("the second cutter must be a ball-end"),
+            Self::ScallopTooHigh { largest } => write!(
+                f,
+                "the scallop height must be at most {} mm, the smaller of the toroidal cutter's corner radius and the ball's radius",
+                largest.mm()
+            ),
+            Self::BallEnd(no_answer) => write!(f, "the ball-end cutter: {no_answer}"),
+        }
+    }
+}
+
+impl std::error::Error for JobError {}
+
+impl Job {
+    /// A job whose scallops lie within the round of both cutters: sh <= r of the toroidal and R of the ball-end cutter. The cutters
+    /// need not have the same diameter.
+    ///
+    /// # Errors
+    /// [`JobError`]
+    pub fn new(toroidal: Cutter, ball_end: Cutter, scallop_height: Length, machine: MachineLimits, model: Model) -> Result<Self, JobError> {
+        if toroidal.kind() != CutterKind::Toroidal {
+            return Err(JobError::NotToroidal);
+        }
+        if ball_end.kind() != CutterKind::BallEnd {
+            return Err(JobError::NotBallEnd);
+        }
+        let (corner, ball) = (toroidal.corner_radius(), ball_end.outer_radius());
+        let largest = if corner < ball { corner } else { ball };
+        if scallop_height > largest {
+            return Err(JobError::ScallopTooHigh { largest });
+        }
+        // A ball leaves the same on every slope, and in both models, so its step-over is known once and for all.
+        let ball_end_step_over = step_over(Model::Analytic, ball_end, Angle::ZERO, scallop_height).map_err(JobError::BallEnd)?;
+        Ok(Self { toroidal, ball_end, scallop_height, machine, model, ball_end_step_over })
+    }
+
+    /// sod1, the step-over of the toroidal cutter up and down a slope: chord((R - r)/sin(s) + r, sh) in the analytic model
+    /// [Herraz et al. 2020, eq. 6 and 7].
+    ///
+    /// # Errors
+    /// [`NoAnswer::FlatFloor`] in the analytic model on a floor, or another case in which the model has no step-over.
+    pub fn toroidal_step_over(&self, slope: Angle) -> Result<Length, NoAnswer> {
+        step_over(self.model, self.toroidal, slope, self.scallop_height)
+    }
+
+    /// sod2, the step-over of the ball-end cutter on any slope and in any direction: chord(R, sh).
+    #[must_use]
+    pub fn ball_end_step_over(&self) -> Length {
+        self.ball_end_step_over
+    }
+
+    /// The toroidal cutter.
+    #[must_use]
+    pub fn toroidal(&self) -> Cutter {
+        self.toroidal
+    }
+
+    /// The ball-end cutter.
+    #[must_use]
+    pub fn ball_end(&self) -> Cutter {
+        self.ball_end
+    }
+
+    /// sh, the scallop height.
+    #[must_use]
+    pub fn scallop_height(&self) -> Length {
+        self.scallop_height
+    }
+
+    /// The machine.
+    #[must_use]
+    pub fn machine(&self) -> MachineLimits {
+        self.machine
+    }
+
+    /// The model that says which step-over leaves the scallop height; the published method, and its closed forms, use the analytic one.
+    #[must_use]
+    pub fn model(&self) -> Model {
+        self.model
+    }
+}
+
+/// The largest step-over of a pass along the steepest slope of a plane.
+///
+/// In model `analytic` that is the published chord, which knows no cutter: near the floor it exceeds the cutter's diameter, and the confidence says so.
+/// Limited to the diameter, the times would not be those of the published critical slope.
+fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length) -> Result<Length, NoAnswer> {
+    let contact = Contact::up_the_slope(slope);
+    if model == Model::Analytic {
+        let radius = EffectiveRadius::across_feed(cutter, contact).finite().ok_or(NoAnswer::FlatFloor)?;
+        let (radius, height) = (radius.mm(), scallop_height.mm());
+        if height >= radius {
+            return Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(2.0 * radius) });
+        }
+        // The root of the product, factor by factor, because the product can leave the range of numbers.
+        return Ok(Length::computed(2.0 * height.sqrt() * (2.0 * radius - height).sqrt()));
+    }
+    let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
+    JudgedPass::new(model, pass)?.max_step_over(scallop_height, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::PRESETS;
+
+    fn mm(value: f64) -> Length {
+        Length::from_mm(value).unwrap()
+    }
+
+    fn job(toroidal: Cutter, ball_end: Cutter, scallop_height: f64) -> Result<Job, JobError> {
+        Job::new(toroidal, ball_end, mm(scallop_height), PRESETS[0].limits, Model::Analytic)
+    }
+
+    #[test]
+    fn cutters_must_be_of_their_kind_and_rounder_than_the_scallop() {
+        let (toroidal, ball) = (Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Cutter::ball_end(mm(10.0)));
+        assert_eq!(job(ball, ball, 0.01), Err(JobError::NotToroidal));
+        assert_eq!(job(Cutter::flat_end(mm(10.0)), ball, 0.01), Err(JobError::NotToroidal));
+        assert_eq!(job(toroidal, toroidal, 0.01), Err(JobError::NotBallEnd));
+        assert_eq!(job(toroidal, ball, 2.1), Err(JobError::ScallopTooHigh { largest: mm(2.0) }));
+        assert_eq!(job(toroidal, Cutter::ball_end(mm(1.0)), 1.0), Err(JobError::ScallopTooHigh { largest: mm(0.5) }));
+        // A scallop as high as the ball's radius is a tip between grooves that touch in a point: no step-over is the largest.
+        assert!(matches!(
+            job(toroidal, Cutter::ball_end(mm(1.0)), 0.5),
+            Err(JobError::BallEnd(NoAnswer::ToleranceLimitsNoStepOver { .. }))
+        ));
+        assert!(job(toroidal, ball, 2.0).is_ok());
+    }
+
+    #[test]
+    fn step_overs_are_the_chords_of_their_grooves() {
+        let job = job(Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Cutter::ball_end(mm(12.0)), 0.01).unwrap();
+        let chord = |radius: f64| 2.0 * (2.0 * radius * 0.01 - 0.01 * 0.01).sqrt();
+        approx::assert_relative_eq!(job.ball_end_step_over().mm(), chord(6.0), max_relative = 1e-14);
+        let slope = Angle::from_degrees(30.0).unwrap();
+        // R_eff = 3/sin(30 deg) + 2 = 8
+        approx::assert_relative_eq!(job.toroidal_step_over(slope).unwrap().mm(), chord(8.0), max_relative = 1e-14);
+        assert_eq!(job.toroidal_step_over(Angle::ZERO), Err(NoAnswer::FlatFloor));
+    }
+
+    #[test]
+    fn the_envelope_has_a_step_over_on_a_floor_and_the_circles_on_a_slope() {
+        let (toroidal, ball) = (Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Cutter::ball_end(mm(10.0)));
+        let of = |model| Job::new(toroidal, ball, mm(0.01), PRESETS[0].limits, model).unwrap();
+        let (circle, envelope) = (of(Model::Analytic), of(Model::Envelope));
+        assert_eq!(circle.ball_end_step_over(), envelope.ball_end_step_over());
+        // On a floor the corners leave it: 2 (R - r) of flat, and the chord of r, 2 sqrt(2 * 2 * 0.01 - 0.01^2).
+        let on_floor = envelope.toroidal_step_over(Angle::ZERO).unwrap().mm();
+        approx::assert_relative_eq!(on_floor, 6.0 + 2.0 * (0.04_f64 - 0.0001).sqrt(), max_relative = 1e-9);
+        // At 40 deg and a step of 0.73 mm the heights are 9.999 and 10.006 um: h grows with s^2, so s differs by half of 7e-4.
+        let slope = Angle::from_degrees(40.0).unwrap();
+        let (one, other) = (circle.toroidal_step_over(slope).unwrap().mm(), envelope.toroidal_step_over(slope).unwrap().mm());
+        assert!(other < one && other > one * (1.0 - 5e-4), "{one} {other}");
+    }
+}

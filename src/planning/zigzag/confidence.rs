@@ -1,0 +1,147 @@
+//! How far to trust the order of simulated plans.
+
+use super::ranking::{SurfaceFigures, ZigzagPlan};
+use crate::planning::Level;
+use crate::quantity::Length;
+use std::fmt;
+
+/// What the mesh tells about the surface beside its facets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceEvidence {
+    /// The share of the area that is visible from above, 0 to 1.
+    pub visible_area_share: f64,
+    /// The number of connected pieces.
+    pub pieces: usize,
+}
+
+impl Default for SurfaceEvidence {
+    /// One piece, visible as a whole.
+    fn default() -> Self {
+        Self { visible_area_share: 1.0, pieces: 1 }
+    }
+}
+
+/// What makes the order of simulated plans doubtful.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SurfaceWeakness {
+    /// The fastest plan leads by less than 2 %, about what the simulation errs by; figure: the lead over the next plan as a share of its time.
+    SmallLead,
+    /// Facets are wide against the step-over although the surface is curved, so that slopes and curvatures between passes are those of the tessellation;
+    /// figure: the size of a facet over the median step-over. At 2 one facet decides about two strips, at 8 about eight. Facets that lie within a tenth of the
+    /// scallop height of the surface are fine whatever their size.
+    CoarseTessellation,
+    /// Some of the area is steeper than the largest slope and sets no spacing; figure: its share.
+    SteepArea,
+    /// Some of the area is hidden from above and is not machined; figure: its share.
+    HiddenArea,
+    /// The surface is in several pieces, which a plan by pieces would finish with fewer links; figure: their number.
+    SeveralPieces,
+    /// Some of the area exceeds the scallop height in the recommended plan; figure: its share.
+    OverTolerance,
+}
+
+impl SurfaceWeakness {
+    /// The stable code of the weakness.
+    #[must_use]
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::SmallLead => "small-lead",
+            Self::CoarseTessellation => "coarse-tessellation",
+            Self::SteepArea => "steep-area",
+            Self::HiddenArea => "hidden-area",
+            Self::SeveralPieces => "several-pieces",
+            Self::OverTolerance => "over-tolerance",
+        }
+    }
+}
+
+/// A weakness of the plans at hand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceReason {
+    /// Which weakness.
+    pub weakness: SurfaceWeakness,
+    /// The level to which it lowers the confidence.
+    pub level: Level,
+    /// The figure that shows it.
+    pub figure: f64,
+    /// The threshold that the figure crosses.
+    pub threshold: f64,
+}
+
+impl fmt::Display for SurfaceReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { figure, threshold, .. } = self;
+        match self.weakness {
+            SurfaceWeakness::SmallLead => write!(
+                f,
+                "the fastest plan leads the next by {:.2} %, less than the {:.0} % by which the simulation may err",
+                100.0 * figure,
+                100.0 * threshold
+            ),
+            SurfaceWeakness::CoarseTessellation => {
+                write!(
+                    f,
+                    "facets are {figure:.2} times as wide as the step-over, over {threshold}: slope and curvature are those of the tessellation"
+                )
+            }
+            SurfaceWeakness::SteepArea => write!(f, "{:.2} % of the area is too steep to set a spacing", 100.0 * figure),
+            SurfaceWeakness::HiddenArea => write!(f, "{:.2} % of the area is hidden from above and not machined", 100.0 * figure),
+            SurfaceWeakness::SeveralPieces => {
+                write!(f, "the surface is in {figure:.0} pieces; finished piece by piece it may take fewer links")
+            }
+            SurfaceWeakness::OverTolerance => write!(f, "{:.2} % of the area exceeds the scallop height", 100.0 * figure),
+        }
+    }
+}
+
+/// How far to trust the order of simulated plans, and why not further.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceConfidence {
+    level: Level,
+    reasons: Vec<SurfaceReason>,
+}
+
+impl SurfaceConfidence {
+    /// The level: the lowest of its reasons', high without any.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// What keeps the level from being high, the gravest first.
+    #[must_use]
+    pub fn reasons(&self) -> &[SurfaceReason] {
+        &self.reasons
+    }
+
+    /// Judges plans that are sorted by time; `None` without a plan.
+    pub(super) fn of(plans: &[ZigzagPlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
+        let best = plans.first()?;
+        let mut reasons = Vec::new();
+        if let Some(next) = plans.get(1) {
+            let lead = 1.0 - best.time.seconds() / next.time.seconds();
+            if lead < 0.02 {
+                reasons.push(SurfaceReason { weakness: SurfaceWeakness::SmallLead, level: Level::Moderate, figure: lead, threshold: 0.02 });
+            }
+        }
+        let size = surface.facet_size.mm() / best.step_over.median.mm();
+        #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
+        let pieces = evidence.pieces as f64;
+        if surface.sagitta.mm() > 0.1 * scallop_height.mm() {
+            reasons.extend(over(SurfaceWeakness::CoarseTessellation, size, 2.0, 8.0));
+        }
+        reasons.extend(over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
+        reasons.extend(over(SurfaceWeakness::HiddenArea, 1.0 - evidence.visible_area_share, 0.02, 0.2));
+        reasons.extend(over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
+        reasons.extend(over(SurfaceWeakness::OverTolerance, best.scallop_height.over_tolerance_share, 0.01, 0.1));
+        reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));
+        Some(Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons })
+    }
+}
+
+/// The reason that a figure gives by rising over `moderate`, or further over `low`.
+fn over(weakness: SurfaceWeakness, figure: f64, moderate: f64, low: f64) -> Option<SurfaceReason> {
+    let (level, threshold) = if figure > low { (Level::Low, low) } else { (Level::Moderate, moderate) };
+    (figure > moderate).then_some(SurfaceReason { weakness, level, figure, threshold })
+}

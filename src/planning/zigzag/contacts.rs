@@ -1,0 +1,55 @@
+//! One facet under the models of `milling`: its contact, its curvature in the axes of the feed, heights and feeds there.
+
+use crate::milling::{Contact, ContactError, CurvatureOutOfRange, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::quantity::Length;
+use crate::surface::FinishFacet;
+
+/// Why a facet has no height or feed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum NoContact {
+    Contact(ContactError),
+    Curvature(CurvatureOutOfRange),
+    Model(NoAnswer),
+}
+
+/// A facet passed in a direction seen from above.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FacetContact {
+    pub(super) contact: Contact,
+    /// Curvature along the feed, across it and between both, in 1/mm.
+    pub(super) curvature: [f64; 3],
+}
+
+impl FacetContact {
+    pub(super) fn new(facet: &FinishFacet, e: [f64; 2]) -> Result<Self, NoContact> {
+        let n = facet.normal;
+        let climb = -(n[0] * e[0] + n[1] * e[1]) / n[2];
+        let length = climb.hypot(1.0);
+        let feed = [e[0] / length, e[1] / length, climb / length];
+        let across = [n[1] * feed[2] - n[2] * feed[1], n[2] * feed[0] - n[0] * feed[2], n[0] * feed[1] - n[1] * feed[0]];
+        let contact = Contact::from_vectors(n, feed, None).map_err(NoContact::Contact)?;
+        let curvature =
+            [facet.curvature_between(feed, feed), facet.curvature_between(across, across), facet.curvature_between(feed, across)];
+        Ok(Self { contact, curvature })
+    }
+
+    /// The step-over along the surface of planes `spacing` apart seen from above, in mm.
+    pub(super) fn step_over(&self, spacing: f64) -> f64 {
+        spacing / self.contact.spacing_ratio()
+    }
+
+    pub(super) fn judged(&self, cutter: Cutter, model: Model) -> Result<JudgedPass, NoContact> {
+        let [along, across, twist] = self.curvature;
+        let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).map_err(NoContact::Curvature)?;
+        let pass = Pass { cutter, contact: self.contact, surface, runout: Runout::NONE, teeth: None };
+        JudgedPass::new(model, pass).map_err(NoContact::Model)
+    }
+
+    /// The height that planes `spacing` apart and a feed per tooth leave, in mm.
+    pub(super) fn height(&self, cutter: Cutter, model: Model, spacing: f64, feed: Option<f64>) -> Result<f64, NoContact> {
+        let judged = self.judged(cutter, model)?;
+        let step_over = Length::computed(self.step_over(spacing));
+        let height = judged.scallop_height(step_over, feed.map(Length::computed)).map_err(NoContact::Model)?;
+        Ok(height.total().mm())
+    }
+}

@@ -1,0 +1,240 @@
+//! Where the planes of the passes lie: as far apart as the worst point of each strip allows.
+
+use super::spacing::CutterSpacing;
+use super::sweep::Sweep;
+use super::workpiece::Workpiece;
+
+/// The most planes that a plan may have; beyond it a direction counts as having no spacing.
+pub(super) const MOST_PLANES: usize = 50_000;
+
+/// How many of the tightest facets of a strip are looked at for the share that may be left out.
+const TIGHTEST: usize = 8;
+
+/// Facets of one direction with the spacings that they allow one cutter.
+#[derive(Debug)]
+pub(super) struct Spaced<'a> {
+    pub(super) workpiece: &'a Workpiece,
+    pub(super) sweep: &'a Sweep,
+    /// The squared spacings, by facet; steep facets set none.
+    pub(super) squared: Vec<f32>,
+    /// The widest spacing, the cutter's diameter, in mm.
+    pub(super) widest: f64,
+    /// The share of a strip's area that may allow less than its spacing.
+    pub(super) left_out: f64,
+    /// Factors on the spacings, by stretches across the passes, in rising order of where each begins.
+    pub(super) factors: Vec<(f64, f64)>,
+}
+
+impl<'a> Spaced<'a> {
+    pub(super) fn new(workpiece: &'a Workpiece, sweep: &'a Sweep, spacing: &CutterSpacing, widest: f64, left_out: f64) -> Self {
+        let squared = workpiece
+            .tangents
+            .iter()
+            .map(|tangent| {
+                if tangent.is_steep {
+                    return f32::INFINITY;
+                }
+                let (cos_alpha, sin_alpha) = tangent.alpha(sweep.heading.e);
+                #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
+                let squared = spacing.squared(tangent, cos_alpha, sin_alpha) as f32;
+                squared
+            })
+            .collect();
+        Self { workpiece, sweep, squared, widest, left_out, factors: Vec::new() }
+    }
+
+    pub(super) fn factor(&self, at: f64) -> f64 {
+        let next = self.factors.partition_point(|&(start, _)| start <= at);
+        if next == 0 { self.factors.first().map_or(1.0, |&(_, factor)| factor) } else { self.factors[next - 1].1 }
+    }
+}
+
+/// A facet that the planes have reached.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reached {
+    /// Its place in the order of the sweep.
+    pub(super) place: u32,
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// The spacing that it allows.
+    allowed: f64,
+    /// Its area over its width across the passes.
+    density: f64,
+}
+
+/// A plane of passes with the spacings to its neighbours; the first and the last have their one neighbour's on both sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plane {
+    pub(super) at: f64,
+    pub(super) before: f64,
+    pub(super) after: f64,
+    /// The facets that bind the spacing after it most, as far as they are known.
+    pub(super) binding: [Option<u32>; BINDING],
+}
+
+/// How many of the facets that bind a spacing are kept.
+pub(super) const BINDING: usize = 4;
+
+impl Plane {
+    /// The spacing that decides about the scallop: the wider one.
+    pub(super) fn spacing(&self) -> f64 {
+        self.before.max(self.after)
+    }
+}
+
+/// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TooManyPlanes;
+
+/// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it.
+///
+/// # Errors
+/// [`TooManyPlanes`]
+pub(super) fn march(spaced: &Spaced, mut visit: impl FnMut(Plane, &[Reached])) -> Result<(), TooManyPlanes> {
+    let mut planes = 0;
+    for band in spaced.sweep.bands(spaced.widest) {
+        let mut walk = Walk {
+            spaced,
+            next: band.start,
+            end: band.end,
+            reached: Vec::new(),
+            hint: spaced.widest,
+            tightest: Vec::new(),
+            binding: [None; BINDING],
+        };
+        let first = walk.widest_from(band.low)?;
+        let mut is_last = band.high - band.low < first;
+        // As far from the border as from the next plane's half; in a band of less than one spacing in the middle.
+        let mut plane = Plane {
+            at: if is_last { f64::midpoint(band.low, band.high) } else { band.low + first / 2.0 },
+            before: first,
+            after: first,
+            binding: [None; BINDING],
+        };
+        loop {
+            planes += 1;
+            if planes > MOST_PLANES {
+                return Err(TooManyPlanes);
+            }
+            walk.pass_by(plane.at);
+            let rest = band.high - plane.at;
+            let widest = if is_last { plane.before } else { walk.widest_from(plane.at)? };
+            plane.binding = walk.binding;
+            if is_last || rest <= widest / 2.0 {
+                // The half spacing beyond the last plane leaves as much as a whole one between two planes.
+                plane.after = plane.before;
+                visit(plane, &walk.reached);
+                break;
+            }
+            // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the border allows that.
+            is_last = widest > rest;
+            plane.after = if is_last { rest - widest / 2.0 } else { widest };
+            if planes == 1 {
+                plane.before = plane.after;
+            }
+            visit(plane, &walk.reached);
+            plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: [None; BINDING] };
+        }
+    }
+    Ok(())
+}
+
+/// A walk across one band.
+struct Walk<'a> {
+    spaced: &'a Spaced<'a>,
+    /// The next facet in the order of the sweep.
+    next: usize,
+    end: usize,
+    reached: Vec<Reached>,
+    /// How far to look: somewhat more than the last spacing.
+    hint: f64,
+    /// The tightest facets of the strip: the width that they allow it, and which of the reached facets they are.
+    tightest: Vec<(f64, usize)>,
+    /// The facets that bind the last strip most, those left out not among them.
+    binding: [Option<u32>; BINDING],
+}
+
+impl Walk<'_> {
+    /// Drops the facets that end before `at`.
+    fn pass_by(&mut self, at: f64) {
+        self.reached.retain(|reached| reached.high > at);
+    }
+
+    /// The largest d that all facets allow that meet the strip from `at` to `at` + d, but for the share of its area that may be left out.
+    fn widest_from(&mut self, at: f64) -> Result<f64, TooManyPlanes> {
+        let widest = self.spaced.widest;
+        loop {
+            let width = self.hint.min(widest);
+            let found = self.widest_within(at, width);
+            if found < width || width >= widest {
+                // More planes than the limit over a kilometre.
+                if found.is_nan() || found <= 1e-6 {
+                    return Err(TooManyPlanes);
+                }
+                self.hint = 1.2 * found;
+                return Ok(found);
+            }
+            self.hint = 2.0 * width;
+        }
+    }
+
+    /// The same, not looking farther than `width`.
+    fn widest_within(&mut self, at: f64, width: f64) -> f64 {
+        let factor = self.spaced.factor(at);
+        let end = at + width;
+        while self.next < self.end {
+            let covered = self.spaced.sweep.covered[self.next];
+            if covered.low >= end {
+                break;
+            }
+            let facet = covered.facet as usize;
+            if covered.high > at && covered.high > covered.low {
+                let allowed = f64::from(self.spaced.squared[facet]).sqrt();
+                let density = self.spaced.workpiece.areas[facet] / (covered.high - covered.low);
+                #[expect(clippy::cast_possible_truncation, reason = "as many as facets")]
+                let place = self.next as u32;
+                self.reached.push(Reached { place, low: covered.low, high: covered.high, allowed, density });
+            }
+            self.next += 1;
+        }
+        self.tightest.clear();
+        // Only facets with bounds under this one are among the tightest.
+        let mut limit = width;
+        let mut area = 0.0;
+        for (index, reached) in self.reached.iter().enumerate() {
+            // A strip that ends before the facet begins is not bound by it.
+            let bound = (reached.allowed * factor).max(reached.low - at);
+            area += reached.density * (reached.high.min(end) - reached.low.max(at)).max(0.0);
+            if bound < limit {
+                if self.tightest.len() == TIGHTEST {
+                    self.tightest.pop();
+                }
+                let place = self.tightest.iter().rposition(|&(other, _)| other <= bound).map_or(0, |place| place + 1);
+                self.tightest.insert(place, (bound, index));
+                if self.tightest.len() == TIGHTEST {
+                    limit = self.tightest[TIGHTEST - 1].0;
+                }
+            }
+        }
+        // The area of a strip grows in proportion to its width, about. A strip may be as wide as the bound of a facet if a wider one, up to the next bound,
+        // would hold more of tighter facets than may be left out.
+        let left_out_per_width = self.spaced.left_out * area / width;
+        let next_bound = |index: usize| self.tightest.get(index + 1).map_or(width, |&(bound, _)| bound);
+        let holds_too_much = |index: &usize| {
+            let wider = next_bound(*index);
+            let overlap = |&(_, at_index): &(f64, usize)| {
+                let reached = &self.reached[at_index];
+                reached.density * (reached.high.min(at + wider) - reached.low.max(at)).max(0.0)
+            };
+            self.tightest[..=*index].iter().map(overlap).sum::<f64>() > left_out_per_width * wider
+        };
+        // Where all that are kept may be left out, those that were dropped may not: the widest of them binds.
+        let first = (0..self.tightest.len()).find(holds_too_much).or((self.tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
+        let mut binding = self.tightest[first.unwrap_or(self.tightest.len())..].iter().map(|&(_, index)| {
+            let place = self.reached[index].place as usize;
+            self.spaced.sweep.covered[place].facet
+        });
+        self.binding = std::array::from_fn(|_| binding.next());
+        first.map_or(width, |first| self.tightest[first].0)
+    }
+}

@@ -1,0 +1,315 @@
+//! The passes of a plan point by point: contacts, normals, tips and feeds, in cutting order.
+
+use super::candidate::{CandidateCutter, FeedRange};
+use super::contacts::FacetContact;
+use super::march::{Plane, Spaced};
+use super::ranking::{Prepared, ZigzagPlan, rows_of};
+use super::settings::ZigzagSettings;
+use super::sweep::Sweep;
+use super::tour::Pattern;
+use super::workpiece::Workpiece;
+use crate::milling::{Cutter, JudgedPass, NoAnswer, ScallopHeight};
+use crate::quantity::{Length, Speed};
+use crate::surface::FinishFacet;
+use rayon::prelude::*;
+use std::fmt;
+
+/// The passes of a plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Passes {
+    /// Where in `points` each run begins; the cutter links from the end of a run to the start of the next.
+    pub run_starts: Vec<usize>,
+    /// All points in cutting order.
+    pub points: Vec<PassPoint>,
+    /// How far contacts and tips that were left out lie from the lines between those that were kept, at most.
+    pub chord_tolerance: Length,
+}
+
+/// A point of a pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PassPoint {
+    /// Where the cutter touches the surface, in mm; `None` where the tip is raised because the cutter would gouge the surface elsewhere.
+    pub contact: Option<[f64; 3]>,
+    /// The unit normal of the surface there.
+    pub normal: [f64; 3],
+    /// The lowest point of the cutter on its axis, in mm.
+    pub tip: [f64; 3],
+    /// The step-over to the farther of the neighbouring passes, along the surface.
+    pub step_over: Length,
+    /// The largest feed per tooth that keeps the scallop height, within the limits of cutter and machine; `None` for cutters without a drive.
+    pub feed_per_tooth: Option<Length>,
+    /// The feed rate: that of the feed per tooth, else the machine's.
+    pub feed_rate: Speed,
+    /// The scallop height that step-over and feed leave, by the model of the plan; `None` where the model has none.
+    pub scallop_height: Option<Length>,
+    /// The curvature of the surface along the feed, across it and between both, in 1/mm, positive where convex.
+    pub curvature: [f64; 3],
+}
+
+/// The passes have more points than allowed, even without those between the ends of runs that are not needed for the shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TooManyPoints {
+    /// How many points may be.
+    pub limit: usize,
+}
+
+impl fmt::Display for TooManyPoints {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the passes need more than {} points", self.limit)
+    }
+}
+
+impl std::error::Error for TooManyPoints {}
+
+/// The chord tolerance as a share of the scallop height, to begin with.
+const CHORD_SHARE: f64 = 0.1;
+
+/// How often the chord tolerance is doubled before passes count as having too many points: up to a thousand times.
+const DOUBLINGS: u32 = 10;
+
+/// How far under the height at which the cutter rests a tip may be, as a share of the scallop height, before it is raised.
+const SUNK_SHARE: f64 = 0.5;
+
+/// A place on a pass before points are left out.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    facet: u32,
+    contact: [f64; 3],
+    tip: [f64; 3],
+}
+
+/// The passes of `plan`, which [`super::rank`] made from the same facets, candidate and settings, with at most `limit` points.
+///
+/// Contacts lie where the planes cross the facets' middles and at the ends of runs; a point is left out where contact and tip are within the chord
+/// tolerance of the lines between their neighbours: a tenth of the scallop height, doubled until the points are few enough. `tip_height` is the height at
+/// which the cutter's tip rests on the surface with its axis at (x, y), `None` where that is not known; tips deeper than half a scallop height under it are
+/// raised to it.
+///
+/// # Errors
+/// [`TooManyPoints`]
+pub fn passes(
+    plan: &ZigzagPlan,
+    facets: &[FinishFacet],
+    candidate: &CandidateCutter,
+    settings: &ZigzagSettings,
+    tip_height: &(dyn Fn(f64, f64) -> Option<f64> + Sync),
+    limit: usize,
+) -> Result<Passes, TooManyPoints> {
+    let workpiece = Workpiece::new(facets, settings.max_slope.cos());
+    let sweep = Sweep::new(&workpiece, plan.direction);
+    let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece));
+    let spaced = Spaced::new(&workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+    let runs = runs_in_order(plan, facets, &spaced, candidate.cutter, settings.pattern);
+    let mut chord = CHORD_SHARE * settings.scallop_height.mm();
+    let kept = (0..=DOUBLINGS).find_map(|_| {
+        let kept: Vec<Vec<usize>> = runs.par_iter().map(|(_, places)| thinned(places, chord)).collect();
+        let fits = kept.iter().map(Vec::len).sum::<usize>() <= limit;
+        if !fits {
+            chord *= 2.0;
+        }
+        fits.then_some(kept)
+    });
+    let kept = kept.ok_or(TooManyPoints { limit })?;
+    let pointing = Pointing { facets, spaced: &spaced, prepared: &prepared, settings, tip_height };
+    let points: Vec<Vec<PassPoint>> = runs
+        .par_iter()
+        .zip(&kept)
+        .map(|((plane, places), kept)| kept.iter().map(|&index| pointing.point(plane, places[index])).collect())
+        .collect();
+    let mut run_starts = Vec::with_capacity(points.len());
+    let mut next = 0;
+    for run in &points {
+        run_starts.push(next);
+        next += run.len();
+    }
+    Ok(Passes { run_starts, points: points.into_iter().flatten().collect(), chord_tolerance: Length::computed(chord) })
+}
+
+/// The runs of all planes with their places, in cutting order and sense.
+fn runs_in_order(plan: &ZigzagPlan, facets: &[FinishFacet], spaced: &Spaced, cutter: Cutter, pattern: Pattern) -> Vec<(Plane, Vec<Place>)> {
+    let by_plane = cuts_by_plane(&plan.passes, spaced);
+    let runs: Vec<Vec<Vec<Place>>> =
+        plan.passes.par_iter().zip(by_plane).map(|(plane, cuts)| runs_of(plane.at, cuts, facets, spaced, cutter)).collect();
+    let mut forward = true;
+    let mut ordered = Vec::new();
+    for (plane, mut runs) in plan.passes.iter().zip(runs) {
+        if runs.is_empty() {
+            continue;
+        }
+        if !forward {
+            runs.reverse();
+            for run in &mut runs {
+                run.reverse();
+            }
+        }
+        ordered.extend(runs.into_iter().map(|run| (*plane, run)));
+        if pattern == Pattern::Zigzag {
+            forward = !forward;
+        }
+    }
+    ordered
+}
+
+/// The cut of a facet: both ends, along the pass and in height.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    facet: u32,
+    ends: [[f64; 2]; 2],
+}
+
+/// The cuts of each plane.
+fn cuts_by_plane(planes: &[Plane], spaced: &Spaced) -> Vec<Vec<Cut>> {
+    let mut by_plane = vec![Vec::new(); planes.len()];
+    for (covered, slice) in spaced.sweep.covered.iter().zip(&spaced.sweep.slices) {
+        let first = planes.partition_point(|plane| plane.at < covered.low);
+        for (plane, cuts) in planes[first..].iter().zip(&mut by_plane[first..]) {
+            if plane.at >= covered.high {
+                break;
+            }
+            let [from, to] = slice.cut(plane.at);
+            if to > from {
+                let ends = [[from, slice.height(from, plane.at)], [to, slice.height(to, plane.at)]];
+                cuts.push(Cut { facet: covered.facet, ends });
+            }
+        }
+    }
+    by_plane
+}
+
+/// The runs of one plane: cuts in order along it, split at gaps wider than the cutter.
+fn runs_of(at: f64, mut cuts: Vec<Cut>, facets: &[FinishFacet], spaced: &Spaced, cutter: Cutter) -> Vec<Vec<Place>> {
+    cuts.sort_by(|a, b| a.ends[0][0].total_cmp(&b.ends[0][0]));
+    let place = |facet: u32, [along, height]: [f64; 2]| {
+        let [e, origin] = [spaced.sweep.heading.e, [spaced.workpiece.origin[0], spaced.workpiece.origin[1]]];
+        let contact = [origin[0] + e[0] * along - e[1] * at, origin[1] + e[1] * along + e[0] * at, spaced.workpiece.origin[2] + height];
+        Place { facet, contact, tip: tip_of(cutter, contact, facets[facet as usize].normal) }
+    };
+    let mut runs: Vec<Vec<Place>> = Vec::new();
+    let mut last: Option<(u32, [f64; 2])> = None;
+    for &Cut { facet, ends: [from, to] } in &cuts {
+        let continues = last.is_some_and(|(_, end)| from[0] - end[0] <= spaced.widest);
+        if !continues {
+            if let (Some((facet, end)), Some(run)) = (last, runs.last_mut()) {
+                run.push(place(facet, end));
+            }
+            runs.push(vec![place(facet, from)]);
+            last = None;
+        }
+        if let Some(run) = runs.last_mut() {
+            run.push(place(facet, [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])]));
+        }
+        if last.is_none_or(|(_, end)| to[0] > end[0]) {
+            last = Some((facet, to));
+        }
+    }
+    if let (Some((facet, end)), Some(run)) = (last, runs.last_mut()) {
+        run.push(place(facet, end));
+    }
+    runs
+}
+
+/// The tip of a cutter that touches a plane with the normal n at the contact c: the corner's centre is r n above it, the axis R - r further along
+/// the horizontal part of n, and the tip r below the centre.
+fn tip_of(cutter: Cutter, contact: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
+    let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+    let horizontal = normal[0].hypot(normal[1]);
+    // On a floor the flat touches as a whole; its middle is over the contact.
+    let out = if horizontal > 0.0 { core / horizontal } else { 0.0 };
+    [contact[0] + (corner + out) * normal[0], contact[1] + (corner + out) * normal[1], contact[2] + corner * normal[2] - corner]
+}
+
+/// Which places to keep so that none left out is farther from the line between its kept neighbours than `chord`: the two ends, and again and again the
+/// farthest place (Douglas and Peucker), by contact and tip.
+fn thinned(places: &[Place], chord: f64) -> Vec<usize> {
+    let mut keep = vec![false; places.len()];
+    let Some(last) = places.len().checked_sub(1) else { return Vec::new() };
+    (keep[0], keep[last]) = (true, true);
+    let mut open = vec![(0, last)];
+    while let Some((from, to)) = open.pop() {
+        let far = |index: usize| {
+            let contact = distance(places[index].contact, places[from].contact, places[to].contact);
+            contact.max(distance(places[index].tip, places[from].tip, places[to].tip))
+        };
+        let farthest = (from + 1..to).map(|index| (index, far(index))).max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((index, _)) = farthest.filter(|&(_, far)| far > chord) {
+            keep[index] = true;
+            open.push((from, index));
+            open.push((index, to));
+        }
+    }
+    (0..places.len()).filter(|&index| keep[index]).collect()
+}
+
+/// The distance of a point from the segment between two others.
+fn distance(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
+    let line = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+    let out = [point[0] - from[0], point[1] - from[1], point[2] - from[2]];
+    let squared = line.iter().map(|c| c * c).sum::<f64>();
+    let along = (line[0] * out[0] + line[1] * out[1] + line[2] * out[2]) / squared;
+    let share = if squared > 0.0 { along.clamp(0.0, 1.0) } else { 0.0 };
+    (out[0] - share * line[0]).hypot(out[1] - share * line[1]).hypot(out[2] - share * line[2])
+}
+
+/// What points are made with.
+struct Pointing<'a> {
+    facets: &'a [FinishFacet],
+    spaced: &'a Spaced<'a>,
+    prepared: &'a Prepared,
+    settings: &'a ZigzagSettings,
+    tip_height: &'a (dyn Fn(f64, f64) -> Option<f64> + Sync),
+}
+
+impl Pointing<'_> {
+    fn point(&self, plane: &Plane, place: Place) -> PassPoint {
+        let Place { facet, contact, mut tip } = place;
+        let resting = (self.tip_height)(tip[0], tip[1]);
+        let raised = resting.filter(|&height| height - tip[2] > SUNK_SHARE * self.settings.scallop_height.mm());
+        if let Some(height) = raised {
+            tip[2] = height;
+        }
+        let (e, index) = (self.spaced.sweep.heading.e, facet as usize);
+        let tangent = &self.spaced.workpiece.tangents[index];
+        let (cos_alpha, _) = tangent.alpha(e);
+        let spacing = plane.spacing();
+        let mut step_over = spacing / tangent.ratio_squared(cos_alpha).sqrt();
+        // The feed of the plan: where the model has a better answer, it follows.
+        let planned = self.prepared.feeds.rate(tangent, cos_alpha, spacing * spacing / f64::from(self.spaced.squared[index]));
+        let range = self.prepared.range;
+        let mut feed = range.map(|range| planned / range.teeth_per_second);
+        let (mut curvature, mut height) = ([0.0; 3], None);
+        if let Ok(of_facet) = FacetContact::new(&self.facets[index], e) {
+            curvature = of_facet.curvature;
+            step_over = of_facet.step_over(spacing);
+            if let Ok(judged) = of_facet.judged(self.prepared.candidate.cutter, self.settings.model) {
+                feed = range.and_then(|range| self.largest_feed(&judged, step_over, range)).or(feed);
+                height = judged.scallop_height(Length::computed(step_over), feed.map(Length::computed)).ok().map(ScallopHeight::total);
+            }
+        }
+        let rate = range.zip(feed).map_or(planned, |(range, feed)| range.rate(feed));
+        PassPoint {
+            contact: if raised.is_some() { None } else { Some(contact) },
+            normal: self.facets[index].normal,
+            tip,
+            step_over: Length::computed(step_over),
+            feed_per_tooth: feed.map(Length::computed),
+            feed_rate: Speed::computed(rate),
+            scallop_height: height,
+            curvature,
+        }
+    }
+
+    /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over alone uses it up.
+    fn largest_feed(&self, judged: &JudgedPass, step_over: f64, range: FeedRange) -> Option<f64> {
+        // Most feeds are bound by the range, which one height shows.
+        let tolerance = self.settings.scallop_height;
+        let at_largest = judged.scallop_height(Length::computed(step_over), Some(Length::computed(range.largest)));
+        if at_largest.is_ok_and(|height| height.total() <= tolerance) {
+            return Some(range.largest);
+        }
+        match judged.max_feed_per_tooth(tolerance, Length::computed(step_over)) {
+            Ok(feed) => Some(feed.mm().min(range.largest)),
+            Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }) => Some(largest_feed_per_tooth.mm().min(range.largest)),
+            Err(_) => None,
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! What is given for all candidates: the scallop height, the machine, the pattern and the directions.
+
+use super::tour::Pattern;
+use crate::milling::Model;
+use crate::motion::Machine;
+use crate::quantity::{Angle, Length};
+use crate::surface::Shape;
+
+/// What is given for all candidates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ZigzagSettings {
+    /// The scallop height to keep: of step-over and feed marks together for cutters with a drive, of the step-over alone for others.
+    pub scallop_height: Length,
+    /// The machine.
+    pub machine: Machine,
+    /// How passes follow each other.
+    pub pattern: Pattern,
+    /// The model by which passes are spaced.
+    pub model: Model,
+    /// The slope up to which facets set spacings; steeper ones count as steep.
+    pub max_slope: Angle,
+    /// The directions of passes.
+    pub directions: Directions,
+    /// The share of a strip's area that may allow less than the strip's spacing, so that one bad facet does not set it.
+    pub left_out_share: f64,
+    /// The share of the area up to which a cutter may leave the surface uncut and be ranked.
+    pub max_uncut_share: f64,
+    /// The shape of the surface, for the comparison with the published method; `None` leaves it out.
+    pub shape: Option<Shape>,
+}
+
+impl ZigzagSettings {
+    /// Zigzag in all directions, spaced by model `envelope`, with the usual limits: slopes up to 85 deg, a thousandth of each strip left out,
+    /// half a per cent of the area uncut.
+    #[must_use]
+    pub fn new(scallop_height: Length, machine: Machine) -> Self {
+        Self {
+            scallop_height,
+            machine,
+            pattern: Pattern::Zigzag,
+            model: Model::Envelope,
+            max_slope: Angle::from_radians(85.0_f64.to_radians()),
+            directions: Directions::All { beside: Vec::new() },
+            left_out_share: 0.001,
+            max_uncut_share: 0.005,
+            shape: None,
+        }
+    }
+}
+
+/// Which directions are simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Directions {
+    /// Every 5 deg and those of `beside`, then around the best down to 0.5 deg.
+    All {
+        /// Further directions, such as the principal and the steepest one.
+        beside: Vec<Angle>,
+    },
+    /// These only.
+    Only(Vec<Angle>),
+}

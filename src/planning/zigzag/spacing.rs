@@ -1,0 +1,358 @@
+//! How far apart the planes of neighbouring passes may lie at a slope and direction, for one cutter and scallop height.
+
+use super::candidate::FeedRange;
+use super::slopes::{SlopePlace, sines};
+use super::workpiece::Tangent;
+use crate::milling::{Contact, Cutter, CutterKind, CuttingLimits, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::quantity::Length;
+use rayon::prelude::*;
+
+/// The columns of a table less one: they lie at cos(alpha) = 0, 1/24, ... 1.
+const COLUMNS: usize = 24;
+
+/// The largest step-over of a cutter over slope and direction on a plane, seen from above, and the feed that belongs to it.
+///
+/// A ball-end cutter, and any cutter in model `analytic` without feed marks, have closed forms. Elsewhere a table of squared spacings is
+/// interpolated, linearly in cos^2(alpha) and 1/sin(S), in which the squares of circles' chords are linear; it is taken
+/// [`CutterSpacing::MARGIN`] smaller than interpolated, more than interpolation errs.
+#[derive(Debug, Clone)]
+pub(super) struct CutterSpacing {
+    cutter: Cutter,
+    /// 8 h, which turns a squared spacing into a curvature.
+    eight_heights: f64,
+    diameter_squared: f64,
+    /// Whether the curvature of the surface counts: in model `envelope` only.
+    on_curved: bool,
+    law: Law,
+}
+
+#[derive(Debug, Clone)]
+enum Law {
+    /// The chord of a circle of the effective radius, 2 sqrt(2 P h - h^2).
+    Circle { core: f64, corner: f64, height: f64 },
+    /// A step-over along the surface that is the same everywhere.
+    Constant { squared: f64 },
+    /// Squared spacings seen from above, row after row.
+    Table { squared: Vec<f64> },
+}
+
+/// How the feed follows the spacing.
+#[derive(Debug, Clone)]
+pub(super) enum FeedLaw {
+    /// One feed rate everywhere, in mm/s: the machine's, or the largest feed per tooth, which the best step-over takes at every contact.
+    Constant { rate: f64 },
+    /// Feeds from a table.
+    Table(FeedTable),
+}
+
+/// Feeds at the best step-over, and what smaller step-overs gain.
+#[derive(Debug, Clone)]
+pub(super) struct FeedTable {
+    range: FeedRange,
+    /// The feed per tooth and the squared ratio of the best step-over to that without feed marks, row after row.
+    nodes: Vec<[f64; 2]>,
+}
+
+/// The best step-over and feed at one contact.
+#[derive(Debug, Clone, Copy)]
+struct Best {
+    /// Along the surface, in mm.
+    step_over: f64,
+    feed_per_tooth: f64,
+}
+
+impl CutterSpacing {
+    /// The share by which tables are taken smaller than interpolated. Over random cutters, slopes and directions linear interpolation exceeds the
+    /// model's spacing by at most 0.5 %; it falls short of it by up to 2 %, under 3 deg of slope by up to 10 %, which the check of a plan makes good.
+    pub(super) const MARGIN: f64 = 0.006;
+
+    /// The same with feed marks, where interpolation exceeds by at most 1.1 %: along the tolerance the area per time is flat around its maximum, and step-over and
+    /// feed are found to half a per cent.
+    pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
+
+    /// The spacings of a cutter for the scallop height `height`, with feed marks where `feeds` is given, and its feeds. `rows` tells which
+    /// rows of a table are needed; `feed_rate` is the machine's, in mm/s.
+    pub(super) fn new(
+        cutter: Cutter,
+        height: Length,
+        model: Model,
+        feeds: Option<FeedRange>,
+        rows: &[bool],
+        feed_rate: f64,
+    ) -> (Self, FeedLaw) {
+        let h = height.mm();
+        let diameter = 2.0 * cutter.outer_radius().mm();
+        let (law, feed_law) = match (cutter.kind(), model, feeds) {
+            (_, Model::Analytic, None) | (CutterKind::BallEnd, _, None) => (
+                Law::Circle { core: cutter.core_radius().mm(), corner: cutter.corner_radius().mm(), height: h },
+                FeedLaw::Constant { rate: feed_rate },
+            ),
+            (CutterKind::BallEnd, _, Some(range)) => {
+                // A ball leaves the same at every slope and direction.
+                let best = best_step_over(cutter, Contact::from_degrees(0.0, 0.0).ok(), model, height, Some(range.largest), diameter);
+                let (step_over, feed) = best.map_or((0.0, range.largest), |best| (best.step_over, best.feed_per_tooth));
+                (Law::Constant { squared: step_over * step_over }, constant_or_table(range, vec![[feed, share(step_over, cutter, h)]]))
+            }
+            _ => tabulated(cutter, height, model, feeds, rows, feed_rate),
+        };
+        let on_curved = model == Model::Envelope;
+        (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
+    }
+
+    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 where no spacing keeps the scallop height.
+    pub(super) fn squared(&self, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
+        let ratio_squared = tangent.ratio_squared(cos_alpha);
+        let on_plane = match &self.law {
+            Law::Constant { squared } => squared * ratio_squared,
+            Law::Circle { core, corner, height } => {
+                // R_eff = core cos^2(theta) / sin(S) + r with cos^2(theta) = cos^2(alpha) / ratio^2; infinite on a floor.
+                let bent = core * cos_alpha * cos_alpha / (tangent.sin * ratio_squared);
+                let radius = if *core > 0.0 { bent + corner } else { *corner };
+                if radius.is_nan() || radius > 1e12 {
+                    self.diameter_squared
+                } else if radius >= *height {
+                    4.0 * height * (2.0 * radius - height) * ratio_squared
+                } else {
+                    4.0 * radius * radius * ratio_squared
+                }
+            }
+            Law::Table { squared } => interpolated(squared, tangent.place, cos_alpha),
+        };
+        let squared = if self.on_curved { self.on_curved_surface(on_plane, tangent, cos_alpha, sin_alpha) } else { on_plane };
+        squared.min(self.diameter_squared)
+    }
+
+    /// A squared spacing on the curved surface, from that on a plane: the relative curvature across the feed grows by the difference of the
+    /// Schur complements k_c - k_p, so that 8 h / d^2 grows by their difference over the squared ratio of d to s.
+    ///
+    /// Where the second order has no answer because the cutter gouges, the plane's spacing is left as it is: hollows only widen it.
+    fn on_curved_surface(&self, on_plane: f64, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
+        let [steepest, twist, level] = tangent.curvature;
+        if steepest == 0.0 && twist == 0.0 && level == 0.0 {
+            return on_plane;
+        }
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        // 1/((R - r)/sin(S) + r), the body's curvature along the level line.
+        let across = tangent.sin / (core + corner * tangent.sin);
+        // Twice the forms of the body and of body and surface along the feed, times r, for the feed's direction lifted into the tangent plane:
+        // (cos(alpha)/cos(S), sin(alpha)), whose squared length cancels against the ratio of d to s but for cos^2(S).
+        let up = cos_alpha / tangent.cos;
+        let body = up * up + corner * across * sin_alpha * sin_alpha;
+        let both = body + corner * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
+        let determinant = (1.0 + corner * steepest) * (across + level) - corner * twist * twist;
+        if !(determinant > 0.0 && both > 0.0 && body > 0.0) {
+            return on_plane;
+        }
+        let rise = (determinant / both - across / body) / (tangent.cos * tangent.cos);
+        let curvature = self.eight_heights / on_plane + rise;
+        if curvature > 0.0 { self.eight_heights / curvature } else { self.diameter_squared }
+    }
+}
+
+impl FeedLaw {
+    /// The feed rate in mm/s on a facet of whose squared spacing the share `taken_of_allowed` is taken.
+    ///
+    /// The height of step-over and feed marks together is taken for a sum of squares, h (s/s0)^2 + b f^2, with s0 the step-over
+    /// without marks. What s leaves of h is the feed's.
+    pub(super) fn rate(&self, tangent: &Tangent, cos_alpha: f64, taken_of_allowed: f64) -> f64 {
+        match self {
+            Self::Constant { rate } => *rate,
+            Self::Table(table) => table.rate(tangent, cos_alpha, taken_of_allowed),
+        }
+    }
+}
+
+impl FeedTable {
+    fn rate(&self, tangent: &Tangent, cos_alpha: f64, taken_of_allowed: f64) -> f64 {
+        let [feed, share] = if self.nodes.len() == 1 { self.nodes[0] } else { interpolated_pair(&self.nodes, tangent.place, cos_alpha) };
+        let gain = ((1.0 - share * taken_of_allowed.min(1.0)) / (1.0 - share)).sqrt();
+        self.range.rate((feed * gain).min(self.range.largest))
+    }
+}
+
+/// A table for the rows that are needed.
+fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRange>, rows: &[bool], feed_rate: f64) -> (Law, FeedLaw) {
+    let diameter = 2.0 * cutter.outer_radius().mm();
+    let limit = feeds.map(|range| range.largest);
+    let row_of = |(row, &sin): (usize, &f64)| -> Vec<([f64; 2], f64)> {
+        // Contacts of walls know no alpha; the last row is taken just before.
+        let slope = sin.asin().to_degrees().min(89.9);
+        let node = |column: usize| {
+            #[expect(clippy::cast_precision_loss, reason = "under 25")]
+            let alpha = (column as f64 / COLUMNS as f64).acos().to_degrees();
+            let contact = Contact::from_degrees(slope, alpha).ok();
+            let ratio = contact.map_or(1.0, Contact::spacing_ratio);
+            let best = best_step_over(cutter, contact, model, height, limit, diameter / ratio);
+            let Some(best) = best else { return ([limit.unwrap_or(0.0), 0.0], 0.0) };
+            let seen_from_above = best.step_over * ratio;
+            let share = if limit.is_some() {
+                let alone =
+                    best_step_over(cutter, contact, model, height, None, diameter / ratio).map_or(f64::INFINITY, |best| best.step_over);
+                (best.step_over / alone).powi(2).min(0.999)
+            } else {
+                0.0
+            };
+            ([best.feed_per_tooth, share], seen_from_above * seen_from_above)
+        };
+        if rows[row] { (0..=COLUMNS).map(node).collect() } else { vec![([limit.unwrap_or(0.0), 0.0], 0.0); COLUMNS + 1] }
+    };
+    let nodes: Vec<([f64; 2], f64)> = sines().par_iter().enumerate().flat_map_iter(row_of).collect();
+    let kept = 1.0 - if feeds.is_some() { CutterSpacing::MARGIN_WITH_FEEDS } else { CutterSpacing::MARGIN };
+    let squared = nodes.iter().map(|&(_, squared)| kept * kept * squared).collect();
+    let feed_law = match feeds {
+        None => FeedLaw::Constant { rate: feed_rate },
+        Some(range) => constant_or_table(range, nodes.into_iter().map(|(pair, _)| pair).collect()),
+    };
+    (Law::Table { squared }, feed_law)
+}
+
+/// One feed rate where every node has the largest feed, else the table.
+fn constant_or_table(range: FeedRange, nodes: Vec<[f64; 2]>) -> FeedLaw {
+    if nodes.iter().all(|&[feed, _]| feed >= range.largest) {
+        FeedLaw::Constant { rate: range.rate(range.largest) }
+    } else {
+        FeedLaw::Table(FeedTable { range, nodes })
+    }
+}
+
+/// The squared ratio of a ball's step-over to the one without feed marks, 2 sqrt(2 R h - h^2).
+fn share(step_over: f64, ball: Cutter, height: f64) -> f64 {
+    let squared = 4.0 * height * (2.0 * ball.outer_radius().mm() - height);
+    if squared > 0.0 { (step_over * step_over / squared).min(0.999) } else { 0.0 }
+}
+
+/// The step-over and feed that finish the most area per time under the scallop height: with a largest feed, where s f_z is largest; without
+/// feed marks, the largest step-over. At most `widest`. `None` where the model has no step-over.
+fn best_step_over(
+    cutter: Cutter,
+    contact: Option<Contact>,
+    model: Model,
+    height: Length,
+    largest_feed: Option<f64>,
+    widest: f64,
+) -> Option<Best> {
+    let pass = Pass { cutter, contact: contact?, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
+    let widest = widest.min(Length::LARGEST);
+    let judged = match JudgedPass::new(model, pass) {
+        Ok(judged) => judged,
+        // The circle's radius is infinite: nothing but the cutter's width limits the step-over.
+        Err(NoAnswer::FlatFloor) => return Some(Best { step_over: widest, feed_per_tooth: largest_feed.unwrap_or(0.0) }),
+        Err(_) => return None,
+    };
+    let step_over = |feed: Option<f64>| match judged.max_step_over(height, feed.map(Length::computed)) {
+        Ok(step_over) => step_over.mm().min(widest),
+        Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => largest_step_over.mm().min(widest),
+        Err(_) => 0.0,
+    };
+    let Some(largest) = largest_feed else {
+        let step_over = step_over(None);
+        return (step_over > 0.0).then_some(Best { step_over, feed_per_tooth: 0.0 });
+    };
+    let at = |feed: f64| Best { step_over: step_over(Some(feed)), feed_per_tooth: feed };
+    let rate = |best: &Best| best.step_over * best.feed_per_tooth;
+    let at_largest = at(largest);
+    if rate(&at_largest) > 0.0 && rate(&at_largest) >= rate(&at(0.97 * largest)) {
+        return Some(at_largest);
+    }
+    // A smaller feed gains more by the step-over than it loses: search.
+    let limits = CuttingLimits::new(Some(Length::computed(largest)), None, Some(Length::computed(widest))).ok()?;
+    let best = judged.fastest(height, &limits).ok()?;
+    Some(Best { step_over: best.step_over.mm(), feed_per_tooth: best.feed_per_tooth.mm() })
+}
+
+/// The columns on both sides of cos(alpha) and the weight of the second.
+fn column_of(cos_alpha: f64) -> (usize, f64) {
+    #[expect(clippy::cast_precision_loss, reason = "24")]
+    let columns = COLUMNS as f64;
+    let at = cos_alpha.abs() * columns;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 24")]
+    let column = (at as usize).min(COLUMNS - 1);
+    #[expect(clippy::cast_precision_loss, reason = "under 24")]
+    let low = column as f64;
+    (column, ((at * at - low * low) / (2.0 * low + 1.0)).min(1.0))
+}
+
+fn interpolated(nodes: &[f64], place: SlopePlace, cos_alpha: f64) -> f64 {
+    let (column, weight) = column_of(cos_alpha);
+    let row = |row: usize| {
+        let at = row * (COLUMNS + 1) + column;
+        nodes[at] + weight * (nodes[at + 1] - nodes[at])
+    };
+    let (low, high) = (row(place.row as usize), row(place.row as usize + 1));
+    low + place.weight * (high - low)
+}
+
+fn interpolated_pair(nodes: &[[f64; 2]], place: SlopePlace, cos_alpha: f64) -> [f64; 2] {
+    let (column, weight) = column_of(cos_alpha);
+    [0, 1].map(|of| {
+        let row = |row: usize| {
+            let at = row * (COLUMNS + 1) + column;
+            nodes[at][of] + weight * (nodes[at + 1][of] - nodes[at][of])
+        };
+        let (low, high) = (row(place.row as usize), row(place.row as usize + 1));
+        low + place.weight * (high - low)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planning::zigzag::slopes::place_of;
+
+    /// Numbers that look random and are the same on each run.
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from(u32::try_from(*state >> 33).unwrap()) / f64::from(1_u32 << 31)
+    }
+
+    fn tangent(slope: f64) -> Tangent {
+        let (sin, cos) = slope.to_radians().sin_cos();
+        Tangent { down_hill: [1.0, 0.0], sin, cos, curvature: [0.0; 3], place: place_of(sin), is_steep: false }
+    }
+
+    /// Spacing by the law over that of the model, for random cutters, heights, slopes and directions: the least and the largest ratio.
+    fn compared(model: Model, feeds: Option<FeedRange>, slopes: impl Fn(f64) -> f64) -> [f64; 2] {
+        let mut state = 7;
+        let mut range = [f64::INFINITY, 0.0_f64];
+        let rows = vec![true; sines().len()];
+        for _ in 0..10 {
+            let diameter = 2.0 + 14.0 * random(&mut state);
+            let corner = (0.02 + 0.9 * random(&mut state)) * diameter / 2.0;
+            let cutter = Cutter::toroidal(Length::computed(diameter), Length::computed(corner)).unwrap();
+            let height = Length::computed(0.002 * 15.0_f64.powf(random(&mut state)));
+            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &rows, 80.0);
+            for _ in 0..100 {
+                let (slope, alpha) = (slopes(random(&mut state)), 90.0 * random(&mut state));
+                let contact = Contact::from_degrees(slope, alpha).unwrap();
+                let limit = feeds.map(|feeds| feeds.largest);
+                let best = best_step_over(cutter, Some(contact), model, height, limit, diameter / contact.spacing_ratio()).unwrap();
+                let exact = best.step_over * contact.spacing_ratio();
+                let (sin, cos) = alpha.to_radians().sin_cos();
+                let ratio = spacing.squared(&tangent(slope), cos, sin).sqrt() / exact.min(diameter);
+                range = [range[0].min(ratio), range[1].max(ratio)];
+            }
+        }
+        println!("{model:?} {feeds:?}: {range:?}");
+        range
+    }
+
+    #[test]
+    fn the_circles_closed_form_is_that_of_the_model() {
+        let [least, most] = compared(Model::Analytic, None, |unit| 85.0 * unit);
+        // The angle's cosine is squared and rooted again: some units of 2e-16, over ratios of 100.
+        approx::assert_relative_eq!(least, 1.0, max_relative = 1e-9);
+        approx::assert_relative_eq!(most, 1.0, max_relative = 1e-9);
+    }
+
+    #[test]
+    fn tables_never_exceed_the_envelope_and_stay_near_it() {
+        let feeds = Some(FeedRange { largest: 0.1, teeth_per_second: 300.0 });
+        for feeds in [None, feeds] {
+            let [least, most] = compared(Model::Envelope, feeds, |unit| 3.0 + 82.0 * unit);
+            assert!(most <= 1.0 && least > 0.96, "{least} {most}");
+            // Near the floor the groove turns from the corner's to the flat's.
+            let [least, most] = compared(Model::Envelope, feeds, |unit| 0.01 * 300.0_f64.powf(unit));
+            assert!(most <= 1.0 && least > 0.88, "{least} {most}");
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The facets of a workpiece in the order in which planes of one direction meet them.
+
+use super::workpiece::Workpiece;
+use crate::quantity::Angle;
+
+/// A direction of passes: e along the passes, q across them to the left, both seen from above.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Heading {
+    pub(super) e: [f64; 2],
+}
+
+impl Heading {
+    pub(super) fn new(direction: Angle) -> Self {
+        Self { e: [direction.cos(), direction.sin()] }
+    }
+
+    /// The coordinate along the passes.
+    pub(super) fn along(&self, x: f64, y: f64) -> f64 {
+        self.e[0] * x + self.e[1] * y
+    }
+
+    /// The coordinate across the passes.
+    pub(super) fn across(&self, x: f64, y: f64) -> f64 {
+        self.e[0] * y - self.e[1] * x
+    }
+}
+
+/// A facet and the stretch across the passes that it covers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Covered {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    pub(super) facet: u32,
+}
+
+/// A facet as planes of one direction cut it: one cut costs a few multiplications.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slice {
+    low: f64,
+    middle: f64,
+    high: f64,
+    /// The coordinates along the passes of the corners that are first and last across them, and the height of the first.
+    first: f64,
+    last: f64,
+    height: f64,
+    /// How fast the edges run along the passes per length across them: from the first corner to the last, to the middle one, and from there on.
+    edges: [f64; 3],
+    /// The rise of the facet along and across the passes, per length seen from above.
+    rise: [f64; 2],
+    /// The length in space of a cut per length seen from above.
+    stretch: f64,
+}
+
+impl Slice {
+    fn new(corners: &[[f64; 3]; 3], heading: Heading) -> Self {
+        let mut corners = corners.map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
+        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+            if corners[i][0] > corners[j][0] {
+                corners.swap(i, j);
+            }
+        }
+        let [low, middle, high] = corners;
+        // Infinite where an edge lies along the passes; it is not cut then.
+        let edge = |a: [f64; 3], b: [f64; 3]| (b[1] - a[1]) / (b[0] - a[0]);
+        let (u, v) = ([middle[0] - low[0], middle[1] - low[1], middle[2] - low[2]], [high[0] - low[0], high[1] - low[1], high[2] - low[2]]);
+        let area = u[0] * v[1] - u[1] * v[0];
+        let rise = if area == 0.0 { [0.0; 2] } else { [(u[0] * v[2] - u[2] * v[0]) / area, (u[2] * v[1] - u[1] * v[2]) / area] };
+        Self {
+            low: low[0],
+            middle: middle[0],
+            high: high[0],
+            first: low[1],
+            last: high[1],
+            height: low[2],
+            edges: [edge(low, high), edge(low, middle), edge(middle, high)],
+            rise,
+            stretch: (1.0 + rise[0] * rise[0]).sqrt(),
+        }
+    }
+
+    /// Both ends of the cut at `at`, which must lie from `low` to before `high`, along the passes, the lower one first.
+    pub(super) fn cut(&self, at: f64) -> [f64; 2] {
+        let long = self.first + self.edges[0] * (at - self.low);
+        let short =
+            if at < self.middle { self.first + self.edges[1] * (at - self.low) } else { self.last + self.edges[2] * (at - self.high) };
+        if long <= short { [long, short] } else { [short, long] }
+    }
+
+    /// The height of the facet at a place.
+    pub(super) fn height(&self, along: f64, at: f64) -> f64 {
+        self.height + self.rise[0] * (along - self.first) + self.rise[1] * (at - self.low)
+    }
+
+    /// The length in space of a cut per length seen from above.
+    pub(super) fn stretch(&self) -> f64 {
+        self.stretch
+    }
+}
+
+/// The facets in rising order of where they begin across the passes.
+#[derive(Debug)]
+pub(super) struct Sweep {
+    pub(super) heading: Heading,
+    pub(super) covered: Vec<Covered>,
+    /// The same facets in the same order.
+    pub(super) slices: Vec<Slice>,
+    /// The least and largest coordinate along the passes.
+    pub(super) along: [f64; 2],
+}
+
+impl Sweep {
+    pub(super) fn new(workpiece: &Workpiece, direction: Angle) -> Self {
+        let heading = Heading::new(direction);
+        let mut along = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut across = [f64::INFINITY, f64::NEG_INFINITY];
+        let unordered: Vec<Covered> = (0_u32..)
+            .zip(&workpiece.corners)
+            .map(|(facet, corners)| {
+                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+                for &[x, y, _] in corners {
+                    let (p, q) = (heading.along(x, y), heading.across(x, y));
+                    along = [along[0].min(p), along[1].max(p)];
+                    (low, high) = (low.min(q), high.max(q));
+                }
+                across = [across[0].min(low), across[1].max(low)];
+                Covered { low, high, facet }
+            })
+            .collect();
+        let covered = ordered(unordered, across);
+        let slices = covered.iter().map(|covered| Slice::new(&workpiece.corners[covered.facet as usize], heading)).collect();
+        Self { heading, covered, slices, along }
+    }
+
+    /// The stretches across the passes that facets cover without a gap wider than `gap`, each as the facets in it and its two ends.
+    pub(super) fn bands(&self, gap: f64) -> Vec<Band> {
+        let mut bands = Vec::new();
+        let mut current: Option<Band> = None;
+        for (index, covered) in self.covered.iter().enumerate() {
+            match &mut current {
+                Some(band) if covered.low <= band.high + gap => {
+                    band.high = band.high.max(covered.high);
+                    band.end = index + 1;
+                }
+                _ => {
+                    bands.extend(current.take());
+                    current = Some(Band { start: index, end: index + 1, low: covered.low, high: covered.high });
+                }
+            }
+        }
+        bands.extend(current);
+        bands
+    }
+}
+
+/// A stretch across the passes that is covered without wide gaps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Band {
+    /// The first of its facets in the order of the sweep.
+    pub(super) start: usize,
+    /// One past the last of its facets.
+    pub(super) end: usize,
+    pub(super) low: f64,
+    pub(super) high: f64,
+}
+
+/// Sorts by `low`, of which `range` holds the least and the largest: a counting sort into as many buckets as there are facets, then
+/// insertion within each, because comparing all takes three times as long.
+fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
+    let count = unordered.len();
+    let width = range[1] - range[0];
+    if count < 64 || width <= 0.0 {
+        let mut sorted = unordered;
+        sorted.sort_by(|a, b| a.low.total_cmp(&b.low));
+        return sorted;
+    }
+    #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
+    let per_width = (count - 1) as f64 / width;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to count - 1")]
+    let bucket = |covered: &Covered| (((covered.low - range[0]) * per_width) as usize).min(count - 1);
+    let mut starts = vec![0_u32; count + 1];
+    for covered in &unordered {
+        starts[bucket(covered) + 1] += 1;
+    }
+    for index in 0..count {
+        starts[index + 1] += starts[index];
+    }
+    let mut sorted = vec![Covered { low: 0.0, high: 0.0, facet: 0 }; count];
+    for covered in &unordered {
+        let place = &mut starts[bucket(covered)];
+        sorted[*place as usize] = *covered;
+        *place += 1;
+    }
+    // Facets of meshes in rows begin at the same places by the hundred; such a run is long but in order, or sorted by comparison.
+    if sorted.windows(2).any(|pair| pair[0].low > pair[1].low) {
+        let mut start = 0;
+        for end in 1..=count {
+            if end == count || bucket(&sorted[end]) != bucket(&sorted[start]) {
+                if end - start > 1 {
+                    sorted[start..end].sort_by(|a, b| a.low.total_cmp(&b.low));
+                }
+                start = end;
+            }
+        }
+    }
+    sorted
+}

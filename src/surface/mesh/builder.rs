@@ -1,0 +1,198 @@
+//! Builds a mesh from facets or points as they come, within a bound on memory.
+
+use super::merge::HeightLattice;
+use super::thinning::PointCloud;
+use super::weld::Welder;
+use super::{Mesh, MeshError, cross};
+use crate::surface::{Bounds, Facing, LARGEST_COORDINATE, Sink, Unit, triangulation};
+
+/// A sink that welds facets into a [`Mesh`], or triangulates points.
+///
+/// Corners with equal coordinates become one point. Facets without area are counted and left out. Where facets come, single points are
+/// ignored; without facets the points are triangulated in the XY plane.
+///
+/// # Memory
+/// At most [`MeshBuilder::facet_limit`] facets are held, N = 2,000,000 by default. A facet takes 12 bytes, a point 24 bytes and 5 to 10 bytes of
+/// the welding table; while these grow, old and new storage exist together. A closed mesh has N/2 points: about 70 MB for the default, and at
+/// most 140 MB while it grows. The worst case, facets that share no corner, has 3 N points: 230 MB, 420 MB while it grows.
+///
+/// The facet beyond the bound makes the builder merge all facets, those before and those after, into the height of the surface seen from
+/// above on a square lattice of sqrt(N/2) x sqrt(N/2) nodes, 8 bytes each. The spacing of the lattice, a power of two of the file's unit, is the
+/// smallest that covers all facets; [`Mesh::merged_cell`] has it. Heights at the nodes are exact; walls become slopes one spacing wide, and
+/// undercuts disappear. Of single points at most N/2 are held; beyond, one point is kept for each cell of a lattice in the same way.
+#[derive(Debug)]
+pub struct MeshBuilder {
+    limit: usize,
+    welder: Welder,
+    triangles: Vec<[u32; 3]>,
+    lattice: Option<HeightLattice>,
+    cloud: PointCloud,
+    facets: u64,
+    degenerate: u64,
+    bounds: Bounds,
+    out_of_range: bool,
+    turned_over: bool,
+}
+
+impl Default for MeshBuilder {
+    fn default() -> Self {
+        Self::with_facet_limit(Self::DEFAULT_FACET_LIMIT)
+    }
+}
+
+impl MeshBuilder {
+    /// N, unless another bound is given.
+    pub const DEFAULT_FACET_LIMIT: usize = 2_000_000;
+    /// The largest bound: point numbers must fit 32 bits with three points for each facet.
+    pub const LARGEST_FACET_LIMIT: usize = 1_000_000_000;
+
+    /// An empty mesh with the default bound.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// An empty mesh that holds at most `limit` facets, from 8 to [`MeshBuilder::LARGEST_FACET_LIMIT`]; a limit outside counts as the nearer end.
+    #[must_use]
+    pub fn with_facet_limit(limit: usize) -> Self {
+        let limit = limit.clamp(8, Self::LARGEST_FACET_LIMIT);
+        Self {
+            limit,
+            welder: Welder::new(),
+            triangles: Vec::new(),
+            lattice: None,
+            cloud: PointCloud::new(limit / 2),
+            facets: 0,
+            degenerate: 0,
+            bounds: Bounds::NONE,
+            out_of_range: false,
+            turned_over: false,
+        }
+    }
+
+    /// N, the largest number of facets held.
+    #[must_use]
+    pub fn facet_limit(&self) -> usize {
+        self.limit
+    }
+
+    /// The mesh in mm of all that came, with coordinates in `unit`.
+    ///
+    /// With [`Facing::Up`] a surface of which no facet points up but some point down counts as turned over, and is turned. A facet whose back is
+    /// seen from above is handled by [`Mesh::visibility`], for either `facing`.
+    ///
+    /// # Errors
+    /// [`MeshError`], when nothing came that has an area, or a coordinate was out of bounds.
+    pub fn finish(self, unit: Unit, facing: Facing) -> Result<Mesh, MeshError> {
+        if self.out_of_range {
+            return Err(MeshError::CoordinateOutOfRange);
+        }
+        let mut merged = None;
+        let (mut points, mut triangles, from_points) = if let Some(lattice) = self.lattice {
+            merged = Some(lattice.cell() * unit.mm());
+            let (points, triangles) = lattice.finish();
+            (points, triangles, false)
+        } else if self.triangles.is_empty() {
+            if self.degenerate > 0 && self.cloud.is_empty() {
+                return Err(MeshError::OnlyDegenerateFacets { count: self.degenerate });
+            }
+            let received = self.cloud.received();
+            merged = self.cloud.cell().map(|cell| cell * unit.mm());
+            let (points, triangles) = triangulation::triangulate(self.cloud.into_points());
+            if triangles.is_empty() {
+                return Err(MeshError::NoTriangulation { points: received });
+            }
+            (points, triangles, true)
+        } else {
+            (self.welder.into_points(), self.triangles, false)
+        };
+        for point in &mut points {
+            *point = point.map(|coordinate| coordinate * unit.mm());
+        }
+        let from_above = |[a, b, c]: &[u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|&index| points[index as usize]);
+            cross(a, b, c)[2]
+        };
+        // A lattice and a triangulation face up by construction.
+        let given_sides = merged.is_none() && !from_points;
+        let mut turned_over = given_sides && self.turned_over;
+        if given_sides && facing == Facing::Up {
+            let sign = if turned_over { -1.0 } else { 1.0 };
+            let mut some_down = false;
+            let some_up = triangles.iter().any(|triangle| {
+                let side = sign * from_above(triangle);
+                some_down |= side < 0.0;
+                side > 0.0
+            });
+            turned_over ^= !some_up && some_down;
+        }
+        if turned_over {
+            for triangle in &mut triangles {
+                triangle.swap(1, 2);
+            }
+        }
+        if triangles.is_empty() {
+            // A lattice finer than all facets between its nodes, or walls alone.
+            return Err(MeshError::NothingFromAbove);
+        }
+        Ok(Mesh::assembled(points, triangles, self.degenerate, self.facets, merged, from_points))
+    }
+
+    fn merge(&mut self) -> &mut HeightLattice {
+        let (welder, triangles) = (std::mem::take(&mut self.welder), std::mem::take(&mut self.triangles));
+        let bounds = self.bounds;
+        let limit = self.limit;
+        self.lattice.get_or_insert_with(|| {
+            let mut lattice = HeightLattice::new(limit, &bounds);
+            let points = welder.into_points();
+            for triangle in triangles {
+                lattice.add(triangle.map(|index| points[index as usize]));
+            }
+            lattice
+        })
+    }
+}
+
+impl Sink for MeshBuilder {
+    fn point(&mut self, point: [f64; 3]) {
+        if !in_range(point) {
+            self.out_of_range = true;
+        } else if self.facets == 0 {
+            self.cloud.add(point);
+        }
+    }
+
+    fn facet(&mut self, corners: [[f64; 3]; 3]) {
+        if !corners.into_iter().all(in_range) {
+            self.out_of_range = true;
+            return;
+        }
+        let [a, b, c] = corners;
+        let [x, y, z] = cross(a, b, c);
+        if x == 0.0 && y == 0.0 && z == 0.0 {
+            self.degenerate += 1;
+            return;
+        }
+        self.facets += 1;
+        for corner in corners {
+            self.bounds.include(corner);
+        }
+        if let Some(lattice) = &mut self.lattice {
+            lattice.add(corners);
+        } else if self.triangles.len() == self.limit {
+            self.merge().add(corners);
+        } else {
+            let triangle = corners.map(|corner| self.welder.index(corner));
+            self.triangles.push(triangle);
+        }
+    }
+
+    fn turn_over(&mut self) {
+        self.turned_over = !self.turned_over;
+    }
+}
+
+/// Whether all coordinates are numbers of at most [`LARGEST_COORDINATE`] in magnitude.
+pub(super) fn in_range(point: [f64; 3]) -> bool {
+    point.iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE)
+}

@@ -1,0 +1,247 @@
+//! The curvature of the surface that a mesh approximates, estimated at its facets.
+//!
+//! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal, the mean of the normals of the facets
+//! around that point, weighted by their angles there, of those only that are within [`CREASE_ANGLE_DEG`] of the facet's own normal. Along each edge from p to q
+//! the curvature tensor K should turn the normal as K (q - p) = n_q - n_p: K is the symmetric tensor in the facet's plane that fits best in the sense of
+//! least squares, with all equations divided by the edge's length. The equations of the neighbours, those facets that share a point and lie within
+//! the crease angle, together count a quarter of the facet's own; a neighbour of a smaller area counts less by the square of the ratio, because a
+//! fillet does not say anything about the plane beside it.
+//!
+//! **Borders and creases.** At a corner with facets on one side only, the mean normal belongs to a place inside. An edge that
+//! leads into the direction in which the fan is open counts a thousandth of others, so that there the neighbours decide.
+//!
+//! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at each point the mean
+//! of the two facets' normals is the cylinder's own normal. So has a fillet as CAD systems tessellate it. This holds from 11 facets around
+//! (360/11 = 33 deg); with fewer, each edge is a crease and all facets count as plane. The reverse of the medal: two planes that meet at less than the crease angle
+//! get a curvature, that of the arc that touches both in the middle of their facets. One strip on each side of the border between a
+//! fillet and a plane gets a value between both.
+//!
+//! **Noise.** Coordinates off by d turn the normals of facets of size L by d/L, and the curvature is off by d/L^2: 0.01/mm for a micrometre and facets of 0.01 mm.
+
+use super::{Mesh, Visibility, cross, difference, dot};
+use rayon::prelude::*;
+
+/// Facets whose normals differ by more do not belong to one smooth surface, in deg.
+pub const CREASE_ANGLE_DEG: f64 = 35.0;
+
+/// The facets around a point that are looked at when some are across a crease; of more, as many evenly spread in the order of the file. It bounds the time for a
+/// fan of a million facets around one point.
+const LARGEST_FAN: usize = 64;
+
+/// The weight of all neighbours' equations together, against the facet's own.
+const NEIGHBOURS: f64 = 0.25;
+
+/// How much the equation of an edge that points into the open side of a fan is reduced.
+const OPEN_SIDE: f64 = 1e3;
+
+/// The facets around each point: those of point p are `facets[starts[p]..starts[p + 1]]`.
+struct Fans {
+    starts: Vec<u32>,
+    facets: Vec<u32>,
+}
+
+/// The mean normal at a corner, and in which direction its fan is open: the integral of the unit vectors from the point over the fan, the null vector for a
+/// fan that closes.
+#[derive(Clone, Copy)]
+struct CornerNormal {
+    normal: [f64; 3],
+    open: [f64; 3],
+}
+
+/// The sums of a facet's equations, as symmetric tensors xx, xy, xz, yy, yz, zz.
+#[derive(Clone, Copy, Default)]
+struct Equations {
+    /// The sum of w e e' with unit vectors e along the edges.
+    directions: [f64; 6],
+    /// The sum of w (d e' + e d')/l with the change d of the normal along an edge of length l.
+    turns: [f64; 6],
+}
+
+impl Mesh {
+    /// The curvature tensor at each of the `wanted` facets, as [`FinishFacet::curvature`](super::FinishFacet::curvature) describes it. Facets seen
+    /// from behind count as turned.
+    pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32]) -> Vec<[f64; 6]> {
+        let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
+        let (normals, areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
+            .into_par_iter()
+            .map(|facet| {
+                let (normal, area) = self.normal_and_area(facet);
+                (if visibility.is_seen_from_behind(facet) { normal.map(|part| -part) } else { normal }, area)
+            })
+            .unzip();
+        let fans = Fans::of(self);
+        // Where all facets around a point are near their mean, and hence each other, all corners there have one normal.
+        let cos_half = (CREASE_ANGLE_DEG / 2.0).to_radians().cos();
+        let at_points: Vec<Option<CornerNormal>> = (0..self.points().len())
+            .into_par_iter()
+            .map(|point| {
+                let fan = fans.around(point);
+                let mean = self.corner_normal(point, fan.iter(), &normals)?;
+                fan.iter().all(|&facet| dot(normals[facet as usize], mean.normal) >= cos_half).then_some(mean)
+            })
+            .collect();
+        let equations: Vec<Equations> = (0..self.triangles().len())
+            .into_par_iter()
+            .map(|facet| {
+                let own = normals[facet];
+                let corners = self.triangles()[facet].map(|point| {
+                    let point = point as usize;
+                    at_points[point].unwrap_or_else(|| {
+                        let fan = fans.around(point);
+                        let near = fan
+                            .iter()
+                            .step_by(fan.len().div_ceil(LARGEST_FAN))
+                            .filter(|&&other| dot(normals[other as usize], own) >= cos_crease);
+                        self.corner_normal(point, near, &normals).unwrap_or(CornerNormal { normal: own, open: [0.0; 3] })
+                    })
+                });
+                self.equations(facet, corners)
+            })
+            .collect();
+        wanted
+            .par_iter()
+            .map(|&facet| {
+                let facet = facet as usize;
+                let own = normals[facet];
+                let (mut around, mut count) = (Equations::default(), 0_u32);
+                for point in self.triangles()[facet] {
+                    let fan = fans.around(point as usize);
+                    for &other in fan.iter().step_by(fan.len().div_ceil(LARGEST_FAN)) {
+                        if other as usize != facet && dot(normals[other as usize], own) >= cos_crease {
+                            let ratio = (areas[other as usize] / areas[facet]).min(1.0);
+                            around.add(&equations[other as usize], ratio * ratio);
+                            count += 1;
+                        }
+                    }
+                }
+                let mut sum = equations[facet];
+                if count > 0 {
+                    sum.add(&around, NEIGHBOURS / f64::from(count));
+                }
+                sum.solve(own)
+            })
+            .collect()
+    }
+
+    /// The mean of the normals of these facets around a point, by their angles there; `None` for no facets, or normals that cancel.
+    fn corner_normal<'a>(&self, point: usize, facets: impl Iterator<Item = &'a u32>, normals: &[[f64; 3]]) -> Option<CornerNormal> {
+        let (mut sum, mut open) = ([0.0; 3], [0.0; 3]);
+        for &facet in facets {
+            let triangle = self.triangles()[facet as usize];
+            let place = triangle.iter().position(|&corner| corner as usize == point)?;
+            let [p, q, r] = [0, 1, 2].map(|step| self.points()[triangle[(place + step) % 3] as usize]);
+            let (u, v) = (unit(difference(q, p))?, unit(difference(r, p))?);
+            let sine = cross([0.0; 3], u, v);
+            let angle = dot(sine, sine).sqrt().atan2(dot(u, v));
+            let normal = normals[facet as usize];
+            for axis in 0..3 {
+                sum[axis] += angle * normal[axis];
+                // The ends of the fan: what neighbours share cancels. Turned facets run the other way round.
+                open[axis] += if dot(sine, normal) >= 0.0 { v[axis] - u[axis] } else { u[axis] - v[axis] };
+            }
+        }
+        let normal = unit(sum)?;
+        // The integral of a unit vector that turns about n from u to v is -n x (v - u).
+        Some(CornerNormal { normal, open: cross([0.0; 3], open, normal) })
+    }
+
+    fn equations(&self, facet: usize, corners: [CornerNormal; 3]) -> Equations {
+        let points = self.corners(facet);
+        let mut equations = Equations::default();
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            let edge = difference(points[j], points[i]);
+            let length = dot(edge, edge).sqrt();
+            let Some(e) = unit(edge) else { continue };
+            let turn = difference(corners[j].normal, corners[i].normal).map(|part| part / length);
+            let open = dot(corners[i].open, e).abs().max(dot(corners[j].open, e).abs());
+            let weight = 1.0 / (1.0 + OPEN_SIDE * open * open);
+            let pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+            for (place, (a, b)) in pairs.into_iter().enumerate() {
+                equations.directions[place] += weight * e[a] * e[b];
+                equations.turns[place] += weight * (turn[a] * e[b] + e[a] * turn[b]);
+            }
+        }
+        equations
+    }
+}
+
+impl Fans {
+    fn of(mesh: &Mesh) -> Self {
+        let mut starts = vec![0_u32; mesh.points().len() + 1];
+        for &point in mesh.triangles().iter().flatten() {
+            starts[point as usize + 1] += 1;
+        }
+        for point in 1..starts.len() {
+            starts[point] += starts[point - 1];
+        }
+        let mut next = starts.clone();
+        let mut facets = vec![0; 3 * mesh.triangles().len()];
+        for (facet, triangle) in (0_u32..).zip(mesh.triangles()) {
+            for &point in triangle {
+                facets[next[point as usize] as usize] = facet;
+                next[point as usize] += 1;
+            }
+        }
+        Self { starts, facets }
+    }
+
+    fn around(&self, point: usize) -> &[u32] {
+        &self.facets[self.starts[point] as usize..self.starts[point + 1] as usize]
+    }
+}
+
+impl Equations {
+    fn add(&mut self, other: &Self, weight: f64) {
+        for place in 0..6 {
+            self.directions[place] += weight * other.directions[place];
+            self.turns[place] += weight * other.turns[place];
+        }
+    }
+
+    /// The symmetric K in the plane across `normal` with the least sum of w |K e - d/l|^2: K S + S K = Q with S the directions and Q the turns, solved in the
+    /// axes of S, where K_ij = Q_ij/(s_i + s_j).
+    fn solve(&self, normal: [f64; 3]) -> [f64; 6] {
+        let (t, u) = tangents(normal);
+        let (stt, stu, suu) = (between(&self.directions, t, t), between(&self.directions, t, u), between(&self.directions, u, u));
+        let half_angle = 0.5 * (2.0 * stu).atan2(stt - suu);
+        let (sin, cos) = half_angle.sin_cos();
+        let first = [0, 1, 2].map(|axis| cos * t[axis] + sin * u[axis]);
+        let second = [0, 1, 2].map(|axis| cos * u[axis] - sin * t[axis]);
+        let (s1, s2) = (between(&self.directions, first, first), between(&self.directions, second, second));
+        // The edges of a triangle with an area have two directions, but one may be a rounding away from the other.
+        let quotient = |turn: f64, weight: f64| if weight > 1e-12 { turn / weight } else { 0.0 };
+        let k11 = quotient(between(&self.turns, first, first), 2.0 * s1);
+        let k12 = quotient(between(&self.turns, first, second), s1 + s2);
+        let k22 = quotient(between(&self.turns, second, second), 2.0 * s2);
+        let pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+        pairs.map(|(a, b)| k11 * first[a] * first[b] + k12 * (first[a] * second[b] + second[a] * first[b]) + k22 * second[a] * second[b])
+    }
+}
+
+/// a'Mb for a symmetric tensor M as xx, xy, xz, yy, yz, zz.
+fn between([xx, xy, xz, yy, yz, zz]: &[f64; 6], a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * (xx * b[0] + xy * b[1] + xz * b[2]) + a[1] * (xy * b[0] + yy * b[1] + yz * b[2]) + a[2] * (xz * b[0] + yz * b[1] + zz * b[2])
+}
+
+/// Two unit vectors across a unit vector and each other.
+pub(super) fn tangents(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    let [x, y, z] = normal.map(f64::abs);
+    // The axis that the normal is farthest from.
+    let axis = if x <= y && x <= z {
+        [1.0, 0.0, 0.0]
+    } else if y <= z {
+        [0.0, 1.0, 0.0]
+    } else {
+        [0.0, 0.0, 1.0]
+    };
+    let across = cross([0.0; 3], normal, axis);
+    let length = dot(across, across).sqrt();
+    let t = across.map(|part| part / length);
+    (t, cross([0.0; 3], normal, t))
+}
+
+/// The vector of length 1 in this direction; `None` for one too short to have a direction.
+fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
+    let length = dot(vector, vector).sqrt();
+    (length > 1e-150).then(|| vector.map(|part| part / length))
+}

@@ -1,0 +1,213 @@
+//! A surface as triangles that share corners: building, visibility from above, connected pieces, selection and curvature.
+
+mod builder;
+mod curvature;
+#[cfg(test)]
+mod curvature_tests;
+mod finish_facet;
+mod merge;
+mod pieces;
+mod selection;
+#[cfg(test)]
+mod shapes;
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction where compared for equality
+mod tests;
+mod thinning;
+mod view;
+mod visibility;
+mod weld;
+
+pub use builder::MeshBuilder;
+pub use curvature::CREASE_ANGLE_DEG;
+pub use finish_facet::FinishFacet;
+pub use pieces::Pieces;
+pub use selection::{Selection, SelectionError};
+pub use view::{NO_FACET, ViewFromAbove};
+pub use visibility::{AreaShares, FacetClass, Visibility};
+
+use super::{Bounds, Sink};
+use std::fmt;
+
+/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of vertical. Files in single
+/// precision move corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by 3e-5.
+const WALL: f64 = 1e-4;
+
+/// Points in mm and triangles that name them by number. There is at least one triangle; all have an area.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    points: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    bounds: Bounds,
+    degenerate: u64,
+    received: u64,
+    merged_cell: Option<f64>,
+    from_points: bool,
+}
+
+/// Why facets or points do not make a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeshError {
+    /// A coordinate is not finite, or beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE).
+    CoordinateOutOfRange,
+    /// Facets came, but none with an area.
+    OnlyDegenerateFacets {
+        /// How many there are.
+        count: u64,
+    },
+    /// Fewer than three points came, or all lie in one vertical plane.
+    NoTriangulation {
+        /// How many points came.
+        points: u64,
+    },
+    /// More facets came than are held, and none of them covers a node of the lattice on which they are merged: all are walls.
+    NothingFromAbove,
+    /// A triangle of an index list names a point that is not there.
+    IndexOutOfRange {
+        /// The triangle, from 0.
+        triangle: usize,
+        /// Its corner, from 0.
+        corner: usize,
+        /// The number that it names.
+        index: u64,
+        /// How many points there are.
+        points: usize,
+    },
+    /// A point of an index list has a coordinate that is not finite, or out of bounds.
+    PointOutOfRange {
+        /// The point, from 0.
+        point: usize,
+    },
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let largest = super::LARGEST_COORDINATE;
+        match self {
+            Self::CoordinateOutOfRange => write!(f, "coordinates must be finite numbers of at most {largest:e} in magnitude"),
+            Self::OnlyDegenerateFacets { count } => write!(f, "none of the {count} facets has an area"),
+            Self::NoTriangulation { points } => {
+                write!(f, "a surface needs at least 3 points that are not on one line when seen from above; there are {points} points")
+            }
+            Self::NothingFromAbove => f.write_str("no facet can be seen from above; all are vertical"),
+            Self::IndexOutOfRange { triangle, corner, index, points } => {
+                write!(f, "corner {corner} of triangle {triangle} names point {index}, but there are {points} points, counted from 0")
+            }
+            Self::PointOutOfRange { point } => {
+                write!(f, "point {point} must have finite coordinates of at most {largest:e} in magnitude")
+            }
+        }
+    }
+}
+
+impl std::error::Error for MeshError {}
+
+impl MeshBuilder {
+    /// Takes the triangles of an index list, points counted from 0.
+    ///
+    /// # Errors
+    /// [`MeshError::PointOutOfRange`], [`MeshError::IndexOutOfRange`].
+    pub fn indexed(&mut self, points: &[[f64; 3]], triangles: &[[u64; 3]]) -> Result<(), MeshError> {
+        if let Some(point) = points.iter().position(|&point| !builder::in_range(point)) {
+            return Err(MeshError::PointOutOfRange { point });
+        }
+        for (number, triangle) in triangles.iter().enumerate() {
+            let mut corners = [[0.0; 3]; 3];
+            for (corner, &index) in triangle.iter().enumerate() {
+                let point = usize::try_from(index).ok().and_then(|index| points.get(index));
+                corners[corner] = *point.ok_or(MeshError::IndexOutOfRange { triangle: number, corner, index, points: points.len() })?;
+            }
+            self.facet(corners);
+        }
+        Ok(())
+    }
+}
+
+impl Mesh {
+    fn assembled(
+        points: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        degenerate: u64,
+        received: u64,
+        merged_cell: Option<f64>,
+        from_points: bool,
+    ) -> Self {
+        let mut bounds = Bounds::NONE;
+        triangles.iter().flatten().for_each(|&index| bounds.include(points[index as usize]));
+        Self { points, triangles, bounds, degenerate, received, merged_cell, from_points }
+    }
+
+    /// The points, in mm.
+    #[must_use]
+    pub fn points(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+
+    /// The triangles, each three numbers of points, counter-clockwise seen from outside the part.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The box around all triangles, in mm.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// How many facets came without an area; they are left out.
+    #[must_use]
+    pub fn degenerate_facets(&self) -> u64 {
+        self.degenerate
+    }
+
+    /// How many facets with an area came; more than there are triangles where they were merged, 0 where points were triangulated.
+    #[must_use]
+    pub fn received_facets(&self) -> u64 {
+        self.received
+    }
+
+    /// The spacing in mm of the lattice on which the surface was merged because it had more facets or points than are held; `None` where it was not.
+    #[must_use]
+    pub fn merged_cell(&self) -> Option<f64> {
+        self.merged_cell
+    }
+
+    /// Whether the triangles are a triangulation of single points.
+    #[must_use]
+    pub fn from_points(&self) -> bool {
+        self.from_points
+    }
+
+    /// The corners of a triangle.
+    #[must_use]
+    pub fn corners(&self, facet: usize) -> [[f64; 3]; 3] {
+        self.triangles[facet].map(|index| self.points[index as usize])
+    }
+
+    /// The unit normal of a triangle, by the sense of its corners, and its area.
+    #[must_use]
+    pub fn normal_and_area(&self, facet: usize) -> ([f64; 3], f64) {
+        let [a, b, c] = self.corners(facet);
+        let normal = cross(a, b, c);
+        // Scaled by the largest part, so that squares of tiny normals do not vanish.
+        let largest = normal.iter().fold(0.0_f64, |largest, part| largest.max(part.abs()));
+        let scaled = normal.map(|part| part / largest);
+        let length = dot(scaled, scaled).sqrt();
+        (scaled.map(|part| part / length), 0.5 * length * largest)
+    }
+}
+
+/// (b - a) x (c - a): along the normal, as long as twice the area.
+fn cross(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
+    let (u, v) = (difference(b, a), difference(c, a));
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

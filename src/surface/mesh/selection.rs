@@ -1,0 +1,143 @@
+//! Which facets are machined, as the user states it, and the facets that planning gets.
+
+use super::{FacetClass, FinishFacet, Mesh, Pieces, Visibility};
+use crate::quantity::Angle;
+use crate::surface::Bounds;
+use std::fmt;
+
+/// Conditions that a facet must meet, all of them, to be machined. Facets that do not meet them still hide others and are not to be gouged.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Selection {
+    slope: Option<(Angle, Angle)>,
+    bounds: Option<Bounds>,
+    pieces: Option<Vec<u32>>,
+}
+
+/// Why a selection is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SelectionError {
+    /// The slope band is empty, or not within 0 to 90 deg.
+    SlopeBand,
+    /// The box is empty: a smallest coordinate exceeds the largest, or one is not a finite number.
+    Box,
+    /// The list of pieces is empty.
+    NoPieces,
+    /// There is no piece of that number.
+    UnknownPiece {
+        /// The number.
+        piece: u32,
+        /// How many pieces there are, counted from 0.
+        count: u32,
+    },
+}
+
+impl fmt::Display for SelectionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SlopeBand => f.write_str("the slope band must go from a smaller to a larger angle within 0 to 90 deg"),
+            Self::Box => f.write_str("the box must have finite coordinates, its smallest at most its largest"),
+            Self::NoPieces => f.write_str("at least one piece must be listed"),
+            Self::UnknownPiece { piece, count } => write!(f, "there is no piece {piece}; the surface has {count}, counted from 0"),
+        }
+    }
+}
+
+impl std::error::Error for SelectionError {}
+
+impl Selection {
+    /// Every facet.
+    #[must_use]
+    pub fn all() -> Self {
+        Self::default()
+    }
+
+    /// Only facets whose slope lies from `smallest` to `largest`, ends included.
+    ///
+    /// # Errors
+    /// [`SelectionError::SlopeBand`]
+    pub fn with_slopes(self, smallest: Angle, largest: Angle) -> Result<Self, SelectionError> {
+        let in_order = smallest.radians() >= 0.0 && smallest.radians() <= largest.radians() && largest.radians() <= Angle::RIGHT.radians();
+        if in_order { Ok(Self { slope: Some((smallest, largest)), ..self }) } else { Err(SelectionError::SlopeBand) }
+    }
+
+    /// Only facets whose centroid lies in the box, in mm, its sides included.
+    ///
+    /// # Errors
+    /// [`SelectionError::Box`]
+    pub fn with_box(self, min: [f64; 3], max: [f64; 3]) -> Result<Self, SelectionError> {
+        let valid = (0..3).all(|axis| min[axis].is_finite() && max[axis].is_finite() && min[axis] <= max[axis]);
+        if valid { Ok(Self { bounds: Some(Bounds { min, max }), ..self }) } else { Err(SelectionError::Box) }
+    }
+
+    /// Only facets of these pieces.
+    ///
+    /// # Errors
+    /// [`SelectionError::NoPieces`]
+    pub fn with_pieces(self, pieces: Vec<u32>) -> Result<Self, SelectionError> {
+        if pieces.is_empty() { Err(SelectionError::NoPieces) } else { Ok(Self { pieces: Some(pieces), ..self }) }
+    }
+}
+
+impl Mesh {
+    /// Whether each facet meets the conditions of a selection, by its own slope (whichever side is up), centroid and piece.
+    ///
+    /// # Errors
+    /// [`SelectionError::UnknownPiece`]
+    pub fn selected(&self, selection: &Selection, pieces: &Pieces) -> Result<Vec<bool>, SelectionError> {
+        let listed = match &selection.pieces {
+            None => None,
+            Some(list) => {
+                let mut listed = vec![false; pieces.count() as usize];
+                for &piece in list {
+                    let place = listed.get_mut(piece as usize);
+                    *place.ok_or(SelectionError::UnknownPiece { piece, count: pieces.count() })? = true;
+                }
+                Some(listed)
+            }
+        };
+        let in_band = |facet: usize| {
+            selection.slope.is_none_or(|(smallest, largest)| {
+                let ([x, y, z], _) = self.normal_and_area(facet);
+                let slope = x.hypot(y).atan2(z.abs());
+                slope >= smallest.radians() && slope <= largest.radians()
+            })
+        };
+        let in_box = |facet: usize| {
+            selection.bounds.is_none_or(|Bounds { min, max }| {
+                let [a, b, c] = self.corners(facet);
+                (0..3).all(|axis| {
+                    let centre = (a[axis] + b[axis] + c[axis]) / 3.0;
+                    centre >= min[axis] && centre <= max[axis]
+                })
+            })
+        };
+        let in_pieces = |facet: usize| listed.as_ref().is_none_or(|listed| listed[pieces.of_facets()[facet] as usize]);
+        Ok((0..self.triangles().len()).map(|facet| in_pieces(facet) && in_box(facet) && in_band(facet)).collect())
+    }
+
+    /// The facets that a plan is made for: visible from above, selected, none vertical, in the order of the mesh. Facets steeper than the limit
+    /// of [`Mesh::visibility`] are among them, because passes run over them although they set no spacing; leave them out by
+    /// [`FinishFacet::slope`]. `selected` comes from [`Mesh::selected`].
+    #[must_use]
+    pub fn facets_for_finishing(&self, visibility: &Visibility, selected: &[bool]) -> Vec<FinishFacet> {
+        let wanted: Vec<u32> = (0_u32..)
+            .zip(visibility.classes().iter().zip(selected))
+            .filter(|&(_, (class, selected))| *selected && matches!(class, FacetClass::Machined | FacetClass::Steep { wall: false }))
+            .map(|(facet, _)| facet)
+            .collect();
+        let curvatures = self.curvatures(visibility, &wanted);
+        wanted
+            .iter()
+            .zip(curvatures)
+            .map(|(&facet, curvature)| {
+                let facet = facet as usize;
+                let (mut corners, (mut normal, area)) = (self.corners(facet), self.normal_and_area(facet));
+                if visibility.is_seen_from_behind(facet) {
+                    corners.swap(1, 2);
+                    normal = normal.map(|part| -part);
+                }
+                FinishFacet { corners, normal, area, curvature }
+            })
+            .collect()
+    }
+}

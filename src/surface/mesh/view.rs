@@ -1,0 +1,101 @@
+//! A mesh seen from above on a raster: the highest facet at each cell centre and its height.
+
+use super::{Mesh, WALL, cross, dot};
+use crate::numerics::raster::{Frame, Raster};
+use crate::surface::Bounds;
+use rayon::prelude::*;
+
+/// The facet of a cell without surface.
+pub const NO_FACET: u32 = u32::MAX;
+
+/// What is seen from above at the centre of each cell.
+#[derive(Debug, Clone)]
+pub struct ViewFromAbove {
+    /// Place and size of the raster.
+    pub frame: Frame,
+    /// The largest height of the mesh at the cell's centre, in mm; minus infinity where there is no surface.
+    pub heights: Vec<f64>,
+    /// The number of the facet that has this height, or [`NO_FACET`].
+    pub facets: Vec<u32>,
+}
+
+/// Rows and cells that a raster pass may visit: about 0.2 s. Facets that each cover the whole part are seen on larger cells.
+const VISITS: f64 = 5e7;
+
+impl ViewFromAbove {
+    /// The number of the facet seen in a cell, `None` where there is no surface.
+    #[must_use]
+    pub fn facet(&self, cell: usize) -> Option<usize> {
+        Some(self.facets[cell]).filter(|&facet| facet != NO_FACET).map(|facet| facet as usize)
+    }
+
+    /// A figure of the facet seen in each cell, as a raster; `None` where there is no surface.
+    pub fn of_facets<T: Clone>(&self, figure: impl Fn(usize) -> T) -> Raster<Option<T>> {
+        let values = (0..self.facets.len()).map(|cell| self.facet(cell).map(&figure)).collect();
+        Raster { frame: self.frame, values }
+    }
+}
+
+impl Mesh {
+    /// The mesh seen from above on at most `side` x `side` square cells, `side` from 1 to 4096; a number outside counts as the nearer end.
+    ///
+    /// The longer side of the bounds is divided into `side` cells, or fewer where facets cover each other so often that the work, the cells
+    /// covered by all facets together, would exceed 5e7. Heights are exact at cell centres; where two facets have the same height the one that
+    /// points up is seen, then the one that comes first. Walls are not seen.
+    ///
+    /// # Panics
+    /// Never: the bound on facets keeps their numbers within 32 bits.
+    #[must_use]
+    pub fn seen_from_above(&self, side: usize) -> ViewFromAbove {
+        let frame = self.frame(side.clamp(1, 4096));
+        let mut heights = vec![f64::NEG_INFINITY; frame.cells()];
+        let mut facets = vec![NO_FACET; frame.cells()];
+        // Bands of rows, each filled by one thread from all facets.
+        let rows = frame.rows.div_ceil(rayon::current_num_threads().min(8)).max(1);
+        let band = rows * frame.columns;
+        heights.par_chunks_mut(band).zip(facets.par_chunks_mut(band)).enumerate().for_each(|(number, (heights, facets))| {
+            let (first, last) = (number * rows, ((number + 1) * rows).min(frame.rows));
+            let (mut pointing_up, from) = (vec![false; heights.len()], first * frame.columns);
+            for facet in 0..self.triangles().len() {
+                let [a, b, c] = self.corners(facet);
+                let Some(up) = side_seen(cross(a, b, c)) else { continue };
+                frame.scan([a, b, c], first..last, |cell, z, _| {
+                    let cell = cell - from;
+                    if z > heights[cell] || (z >= heights[cell] && up && !pointing_up[cell]) {
+                        heights[cell] = z;
+                        facets[cell] = u32::try_from(facet).expect("the bound on facets is below 2^32");
+                        pointing_up[cell] = up;
+                    }
+                });
+            }
+        });
+        ViewFromAbove { frame, heights, facets }
+    }
+
+    /// Square cells over the bounds: `side` along the longer side, fewer where facets cover more cells than may be visited.
+    fn frame(&self, side: usize) -> Frame {
+        let Bounds { min, max } = self.bounds();
+        let (min, max) = ([min[0], min[1]], [max[0], max[1]]);
+        // Twice the area seen from above and the extents along y of all facets: with cells of side c they cover area/c^2 cells in height/c rows.
+        let (area, height) = self.triangles().iter().fold((0.0, 0.0), |(area, height), triangle| {
+            let [a, b, c] = triangle.map(|index| self.points()[index as usize]);
+            (area + 0.5 * cross(a, b, c)[2].abs(), height + a[1].max(b[1]).max(c[1]) - a[1].min(b[1]).min(c[1]))
+        });
+        // area/c^2 + height/c = VISITS
+        let affordable = (height + (height * height + 4.0 * VISITS * area).sqrt()) / (2.0 * VISITS);
+        #[expect(clippy::cast_precision_loss, reason = "at most 4096")]
+        let stated = (max[0] - min[0]).max(max[1] - min[1]) / side as f64;
+        // A mesh of walls on one spot has no extent; any cell will do. One a rounding wide needs cells wider than that.
+        let magnitude = self.bounds().largest_magnitude();
+        let cell = stated.max(affordable).max(magnitude * f64::EPSILON).max(1e-300);
+        // The ceiling of a rounded quotient may be side + 1.
+        let frame = Frame::covering(min, max, cell);
+        Frame { columns: frame.columns.min(side), rows: frame.rows.min(side), ..frame }
+    }
+}
+
+/// Whether a facet with this normal points up (true) or down (false); `None` for a wall.
+pub(super) fn side_seen(normal: [f64; 3]) -> Option<bool> {
+    let z = normal[2];
+    (z * z > WALL * WALL * dot(normal, normal)).then_some(z > 0.0)
+}

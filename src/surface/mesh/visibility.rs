@@ -1,0 +1,160 @@
+//! Which facets of a mesh a cutter sees from above.
+
+use super::view::side_seen;
+use super::{Mesh, cross};
+use crate::quantity::Angle;
+use rayon::prelude::*;
+
+/// What a facet is to a cutter that comes from above.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FacetClass {
+    /// It points up, but another part of the surface is above it.
+    Hidden,
+    /// It points down and its back is not seen either.
+    Overhanging,
+    /// It is seen, but steeper than the limit; a wall, within 0.006 deg of vertical, covers nothing seen from above.
+    Steep {
+        /// Whether it is a wall.
+        wall: bool,
+    },
+    /// It is seen and not too steep.
+    Machined,
+}
+
+/// Shares of the area of a mesh; they add up to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AreaShares {
+    /// [`FacetClass::Hidden`]
+    pub hidden: f64,
+    /// [`FacetClass::Overhanging`]
+    pub overhanging: f64,
+    /// [`FacetClass::Steep`], walls included.
+    pub steep: f64,
+    /// [`FacetClass::Machined`]
+    pub machined: f64,
+}
+
+/// The class of each facet.
+#[derive(Debug, Clone)]
+pub struct Visibility {
+    classes: Vec<FacetClass>,
+    /// Bit set: the facet's back is seen from above.
+    from_behind: Vec<bool>,
+    shares: AreaShares,
+    area: f64,
+    area_from_behind: f64,
+    cell: f64,
+}
+
+impl Visibility {
+    /// The class of each facet.
+    #[must_use]
+    pub fn classes(&self) -> &[FacetClass] {
+        &self.classes
+    }
+
+    /// Whether the back of a facet is seen from above: the file winds it the other way round. It counts as turned.
+    #[must_use]
+    pub fn is_seen_from_behind(&self, facet: usize) -> bool {
+        self.from_behind[facet]
+    }
+
+    /// Shares of the whole area.
+    #[must_use]
+    pub fn shares(&self) -> AreaShares {
+        self.shares
+    }
+
+    /// The area of the whole mesh, in mm^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// The area of the facets whose back is seen, in mm^2.
+    #[must_use]
+    pub fn area_from_behind(&self) -> f64 {
+        self.area_from_behind
+    }
+
+    /// The side of the cells of the depth raster, in mm.
+    #[must_use]
+    pub fn cell(&self) -> f64 {
+        self.cell
+    }
+}
+
+impl Mesh {
+    /// The class of each facet, `max_slope` being the slope over which a facet is steep.
+    ///
+    /// A raster of depth with about 8 cells for each facet, from 64 x 64 to 1024 x 1024 over the longer side of the bounds, holds what is seen at
+    /// cell centres ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]). A facet that points up is visible when at least half of the
+    /// centres that it covers show it, or no other facet above it. One that covers no centre is visible when its centroid is not below
+    /// everything seen in its cell and the eight around it; so is a wall. A facet that points down and is what is seen at half of
+    /// its centres is wound the wrong way round: it counts as turned. In a closed solid there is none.
+    #[must_use]
+    pub fn visibility(&self, max_slope: Angle) -> Visibility {
+        let facets = self.triangles().len();
+        let view = self.seen_from_above((8 * facets).isqrt().clamp(64, 1024));
+        let frame = view.frame;
+        let height = self.bounds().max[2] - self.bounds().min[2];
+        // Heights of one edge, computed for the two facets that share it, differ by roundings of the coordinates.
+        let rounding = 1e-9 * height + 4.0 * f64::EPSILON * self.bounds().largest_magnitude();
+        let one = |facet: usize| {
+            let corners = self.corners(facet);
+            let [a, b, c] = corners;
+            let side = side_seen(cross(a, b, c));
+            let (mut covered, mut shown) = (0_u32, 0_u32);
+            if let Some(up) = side {
+                frame.scan(corners, 0..frame.rows, |cell, z, on_edge| {
+                    covered += 1;
+                    let seen = view.facets[cell] as usize == facet;
+                    // A centre on an edge shows one of the facets there; the others are visible too.
+                    shown += u32::from(seen || (up && on_edge && z >= view.heights[cell] - rounding));
+                });
+            }
+            let (normal, area) = self.normal_and_area(facet);
+            let visible = if covered > 0 {
+                2 * shown >= covered
+            } else if side == Some(false) {
+                false
+            } else {
+                let centroid = [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
+                let (column, row) = frame.nearest_cell([centroid[0], centroid[1]]);
+                let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+                let at_the_border = column == 0 || row == 0 || column + 1 == frame.columns || row + 1 == frame.rows;
+                let lowest = around(row, frame.rows)
+                    .flat_map(|row| around(column, frame.columns).map(move |column| frame.index(column, row)))
+                    .fold(f64::INFINITY, |lowest, cell| lowest.min(view.heights[cell]));
+                at_the_border || centroid[2] >= lowest - rounding
+            };
+            let steep = normal[0].hypot(normal[1]).atan2(normal[2].abs()) > max_slope.radians();
+            let class = match (side, visible) {
+                (Some(false), false) => FacetClass::Overhanging,
+                (_, false) => FacetClass::Hidden,
+                (None, true) => FacetClass::Steep { wall: true },
+                (Some(_), true) if steep => FacetClass::Steep { wall: false },
+                (Some(_), true) => FacetClass::Machined,
+            };
+            (class, visible && side == Some(false), area)
+        };
+        let examined: Vec<(FacetClass, bool, f64)> = (0..facets).into_par_iter().map(one).collect();
+        let (mut shares, mut area, mut area_from_behind) =
+            (AreaShares { hidden: 0.0, overhanging: 0.0, steep: 0.0, machined: 0.0 }, 0.0, 0.0);
+        for &(class, from_behind, own) in &examined {
+            *match class {
+                FacetClass::Hidden => &mut shares.hidden,
+                FacetClass::Overhanging => &mut shares.overhanging,
+                FacetClass::Steep { .. } => &mut shares.steep,
+                FacetClass::Machined => &mut shares.machined,
+            } += own;
+            area += own;
+            area_from_behind += if from_behind { own } else { 0.0 };
+        }
+        for share in [&mut shares.hidden, &mut shares.overhanging, &mut shares.steep, &mut shares.machined] {
+            *share /= area;
+        }
+        let (classes, from_behind) = examined.into_iter().map(|(class, from_behind, _)| (class, from_behind)).unzip();
+        Visibility { classes, from_behind, shares, area, area_from_behind, cell: frame.cell }
+    }
+}

@@ -1,0 +1,57 @@
+//! Heights on curved surfaces and with runout against an independent implementation.
+
+use crate::laws::passes::mm;
+use scallopd::milling::{Contact, Cutter, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+use serde_json::Value;
+
+fn contacts(file: &str) -> Vec<Value> {
+    let document: Value = serde_json::from_str(file).unwrap();
+    document["contacts"].as_array().unwrap().clone()
+}
+
+fn number(contact: &Value, name: &str) -> f64 {
+    contact[name].as_f64().unwrap_or_else(|| panic!("{name} in {contact}"))
+}
+
+fn pass(contact: &Value, surface: SurfaceCurvature, runout: Runout) -> Pass {
+    let get = |name| number(contact, name);
+    Pass {
+        cutter: Cutter::toroidal(mm(get("diameter_mm")), mm(get("corner_radius_mm"))).unwrap(),
+        contact: Contact::from_degrees(get("slope_deg"), get("feed_angle_deg")).unwrap(),
+        surface,
+        runout,
+        teeth: None,
+    }
+}
+
+fn height(contact: &Value, pass: Pass) -> f64 {
+    let judged = JudgedPass::new(Model::Envelope, pass).unwrap();
+    let (step_over, feed) = (mm(number(contact, "step_over_mm")), mm(number(contact, "feed_per_tooth_mm")));
+    judged.scallop_height(step_over, Some(feed)).unwrap().total().mm()
+}
+
+#[test]
+fn heights_on_curved_surfaces_agree_with_an_independent_implementation() {
+    let contacts = contacts(include_str!("../data/envelope_curved.json"));
+    for contact in &contacts {
+        let get = |name| number(contact, name);
+        let surface = SurfaceCurvature::from_components_per_mm(get("along_per_mm"), get("across_per_mm"), get("twist_per_mm")).unwrap();
+        let found = height(contact, pass(contact, surface, Runout::NONE));
+        // The file states 1e-6; its curvatures are rounded to 1e-9 of some 1e-2, which is less.
+        approx::assert_relative_eq!(found, get("scallop_height_mm"), max_relative = 2e-6);
+        assert!(get("simulated_peak_mm") <= found * 1.001, "{contact}");
+    }
+    assert!(contacts.len() >= 20);
+}
+
+#[test]
+fn heights_with_runout_agree_with_an_independent_implementation() {
+    let contacts = contacts(include_str!("../data/envelope_runout.json"));
+    for contact in &contacts {
+        let get = |name| number(contact, name);
+        let runout = Runout::NONE.with_radial_mm(get("radial_mm")).unwrap().with_axial_mm(get("axial_mm")).unwrap();
+        let found = height(contact, pass(contact, SurfaceCurvature::PLANE, runout));
+        approx::assert_relative_eq!(found, get("scallop_height_mm"), max_relative = 2e-6);
+    }
+    assert!(contacts.len() >= 10);
+}

@@ -1,0 +1,113 @@
+//! Plans point by point.
+
+use super::surfaces::{facets, published};
+use super::{degrees, drive, in_direction, mm, published_cutters, ranked};
+use scallopd::milling::{Contact, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::motion::{MachineLimits, travel_time};
+use scallopd::planning::zigzag::{Passes, passes};
+use scallopd::quantity::{Length, Speed};
+
+/// The time of runs at their points' feeds, and of links from run to run at the feed rate, by section 5.
+fn timed(passes: &Passes, limits: MachineLimits, link_rate: Speed) -> f64 {
+    let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt();
+    let time =
+        |length: f64, feed_rate: Speed| travel_time(Length::from_mm(length).unwrap(), MachineLimits { feed_rate, ..limits }).seconds();
+    let ends = passes.run_starts[1..].iter().copied().chain([passes.points.len()]);
+    let (mut seconds, mut last) = (0.0, None);
+    for (start, end) in passes.run_starts.iter().copied().zip(ends) {
+        let points = &passes.points[start..end];
+        let contact = |index: usize| points[index].contact.unwrap();
+        if let Some(last) = last {
+            seconds += time(distance(last, contact(0)), link_rate);
+        }
+        let (mut length, mut without_stops) = (0.0, 0.0);
+        for index in 1..points.len() {
+            let part = distance(contact(index - 1), contact(index));
+            length += part;
+            without_stops += part * 0.5 * (1.0 / points[index - 1].feed_rate.mm_s() + 1.0 / points[index].feed_rate.mm_s());
+        }
+        seconds += time(length, Speed::from_mm_min(60.0 * length / without_stops).unwrap());
+        last = Some(contact(points.len() - 1));
+    }
+    seconds
+}
+
+#[test]
+fn passes_take_the_time_of_their_plan() {
+    for (surface, direction, teeth, rpm) in [(0, 66.97, 0, 0.0), (1, 0.0, 0, 0.0), (1, 20.0, 2, 10_000.0), (1, 0.0, 1, 3000.0)] {
+        let facets = facets(&published(surface), 50, 50);
+        let settings = in_direction(Model::Envelope, direction);
+        let mut candidate = published_cutters()[0];
+        candidate.drive = (teeth > 0).then(|| drive(teeth, rpm));
+        let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
+        let passes = passes(&plan, &facets, &candidate, &settings, &|_, _| None, 200_000).unwrap();
+        assert_eq!((passes.run_starts.len(), plan.tour.lifts), (plan.tour.runs, 0));
+        let limits = settings.machine.limits;
+        let time = timed(&passes, limits, limits.feed_rate);
+        println!("surface {surface} at {direction} deg: plan {:.3} s, points {time:.3} s", plan.time.seconds());
+        assert!((time / plan.time.seconds() - 1.0).abs() < 0.02, "{time} s for {} s", plan.time.seconds());
+    }
+}
+
+#[test]
+fn points_lie_in_the_planes_and_have_the_heights_of_the_model() {
+    let facets = facets(&published(0), 40, 40);
+    let settings = in_direction(Model::Envelope, 75.0);
+    let mut candidate = published_cutters()[0];
+    candidate.drive = Some(drive(2, 10_000.0));
+    let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
+    let passes = passes(&plan, &facets, &candidate, &settings, &|_, _| None, 200_000).unwrap();
+    let (e, q) = ([degrees(75.0).cos(), degrees(75.0).sin()], [-degrees(75.0).sin(), degrees(75.0).cos()]);
+    let ends = passes.run_starts[1..].iter().copied().chain([passes.points.len()]);
+    let mut over = 0;
+    for (start, end) in passes.run_starts.iter().copied().zip(ends) {
+        let across = |point: [f64; 3]| q[0] * point[0] + q[1] * point[1];
+        let first = across(passes.points[start].contact.unwrap());
+        for point in &passes.points[start..end] {
+            approx::assert_abs_diff_eq!(across(point.contact.unwrap()), first, epsilon = 1e-9);
+            let n = point.normal;
+            let feed = [e[0], e[1], -(n[0] * e[0] + n[1] * e[1]) / n[2]];
+            let [along, sideways, twist] = point.curvature;
+            let pass = Pass {
+                cutter: candidate.cutter,
+                contact: Contact::from_vectors(n, feed, None).unwrap(),
+                surface: SurfaceCurvature::from_components_per_mm(along, sideways, twist).unwrap(),
+                runout: Runout::NONE,
+                teeth: None,
+            };
+            let height = JudgedPass::new(Model::Envelope, pass).unwrap().scallop_height(point.step_over, point.feed_per_tooth).unwrap();
+            approx::assert_relative_eq!(height.total().mm(), point.scallop_height.unwrap().mm(), max_relative = 1e-9);
+            over += usize::from(height.total().mm() > 1.001 * 0.01);
+            approx::assert_relative_eq!(point.feed_rate.mm_min(), point.feed_per_tooth.unwrap().mm() * 20_000.0, max_relative = 1e-12);
+        }
+    }
+    // Feeds give way where step-overs leave room; where they leave none, it is for 1 in 100 points at the most.
+    println!("{over} of {} points over the tolerance", passes.points.len());
+    assert!(100 * over <= passes.points.len(), "{over} of {}", passes.points.len());
+}
+
+#[test]
+fn fewer_points_are_kept_with_a_wider_chord_tolerance() {
+    let facets = facets(&published(1), 40, 40);
+    let (settings, candidate) = (in_direction(Model::Envelope, 10.0), published_cutters()[1]);
+    let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
+    let of = |limit: usize| passes(&plan, &facets, &candidate, &settings, &|_, _| None, limit);
+    let all = of(200_000).unwrap();
+    assert_eq!(all.chord_tolerance, mm(0.001));
+    let fewer = of(all.points.len() / 2).unwrap();
+    assert!(fewer.points.len() <= all.points.len() / 2 && fewer.chord_tolerance > all.chord_tolerance);
+    // Two ends of each run are kept whatever the tolerance.
+    assert_eq!(of(plan.tour.runs).unwrap_err().limit, plan.tour.runs);
+}
+
+#[test]
+fn tips_that_would_gouge_are_raised() {
+    let facets = facets(&published(1), 30, 30);
+    let (settings, candidate) = (in_direction(Model::Envelope, 0.0), published_cutters()[1]);
+    let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
+    let raised = passes(&plan, &facets, &candidate, &settings, &|x, _| (x > 30.0).then_some(50.0), 200_000).unwrap();
+    for point in &raised.points {
+        assert_eq!(point.contact.is_none(), point.tip[0] > 30.0);
+        assert!(point.contact.is_some() || (point.tip[2] - 50.0).abs() < 1e-12);
+    }
+}

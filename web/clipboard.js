@@ -1,0 +1,54 @@
+// Copying and saving: the clipboard where the browser allows it, a dialogue with the text to copy where it does not (pages over plain
+// HTTP from another machine have no clipboard).
+
+import { el } from './dom.js';
+
+/** Copies `text` and shows on the button that it did. */
+export async function copy(text, button) {
+  try {
+    await navigator.clipboard.writeText(text);
+    const label = button.textContent;
+    button.textContent = 'Copied';
+    button.disabled = true;
+    setTimeout(() => {
+      button.textContent = label;
+      button.disabled = false;
+    }, 1200);
+  } catch {
+    const area = el('textarea', { readonly: true, rows: '8', 'aria-label': 'Text to copy' });
+    area.value = text;
+    const dialog = el('dialog', { class: 'copy' }, el('p', {}, 'Copy this text:'), area, el('form', { method: 'dialog' }, el('button', {}, 'Close')));
+    dialog.addEventListener('close', () => dialog.remove());
+    document.body.append(dialog);
+    dialog.showModal();
+    area.select();
+  }
+}
+
+/** A text in single quotes for a POSIX shell. */
+const quoted = (text) => `'${text.replaceAll("'", `'\\''`)}'`;
+
+export function curlOfJson(address, body) {
+  return `curl -sS ${quoted(address)} \\\n  -H 'content-type: application/json' \\\n  -d ${quoted(JSON.stringify(body))}`;
+}
+
+export function curlOfForm(address, parts) {
+  return [`curl -sS ${quoted(address)}`, ...parts.map(([name, value]) => `  -F ${quoted(`${name}=${value}`)}`)].join(' \\\n');
+}
+
+/** Offers `text` as a file. */
+export function save(name, text, type) {
+  const address = URL.createObjectURL(new Blob([text], { type }));
+  const link = el('a', { href: address, download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}
+
+/** Rows as CSV with a header line. */
+export function csvOf(header, rows) {
+  const cell = (value) => {
+    const text = value === null || value === undefined ? '' : String(value);
+    return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  };
+  return [header, ...rows].map((row) => row.map(cell).join(',')).join('\n').concat('\n');
+}

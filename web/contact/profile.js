@@ -1,0 +1,140 @@
+// The profile of a cutter seen along the feed, exactly: the projection of its whole lower body (a disc of radius R - r, plus a ball of
+// radius r, plus the upward ray along the tool axis) onto the plane normal to the feed.
+//
+// With m(p) = sin(p) T - cos(p) n the support function is H(p) = r + (R - r) |m_xy|, m_xy being m's part normal to the tool axis, and the boundary
+// point is H m + H' m'. The contact, p = 0, is the origin; x runs along T, y along n.
+
+import { dot } from './frame.js';
+
+const BISECTIONS = 80;
+const TABLE = 96;
+
+export class Profile {
+  #a;
+  #r;
+  #origin;
+  #table;
+  #ends;
+
+  /** `frame` as frame.js gives it; outer radius R and corner radius r in mm. */
+  constructor(frame, R, r) {
+    this.#a = R - r;
+    this.#r = r;
+    const [across, up] = [dot(frame.T, frame.Z), dot(frame.n, frame.Z)];
+    this.axis = [across, up];
+    // m points down, m . Z <= 0, between these angles; beyond them runs the cutter's side.
+    const turn = Math.hypot(across, up) > 1e-9 ? Math.atan2(across, up) : 0;
+    this.low = -Math.PI / 2 - turn;
+    this.high = Math.PI / 2 - turn;
+    this.#origin = [0, 0];
+    const [left, right] = [this.#at(0, -1), this.#at(0, 1)];
+    // On a floor the contact is a flat of width 2 (R - r); its middle is the origin.
+    this.#origin = [(left[0] + right[0]) / 2, right[1]];
+    /** The tool axis passes here. */
+    this.centre = this.#origin.map((part) => -part);
+    this.#table = Float64Array.from({ length: TABLE + 1 }, (_, i) => this.#at(this.low + ((this.high - this.low) * i) / TABLE)[0]);
+    this.#ends = [this.#at(this.low), this.#at(this.high)];
+  }
+
+  // The angle whose boundary point lies at x, between two neighbouring angles: [below, above]. The table brackets it; secants and
+  // halvings in turn close the bracket, the halvings for the flat, where x jumps.
+  #bracket(x) {
+    let [first, last] = [0, TABLE];
+    while (last - first > 1) {
+      const middle = (first + last) >> 1;
+      if (this.#table[middle] < x) first = middle;
+      else last = middle;
+    }
+    const angle = (i) => this.low + ((this.high - this.low) * i) / TABLE;
+    let [low, high, atLow, atHigh] = [angle(first), angle(last), this.#table[first] - x, this.#table[last] - x];
+    for (let i = 0; i < BISECTIONS && high - low > 1e-15; i += 1) {
+      const secant = low - (atLow * (high - low)) / (atHigh - atLow);
+      const guess = i % 2 === 0 && secant > low && secant < high ? secant : (low + high) / 2;
+      const found = this.#at(guess)[0] - x;
+      if (Math.abs(found) < 1e-12) return [guess, guess];
+      if (found < 0) [low, atLow] = [guess, found];
+      else [high, atHigh] = [guess, found];
+    }
+    return [low, high];
+  }
+
+  // The boundary point at angle p. Where m is the tool axis H has a corner, and `side` chooses the end of the flat.
+  #at(p, side = 1) {
+    const [across, up] = this.axis;
+    const [s, c] = [Math.sin(p), Math.cos(p)];
+    // Parts along the tool axis of m and of its derivative by p.
+    const mz = s * across - c * up;
+    const tz = c * across + s * up;
+    const level = Math.sqrt(Math.max(0, 1 - mz * mz));
+    // d|m_xy|/dp = m_xy . m'_xy / |m_xy|, and m . m' = 0.
+    const slope = level > 1e-12 ? (-mz * tz) / level : side * Math.sqrt(Math.max(0, 1 - tz * tz));
+    const [h, dh] = [this.#r + this.#a * level, this.#a * slope];
+    return [h * s + dh * c - this.#origin[0], -h * c + dh * s - this.#origin[1]];
+  }
+
+  /** The boundary as points from left to right, without the sides. */
+  points(count = 240) {
+    const found = [];
+    for (let i = 0; i <= count; i += 1) {
+      const p = this.low + ((this.high - this.low) * i) / count;
+      found.push(this.#at(p));
+      // Sides of a corner of H that falls between two samples.
+      if (i < count && p < 0 && this.low + ((this.high - this.low) * (i + 1)) / count > 0) found.push(this.#at(-1e-13, -1), this.#at(1e-13, 1));
+    }
+    return found;
+  }
+
+  /** Height of the boundary over the tangent at the lateral offset x; infinite beyond a side along the normal. */
+  heightAt(x) {
+    const [first, last] = this.#ends;
+    if (x <= first[0] || x >= last[0]) {
+      const end = x <= first[0] ? first : last;
+      if (x === end[0]) return end[1];
+      const steps = (x - end[0]) / this.axis[0];
+      return Math.abs(this.axis[0]) > 1e-12 && steps > 0 ? end[1] + steps * this.axis[1] : Infinity;
+    }
+    const [low, high] = this.#bracket(x);
+    // At a flat the two ends differ, and the boundary between them is straight.
+    const [a, b] = [this.#at(low, -1), this.#at(high, 1)];
+    return b[0] > a[0] ? a[1] + ((b[1] - a[1]) * (x - a[0])) / (b[0] - a[0]) : a[1];
+  }
+
+  /** Height over a surface whose relative curvature across the feed is `curvature` (1/mm, positive where convex). */
+  heightOver(x, curvature) {
+    return this.heightAt(x) + (curvature * x * x) / 2;
+  }
+
+  /** The cusp {x, height} between passes at 0 and `stepOver`, or null where they do not meet. */
+  cusp(stepOver, curvature = 0) {
+    let [low, high] = [0, stepOver];
+    for (let i = 0; i < BISECTIONS; i += 1) {
+      const middle = (low + high) / 2;
+      if (this.heightOver(middle, curvature) < this.heightOver(middle - stepOver, curvature)) low = middle;
+      else high = middle;
+    }
+    const height = this.heightOver(low, curvature);
+    return Number.isFinite(height) ? { x: low, height } : null;
+  }
+}
+
+/**
+ * The curvature across the feed that a groove along it sees, for the surface's curvature {along, across, twist} in the contact's frame:
+ * the Schur complement of the relative curvature, less the cutter's own. For a surface curved only across the feed it is `across` itself and
+ * exact; otherwise it holds in second order, and cusps drawn with it are within 1 % of the exact ones.
+ */
+export function grooveCurvature(frame, R, r, { along = 0, across = 0, twist = 0 }) {
+  if (along === 0 && twist === 0) return across;
+  const { n, F, T, Z } = frame;
+  const sine = Math.sqrt(Math.max(0, 1 - dot(n, Z) ** 2));
+  // Curvatures of the cutter along the steepest line and across it.
+  const steep = r > 0 ? 1 / r : 1e9;
+  const level = 1 / ((R - r) / Math.max(sine, 1e-9) + r);
+  const [f, t] = [dot(F, Z), dot(T, Z)];
+  const length = Math.hypot(f, t);
+  const [cosine, sineTheta] = length > 0 ? [f / length, t / length] : [1, 0];
+  const c = steep * cosine ** 2 + level * sineTheta ** 2;
+  const b = (steep - level) * cosine * sineTheta;
+  const plane = -(b * b) / c;
+  const curved = -((b + twist) ** 2) / (c + along);
+  return across + curved - plane;
+}

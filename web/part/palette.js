@@ -1,0 +1,33 @@
+// Colour scales of the map: a value to red, green and blue, and the ticks of the legend.
+
+const hex = (text) => [1, 3, 5].map((at) => Number.parseInt(text.slice(at, at + 2), 16));
+const SLOPE = ['#f4f1de', '#b9dcc0', '#6bb8ad', '#35859b', '#2b4f81', '#2a2050'].map(hex);
+const WITHIN = ['#eef4f3', '#a9d3d0', '#4f9fa6'].map(hex);
+const OVER = ['#f0a93f', '#d9622b', '#8f1d2c'].map(hex);
+const REACHED = hex('#d5dbde');
+const UNCUT = ['#f2cf63', '#dd6f4f', '#a22a6d', '#4b1a6b'].map(hex);
+
+function blend(stops, share) {
+  const at = Math.min(Math.max(share, 0), 1) * (stops.length - 1);
+  const below = Math.min(Math.floor(at), stops.length - 2);
+  return stops[below].map((part, i) => part + (stops[below + 1][i] - part) * (at - below));
+}
+
+/** The scale of a map's layer: {colourOf(value), high, tolerance?}. */
+export function scaleOf(layer, values, tolerance) {
+  const most = values.reduce((found, value) => (value !== null && value > found ? value : found), 0);
+  const least = values.reduce((found, value) => (value !== null && value < found ? value : found), most);
+  if (layer === 'scallop_height_mm') {
+    const high = Math.max(most, tolerance * 1.25);
+    return { low: 0, high, tolerance, colourOf: (value) => (value <= tolerance * (1 + 1e-9) ? blend(WITHIN, value / tolerance) : blend(OVER, (value - tolerance) / Math.max(high - tolerance, 1e-12))) };
+  }
+  if (layer === 'uncut_mm') {
+    const high = most > 0 ? most : tolerance;
+    return { low: 0, high, colourOf: (value) => (value <= tolerance * 1e-3 ? REACHED : blend(UNCUT, value / high)) };
+  }
+  if (layer === 'slope_deg') {
+    const high = Math.max(5, Math.ceil(most / 5) * 5);
+    return { low: 0, high, colourOf: (value) => blend(SLOPE, value / high) };
+  }
+  return { low: least, high: Math.max(most, least + 1e-6), colourOf: (value) => blend(SLOPE, (value - least) / Math.max(most - least, 1e-9)) };
+}

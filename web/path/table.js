@@ -1,0 +1,117 @@
+// Reading a table of contacts from CSV text: comma, semicolon, tab or blanks; a header that names the columns; decimal comma where
+// the separator allows it; `#` lines are comments. Reading is done in slices, so that a long table does not stop the page.
+
+const SLICE_MS = 12;
+
+const ALIASES = {
+  slope: 'slope_deg', s: 'slope_deg', alpha: 'feed_angle_deg', feed_angle: 'feed_angle_deg',
+  x_mm: 'x', y_mm: 'y', z_mm: 'z', normal_x: 'nx', normal_y: 'ny', normal_z: 'nz', feed_x: 'fx', feed_y: 'fy', feed_z: 'fz',
+  i: 'nx', j: 'ny', k: 'nz', step_over: 'step_over_mm', stepover: 'step_over_mm', radius: 'surface_radius_mm',
+};
+const USED = new Set(['slope_deg', 'feed_angle_deg', 'x', 'y', 'z', 'nx', 'ny', 'nz', 'fx', 'fy', 'fz', 'run', 'step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'surface_radius_mm', 'along_per_mm', 'across_per_mm', 'twist_per_mm']);
+
+/** What is wrong with a table, in words for a person. */
+export class TableFault extends Error {}
+
+function separatorOf(line) {
+  for (const candidate of [';', '\t', ',']) if (line.includes(candidate)) return candidate;
+  return /\s+/;
+}
+
+const split = (line, separator) => line.trim().split(separator).map((cell) => cell.trim().replace(/^"(.*)"$/, '$1'));
+
+/**
+ * Reads `text` into {header, lines, numbers, columns}: the original lines, their numbers in the text, and one array for each column that
+ * is used, with null for an empty cell.
+ */
+export async function readTable(text) {
+  const all = text.replace(/^\uFEFF/, '').split(/\r\n|\n|\r/);
+  const first = all.findIndex((line) => line.trim() !== '' && !line.trim().startsWith('#'));
+  if (first < 0) throw new TableFault('The table is empty.');
+  const separator = separatorOf(all[first]);
+  const decimalComma = separator !== ',';
+  const header = split(all[first].replace(/^\uFEFF/, ''), separator);
+  const names = header.map((name) => {
+    const plain = name.toLowerCase().replaceAll(/[ .-]+/g, '_');
+    return ALIASES[plain] ?? plain;
+  });
+  if (names.every((name) => name === '' || Number.isFinite(Number(name.replace(',', '.'))))) {
+    throw new TableFault(`Line ${first + 1}: the first line must name the columns, such as slope_deg,feed_angle_deg or x,y,z,nx,ny,nz.`);
+  }
+  const wanted = names.map((name, at) => [name, at]).filter(([name], index) => USED.has(name) && names.indexOf(name) === index);
+  const columns = Object.fromEntries(wanted.map(([name]) => [name, []]));
+  const [lines, numbers] = [[], []];
+  let sliceEnd = performance.now() + SLICE_MS;
+  for (let at = first + 1; at < all.length; at += 1) {
+    const line = all[at];
+    if (line.trim() === '' || line.trimStart().startsWith('#')) continue;
+    const cells = split(line, separator);
+    for (const [name, index] of wanted) {
+      const cell = cells[index] ?? '';
+      const value = cell === '' ? null : Number(decimalComma ? cell.replace(',', '.') : cell);
+      if (Number.isNaN(value)) throw new TableFault(`Line ${at + 1}, column ${header[index]}: “${cell}” is not a number.`);
+      columns[name].push(value);
+    }
+    lines.push(line);
+    numbers.push(at + 1);
+    if (performance.now() > sliceEnd) {
+      await new Promise((resolve) => setTimeout(resolve));
+      sliceEnd = performance.now() + SLICE_MS;
+    }
+  }
+  if (lines.length === 0) throw new TableFault('The table has a header but no rows.');
+  return { header, headerLine: all[first], separator: typeof separator === 'string' ? separator : ' ', lines, numbers, columns, decimalComma };
+}
+
+/**
+ * The contacts as the service's columns, and the distance along the path where the table has positions. Without feed vectors the feed runs
+ * from each position to the next of its run.
+ */
+export function contactsOf({ columns, lines }) {
+  const count = lines.length;
+  const has = (...names) => names.every((name) => columns[name]);
+  const contacts = {};
+  const positions = has('x', 'y', 'z') ? columns.x.map((x, i) => (x === null ? null : [x, columns.y[i], columns.z[i]])) : null;
+  if (has('slope_deg', 'feed_angle_deg')) Object.assign(contacts, { slope_deg: columns.slope_deg, feed_angle_deg: columns.feed_angle_deg });
+  else if (has('nx', 'ny', 'nz') && (has('fx', 'fy', 'fz') || positions)) {
+    contacts.normal = vectors(columns, ['nx', 'ny', 'nz']);
+    contacts.feed = has('fx', 'fy', 'fz') ? vectors(columns, ['fx', 'fy', 'fz']) : feedsOf(positions, columns.run);
+  } else {
+    throw new TableFault('The table needs slope_deg and feed_angle_deg, or the normal nx, ny, nz with the feed fx, fy, fz or positions x, y, z.');
+  }
+  for (const name of ['step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'surface_radius_mm']) if (has(name)) contacts[name] = columns[name];
+  const curvature = ['along_per_mm', 'across_per_mm', 'twist_per_mm'].filter((name) => has(name));
+  if (curvature.length > 0) contacts.surface_curvature = Object.fromEntries(curvature.map((name) => [name, columns[name]]));
+  return { contacts, distance: positions && distances(positions, columns.run), count };
+}
+
+const vectors = (columns, names) => columns[names[0]].map((_, i) => {
+  const found = names.map((name) => columns[name][i]);
+  return found.includes(null) ? null : found;
+});
+
+function feedsOf(positions, runs) {
+  return positions.map((here, i) => {
+    const together = (j) => positions[j] && here && (!runs || runs[j] === runs[i]);
+    const [from, to] = together(i + 1) ? [here, positions[i + 1]] : together(i - 1) ? [positions[i - 1], here] : [];
+    return from ? to.map((part, axis) => part - from[axis]) : null;
+  });
+}
+
+// Along the path; a link between two runs counts as nothing.
+function distances(positions, runs) {
+  let total = 0;
+  return positions.map((here, i) => {
+    const before = i > 0 ? positions[i - 1] : null;
+    if (here && before && (!runs || runs[i] === runs[i - 1])) total += Math.hypot(...here.map((part, axis) => part - before[axis]));
+    return total;
+  });
+}
+
+/** The table with columns of the answer added, in its own separator and line by line as it was. */
+export function withColumns({ headerLine, separator, lines, decimalComma }, added) {
+  const names = Object.keys(added);
+  const number = (value) => (value === null || value === undefined ? '' : decimalComma && separator === ';' && lines[0].includes(',') ? String(value).replace('.', ',') : String(value));
+  const rows = lines.map((line, i) => [line.trimEnd(), ...names.map((name) => number(added[name][i]))].join(separator));
+  return `${[headerLine.trimEnd(), ...names].join(separator)}\n${rows.join('\n')}\n`;
+}

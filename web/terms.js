@@ -1,0 +1,104 @@
+// The page's glossary: for each name of the service its label, the kind of its quantity, and what it is. Fields, figures, charts
+// and tables take their labels and tooltips from here.
+
+export const TERMS = {
+  // Cutter
+  type: { label: 'Shape', help: 'Shape of the cutter’s end: toroidal (bull-nose), ball or flat.' },
+  diameter_mm: { label: 'Diameter', kind: 'length', help: 'Outer diameter of the cutter (ISO 13399: DC).' },
+  corner_radius_mm: { label: 'Corner radius', kind: 'length', help: 'Radius of the rounded corner (ISO 13399: RE). Under half the diameter.' },
+  teeth: { label: 'Teeth', kind: 'count', help: 'Number of effective teeth (ISO 13399: ZEFP), 1 to 100.' },
+  spindle_speed_rpm: { label: 'Spindle speed', kind: 'speed', help: 'Revolutions per minute. With the teeth it turns feed per tooth into feed rate.' },
+  flute_length_mm: { label: 'Flute length', kind: 'length', help: 'Cutting length of the flutes. The service warns where the surface is deeper.' },
+  max_feed_per_tooth_mm: { label: 'Max feed per tooth', kind: 'length', help: 'The cutter maker’s limit on the feed per tooth.' },
+  max_feed_rate_mm_min: { label: 'Max feed rate', kind: 'feedRate', help: 'The machine’s limit on the feed rate.' },
+  // Contact
+  slope_deg: { label: 'Slope', kind: 'angle', help: 'Angle between the surface normal and the tool axis: 0° is a floor, 90° a wall.' },
+  feed_angle_deg: { label: 'Feed angle', kind: 'angle', help: 'Angle from the uphill steepest line to the feed, seen from above along the tool axis, counter-clockwise. 0° runs uphill, 90° along the contour.' },
+  normal: { label: 'Surface normal', help: 'Vector x, y, z out of the part, of any length.' },
+  feed: { label: 'Feed vector', help: 'Vector x, y, z of the feed; its part in the tangent plane counts.' },
+  tool_axis: { label: 'Tool axis', help: 'Vector x, y, z of the tool axis for five-axis milling. Empty: +Z.' },
+  surface_radius_mm: { label: 'Surface radius', kind: 'length', help: 'Radius of the surface across the feed: positive where convex, negative where concave.' },
+  along_per_mm: { label: 'Along the feed', kind: 'curvature', help: 'Curvature (1/radius) along the feed: positive where convex.' },
+  across_per_mm: { label: 'Across the feed', kind: 'curvature', help: 'Curvature (1/radius) across the feed: positive where convex.' },
+  twist_per_mm: { label: 'Twist', kind: 'curvature', help: 'Mixed curvature of the surface between the feed and its left.' },
+  radial_mm: { label: 'Radial runout', kind: 'height', help: 'Radial runout of the cutter in the spindle.' },
+  axial_mm: { label: 'Axial runout', kind: 'height', help: 'Axial runout: the height by which one tooth stands below another.' },
+  // Passes
+  step_over_mm: { label: 'Step-over', kind: 'length', help: 'Distance between neighbouring passes along the surface, across the feed.' },
+  step_over_xy_mm: { label: 'Step-over in XY', kind: 'length', help: 'Distance between the vertical planes of neighbouring passes, seen from above, as CAM systems program it.' },
+  min_step_over_mm: { label: 'Min step-over', kind: 'length', help: 'Smallest step-over to consider.' },
+  max_step_over_mm: { label: 'Max step-over', kind: 'length', help: 'Largest step-over to consider; also the largest that the tolerance allows without feed.' },
+  feed_per_tooth_mm: { label: 'Feed per tooth', kind: 'length', help: 'Advance along the feed for each tooth. 0 or empty: no feed marks.' },
+  feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'Feed per tooth × teeth × spindle speed.' },
+  area_rate_mm2_min: { label: 'Area rate', kind: 'areaRate', help: 'Surface finished per minute: step-over × feed rate.' },
+  scallop_tolerance_mm: { label: 'Tolerance', kind: 'height', help: 'Largest scallop height that is accepted, feed marks included.' },
+  // Answers
+  scallop_height_mm: { label: 'Scallop height', kind: 'height', help: 'Height of the ridge over the nominal surface, from step-over and feed together.' },
+  step_over_height_mm: { label: 'of it step-over', kind: 'height', help: 'Part of the height that the step-over alone leaves: the cusp between two passes.' },
+  feed_height_mm: { label: 'of it feed', kind: 'height', help: 'Part of the height that the feed marks add.' },
+  feed_share: { label: 'Feed’s share', kind: 'share', help: 'The feed’s part of the scallop height.' },
+  effective_radius_mm: { label: 'Effective radius', kind: 'length', help: 'Radius of curvature of the groove across the feed.' },
+  transverse_effective_radius_mm: { label: 'Transverse radius', kind: 'length', help: 'Transverse effective radius: the same for the direction at 90° seen from above; it governs the feed marks.' },
+  deviation: { label: 'Deviation', kind: 'share', help: '(height − exact height) / exact height: how far this model’s height is from the one that the cutter’s whole shape leaves.' },
+  limited_by: { label: 'Limited by', help: 'What keeps the answer from being larger.' },
+  // Plan
+  machining_time_s: { label: 'Time', kind: 'time', help: 'Machining time: all passes and links with the machine’s limited acceleration and jerk.' },
+  direction_deg: { label: 'Direction', kind: 'angle', help: 'Direction of the passes seen from above, from +X counter-clockwise.' },
+  passes: { label: 'Passes', kind: 'count', help: 'Number of passes.' },
+  path_length_mm: { label: 'Path length', kind: 'length', help: 'Length of all passes on the surface.' },
+  over_tolerance_share: { label: 'Over tolerance', kind: 'share', help: 'Share of the area whose scallops exceed the tolerance.' },
+  uncut_share: { label: 'Uncut', kind: 'share', help: 'Share of the area that the cutter cannot reach.' },
+  uncut_height_mm: { label: 'Uncut height', kind: 'height', help: 'Largest height of the material that the cutter cannot reach.' },
+  least_time_s: { label: 'Least time', kind: 'time', help: 'Bound from below: no zigzag of this cutter is faster on this surface. The gap is what other strategies could gain.' },
+  rectangle_time_s: { label: 'By rectangle', kind: 'time', help: 'Time by the published method, which replaces the surface by an inclined rectangle.' },
+  scallop_p99_mm: { label: 'Scallop p99', kind: 'height', help: 'Scallop height that 99 % of the area does not exceed.' },
+  scallop_max_mm: { label: 'Scallop max', kind: 'height', help: 'Largest scallop height on the surface.' },
+  links_lifts: { label: 'Lifts', kind: 'count', help: 'Links that lift the tool to the clearance height.' },
+  tolerance_of_plan: { label: 'Scallop height', kind: 'height', help: 'Largest scallop height that the plan may leave.' },
+  machine: { label: 'Preset', help: 'A preset of the service; the values below override it.' },
+  acceleration_m_s2: { label: 'Acceleration', kind: 'acceleration', help: 'The machine’s acceleration along the path.' },
+  jerk_m_s3: { label: 'Jerk', kind: 'jerk', help: 'The machine’s jerk: how fast the acceleration changes.' },
+  machine_feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'The feed rate of the machine for finishing.' },
+  rapid_rate_mm_min: { label: 'Rapid rate', kind: 'feedRate', help: 'Rate of moves off the surface. Empty: the feed rate.' },
+  clearance_height_mm: { label: 'Clearance', kind: 'length', help: 'Height over the highest point at which the tool crosses gaps.' },
+  pattern: { label: 'Pattern', help: 'Zigzag cuts in both senses; one-way returns at the rapid rate over the clearance height.' },
+  method: { label: 'Method', help: 'Surface: the passes are simulated on the surface itself. Rectangle: the published method on an equivalent inclined rectangle.' },
+  model: { label: 'Model', help: 'Exact shape: the cutter’s whole body. Published: circles of the effective radii.' },
+  max_slope_deg: { label: 'Max slope', kind: 'angle', help: 'Steeper facets set no spacing and count as steep.' },
+  max_uncut_share: { label: 'Max uncut', kind: 'share', help: 'A cutter that leaves more of the area uncut is listed, not ranked.' },
+  unit: { label: 'File’s unit', help: 'Unit of length of the coordinates in the file.' },
+  facing: { label: 'Facing', help: 'Which facets count: those that face up, or all.' },
+  // Surface
+  area_mm2: { label: 'Area', kind: 'area', help: 'Area of the surface.' },
+  facets: { label: 'Facets', kind: 'count', help: 'Triangles of the surface.' },
+  points: { label: 'Points', kind: 'count', help: 'Sample points of the surface.' },
+  mean_slope_deg: { label: 'Mean slope', kind: 'angle', help: 'Mean slope over the area.' },
+  form_factor: { label: 'Form factor', kind: 'number', help: 'Ratio of the two principal extents.' },
+  characteristic_size_mm2: { label: 'Characteristic size', kind: 'area', help: 'Area of the equivalent rectangle.' },
+  principal_direction_deg: { label: 'Principal direction', kind: 'angle', help: 'Direction of the longest extent seen from above.' },
+  steepest_direction_deg: { label: 'Steepest direction', kind: 'angle', help: 'Direction of the steepest line of the mean plane, seen from above.' },
+  flatness: { label: 'Flatness', kind: 'number', help: 'Extent out of the mean plane over the longest extent: 0 for a plane.' },
+  visible_area_share: { label: 'Visible area', kind: 'share', help: 'Share of the area that is visible from above.' },
+  steep_area_share: { label: 'Steep area', kind: 'share', help: 'Share of the area steeper than the maximal slope.' },
+  pieces: { label: 'Pieces', kind: 'count', help: 'Connected pieces of the surface.' },
+  critical_slope_deg: { label: 'Critical slope', kind: 'angle', help: 'Slope below which the toroidal cutter is faster than the ball-end cutter, by the published method.' },
+  height_over_datum: { label: 'Height', kind: 'length', help: 'Z of the surface.' },
+  uncut_mm: { label: 'Uncut', kind: 'height', help: 'Height of the material that the cutter cannot reach.' },
+};
+
+/** Names that the page gives to members of members, and to fields that the service calls otherwise. */
+export const OF_THE_PAGE = new Set(['tolerance_of_plan', 'machine_feed_rate_mm_min', 'scallop_p99_mm', 'scallop_max_mm', 'links_lifts', 'rectangle_time_s', 'height_over_datum']);
+
+// Words of the service's closed sets as the page writes them.
+const WORDS = {
+  scallop_tolerance: 'the tolerance',
+  max_feed_per_tooth: 'the cutter’s feed limit',
+  max_feed_rate: 'the machine’s feed limit',
+  min_step_over: 'the smallest step-over',
+  max_step_over: 'the largest step-over',
+  toroidal: 'Toroidal',
+  ball_end: 'Ball end',
+  flat_end: 'Flat end',
+};
+
+export const inWords = (word) => WORDS[word] ?? String(word).replaceAll(/[-_]/g, ' ');

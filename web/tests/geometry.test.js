@@ -1,0 +1,144 @@
+// The page's own mathematics and text handling, without a browser: the cutter's profile, frames, units, links and tables.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { anglesOf, dot, frameOfAngles, frameOfVectors } from '../contact/frame.js';
+import { Profile, grooveCurvature } from '../contact/profile.js';
+import { fragmentOf, readFragment } from '../link.js';
+import { examplePath } from '../path/example.js';
+import { TableFault, contactsOf, readTable, withColumns } from '../path/table.js';
+import { format, formatInput, parseInput, setUnits } from '../units.js';
+
+// R = 5, r = 2: [slope, feed angle, step-over, height in um], computed by brute-force simulation to 1 nm.
+const CUSPS = [[40, 0, 0.73, 10.006], [40, 90, 0.4, 10.025], [5, 0, 2, 14.065], [1, 0, 3.7, 10.958], [0.5, 0, 5.27, 13.42], [0.2, 0, 5.9, 8.295], [0.01, 0, 6.4, 10.548], [85, 90, 0.4, 9.936], [89, 90, 0.4, 4.371]];
+
+test('the drawn cusp has the height that a simulation of the cutter gives', () => {
+  for (const [slope, angle, stepOver, expected] of CUSPS) {
+    const { height } = new Profile(frameOfAngles(slope, angle), 5, 2).cusp(stepOver);
+    // The published values are rounded to 0.001 um.
+    assert.ok(Math.abs(height * 1000 - expected) < 0.00051, `${slope} ${angle}: ${height * 1000}`);
+  }
+});
+
+test('a ball end draws a circle in every direction', () => {
+  for (const [slope, angle] of [[0, 0], [30, 70], [60, 10], [90, 0]]) {
+    const profile = new Profile(frameOfAngles(slope, angle), 4, 4);
+    for (const x of [-0.5, 0, 0.3]) assert.ok(Math.abs(profile.heightAt(x) - (4 - Math.sqrt(16 - x * x))) < 1e-12, `${slope} ${angle} ${x}`);
+  }
+});
+
+test('on a wall the side of the cutter leaves nothing', () => {
+  const profile = new Profile(frameOfAngles(90, 90), 5, 2);
+  const towardsTheShank = profile.axis[0] > 0 ? 3 : -3;
+  assert.ok(Math.abs(profile.heightAt(towardsTheShank)) < 1e-12);
+});
+
+test('a flat floor lies under the flat of a toroidal cutter', () => {
+  const profile = new Profile(frameOfAngles(0, 30), 5, 2);
+  assert.ok(Math.abs(profile.heightAt(2.9)) < 1e-6);
+  assert.ok(Math.abs(profile.heightAt(4) - (2 - Math.sqrt(3))) < 1e-6);
+});
+
+test('angles and vectors give the same frame', () => {
+  for (const [slope, angle] of [[40, 30], [10, 170], [80, 95], [0.5, 3]]) {
+    const frame = frameOfAngles(slope, angle);
+    const again = anglesOf(frameOfVectors(frame.n, frame.F.map((part, i) => part + 2 * frame.n[i])));
+    assert.ok(Math.abs(again.slope - slope) < 1e-9 && Math.abs(((again.feedAngle - angle + 540) % 360) - 180) < 1e-9, `${slope} ${angle} ${JSON.stringify(again)}`);
+  }
+});
+
+test('curvature across the feed alone enters the groove unchanged', () => {
+  assert.equal(grooveCurvature(frameOfAngles(40, 30), 5, 2, { across: 0.02 }), 0.02);
+  // Curvature along the feed changes an oblique groove, and one along the steepest line not.
+  assert.notEqual(grooveCurvature(frameOfAngles(40, 30), 5, 2, { across: 0.02, along: 0.05 }), 0.02);
+  assert.ok(Math.abs(grooveCurvature(frameOfAngles(40, 0), 5, 2, { across: 0.02, along: 0.05 }) - 0.02) < 1e-15);
+});
+
+// The groove of a surface curved in all directions, without the second-order step: for each slope q across the feed the slope p along it
+// is solved for at which the height over the surface is least.
+function exactCusp(frame, R, r, { along, across, twist }, stepOver) {
+  const a = R - r;
+  const boundary = (p, q) => {
+    const length = Math.hypot(p, q, 1);
+    const m = [0, 1, 2].map((i) => (p * frame.F[i] + q * frame.T[i] - frame.n[i]) / length);
+    const level = Math.hypot(m[0], m[1]);
+    const point = [(a / level + r) * m[0], (a / level + r) * m[1], r * m[2]];
+    return [frame.F, frame.T, frame.n].map((axis) => dot(point, axis));
+  };
+  const origin = boundary(0, 0);
+  const from = (p, q) => boundary(p, q).map((part, i) => part - origin[i]);
+  const bisect = (low, high, below) => {
+    for (let i = 0; i < 80; i += 1) {
+      const middle = (low + high) / 2;
+      if (below(middle)) low = middle;
+      else high = middle;
+    }
+    return low;
+  };
+  const groove = (q) => {
+    const p = bisect(-2, 2, (guess) => {
+      const [x, y] = from(guess, q);
+      return guess + along * x + twist * y < 0;
+    });
+    const [x, y, w] = from(p, q);
+    return [y, w + (along * x * x + across * y * y) / 2 + twist * x * y];
+  };
+  const height = (y) => groove(bisect(-3, 3, (q) => groove(q)[0] < y))[1];
+  return height(bisect(0, stepOver, (y) => height(y) < height(y - stepOver)));
+}
+
+test('the drawn cusp on a surface curved in all directions is within 1 % of the exact one', () => {
+  for (const [R, r, slope, angle, curvature, stepOver] of [
+    [8.4, 5.5, 27.7, 32.3, { along: -0.011, across: -0.026, twist: 0 }, 0.63],
+    [6.1, 4.4, 50, 92.1, { along: 0.036, across: -0.007, twist: 0.013 }, 0.61],
+    [4.3, 2.25, 66.4, 65.4, { along: 0.005, across: 0.007, twist: -0.01 }, 0.44],
+  ]) {
+    const frame = frameOfAngles(slope, angle);
+    const drawn = new Profile(frame, R, r).cusp(stepOver, grooveCurvature(frame, R, r, curvature)).height;
+    const exact = exactCusp(frame, R, r, curvature, stepOver);
+    assert.ok(Math.abs(drawn / exact - 1) < 0.01, `${slope} ${angle}: drawn ${drawn}, exact ${exact}`);
+  }
+});
+
+test('what is typed in inches comes back as typed', () => {
+  setUnits('inch');
+  for (const typed of ['0.25', '0.0625', '0.375']) assert.equal(formatInput(parseInput(typed, 'length'), 'length'), typed);
+  assert.equal(parseInput('0.5', 'length'), 12.7);
+  assert.equal(format(25.4, 'length'), '1.000');
+  setUnits('mm');
+  assert.equal(parseInput('0,5', 'length'), 0.5);
+  assert.equal(parseInput('ten', 'length'), 'ten');
+  assert.equal(parseInput(' ', 'length'), undefined);
+});
+
+test('a link gives back the values that it was written from', () => {
+  const values = { diameter_mm: 10, normal: '-0.64, 0, 0.77', cutters: [{ name: 'A & B', type: 'ball_end', diameter_mm: 6 }], type: 'toroidal' };
+  const read = readFragment(fragmentOf('part', 'inch', values));
+  assert.deepEqual(read, { view: 'part', units: 'inch', values });
+});
+
+test('tables are read with each separator, comments and decimal commas', async () => {
+  for (const text of ['slope_deg,feed_angle_deg\n# note\n10.5,20\n', '\uFEFFslope_deg;feed_angle_deg\r\n10,5;20\r\n', 'slope_deg\tfeed_angle_deg\n10.5\t20\n', 'slope feed_angle\n10.5 20\n']) {
+    const { contacts } = contactsOf(await readTable(text));
+    assert.deepEqual(contacts, { slope_deg: [10.5], feed_angle_deg: [20] }, text);
+  }
+});
+
+test('feeds come from positions within a run', async () => {
+  const { contacts, distance } = contactsOf(await readTable('run,x,y,z,nx,ny,nz\n0,0,0,0,0,0,1\n0,3,4,0,0,0,1\n1,9,9,9,0,0,1\n1,9,9,8,0,0,1\n'));
+  assert.deepEqual(contacts.feed, [[3, 4, 0], [3, 4, 0], [0, 0, -1], [0, 0, -1]]);
+  assert.deepEqual(distance, [0, 5, 5, 6]);
+});
+
+test('faults of a table name the line', async () => {
+  await assert.rejects(readTable('slope_deg,feed_angle_deg\n1,2\nx,3\n'), (fault) => fault instanceof TableFault && /Line 3, column slope_deg/.test(fault.message));
+  await assert.rejects(readTable(''), TableFault);
+  await assert.rejects(readTable('1,2\n3,4\n'), /first line must name the columns/);
+  await assert.rejects(async () => contactsOf(await readTable('a,b\n1,2\n')), /needs slope_deg/);
+});
+
+test('a table gets its columns line by line', async () => {
+  const table = await readTable('slope_deg,feed_angle_deg\n1,2\n\n3,4\n');
+  assert.equal(withColumns(table, { feed_rate_mm_min: [100, null] }), 'slope_deg,feed_angle_deg,feed_rate_mm_min\n1,2,100\n3,4,\n');
+  assert.equal((await readTable(examplePath())).lines.length, 241);
+});

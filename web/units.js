@@ -1,0 +1,108 @@
+// Units: values are held in the service's units (mm, degrees, seconds); this module converts and formats them for the page.
+
+const INCH = 25.4;
+
+// For each kind of quantity: [unit, displayed value per service value, significant digits], metric and inch.
+const KINDS = {
+  length: { mm: ['mm', 1, 4], inch: ['in', 1 / INCH, 4] },
+  height: { mm: ['µm', 1000, 4], inch: ['thou', 1000 / INCH, 4] },
+  curvature: { mm: ['1/mm', 1, 4], inch: ['1/in', INCH, 4] },
+  feedRate: { mm: ['mm/min', 1, 4], inch: ['in/min', 1 / INCH, 4] },
+  area: { mm: ['mm²', 1, 4], inch: ['in²', 1 / INCH ** 2, 4] },
+  areaRate: { mm: ['mm²/min', 1, 4], inch: ['in²/min', 1 / INCH ** 2, 4] },
+  acceleration: { mm: ['m/s²', 1, 4] },
+  jerk: { mm: ['m/s³', 1, 4] },
+  angle: { mm: ['°', 1, 4] },
+  speed: { mm: ['rev/min', 1, 5] },
+  share: { mm: ['%', 100, 3] },
+  time: { mm: ['s', 1, 4] },
+  count: { mm: ['', 1, 0] },
+  number: { mm: ['', 1, 4] },
+};
+
+let system = 'mm';
+
+/** The system of units in use: "mm" or "inch". */
+export const units = () => system;
+
+export function setUnits(name) {
+  system = name === 'inch' ? 'inch' : 'mm';
+}
+
+function measure(kind) {
+  const [unit, factor, digits] = KINDS[kind][system] ?? KINDS[kind].mm;
+  return { unit, factor, digits };
+}
+
+export const unitOf = (kind) => measure(kind).unit;
+export const factorOf = (kind) => measure(kind).factor;
+
+/** A number with `digits` significant digits, never in exponent form unless it is very small. */
+export function plainNumber(value, digits) {
+  if (value === 0) return '0';
+  // Of the rounded value: 0.99999 is shown as 1.000.
+  const magnitude = Math.floor(Math.log10(Math.abs(Number(value.toPrecision(digits)))));
+  if (magnitude < -7 || magnitude > 14) return value.toExponential(digits - 1);
+  return value.toFixed(Math.max(0, digits - 1 - magnitude));
+}
+
+/** A value of the service as the page shows it, without its unit. */
+export function format(value, kind) {
+  if (value === null || value === undefined) return '–';
+  const { factor, digits } = measure(kind);
+  // A count is a whole number, but for the quotients of the rectangle's method.
+  return kind === 'count' ? String(Number(value.toFixed(2))) : plainNumber(value * factor, digits);
+}
+
+/** The same with its unit. */
+export function formatWithUnit(value, kind) {
+  const unit = unitOf(kind);
+  return `${format(value, kind)}${unit === '' || unit === '°' ? unit : ` ${unit}`}`;
+}
+
+/** A round value with its unit, without trailing zeros. */
+export function formatRound(value, kind) {
+  return `${Number((value * factorOf(kind)).toPrecision(4))} ${unitOf(kind)}`;
+}
+
+/** The text of a value in an input: as many digits as were stated, at most seven. */
+export function formatInput(value, kind) {
+  if (typeof value !== 'number') return value ?? '';
+  return String(Number((value * factorOf(kind)).toPrecision(7)));
+}
+
+/** The service's value of a typed text; a text that is no number is returned as it is, for the service to judge. */
+export function parseInput(text, kind) {
+  const typed = text.trim();
+  if (typed === '') return undefined;
+  const number = Number(/^[^.]*,[^.,]*$/.test(typed) ? typed.replace(',', '.') : typed);
+  if (!Number.isFinite(number)) return typed;
+  const factor = factorOf(kind);
+  return factor === 1 ? number : Number((number / factor).toPrecision(12));
+}
+
+/** Seconds as minutes and hours where that is easier to read. */
+export function formatTime(seconds) {
+  if (seconds === null || seconds === undefined) return '–';
+  if (seconds < 120) return `${plainNumber(seconds, 3)} s`;
+  const whole = Math.round(seconds);
+  const parts = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60), whole % 60];
+  return parts[0] > 0
+    ? `${parts[0]} h ${String(parts[1]).padStart(2, '0')} min`
+    : `${parts[1]} min ${String(parts[2]).padStart(2, '0')} s`;
+}
+
+/** Ticks at round numbers from `low` to `high`, about `count` of them. */
+export function ticks(low, high, count) {
+  const step = roundStep((high - low) / count);
+  const found = [];
+  for (let tick = Math.ceil(low / step - 1e-9); tick * step <= high * (1 + 1e-9); tick += 1) found.push(Number((tick * step).toPrecision(12)));
+  return found;
+}
+
+/** The largest of 1, 2 and 5 times a power of ten that does not exceed `value`. */
+export function roundStep(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  const lead = value / power;
+  return (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
+}
