@@ -223,7 +223,10 @@ pub(super) fn describe_answer<C: Calculation>(components: &mut Components) -> Re
         schema = schema.property(figure.name, figure.column_schema(components));
         schema = if figure.is_required_column() { schema.required(figure.name) } else { schema };
     }
-    let failures = ArrayBuilder::new().items(components.refer_type::<Failure>()).description(Some("the contacts that have no answer, the first thousand of them; `summary` counts all")).max_items(Some(MOST_FAILURES));
+    let failures = ArrayBuilder::new()
+        .items(components.refer_type::<Failure>())
+        .description(Some("the contacts that have no answer, the first thousand of them; `summary` counts all"))
+        .max_items(Some(MOST_FAILURES));
     schema = schema.property("failures", failures).required("failures");
     schema.property("warnings", warnings_schema(components)).required("warnings").into()
 }
