@@ -10,11 +10,15 @@ use scallopd::server::App;
 use scallopd::settings::{Command, Refusal, ServerSettings, Settings};
 use scallopd::telemetry::Telemetry;
 use scallopd::{health, server};
+use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::oneshot;
 
 // The allocator of musl, which the static build uses, is several times slower under threads.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+/// Connections that wait to be accepted, at most; the system may allow fewer.
+const BACKLOG: u32 = 4096;
 
 /// Connections to the address for probes: a few probers and scrapers.
 const HEALTH_CONNECTIONS: usize = 64;
@@ -64,7 +68,7 @@ async fn serve(settings: &Settings) -> std::io::Result<()> {
     let routes = if settings.health_listen.is_some() { http::public_routes() } else { http::routes() };
     let public = app(routes);
     let signal = server::stop_signal()?;
-    let listener = tokio::net::TcpListener::bind(settings.listen).await?;
+    let listener = listen(settings.listen)?;
     tracing::info!(address = %listener.local_addr()?, version = env!("CARGO_PKG_VERSION"), "listening");
     let health = settings.health_listen.map(|address| serve_health(address, app(http::health_routes()), &settings.server)).transpose()?;
     let stop = async {
@@ -79,6 +83,16 @@ async fn serve(settings: &Settings) -> std::io::Result<()> {
     served
 }
 
+/// Listens at `address`. A burst of connections waits in the queue: where it is full, the system drops what a client sends for a second.
+fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
+    let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
+    // A server that starts again does not wait for the connections of the last one to be forgotten.
+    #[cfg(unix)]
+    socket.set_reuseaddr(true)?;
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
+}
+
 /// Serves probes and metrics on a thread of its own until the sender is dropped: whatever the other threads do, it answers.
 fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std::io::Result<oneshot::Sender<()>> {
     let settings = ServerSettings { max_connections: HEALTH_CONNECTIONS, shutdown_grace: Duration::ZERO, ..settings.clone() };
@@ -89,7 +103,7 @@ fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std
     tracing::info!(address = %listener.local_addr()?, "listening for probes");
     let serve = move || {
         runtime.block_on(async {
-            let listener = tokio::net::TcpListener::from_std(listener)?;
+            let listener = TcpListener::from_std(listener)?;
             // An error is the sender's drop.
             server::serve(listener, app, &settings, async { _ = stopped.await }).await
         })

@@ -21,7 +21,7 @@ struct Shared {
 pub enum BudgetExceeded {
     /// Other requests hold too much of the budget at this moment.
     Now,
-    /// The reservation would be larger than the whole budget.
+    /// The reservation would be larger than [`MemoryBudget::largest`].
     Always,
 }
 
@@ -29,7 +29,7 @@ impl fmt::Display for BudgetExceeded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Now => write!(f, "the memory for requests is used up by others at this moment"),
-            Self::Always => write!(f, "the request needs more memory than all requests may use together"),
+            Self::Always => write!(f, "the request needs more memory than one request may use"),
         }
     }
 }
@@ -41,6 +41,13 @@ impl MemoryBudget {
     #[must_use]
     pub fn new(total: u64) -> Self {
         Self(Arc::new(Shared { total, reserved: AtomicU64::new(0), refusals: AtomicU64::new(0) }))
+    }
+
+    /// The largest reservation, three quarters of the budget: the rest is for what a request holds besides, such as the end of its body,
+    /// so that one that is too large finds that out and not that the budget is used up.
+    #[must_use]
+    pub fn largest(&self) -> u64 {
+        self.0.total - self.0.total / 4
     }
 
     /// The bytes reserved at this moment.
@@ -98,7 +105,7 @@ impl Reservation {
 
     fn try_grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
         let Shared { total, reserved, .. } = &*self.budget.0;
-        let own = self.bytes.checked_add(bytes).filter(|own| own <= total).ok_or(BudgetExceeded::Always)?;
+        let own = self.bytes.checked_add(bytes).filter(|own| *own <= self.budget.largest()).ok_or(BudgetExceeded::Always)?;
         // No overflow: `reserved` and `bytes` are at most `total`, and a sum beyond it is not stored.
         let add = |reserved: u64| reserved.checked_add(bytes).filter(|sum| sum <= total);
         reserved.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).map_err(|_| BudgetExceeded::Now)?;
@@ -141,16 +148,16 @@ mod tests {
         assert_eq!(budget.reserve(41).unwrap_err(), BudgetExceeded::Now);
         assert_eq!(budget.reserve(101).unwrap_err(), BudgetExceeded::Always);
         drop(first);
-        assert_eq!(budget.reserve(100).unwrap().bytes(), 100);
+        assert_eq!(budget.reserve(75).unwrap().bytes(), 75);
         assert_eq!(budget.reserved(), 0);
     }
 
     #[test]
-    fn a_reservation_larger_than_the_whole_budget_is_refused_for_good() {
-        let mut reservation = MemoryBudget::new(100).reserve(90).unwrap();
-        assert_eq!(reservation.grow(11), Err(BudgetExceeded::Always));
+    fn a_reservation_larger_than_three_quarters_of_the_budget_is_refused_for_good() {
+        let mut reservation = MemoryBudget::new(100).reserve(70).unwrap();
+        assert_eq!(reservation.grow(6), Err(BudgetExceeded::Always));
         assert_eq!(reservation.grow(u64::MAX), Err(BudgetExceeded::Always));
-        assert_eq!(reservation.bytes(), 90);
+        assert_eq!(reservation.bytes(), 70);
     }
 
     proptest! {

@@ -177,10 +177,10 @@ mod tests {
     fn a_line_holds_the_fields_of_event_and_span() {
         let logged = lines(|| {
             let span = tracing::info_span!("request", request_id = "order-66", http.route = "/v1/max-feed");
-            span.in_scope(|| tracing::warn!(status = 422_u16, least = -3, share = 0.5, none = f64::NAN, probe = false, "told"));
+            span.in_scope(|| tracing::warn!(status = 422_u16, least = -3, share = 0.5, none = f64::NAN, probe = false, "message"));
         });
         let expected = json!({
-            "level": "WARN", "message": "told", "status": 422, "least": -3, "share": 0.5, "none": null, "probe": false,
+            "level": "WARN", "message": "message", "status": 422, "least": -3, "share": 0.5, "none": null, "probe": false,
             "request_id": "order-66", "target": "scallopd::telemetry::json::tests"
         });
         assert_eq!(logged, [expected]);

@@ -4,6 +4,7 @@ mod app;
 mod batch;
 mod document;
 mod faults;
+mod floods;
 mod max_feed;
 mod pages;
 mod requests;

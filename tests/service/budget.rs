@@ -31,7 +31,7 @@ async fn a_body_larger_than_the_budget_is_refused_for_good() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_body_for_which_there_is_no_memory_now_is_to_come_again() {
     let server = start().await;
-    let held = server.state.budget.reserve(200 * KIB).unwrap();
+    let held = server.state.budget.reserve(190 * KIB).unwrap();
     let send = || server.client.post(server.url("/length")).body(vec![b'x'; 100 << 10]).send();
     let answer = send().await.unwrap();
     assert_eq!(answer.status(), 503);

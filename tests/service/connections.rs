@@ -92,7 +92,7 @@ async fn heads_that_are_no_requests_are_problems_with_an_id_and_are_counted() {
         let line = format!("scallopd_http_requests_total{{method=\"unread\",route=\"unread\",status=\"{status}\"}}");
         assert!(server.metrics().await.contains(&line), "{line}");
     }
-    // Where a URI alone is too long, the parser says that or that the head is.
+    // The parser reports a long URI as such, or as a long head.
     let answer = answer_to(&server, &format!("GET /{} HTTP/1.1\r\nhost: test\r\n\r\n", "x".repeat(70_000))).await;
     assert_problem(&answer, if answer.starts_with("HTTP/1.1 414") { 414 } else { 431 });
     let large = format!("GET /headers HTTP/1.1\r\nhost: test\r\nconnection: close\r\nx: {}\r\n\r\n", "x".repeat(15_000));

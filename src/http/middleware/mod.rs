@@ -155,7 +155,7 @@ fn check_host(request: &Request) -> Result<(), Response> {
     Err(Problem::new(ServiceProblem::MalformedRequest, detail).into_response())
 }
 
-/// The panic hook that the program sets at its start has logged the panic with its location; the client is told nothing of it.
+/// The panic hook that the program sets at its start has logged the panic with its location; the client gets none of it.
 fn describe_panic(_panic: Box<dyn std::any::Any + Send>) -> Response {
     StatusCode::INTERNAL_SERVER_ERROR.into_response()
 }

@@ -65,8 +65,8 @@ impl Middleware for Observe {
             let mut response = async { describe_error(answer.await, uri.path(), &id) }.instrument(span).await;
             record.status = response.status().as_u16();
             id.mark(&mut response);
-            // hyper closes a connection with an unread body on it. A client that is told opens another; one that is not, and one that is
-            // cut off by a server that stops, loses the request that it may just be sending.
+            // hyper closes a connection with an unread body on it. With this header the client opens another; without it, the client loses
+            // the request that it may just be sending. The same holds for a server that stops.
             if record.progress.is_unread() || readiness.is_draining() {
                 response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
             }
