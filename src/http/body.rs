@@ -2,7 +2,7 @@
 
 use super::codes::ServiceProblem;
 use super::problem::Problem;
-use super::reading::{Faulted, Faults, Object};
+use super::reading::{Faulted, Faults, Object, mark_not_finite};
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -95,8 +95,15 @@ impl JsonBody {
 /// [`JsonBody::read`] for JSON that came another way.
 pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
     let mut faults = Faults::default();
-    let object = Object::open_body(json, &mut faults)
-        .map_err(|error| Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}")))?;
+    let malformed = |error| Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}"));
+    let marked;
+    let object = match Object::open_body(json, &mut faults) {
+        Ok(object) => object,
+        Err(error) => {
+            marked = mark_not_finite(json).ok_or_else(|| malformed(error))?;
+            Object::open_body(&marked, &mut faults).map_err(malformed)?
+        }
+    };
     let result = object.and_then(|mut object| {
         let result = read(&mut object, &mut faults);
         object.close(&mut faults)?;

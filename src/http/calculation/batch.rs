@@ -100,7 +100,9 @@ impl<C: Calculation> Batch<C> {
         let BatchContact { contact, parameters } = BatchContact::read(raw, C::STATES, &self.defaults, path, faults)?;
         let step_over = parameters.step_over(C::STATES, &path, faults)?;
         // A contact without an answer is to blame as a whole: which of its parameters are defaults makes no difference.
-        let mut fail = |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, step_over) });
+        let mut fail = |cause: NoAnswer| {
+            faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, parameters.step_over_member()) })
+        };
         let pass = single::judge(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
         let figures = single::work_out(&self.calculation, &self.shared, &pass, step_over, &parameters)?.map_err(fail)?;
         Ok((figures, pass))

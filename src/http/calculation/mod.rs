@@ -9,7 +9,7 @@ mod single;
 pub(crate) mod step_over;
 
 use super::reading::{Faulted, Faults, JsonPath, Members};
-use super::wire::{Figure, Figures, SharedParameters, States};
+use super::wire::{ContactParameters, Figure, Figures, SharedParameters, States};
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 
@@ -40,6 +40,11 @@ pub(crate) trait Calculation: Sized + Send + Sync {
         step_over: Option<Length>,
         feed_per_tooth: Option<Length>,
     ) -> Result<Figures, NoAnswer>;
+
+    /// The member that bounds the step-over, to which its faults point.
+    fn step_over_member(&self, stated: &ContactParameters) -> &'static str {
+        stated.step_over_member()
+    }
 
     /// The figures of an answer.
     fn figures() -> impl Iterator<Item = &'static Figure> {

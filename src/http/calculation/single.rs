@@ -93,8 +93,10 @@ impl<C: Calculation> Request<C> {
         let step_over = self.parameters.step_over(C::STATES, path, faults);
         let pass = self.judge(path, faults);
         let (shared, contact, pass) = (self.shared?, self.contact?, pass?);
-        let figures = work_out(&self.calculation?, &shared, &pass, step_over?, &self.parameters)?;
-        let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, step_over.ok().flatten())))?;
+        let calculation = self.calculation?;
+        let step_over_member = calculation.step_over_member(&self.parameters);
+        let figures = work_out(&calculation, &shared, &pass, step_over?, &self.parameters)?;
+        let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, step_over_member)))?;
         let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
         let check = check(&pass, &figures, &mut warnings);
         Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
@@ -103,7 +105,8 @@ impl<C: Calculation> Request<C> {
     /// The pass under its model, as soon as cutter, contact and surface are known, whatever else is faulty.
     fn judge(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
         let (shared, contact) = (self.shared?, self.contact?);
-        judge(&shared, contact, &self.parameters)?.map_err(|cause| faults.push(no_answer(cause, path, contact, None)))
+        judge(&shared, contact, &self.parameters)?
+            .map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, self.parameters.step_over_member())))
     }
 }
 

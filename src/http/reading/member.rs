@@ -1,6 +1,6 @@
 //! Named members of requests, and the kinds of values that they take: one description gives the reader and the schema.
 
-use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema};
+use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, PlainColumn};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
@@ -31,6 +31,8 @@ pub(crate) trait Kind {
 pub(crate) trait PlainKind: Kind {
     /// The value as JSON has it.
     type Plain: for<'de> Deserialize<'de> + Copy;
+    /// A column of such values.
+    type Column: PlainColumn<Plain = Self::Plain> + Sync;
 
     /// The checked value; `None` where `plain` is faulty.
     fn accept(&self, plain: Self::Plain) -> Option<Self::Value>;

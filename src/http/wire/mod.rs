@@ -3,6 +3,7 @@
 
 mod batch_contact;
 mod contact;
+mod contact_columns;
 mod curvature;
 mod cutter;
 mod feed;
@@ -21,6 +22,7 @@ mod warning;
 
 pub(crate) use batch_contact::{BatchContact, batch_contact_schemas};
 pub(crate) use contact::{CONTACT, StatedContact};
+pub(crate) use contact_columns::ContactColumns;
 pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
 pub(crate) use figures::{COMMON_FIGURES, Figure, FigureValue, Figures};
 pub(crate) use machine::{MACHINE, Machine};
