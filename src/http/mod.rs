@@ -21,7 +21,7 @@ pub mod worker_pool;
 pub use app_state::AppState;
 use axum::Router;
 use axum::http::StatusCode;
-use calculation::{max_feed, scallop_height, step_over};
+use calculation::{cutting_parameters, max_feed, scallop_height, step_over};
 use planning::{critical_slope, machines, recommendation, upload};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -35,6 +35,8 @@ fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(max_feed::answer_batch))
         .routes(routes!(step_over::answer))
         .routes(routes!(step_over::answer_batch))
+        .routes(routes!(cutting_parameters::answer))
+        .routes(routes!(cutting_parameters::answer_batch))
         .routes(routes!(critical_slope::answer))
         .routes(routes!(machines::list))
         .routes(routes!(recommendation::answer))

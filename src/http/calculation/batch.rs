@@ -2,21 +2,22 @@
 
 use super::Calculation;
 use super::column::{Column, Table};
+use super::selection::Selection;
 use super::single::{self, warnings_schema};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
 use crate::http::problem::Problem;
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, ObjectSchema, for_runs_of_items, items};
 use crate::http::wire::{
-    BatchContact, ContactParameters, Failure, Figures, MODEL, SharedParameters, Summary, Warning, batch_contact_schemas, model_name,
-    no_answer, warning_code,
+    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, MODEL, SharedParameters, Summary,
+    Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer, warning_code,
 };
-use crate::milling::{JudgedPass, Model, NoAnswer};
+use crate::milling::{JudgedPass, NoAnswer};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
-use std::marker::PhantomData;
 use std::sync::{Mutex, PoisonError};
-use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// Contacts worked out in one go by one thread: some tenths of a millisecond, long against the cost of sharing out.
@@ -28,6 +29,12 @@ const MOST_CONTACTS: usize = 250_000;
 
 const CONTACTS: &str = "contacts";
 
+/// Failures that an answer lists; further ones are counted.
+const MOST_FAILURES: usize = 1000;
+
+/// Faults of the problem that no contact has an answer.
+const MOST_FAULTS: usize = 100;
+
 /// Answers a request with many contacts.
 pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Problem> {
     body.read(|object, faults| {
@@ -36,17 +43,32 @@ pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Pro
         let defaults = ContactParameters::read(object, C::STATES, faults);
         let members = C::Members::read(object, faults);
         let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
+        let selection = Selection::read::<C>(object, faults);
         let path = path.member(CONTACTS);
         let Some(contacts) = object.take(CONTACTS, faults) else {
             return Err(faults.add(&path, RequestFault::MissingField, "the field is missing: the contacts to work out"));
         };
+        let are_columns = contacts.get().starts_with('{');
         if !faults.is_empty() {
-            // Nothing is worked out, but faults of the array as a whole are recorded, too.
-            items(contacts, MOST_CONTACTS, path, faults)?;
+            // Nothing is worked out, but faults of the contacts as a whole are recorded, too.
+            if are_columns {
+                ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, faults)?;
+            } else {
+                items(contacts, MOST_CONTACTS, path, faults)?;
+            }
             return Err(Faulted);
         }
-        let batch = Batch { shared: shared?, defaults, calculation: calculation? };
-        batch.work_out(contacts, path, faults)
+        let batch = Batch { shared: shared?, defaults, calculation: calculation?, selection: selection? };
+        let (whole, count) =
+            if are_columns { batch.work_out_columns(contacts, path, faults)? } else { batch.work_out_rows(contacts, path, faults)? };
+        if count > 0 && whole.failed == count {
+            let first = whole.failures.into_iter().flat_map(|(_, faults)| faults).take(MOST_FAULTS);
+            first.for_each(|fault| {
+                faults.push(fault);
+            });
+            return Err(Faulted);
+        }
+        Ok(whole.written(&batch, count))
     })
 }
 
@@ -54,69 +76,113 @@ struct Batch<C> {
     shared: SharedParameters,
     defaults: ContactParameters,
     calculation: C,
+    selection: Selection,
 }
 
 /// What a run of contacts yields.
-struct Part<C> {
+struct Part {
     columns: Vec<Column>,
-    failures: Vec<Failure>,
+    failed: usize,
+    /// The first ones, with their faults.
+    failures: Vec<(usize, Vec<Fault>)>,
+    outside_range: usize,
     warnings: Vec<Warning>,
-    calculation: PhantomData<C>,
 }
 
 impl<C: Calculation> Batch<C> {
     /// Contacts are worked out on other cores while this one still finds where the next begin.
-    fn work_out(&self, contacts: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
+    fn work_out_rows(&self, contacts: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Part, usize), Faulted> {
         let parts = Mutex::new(BTreeMap::new());
         let count = rayon::scope(|scope| {
             for_runs_of_items(contacts, MOST_CONTACTS, CHUNK, path, faults, |first, contacts| {
                 let parts = &parts;
                 scope.spawn(move |_| {
-                    let part = self.work_out_chunk(first, &contacts, &path);
+                    let part = self.work_out_chunk(first, contacts.len(), |index, faults| {
+                        let path = path.item(index);
+                        let contact = BatchContact::read(contacts[index - first], C::STATES, &self.defaults, path, faults);
+                        contact.and_then(|contact| self.work_out_contact(contact, path, faults))
+                    });
                     parts.lock().unwrap_or_else(PoisonError::into_inner).insert(first, part);
                 });
             })
         })?;
-        let mut whole = Part::<C>::new(Column::default);
-        for part in parts.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
-            whole.append(part);
-        }
-        Ok(whole.written(self.shared.model, count))
+        let parts = parts.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok((self.joined(parts.into_values()), count))
     }
 
-    fn work_out_chunk(&self, first: usize, contacts: &[&RawValue], path: &JsonPath<'_>) -> Part<C> {
-        let mut part = Part::new(|| Column::with_capacity(contacts.len()));
-        for (index, raw) in (first..).zip(contacts) {
+    /// The columns are read first; their rows are worked out on all cores.
+    fn work_out_columns(&self, contacts: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Part, usize), Faulted> {
+        let columns = ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, faults)?;
+        let chunks = 0..columns.count.div_ceil(CHUNK);
+        let parts: Vec<Part> = chunks
+            .into_par_iter()
+            .map(|chunk| {
+                let first = chunk * CHUNK;
+                self.work_out_chunk(first, CHUNK.min(columns.count - first), |index, faults| {
+                    let path = columns.path(index, &path);
+                    let contact = columns.contact(index, C::STATES, &self.defaults, path, faults);
+                    contact.and_then(|contact| self.work_out_contact(contact, path, faults))
+                })
+            })
+            .collect();
+        Ok((self.joined(parts), columns.count))
+    }
+
+    fn work_out_chunk(
+        &self,
+        first: usize,
+        count: usize,
+        work_out: impl Fn(usize, &mut Faults) -> Result<(Figures, JudgedPass), Faulted>,
+    ) -> Part {
+        let mut part = self.part(|| Column::with_capacity(count));
+        for index in first..first + count {
             let mut faults = Faults::default();
-            match self.work_out_contact(raw, path.item(index), &mut faults) {
-                Ok((figures, pass)) => part.add(index, &figures, &pass),
-                Err(Faulted) => part.fail(index, &faults.into_listed()),
+            match work_out(index, &mut faults) {
+                Ok((mut figures, pass)) => {
+                    if self.selection.is_compared() {
+                        let check = single::compare(&pass, &figures);
+                        part.outside_range += usize::from(single::is_outside_range(&check));
+                        figures.check = check.ok();
+                    }
+                    part.add(index, &figures, &pass, &self.selection);
+                }
+                Err(Faulted) => part.fail(index, faults),
             }
         }
         part
     }
 
-    fn work_out_contact(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Figures, JudgedPass), Faulted> {
-        let BatchContact { contact, parameters } = BatchContact::read(raw, C::STATES, &self.defaults, path, faults)?;
+    fn work_out_contact(&self, contact: BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Figures, JudgedPass), Faulted> {
+        let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(C::STATES, &path, faults)?;
+        let member = self.calculation.step_over_member(&parameters);
         // A contact without an answer is to blame as a whole: which of its parameters are defaults makes no difference.
-        let mut fail = |cause: NoAnswer| {
-            faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, parameters.step_over_member()) })
-        };
+        let mut fail =
+            |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
         let pass = single::judge(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
         let figures = single::work_out(&self.calculation, &self.shared, &pass, step_over, &parameters)?.map_err(fail)?;
         Ok((figures, pass))
     }
-}
 
-impl<C: Calculation> Part<C> {
-    fn new(column: impl Fn() -> Column) -> Self {
-        Self { columns: C::figures().map(|_| column()).collect(), failures: Vec::new(), warnings: Vec::new(), calculation: PhantomData }
+    /// A part without contacts.
+    fn part(&self, column: impl Fn() -> Column) -> Part {
+        let columns = self.selection.figures.iter().map(|_| column()).collect();
+        Part { columns, failed: 0, failures: Vec::new(), outside_range: 0, warnings: Vec::new() }
     }
 
-    fn add(&mut self, index: usize, figures: &Figures, pass: &JudgedPass) {
-        for (column, figure) in self.columns.iter_mut().zip(C::figures()) {
-            column.push(index, (figure.get)(figures));
+    fn joined(&self, parts: impl IntoIterator<Item = Part>) -> Part {
+        let mut whole = self.part(Column::default);
+        for part in parts {
+            whole.append(part);
+        }
+        whole
+    }
+}
+
+impl Part {
+    fn add(&mut self, index: usize, figures: &Figures, pass: &JudgedPass, selection: &Selection) {
+        for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
+            column.push(index, (figure.get)(figures).map(|value| value.rounded(selection.significant_digits)));
         }
         for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {
             match self.warnings.iter_mut().find(|known| known.code == warning_code(warning)) {
@@ -126,14 +192,20 @@ impl<C: Calculation> Part<C> {
         }
     }
 
-    fn fail(&mut self, index: usize, faults: &[Fault]) {
+    fn fail(&mut self, index: usize, faults: Faults) {
         self.columns.iter_mut().for_each(|column| column.push(index, None));
-        self.failures.extend(Failure::new(index, faults));
+        self.failed += 1;
+        if self.failures.len() < MOST_FAILURES {
+            self.failures.push((index, faults.into_listed()));
+        }
     }
 
-    fn append(&mut self, mut next: Self) {
+    fn append(&mut self, next: Self) {
         self.columns.iter_mut().zip(next.columns).for_each(|(column, next)| column.append(next));
-        self.failures.append(&mut next.failures);
+        self.failed += next.failed;
+        let listed = MOST_FAILURES - self.failures.len();
+        self.failures.extend(next.failures.into_iter().take(listed));
+        self.outside_range += next.outside_range;
         for warning in next.warnings {
             match self.warnings.iter_mut().find(|known| known.code == warning.code) {
                 Some(known) => known.contacts = known.contacts.zip(warning.contacts).map(|(a, b)| a + b),
@@ -142,20 +214,23 @@ impl<C: Calculation> Part<C> {
         }
     }
 
-    fn written(self, model: Model, count: usize) -> WrittenJson {
-        let sought = C::figures().position(|figure| figure.name == C::SOUGHT);
-        let [minimum, maximum] = sought.map_or([None, None], |sought| self.columns[sought].extremes());
+    fn written<C>(self, batch: &Batch<C>, count: usize) -> WrittenJson {
+        let Batch { shared, selection, .. } = batch;
+        let named = || selection.figures.iter().zip(&self.columns);
+        let extremes = ColumnExtremes(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
+        let outside_analytic_range = selection.is_compared().then_some(self.outside_range);
         let mut table = Table::default();
-        table.value("model", &model_name(model));
-        table.value("summary", &Summary { count, failures: self.failures.len(), minimum, maximum });
-        for (figure, column) in C::figures().zip(self.columns) {
-            if figure.is_required_column() {
+        table.value("model", &model_name(shared.model));
+        table.value("summary", &Summary { count, failures: self.failed, outside_analytic_range, extremes });
+        for (figure, column) in selection.figures.iter().zip(self.columns) {
+            if selection.is_stated || figure.is_required_column() {
                 table.column(figure.name, column);
             } else {
                 table.optional_column(figure.name, column);
             }
         }
-        table.value("failures", &self.failures);
+        let failures: Vec<_> = self.failures.iter().filter_map(|(index, faults)| Failure::new(*index, faults)).collect();
+        table.value("failures", &failures);
         table.value("warnings", &self.warnings);
         table.written()
     }
@@ -164,11 +239,14 @@ impl<C: Calculation> Part<C> {
 /// The schema of a request with many contacts.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
     let contact = batch_contact_schemas(C::STATES, components);
-    let contacts = ArrayBuilder::new().items(contact).max_items(Some(MOST_CONTACTS));
-    let contacts = contacts.description(Some("the contacts of the tool path, in their order"));
+    let rows = ArrayBuilder::new().items(contact).max_items(Some(MOST_CONTACTS)).description(Some("an object for each contact"));
+    let columns = contact_columns_schema(C::STATES, MOST_CONTACTS, components);
+    let contacts = OneOfBuilder::new().item(rows).item(columns);
+    let contacts = contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"));
     let about = "A calculation at many contacts: the parameters hold for every contact that does not state its own";
     let schema = SharedParameters::describe(ObjectSchema::new(about, components));
-    ContactParameters::describe(schema, C::STATES).with::<C::Members>().required_property(CONTACTS, contacts).build()
+    let schema = ContactParameters::describe(schema, C::STATES).with::<C::Members>();
+    Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }
 
 /// The schema of an answer for many contacts.
@@ -177,11 +255,12 @@ pub(super) fn describe_answer<C: Calculation>(components: &mut Components) -> Re
     let mut schema = ObjectBuilder::new().schema_type(Type::Object).description(Some(about));
     schema = schema.property("model", MODEL.kind.schema("the model that answered", components)).required("model");
     schema = schema.property("summary", components.refer_type::<Summary>()).required("summary");
-    for figure in C::figures() {
+    for figure in C::figures().chain(CHECK_FIGURES) {
+        // Where the request names columns, the others are absent.
         schema = schema.property(figure.name, figure.column_schema(components));
-        schema = if figure.is_required_column() { schema.required(figure.name) } else { schema };
     }
-    let failures = ArrayBuilder::new().items(components.refer_type::<Failure>()).description(Some("the contacts that have no answer"));
+    let failures = ArrayBuilder::new().items(components.refer_type::<Failure>()).max_items(Some(MOST_FAILURES));
+    let failures = failures.description(Some("the first thousand contacts that have no answer; summary.failures counts all of them"));
     schema = schema.property("failures", failures).required("failures");
     schema.property("warnings", warnings_schema(components)).required("warnings").into()
 }

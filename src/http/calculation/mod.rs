@@ -1,10 +1,13 @@
-//! The calculations at contacts: scallop height, largest feed and largest step-over, each for one contact and for many. One file for each
+//! The calculations at contacts: scallop height, largest feed, largest step-over and fastest cutting parameters, each for one contact and for many. One file for each
 //! endpoint holds what is particular to it; requests and answers are read and written alike.
 
 mod batch;
 mod column;
+pub(crate) mod cutting_parameters;
+mod feed_limits;
 pub(crate) mod max_feed;
 pub(crate) mod scallop_height;
+mod selection;
 mod single;
 pub(crate) mod step_over;
 
@@ -21,8 +24,6 @@ pub(crate) trait Calculation: Sized + Send + Sync {
     type Members: Members;
     /// The figures of an answer, in their order.
     const FIGURES: &'static [&'static [Figure]];
-    /// The name of the figure that is sought, whose extremes a batch's summary has.
-    const SOUGHT: &'static str;
 
     /// The calculation that a request at `path` describes.
     fn new(

@@ -24,7 +24,6 @@ impl Calculation for ScallopHeight {
     const STATES: States = States { step_over: true, feed_per_tooth: true };
     type Members = NoMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
-    const SOUGHT: &'static str = "scallop_height_mm";
 
     fn new(_: NoMembers, _: Result<&SharedParameters, Faulted>, _: &JsonPath<'_>, _: &mut Faults) -> Result<Self, Faulted> {
         Ok(Self)

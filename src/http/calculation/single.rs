@@ -142,27 +142,37 @@ pub(super) fn work_out<C: Calculation>(
 /// A deviation beyond which the analytic model is outside its range: 5 % under what the cutter leaves.
 const OUTSIDE_RANGE: f64 = -0.05;
 
+/// The height of a pass under its model beside the envelope's.
+pub(super) fn compare(pass: &JudgedPass, figures: &Figures) -> Result<Check, NoAnswer> {
+    let height = figures.height.total().mm();
+    let envelope = match pass.model() {
+        Model::Analytic => Envelope::new(*pass.pass())?.scallop_height(figures.step_over, figures.feed_per_tooth)?.total().mm(),
+        Model::Envelope => height,
+    };
+    let deviation = (envelope > 0.0).then(|| (height - envelope) / envelope);
+    Ok(Check { envelope_scallop_height_mm: envelope, deviation })
+}
+
+/// Whether the analytic model is outside its range.
+pub(super) fn is_outside_range(check: &Result<Check, NoAnswer>) -> bool {
+    check.as_ref().map_or(true, |check| check.deviation.is_some_and(|deviation| deviation < OUTSIDE_RANGE))
+}
+
 /// The analytic height beside the envelope's, and the warning that it is far under it.
 fn check(pass: &JudgedPass, figures: &Figures, warnings: &mut Vec<Warning>) -> Option<Check> {
-    const CODE: WarningCode = WarningCode::OutsideAnalyticRange;
     if pass.model() != Model::Analytic {
         return None;
     }
-    let envelope = Envelope::new(*pass.pass()).and_then(|envelope| envelope.scallop_height(figures.step_over, figures.feed_per_tooth));
-    let envelope = match envelope {
-        Ok(height) => height.total().mm(),
-        Err(cause) => {
-            warnings.push(Warning::new(CODE, format!("the cutter's exact shape leaves no scallop to compare with: {cause}")));
-            return None;
-        }
-    };
-    let deviation = (envelope > 0.0).then(|| (figures.height.total().mm() - envelope) / envelope);
-    if let Some(deviation) = deviation.filter(|deviation| *deviation < OUTSIDE_RANGE) {
-        let detail = format!(
-            "the analytic height is {:.1} % under the {envelope:.6} mm that the cutter's exact shape leaves; model \"envelope\" keeps the tolerance",
-            -deviation * 100.0
-        );
-        warnings.push(Warning::new(CODE, detail));
+    let check = compare(pass, figures);
+    if is_outside_range(&check) {
+        let detail = match check {
+            Err(cause) => format!("the cutter's exact shape leaves no scallop to compare with: {cause}"),
+            Ok(Check { envelope_scallop_height_mm, deviation }) => format!(
+                "the analytic height is {:.1} % under the {envelope_scallop_height_mm:.6} mm that the cutter's exact shape leaves; model \"envelope\" keeps the tolerance",
+                -deviation.unwrap_or_default() * 100.0
+            ),
+        };
+        warnings.push(Warning::new(WarningCode::OutsideAnalyticRange, detail));
     }
-    Some(Check { envelope_scallop_height_mm: envelope, deviation })
+    check.ok()
 }

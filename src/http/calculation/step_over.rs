@@ -28,7 +28,6 @@ impl Calculation for MaxStepOver {
     const STATES: States = States { step_over: false, feed_per_tooth: true };
     type Members = ToleranceMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
-    const SOUGHT: &'static str = "step_over_mm";
 
     fn new(members: ToleranceMembers, _: Result<&SharedParameters, Faulted>, _: &JsonPath<'_>, _: &mut Faults) -> Result<Self, Faulted> {
         Ok(Self { tolerance: members.tolerance? })

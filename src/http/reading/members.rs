@@ -41,6 +41,9 @@ pub(crate) trait PlainMembers: Members {
     /// Takes columns of at most `most` rows out of `object`, which may have others.
     fn read_columns(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self::Columns;
 
+    /// Adds columns of at most `most` rows to a schema; none is required.
+    fn describe_columns(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_>;
+
     /// Compares the number of rows of all columns of the object at `path`.
     fn check_rows(columns: &Self::Columns, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
@@ -145,6 +148,10 @@ macro_rules! members {
                 faults: &mut $crate::http::reading::Faults,
             ) -> $columns {
                 $columns { $( $field: object.column($member.name, most, faults), )+ }
+            }
+
+            fn describe_columns(schema: $crate::http::reading::ObjectSchema<'_>, most: usize) -> $crate::http::reading::ObjectSchema<'_> {
+                schema$( .column(&$member, most) )+
             }
 
             fn check_rows(

@@ -4,8 +4,9 @@ use super::batch_contact::{BatchContact, Slots};
 use super::contact::{AngleColumns, AngleMembers, VectorColumns, VectorMembers};
 use super::parameters::{ContactParameters, ParameterColumns, States};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, JsonPath, Object, PlainMembers, RowText, Rows};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainMembers, RowText, Rows};
 use serde_json::value::RawValue;
+use utoipa::openapi::{RefOr, Schema};
 
 /// Columns of contacts and of the parameters that they state themselves, all of one length. null is the default.
 #[derive(Debug)]
@@ -76,4 +77,20 @@ impl ContactColumns {
         self.parameters.write_row(index, &mut text);
         text.written()
     }
+}
+
+/// The schema of columns of at most `most` contacts, with the parameters that `states` allows.
+pub(crate) fn contact_columns_schema(states: States, most: usize, components: &mut Components) -> RefOr<Schema> {
+    let name = match (states.step_over, states.feed_per_tooth) {
+        (true, true) => "ContactColumnsWithParameters",
+        (true, false) => "ContactColumnsWithStepOver",
+        (false, true) => "ContactColumnsWithFeed",
+        (false, false) => "ContactColumnsWithCurvature",
+    };
+    components.refer(name, "", |components| {
+        let about =
+            "Contacts as columns of one length, by angles or by vectors; null is the default that the request states beside the contacts";
+        let schema = VectorMembers::describe_columns(AngleMembers::describe_columns(ObjectSchema::new(about, components), most), most);
+        ParameterColumns::describe(schema, states, most).build()
+    })
 }

@@ -137,6 +137,13 @@ impl PlainKind for CurvatureKind {
     type Plain = FormSlots;
     type Column = FormColumns;
 
+    fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
+        components.refer("SurfaceCurvatureColumns", about, |components| {
+            let schema = ObjectSchema::new("Columns of curvatures, each contact in one of two forms", components);
+            PrincipalMembers::describe_columns(ComponentMembers::describe_columns(schema, most), most).build()
+        })
+    }
+
     fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {
         let absent = (ComponentMembers::are_absent(&plain.components), PrincipalMembers::are_absent(&plain.principal));
         let curvature = match absent {

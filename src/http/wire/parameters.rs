@@ -165,6 +165,12 @@ impl ParameterColumns {
         }
     }
 
+    pub(super) fn describe(schema: ObjectSchema<'_>, states: States, most: usize) -> ObjectSchema<'_> {
+        let schema = if states.step_over { StepOverMembers::describe_columns(schema, most) } else { schema };
+        let schema = if states.feed_per_tooth { FeedMembers::describe_columns(schema, most) } else { schema };
+        CurvatureMembers::describe_columns(schema, most)
+    }
+
     pub(super) fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
         StepOverMembers::check_rows(&self.step_over, path, rows, faults);
         FeedMembers::check_rows(&self.feed, path, rows, faults);
