@@ -12,6 +12,7 @@ mod pages;
 mod planning;
 mod problem;
 mod process;
+mod query;
 pub mod readiness;
 mod reading;
 mod wire;
@@ -29,13 +30,13 @@ use utoipa_axum::routes;
 /// All routes with their documentation.
 fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::with_openapi(document::outline())
-        .routes(routes!(scallop_height::answer))
+        .routes(routes!(scallop_height::answer, scallop_height::answer_query))
         .routes(routes!(scallop_height::answer_batch))
-        .routes(routes!(max_feed::answer))
+        .routes(routes!(max_feed::answer, max_feed::answer_query))
         .routes(routes!(max_feed::answer_batch))
-        .routes(routes!(step_over::answer))
+        .routes(routes!(step_over::answer, step_over::answer_query))
         .routes(routes!(step_over::answer_batch))
-        .routes(routes!(cutting_parameters::answer))
+        .routes(routes!(cutting_parameters::answer, cutting_parameters::answer_query))
         .routes(routes!(cutting_parameters::answer_batch))
         .routes(routes!(critical_slope::answer))
         .routes(routes!(machines::list))

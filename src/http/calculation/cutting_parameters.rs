@@ -1,4 +1,4 @@
-//! `POST /v1/cutting-parameters` and its batch: the step-over and feed that finish the most area per time under a tolerance.
+//! `/v1/cutting-parameters`, by `POST` and `GET`, and its batch: the step-over and feed that finish the most area per time under a tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::single::Answer;
@@ -6,13 +6,15 @@ use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
 use crate::http::document::described;
-use crate::http::problem::{Problem, Problems};
+use crate::http::problem::{Problem, Problems, QueryProblems};
+use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, FigureValue, Figures, SharedParameters, States, TOLERANCE};
 use crate::http::worker_pool::WorkPermit;
 use crate::milling::{CuttingLimits, JudgedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
+use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
@@ -133,6 +135,8 @@ impl Calculation for FastestParameters {
     }
 }
 
+query!(QUERY, CuttingParametersQuery, single::describe_request::<FastestParameters>);
+
 described!(CuttingParametersRequest, single::describe_request::<FastestParameters>);
 described!(CuttingParametersAnswer, single::describe_answer::<FastestParameters>);
 described!(CuttingParametersBatchRequest, batch::describe_request::<FastestParameters>);
@@ -150,6 +154,18 @@ described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParamet
 pub(crate) async fn answer(permit: WorkPermit, body: JsonBody) -> Result<Json<Answer<FastestParameters>>, Problem> {
     // With model envelope a search can take more than a millisecond.
     permit.run(move || single::answer::<FastestParameters>(&body)).await
+}
+
+/// The fastest step-over and feed at one contact, by a query
+///
+/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
+/// as `cutter`, vectors with commas.
+#[utoipa::path(
+    get, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters_query", params(CuttingParametersQuery),
+    responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), QueryProblems),
+)]
+pub(crate) async fn answer_query(permit: WorkPermit, RawQuery(text): RawQuery) -> Result<Json<Answer<FastestParameters>>, Problem> {
+    permit.run(move || single::answer_query::<FastestParameters>(&QUERY, text.as_deref())).await
 }
 
 /// The fastest step-overs and feeds of a tool path

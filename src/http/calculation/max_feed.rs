@@ -1,17 +1,19 @@
-//! `POST /v1/max-feed` and its batch: the largest feed that keeps a tolerance.
+//! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps a tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
-use crate::http::problem::{Problem, Problems};
+use crate::http::problem::{Problem, Problems, QueryProblems};
+use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, FigureValue, Figures, SharedParameters, States, TOLERANCE};
 use crate::http::worker_pool::WorkPermit;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
+use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
@@ -104,6 +106,8 @@ impl Calculation for MaxFeed {
     }
 }
 
+query!(QUERY, MaxFeedQuery, single::describe_request::<MaxFeed>);
+
 described!(MaxFeedRequest, single::describe_request::<MaxFeed>);
 described!(MaxFeedAnswer, single::describe_answer::<MaxFeed>);
 described!(MaxFeedBatchRequest, batch::describe_request::<MaxFeed>);
@@ -120,6 +124,18 @@ described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
 )]
 pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxFeed>>, Problem> {
     single::answer::<MaxFeed>(&body)
+}
+
+/// The largest feed at one contact, by a query
+///
+/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
+/// as `cutter`, vectors with commas.
+#[utoipa::path(
+    get, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed_query", params(MaxFeedQuery),
+    responses((status = 200, description = "The feed, what limits it, and the heights at it", body = MaxFeedAnswer), QueryProblems),
+)]
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<MaxFeed>>, Problem> {
+    single::answer_query::<MaxFeed>(&QUERY, text.as_deref())
 }
 
 /// The largest feeds of a tool path

@@ -4,7 +4,8 @@ use super::Calculation;
 use crate::http::body::JsonBody;
 use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, ObjectSchema};
+use crate::http::query::Query;
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
     CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
 };
@@ -68,16 +69,22 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
 
 /// Answers a request with one contact.
 pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<Json<Answer<C>>, Problem> {
-    body.read(|object, faults| {
-        let path = object.path();
-        let shared = SharedParameters::read(object, faults);
-        let contact = object.required(&CONTACT, faults);
-        let parameters = ContactParameters::read(object, C::STATES, faults);
-        let members = C::Members::read(object, faults);
-        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
-        Request { shared, contact, parameters, calculation }.answer(&path, faults)
-    })
-    .map(Json)
+    body.read(read).map(Json)
+}
+
+/// Answers the same request as a query.
+pub(super) fn answer_query<C: Calculation>(query: &Query, text: Option<&str>) -> Result<Json<Answer<C>>, Problem> {
+    query.read(text.unwrap_or_default(), read).map(Json)
+}
+
+fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {
+    let path = object.path();
+    let shared = SharedParameters::read(object, faults);
+    let contact = object.required(&CONTACT, faults);
+    let parameters = ContactParameters::read(object, C::STATES, faults);
+    let members = C::Members::read(object, faults);
+    let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
+    Request { shared, contact, parameters, calculation }.answer(&path, faults)
 }
 
 /// A request in which any part may have been faulty. As much as possible is judged, for the faults that show only then.
