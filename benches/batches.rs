@@ -1,5 +1,6 @@
 //! Batches of 100 000 contacts through the service's own routes and middleware, beside reading and writing the same JSON with nothing
-//! computed: `cargo bench --bench batches [contacts]`. Writes `target/benches/batches.json`.
+//! computed, and the same contacts as columns with one column of the answer: `cargo bench --bench batches [contacts]`. Writes
+//! `target/benches/batches.json`.
 //!
 //! The comparison reads the request into numbers with serde's derived code and writes the same columns from numbers, on one core.
 //! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions.
@@ -25,10 +26,11 @@ const ROUNDS: usize = 3;
 /// Thirty ticks, so that a tick is 3 %.
 const LEAST_ROUND: Duration = Duration::from_millis(300);
 
-const CALCULATIONS: [(&str, &str); 3] = [
-    ("scallop-height", r#""step_over_mm": 0.687, "feed_per_tooth_mm": 0.3"#),
-    ("max-feed", r#""step_over_mm": 0.687, "scallop_tolerance_mm": 0.03"#),
-    ("step-over", r#""scallop_tolerance_mm": 0.03, "feed_per_tooth_mm": 0.15"#),
+/// Each calculation with its parameters and the figure that it finds.
+const CALCULATIONS: [(&str, &str, &str); 3] = [
+    ("scallop-height", r#""step_over_mm": 0.687, "feed_per_tooth_mm": 0.3"#, "scallop_height_mm"),
+    ("max-feed", r#""step_over_mm": 0.687, "scallop_tolerance_mm": 0.03"#, "feed_per_tooth_mm"),
+    ("step-over", r#""scallop_tolerance_mm": 0.03, "feed_per_tooth_mm": 0.15"#, "step_over_mm"),
 ];
 
 /// A request as the comparison reads it: the contacts; what is stated once is nothing.
@@ -74,6 +76,23 @@ fn request(contacts: u32, terms: &str, model: &str) -> Bytes {
         let _ = write!(json, r#"{separator}{{"slope_deg":{slope:.6},"feed_angle_deg":{feed:.6}}}"#);
     }
     (json + "]}").into()
+}
+
+/// The same contacts as columns, answered with the column `named` alone.
+fn request_of_columns(contacts: u32, terms: &str, model: &str, named: &str) -> Bytes {
+    let (mut slopes, mut feeds) = (String::new(), String::new());
+    for index in 0..contacts {
+        let turn = f64::from(index) * 0.618_033_988_749;
+        let (slope, feed) = (5.0 + 80.0 * turn.fract(), 360.0 * (turn * 7.0).fract());
+        let separator = if index == 0 { "" } else { "," };
+        let _ = write!(slopes, "{separator}{slope:.6}");
+        let _ = write!(feeds, "{separator}{feed:.6}");
+    }
+    let cutter = r#"{"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}"#;
+    format!(
+        r#"{{"cutter": {cutter}, {terms}, "model": "{model}", "columns": ["{named}"], "contacts": {{"slope_deg": [{slopes}], "feed_angle_deg": [{feeds}]}}}}"#
+    )
+    .into()
 }
 
 /// Wall and processor time of one call, in s.
@@ -135,6 +154,26 @@ impl Bench {
         })
     }
 
+    /// Columns with one column of the answer against rows with all columns.
+    fn columns(&self, contacts: u32, calculation: &str, terms: &str, named: &str, model: &'static str) -> ColumnsRow {
+        let path = format!("/v1/{calculation}/batch");
+        let (rows, columns) = (request(contacts, terms, model), request_of_columns(contacts, terms, model, named));
+        let [of_rows, of_columns] = [&rows, &columns].map(|body| {
+            let rounds: Vec<Cost> = (0..ROUNDS).map(|_| Cost::of(|| drop(black_box(self.answer(&path, body))))).collect();
+            let over_rounds = |figure: fn(&Cost) -> f64| median(rounds.iter().map(figure).collect());
+            Cost { wall: over_rounds(|cost| cost.wall), cpu: over_rounds(|cost| cost.cpu) }
+        });
+        ColumnsRow {
+            calculation: calculation.to_owned(),
+            model,
+            rows_wall_ms: of_rows.wall * 1e3,
+            columns_wall_ms: of_columns.wall * 1e3,
+            wall_ratio: of_columns.wall / of_rows.wall,
+            cpu_ratio: of_columns.cpu / of_rows.cpu,
+            ns_a_contact: of_columns.wall * 1e9 / f64::from(contacts),
+        }
+    }
+
     fn row(&self, contacts: u32, calculation: &str, terms: &str, model: &'static str) -> Row {
         let body = request(contacts, terms, model);
         let path = format!("/v1/{calculation}/batch");
@@ -175,6 +214,18 @@ struct Row {
     cores_used: f64,
 }
 
+/// Columns with one column of the answer against rows with all columns.
+#[derive(Serialize)]
+struct ColumnsRow {
+    calculation: String,
+    model: &'static str,
+    rows_wall_ms: f64,
+    columns_wall_ms: f64,
+    wall_ratio: f64,
+    cpu_ratio: f64,
+    ns_a_contact: f64,
+}
+
 #[expect(clippy::cast_precision_loss, reason = "far below 2^53")]
 fn megabytes(bytes: &Bytes) -> f64 {
     bytes.len() as f64 / 1e6
@@ -187,7 +238,7 @@ fn main() {
     println!("calculation     model     MB in  MB out    ms  cpu ratio  wall ratio  us/contact, core  cores used");
     let mut rows = Vec::new();
     for model in ["analytic", "envelope"] {
-        for (calculation, terms) in CALCULATIONS {
+        for (calculation, terms, _) in CALCULATIONS {
             let row = bench.row(contacts, calculation, terms, model);
             println!(
                 "{calculation:15} {model:8} {:6.1} {:7.1} {:5.0} {:10.2} {:11.2} {:17.2} {:11.2}",
@@ -196,7 +247,21 @@ fn main() {
             rows.push(row);
         }
     }
+    println!("\ncolumns with one column of the answer against rows with all columns");
+    println!("calculation     model     rows ms  columns ms  wall ratio  cpu ratio  ns/contact");
+    let mut columns = Vec::new();
+    for model in ["analytic", "envelope"] {
+        for (calculation, terms, named) in CALCULATIONS {
+            let row = bench.columns(contacts, calculation, terms, named, model);
+            println!(
+                "{calculation:15} {model:8} {:8.0} {:11.0} {:11.2} {:10.2} {:11.0}",
+                row.rows_wall_ms, row.columns_wall_ms, row.wall_ratio, row.cpu_ratio, row.ns_a_contact
+            );
+            columns.push(row);
+        }
+    }
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/target/benches");
     std::fs::create_dir_all(folder).expect("a folder");
-    std::fs::write(format!("{folder}/batches.json"), serde_json::to_vec_pretty(&rows).expect("JSON")).expect("a file");
+    let figures = serde_json::json!({"rows": rows, "columns": columns});
+    std::fs::write(format!("{folder}/batches.json"), serde_json::to_vec_pretty(&figures).expect("JSON")).expect("a file");
 }

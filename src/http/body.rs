@@ -4,7 +4,7 @@ use super::codes::ServiceProblem;
 use super::collected_body::collect;
 use super::middleware::memory_budget;
 use super::problem::Problem;
-use super::reading::{Faulted, Faults, Object};
+use super::reading::{Faulted, Faults, Object, mark_not_finite};
 use crate::memory_budget::Reservation;
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
@@ -124,15 +124,30 @@ impl JsonBody {
 /// [`JsonBody::read`] for JSON that came another way.
 pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
     let mut faults = Faults::default();
-    let object = Object::open_body(json, &mut faults)
-        .map_err(|error| Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}")))?;
-    let result = object.and_then(|mut object| {
-        let result = read(&mut object, &mut faults);
-        object.close(&mut faults)?;
-        result
-    });
-    match result {
+    match read_into(json, &mut faults, read)? {
         Ok(result) if faults.is_empty() => Ok(result),
         _ => Err(Problem::faulty_request(faults)),
     }
+}
+
+/// [`read_text`] whose faults the caller takes; the outer error is that the text is not JSON.
+pub(crate) fn read_into<T>(
+    json: &[u8],
+    faults: &mut Faults,
+    read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
+) -> Result<Result<T, Faulted>, Problem> {
+    let malformed = |error| Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}"));
+    let marked;
+    let object = match Object::open_body(json, faults) {
+        Ok(object) => object,
+        Err(error) => {
+            marked = mark_not_finite(json).ok_or_else(|| malformed(error))?;
+            Object::open_body(&marked, faults).map_err(malformed)?
+        }
+    };
+    Ok(object.and_then(|mut object| {
+        let result = read(&mut object, faults);
+        object.close(faults)?;
+        result
+    }))
 }

@@ -41,7 +41,7 @@ pub(super) fn outline() -> OpenApi {
         .components(Some(components.build()))
         .servers(Some([ServerBuilder::new().url("/").description(Some("this server")).build()]))
         .tags(Some([
-            tag("calculations", "scallop height, largest feed and largest step-over at contacts"),
+            tag("calculations", "scallop height, largest feed, largest step-over and fastest cutting parameters at contacts"),
             tag("planning", "which cutter in which direction"),
             tag("service", "for operators and for people"),
         ]))
@@ -67,13 +67,15 @@ macro_rules! example {
     };
 }
 
-const EXAMPLES: [Example; 10] = [
+const EXAMPLES: [Example; 12] = [
     example!("scallop_height"),
     example!("scallop_height_batch"),
     example!("max_feed"),
     example!("max_feed_batch"),
     example!("step_over"),
     example!("step_over_batch"),
+    example!("cutting_parameters"),
+    example!("cutting_parameters_batch"),
     example!("critical_slope"),
     example!("cutter_recommendation"),
     example!("cutter_recommendation_upload"),

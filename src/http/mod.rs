@@ -15,6 +15,7 @@ mod planning;
 mod problem;
 #[cfg(target_os = "linux")]
 mod process_metrics;
+mod query;
 pub mod readiness;
 mod reading;
 mod refusal;
@@ -34,7 +35,7 @@ use axum::http::StatusCode;
 use utoipa_axum::routes;
 
 use crate::settings::HttpSettings;
-use calculation::{max_feed, scallop_height, step_over};
+use calculation::{cutting_parameters, max_feed, scallop_height, step_over};
 use planning::{critical_slope, machines, recommendation, upload};
 
 /// All routes, each with its class and its documentation.
@@ -42,12 +43,14 @@ use planning::{critical_slope, machines, recommendation, upload};
 pub fn routes() -> Routes {
     use RouteClass::{Batch, Single, Upload};
     Routes::new()
-        .documented(Single, routes!(scallop_height::answer))
+        .documented(Single, routes!(scallop_height::answer, scallop_height::answer_query))
         .documented(Batch, routes!(scallop_height::answer_batch))
-        .documented(Single, routes!(max_feed::answer))
+        .documented(Single, routes!(max_feed::answer, max_feed::answer_query))
         .documented(Batch, routes!(max_feed::answer_batch))
-        .documented(Single, routes!(step_over::answer))
+        .documented(Single, routes!(step_over::answer, step_over::answer_query))
         .documented(Batch, routes!(step_over::answer_batch))
+        .documented(Single, routes!(cutting_parameters::answer, cutting_parameters::answer_query))
+        .documented(Batch, routes!(cutting_parameters::answer_batch))
         .documented(Single, routes!(critical_slope::answer))
         .documented(Single, routes!(machines::list))
         .documented(Batch, routes!(recommendation::answer))

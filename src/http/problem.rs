@@ -194,6 +194,16 @@ impl IntoResponses for Problems {
     }
 }
 
+/// The problems that an operation without a body can answer with, for the API document.
+pub(crate) struct QueryProblems;
+
+impl IntoResponses for QueryProblems {
+    fn responses() -> BTreeMap<String, RefOr<utoipa::openapi::Response>> {
+        let of_bodies = ["400", "408", "413", "415"];
+        responses("", "").into_iter().filter(|(status, _)| !of_bodies.contains(&status.as_str())).collect()
+    }
+}
+
 /// The problems that an operation with an uploaded file can answer with, for the API document.
 pub(crate) struct UploadProblems;
 

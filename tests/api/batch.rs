@@ -123,7 +123,7 @@ async fn terms_may_come_from_the_contacts_alone() {
 }
 
 #[tokio::test]
-async fn the_summary_names_the_extremes_of_what_is_sought() {
+async fn the_summary_names_the_extremes_of_every_column() {
     let app = TestApp::start().await;
     for (path, column) in [(SCALLOP_HEIGHT, "scallop_height_mm"), (MAX_FEED, "feed_per_tooth_mm"), (STEP_OVER, "step_over_mm")] {
         let contacts = json!([angles(0.0, 0.0), angles(40.0, 50.0), angles(50.0, 0.0), angles(41.0, 20.0), angles(50.0, 0.0)]);
@@ -137,7 +137,7 @@ async fn the_summary_names_the_extremes_of_what_is_sought() {
         };
         for (extreme, order) in [("minimum", 1.0), ("maximum", -1.0)] {
             let (index, value) = by_value(order);
-            assert_eq!(answer["summary"][extreme], json!({"index": index, "value_mm": value}), "{path}");
+            assert_eq!(answer["summary"]["extremes"][column][extreme], json!({"index": index, "value": value}), "{path}");
         }
         assert_eq!((&answer["summary"]["count"], &answer["summary"]["failures"]), (&json!(5), &json!(1)));
     }
@@ -148,7 +148,7 @@ async fn no_contacts_are_answered_with_empty_columns() {
     let app = TestApp::start().await;
     for path in SINGLES {
         let answer = app.answer(&batch(path), &with(batch_of(shortest(path)), "/contacts", json!([]))).await;
-        assert_eq!(answer["summary"], json!({"count": 0, "failures": 0}));
+        assert_eq!(answer["summary"], json!({"count": 0, "failures": 0, "extremes": {}}));
         assert!(columns(&answer).count() >= 8 && columns(&answer).all(|(_, column)| column.is_empty()));
         assert_eq!((&answer["failures"], &answer["warnings"]), (&json!([]), &json!([])));
     }
@@ -209,7 +209,8 @@ async fn faults_of_the_batch_itself_refuse_it_as_a_whole() {
         let body = batch_of(longest(path));
         for (wrong, pointer, code) in [
             (without(body.clone(), "/contacts"), "/contacts", "missing-field"),
-            (with(body.clone(), "/contacts", json!({})), "/contacts", "wrong-type"),
+            (with(body.clone(), "/contacts", json!({})), "/contacts", "missing-field"),
+            (with(body.clone(), "/contacts", json!(7)), "/contacts", "wrong-type"),
             (with(body.clone(), "/contacts", json!(null)), "/contacts", "wrong-type"),
             (with(body.clone(), "/contact", angles(1.0, 1.0)), "/contact", "unknown-field"),
             (with(body.clone(), "/cutter/diameter_mm", -1), "/cutter/diameter_mm", "out-of-range"),

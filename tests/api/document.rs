@@ -4,12 +4,12 @@
 use std::collections::BTreeSet;
 
 use crate::api::app::{TestApp, faults};
-use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
+use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
 use jsonschema::Validator;
 use scallopd::http::openapi_json;
 use serde_json::{Value, json};
 
-const SINGLES: [&str; 3] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER];
+const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
 
 fn document() -> Value {
     serde_json::from_str(&openapi_json()).unwrap()
@@ -223,11 +223,15 @@ async fn the_members_of_each_schema_are_those_that_the_service_knows() {
         let top = schema(&document, &document["paths"][&path]["post"]);
         assert_eq!(knows(&path, batch_of(longest(single)), "").await, properties(top), "{path}");
         let contacts = json!([{"slope_deg": 40, "feed_angle_deg": 30, "zz": 1}, {"normal": [0, 0.5, 1], "feed": [1, 0, 0], "zz": 1}]);
-        let answer = app.answer(&path, &with(batch_of(shortest(single)), "/contacts", contacts)).await;
-        for (index, item) in top["properties"]["contacts"]["items"]["oneOf"].as_array().unwrap().iter().enumerate() {
-            let detail = answer["failures"][index]["detail"].as_str().unwrap();
+        // None of the contacts has an answer, so that the batch has none.
+        let problem = app.refusal(&path, &with(batch_of(shortest(single)), "/contacts", contacts)).await;
+        let forms = top["properties"]["contacts"]["oneOf"].as_array().unwrap();
+        for (index, item) in forms[0]["items"]["oneOf"].as_array().unwrap().iter().enumerate() {
+            let detail = problem["errors"][index]["detail"].as_str().unwrap();
             assert_eq!(known(detail), properties(component(&document, item)), "{path} {index}");
         }
+        let columns = knows(&path, with(batch_of(shortest(single)), "/contacts", json!({})), "/contacts").await;
+        assert_eq!(columns, properties(component(&document, &forms[1])), "{path}");
     }
 }
 

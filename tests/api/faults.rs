@@ -2,11 +2,12 @@
 
 use crate::api::app::{TestApp, faults, figure};
 use crate::api::requests::{
-    MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, longest, members, shortest, toroidal, with, with_literal, without,
+    CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, longest, members, shortest, toroidal, with, with_literal,
+    without,
 };
 use serde_json::{Value, json};
 
-const SINGLES: [&str; 3] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER];
+const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
 
 /// Whether the refusal of `body` names this one fault.
 async fn assert_fault(app: &TestApp, path: &str, body: &Value, pointer: &str, code: &str) -> Value {
@@ -244,7 +245,10 @@ async fn a_hollow_narrower_than_the_cutter_is_refused() {
             let body = with(with(shortest(path), "/surface_radius_mm", -5.9), "/model", model);
             let problem = assert_fault(&app, path, &body, "/surface_radius_mm", "gouging").await;
             assert_eq!(problem["type"], "gouging");
-            assert!((figure(&problem, "effective_radius_mm") - 5.9036).abs() < 5e-5);
+            // The radius that just takes the cutter; a larger one has an answer.
+            let just_over = -1.01 * figure(&problem, "smallest_radius_mm");
+            let (status, _) = app.post(path, &with(body, "/surface_radius_mm", just_over)).await;
+            assert_eq!(status, 200, "{path} {model} {just_over}");
         }
     }
     // A flat lies across any hollow.

@@ -2,11 +2,15 @@
 
 mod app;
 mod batch;
+mod columns;
+mod curvature;
+mod cutting_parameters;
 mod document;
 mod faults;
 mod floods;
 mod max_feed;
 mod pages;
+mod query;
 mod requests;
 mod scallop_height;
 mod statuses;

@@ -41,7 +41,7 @@ fn file(name: &str) -> Vec<u8> {
 }
 
 async fn run(app: &TestApp, command: &str) -> Value {
-    let path = command.split(BASE).nth(1).unwrap().split_whitespace().next().unwrap();
+    let path = command.split(BASE).nth(1).unwrap().split_whitespace().next().unwrap().trim_end_matches('\'');
     let request = app.client.post(app.url(path));
     let request = if let Some(body) = arguments(command, " -d").first() {
         let body = body.strip_prefix('@').map_or_else(|| body.as_bytes().to_vec(), file);

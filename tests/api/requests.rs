@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 pub(crate) const SCALLOP_HEIGHT: &str = "/v1/scallop-height";
 pub(crate) const MAX_FEED: &str = "/v1/max-feed";
 pub(crate) const STEP_OVER: &str = "/v1/step-over";
+pub(crate) const CUTTING_PARAMETERS: &str = "/v1/cutting-parameters";
 
 /// The cutter of Segonds 2017.
 pub(crate) fn toroidal() -> Value {
@@ -25,7 +26,7 @@ pub(crate) fn shortest(path: &str) -> Value {
     match path {
         SCALLOP_HEIGHT => with(body, "/step_over_mm", 0.687),
         MAX_FEED => with(with(body, "/step_over_mm", 0.687), "/scallop_tolerance_mm", 0.013),
-        STEP_OVER => with(body, "/scallop_tolerance_mm", 0.013),
+        STEP_OVER | CUTTING_PARAMETERS => with(body, "/scallop_tolerance_mm", 0.013),
         _ => panic!("{path} is no single calculation"),
     }
 }
@@ -34,12 +35,12 @@ pub(crate) fn shortest(path: &str) -> Value {
 pub(crate) fn longest(path: &str) -> Value {
     let body = with(shortest(path), "/runout", json!({"radial_mm": 0.005, "axial_mm": 0.002}));
     let body = with(with(body, "/model", "analytic"), "/surface_radius_mm", 120);
-    if path == MAX_FEED {
-        let body = with(body, "/spindle_speed_rpm", 10_000);
-        with(with(body, "/max_feed_per_tooth_mm", 0.35), "/max_feed_rate_mm_min", 15_000)
-    } else {
-        with(body, "/feed_per_tooth_mm", 0.1)
+    if path == SCALLOP_HEIGHT || path == STEP_OVER {
+        return with(body, "/feed_per_tooth_mm", 0.1);
     }
+    let body = with(body, "/spindle_speed_rpm", 10_000);
+    let body = with(with(body, "/max_feed_per_tooth_mm", 0.35), "/max_feed_rate_mm_min", 15_000);
+    if path == MAX_FEED { body } else { with(with(body, "/min_step_over_mm", 0.1), "/max_step_over_mm", 1.5) }
 }
 
 /// A batch of two contacts with these terms.

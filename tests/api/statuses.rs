@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use crate::api::app::{PATIENCE, TestApp};
-use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
-use axum::routing::post;
+use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
+use axum::routing::{get, post};
 use scallopd::http::{self, RouteClass, Routes};
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -81,7 +81,7 @@ fn documented(operation: &Value) -> BTreeSet<u16> {
 #[tokio::test]
 async fn every_documented_status_of_the_calculations_is_obtained() {
     let document = document();
-    for single in [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER] {
+    for single in [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS] {
         for path in [single.to_owned(), format!("{single}/batch")] {
             let statuses = documented(&document["paths"][&path]["post"]);
             assert!(statuses.contains(&200) && statuses.contains(&422), "{path}: {statuses:?}");
@@ -103,4 +103,33 @@ async fn every_documented_status_of_the_service_operations_is_obtained() {
     app.state.readiness.drain();
     readyz.insert(obtained("/readyz").await);
     assert_eq!(documented(&document["paths"]["/readyz"]["get"]), readyz);
+}
+
+/// The query of an answer, and one without.
+const QUERY: &str = "cutter=toroidal&diameter_mm=10&corner_radius_mm=2&slope_deg=40&feed_angle_deg=30";
+
+#[tokio::test]
+async fn every_documented_status_of_the_queries_is_obtained() {
+    let document = document();
+    for path in [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS] {
+        assert_eq!(documented(&document["paths"][path]["get"]), BTreeSet::from([200, 422, 500, 503]), "{path}");
+        let app = TestApp::start_with(|settings| settings.http.max_in_flight = 2, http::routes()).await;
+        let parameters = match path {
+            SCALLOP_HEIGHT => "step_over_mm=0.687",
+            MAX_FEED => "step_over_mm=0.687&scallop_tolerance_mm=0.013",
+            _ => "scallop_tolerance_mm=0.013",
+        };
+        let obtained = async |query: &str| app.get(&format!("{path}?{query}")).await.status().as_u16();
+        assert_eq!(obtained(&format!("{QUERY}&{parameters}")).await, 200, "{path}");
+        assert_eq!(obtained("").await, 422, "{path}");
+        let _occupy_both_places = (half_a_request(&app, path).await, half_a_request(&app, path).await);
+        let deadline = tokio::time::Instant::now() + PATIENCE;
+        while obtained("").await != 503 {
+            // Until the half requests have arrived, this one has a place.
+            assert!(tokio::time::Instant::now() < deadline, "{path}");
+        }
+        let failing = get(async || -> &'static str { panic!("a fault, on purpose") });
+        let app = TestApp::start_with(|_| {}, Routes::new().undocumented(RouteClass::Single, path, failing)).await;
+        assert_eq!(app.get(path).await.status(), 500, "{path}");
+    }
 }

@@ -3,13 +3,13 @@
 use std::io::Write;
 
 use crate::api::app::{TestApp, faults};
-use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
+use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::Value;
 
 fn every_post() -> impl Iterator<Item = (String, Value)> {
-    [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER]
+    [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS]
         .into_iter()
         .flat_map(|path| [(path.to_owned(), shortest(path)), (format!("{path}/batch"), batch_of(shortest(path)))])
 }
@@ -18,8 +18,18 @@ fn every_post() -> impl Iterator<Item = (String, Value)> {
 async fn text_that_is_not_json_is_malformed() {
     let app = TestApp::start().await;
     for (path, _) in every_post() {
-        for text in ["", " ", "{", "{\"cutter\":}", "{\"step_over_mm\": NaN}", "{\"step_over_mm\": 01}", "{} {}", "{'a': 1}", "\u{feff}{}"]
-        {
+        for text in [
+            "",
+            " ",
+            "{",
+            "{\"cutter\":}",
+            "{\"step_over_mm\": nan}",
+            "{\"step_over_mm\": NaN",
+            "{\"step_over_mm\": 01}",
+            "{} {}",
+            "{'a': 1}",
+            "\u{feff}{}",
+        ] {
             let (status, problem) = app.post_text(&path, text).await;
             assert_eq!((status, problem["type"].as_str()), (400, Some("malformed-json")), "{text:?}");
             assert_eq!(problem.get("errors"), None);
@@ -85,8 +95,10 @@ async fn paths_that_are_not_there_are_not_found() {
 async fn other_methods_are_refused_with_those_that_are_allowed() {
     let app = TestApp::start().await;
     for (path, _) in every_post() {
-        let answer = app.get(&path).await;
-        assert_eq!((answer.status().as_u16(), answer.headers()["allow"].to_str().unwrap()), (405, "POST"));
+        let (method, allowed) =
+            if path.ends_with("/batch") { (reqwest::Method::GET, "POST") } else { (reqwest::Method::PUT, "GET,HEAD,POST") };
+        let answer = app.client.request(method, app.url(&path)).send().await.unwrap();
+        assert_eq!((answer.status().as_u16(), answer.headers()["allow"].to_str().unwrap()), (405, allowed));
         let problem: Value = answer.json().await.unwrap();
         assert_eq!(problem["type"], "method-not-allowed");
     }

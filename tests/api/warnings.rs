@@ -1,4 +1,4 @@
-//! Warnings: where the answer stands but its assumptions creak, and nowhere else.
+//! Warnings: where the answer stands and an assumption of the model is near its limit, and nowhere else.
 
 use crate::api::app::{TestApp, warnings};
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, batch_of, shortest, toroidal, with};
@@ -20,13 +20,15 @@ async fn warned(app: &TestApp, body: &Value) -> Vec<String> {
 #[tokio::test]
 async fn ordinary_requests_have_none() {
     let app = TestApp::start().await;
-    for body in [ordinary(), with(ordinary(), "/cutter", ball_end(10.0)), with(ordinary(), "/runout", json!({"radial_mm": 0.01}))] {
+    for body in [ordinary(), with(ordinary(), "/cutter", ball_end(10.0))] {
         for model in ["analytic", "envelope"] {
             assert_eq!(warned(&app, &with(body.clone(), "/model", model)).await, [""; 0], "{body}");
         }
     }
     let curved = with(ordinary(), "/surface_radius_mm", 200);
     assert_eq!(warned(&app, &curved).await, [""; 0]);
+    let runout = with(with(ordinary(), "/runout", json!({"radial_mm": 0.01})), "/model", "envelope");
+    assert_eq!(warned(&app, &runout).await, [""; 0]);
     let tolerance = json!({"cutter": toroidal(), "contact": angles(40.0, 0.0), "scallop_tolerance_mm": 0.01});
     assert_eq!(warnings(&app.answer(STEP_OVER, &tolerance).await), [""; 0]);
     assert_eq!(warnings(&app.answer(MAX_FEED, &with(tolerance, "/step_over_mm", 0.6)).await), [""; 0]);
@@ -35,13 +37,12 @@ async fn ordinary_requests_have_none() {
 #[tokio::test]
 async fn runout_over_a_fifth_of_the_feed_per_tooth_is_warned_of() {
     let app = TestApp::start().await;
-    for model in ["analytic", "envelope"] {
-        let body = with(ordinary(), "/model", model);
-        // The magnitude of (0.012, 0.016) is 0.02, a fifth of 0.1.
-        for (radial, axial, expected) in [(0.012, 0.0159, false), (0.012, 0.0161, true), (0.0, -0.021, true)] {
-            let body = with(body.clone(), "/runout", json!({"radial_mm": radial, "axial_mm": axial}));
-            assert_eq!(warned(&app, &body).await.contains(&"runout-not-small".to_owned()), expected, "{body}");
-        }
+    // The magnitude of (0.012, 0.016) is 0.02, a fifth of 0.1.
+    for (radial, axial, expected) in [(0.012, 0.0159, false), (0.012, 0.0161, true), (0.0, -0.021, true)] {
+        let body = with(ordinary(), "/runout", json!({"radial_mm": radial, "axial_mm": axial}));
+        assert_eq!(warned(&app, &body).await.contains(&"runout-not-small".to_owned()), expected, "{body}");
+        // Model envelope holds for runout of any size.
+        assert_eq!(warned(&app, &with(body, "/model", "envelope")).await, [""; 0]);
     }
 }
 
@@ -93,18 +94,27 @@ async fn the_analytic_model_is_warned_of_where_the_cutter_leaves_5_percent_more(
 #[tokio::test]
 async fn where_the_envelope_has_no_scallop_to_compare_with_there_is_a_warning_and_no_check() {
     let app = TestApp::start().await;
-    // At 5 deg R_eff is 36 mm: circles 12 mm apart overlap, the cutter of 10 mm does not.
-    let body = json!({"cutter": toroidal(), "contact": angles(5.0, 0.0), "step_over_mm": 12});
+    // Fed along the level line of 5 deg, TR_eff is 36 mm: marks 12 mm apart overlap as circles, those of the cutter of 10 mm do not.
+    let body = json!({"cutter": toroidal(), "contact": angles(5.0, 90.0), "step_over_mm": 0.7, "feed_per_tooth_mm": 12});
     let answer = app.answer(SCALLOP_HEIGHT, &body).await;
     assert!(warnings(&answer).contains(&"outside-analytic-range"));
     assert_eq!(answer.get("check"), None);
 }
 
 #[tokio::test]
-async fn the_envelopes_correction_for_curvature_is_said_to_be_not_exact() {
+async fn curvature_under_10_degrees_and_a_hollow_that_the_cutter_nearly_fills_are_warned_of() {
     let app = TestApp::start().await;
     let body = with(with(ordinary(), "/surface_radius_mm", 200), "/model", "envelope");
-    assert_eq!(warned(&app, &body).await, ["curvature-approximate"]);
+    for (slope, expected) in [(9.9, vec!["curvature-approximate"]), (10.1, Vec::new())] {
+        assert_eq!(warned(&app, &with(body.clone(), "/contact/slope_deg", slope)).await, expected);
+    }
+    // R_eff is 6.667 mm: lambda = 1 - 6.667/16.6 = 0.598, and 0.602 at 16.75 mm.
+    for model in ["analytic", "envelope"] {
+        for (radius, expected) in [(-16.6, vec!["near-gouging"]), (-16.75, Vec::new())] {
+            let body = with(with(ordinary(), "/surface_radius_mm", radius), "/model", model);
+            assert_eq!(warned(&app, &body).await, expected, "{model} {radius}");
+        }
+    }
 }
 
 #[tokio::test]

@@ -2,6 +2,7 @@
 
 use super::Calculation;
 use super::column::{Column, Table};
+use super::selection::Selection;
 use super::single::{self, warnings_schema};
 use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
@@ -9,16 +10,16 @@ use crate::http::codes::RequestFault;
 use crate::http::problem::Problem;
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, ObjectSchema, for_runs_of_items, items};
 use crate::http::wire::{
-    BatchContact, ContactParameters, Failure, Figures, MODEL, SharedParameters, Summary, Warning, batch_contact_schemas, model_name,
-    no_answer, warning_code,
+    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, MODEL, SharedParameters, Summary,
+    Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer, warning_code,
 };
 use crate::http::worker_pool::Work;
-use crate::milling::{JudgedPass, Model, NoAnswer};
+use crate::milling::{JudgedPass, NoAnswer};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
-use std::marker::PhantomData;
 use std::sync::{Mutex, PoisonError};
-use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// Contacts worked out in one go by one thread: some tenths of a millisecond, long against the cost of sharing out.
@@ -30,8 +31,11 @@ const MOST_CONTACTS: usize = 250_000;
 
 const CONTACTS: &str = "contacts";
 
-/// Contacts that are listed with their failures; further ones are null in the columns and counted.
+/// Failures that an answer lists; further ones are counted.
 const MOST_FAILURES: usize = 1000;
+
+/// Faults of the problem that no contact has an answer.
+const MOST_FAULTS: usize = 100;
 
 /// Faults that are listed of one contact.
 const MOST_FAULTS_OF_A_CONTACT: usize = 8;
@@ -40,8 +44,9 @@ const MOST_FAULTS_OF_A_CONTACT: usize = 8;
 const SHORTEST_CONTACT: usize = 4;
 
 /// The memory that a contact takes in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most columns
-/// take 92 MiB beside their body, 386 bytes each, of which 176 are the answer.
-const MEMORY_OF_A_CONTACT: usize = 420;
+/// take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts that are sent as columns are held as up to 15 numbers
+/// of 16 bytes.
+const MEMORY_OF_A_CONTACT: usize = 660;
 
 /// The memory of the failures listed and of the rest of an answer.
 const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
@@ -60,17 +65,39 @@ fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writ
         let defaults = ContactParameters::read(object, C::STATES, faults);
         let members = C::Members::read(object, faults);
         let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
+        let selection = Selection::read::<C>(object, faults);
         let path = path.member(CONTACTS);
         let Some(contacts) = object.take(CONTACTS, faults) else {
             return Err(faults.add(&path, RequestFault::MissingField, "the field is missing: the contacts to work out"));
         };
+        let are_columns = contacts.get().starts_with('{');
         if !faults.is_empty() {
-            // Nothing is worked out, but faults of the array as a whole are recorded, too.
-            items(contacts, MOST_CONTACTS, path, faults)?;
+            // Nothing is worked out, but faults of the contacts as a whole are recorded, too.
+            if are_columns {
+                ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, faults)?;
+            } else {
+                items(contacts, MOST_CONTACTS, path, faults)?;
+            }
             return Err(Faulted);
         }
-        let batch = Batch { shared: shared?, defaults, calculation: calculation? };
-        batch.work_out(contacts, path, cancel, faults)
+        let batch = Batch { shared: shared?, defaults, calculation: calculation?, selection: selection? };
+        let (whole, count) = if are_columns {
+            batch.work_out_columns(contacts, path, cancel, faults)?
+        } else {
+            batch.work_out_rows(contacts, path, cancel, faults)?
+        };
+        if cancel.is_cancelled() {
+            // The answer of a cancelled batch is discarded.
+            return Err(Faulted);
+        }
+        if count > 0 && whole.failed == count {
+            let first = whole.failures.into_iter().flat_map(|(_, faults)| faults).take(MOST_FAULTS);
+            first.for_each(|fault| {
+                faults.push(fault);
+            });
+            return Err(Faulted);
+        }
+        Ok(whole.written(&batch, count))
     })
 }
 
@@ -78,82 +105,144 @@ struct Batch<C> {
     shared: SharedParameters,
     defaults: ContactParameters,
     calculation: C,
+    selection: Selection,
 }
 
 /// What a run of contacts yields.
-struct Part<C> {
+struct Part {
     columns: Vec<Column>,
-    /// The first failures.
-    failures: Vec<Failure>,
     failed: usize,
+    /// The first ones, with their faults.
+    failures: Vec<(usize, Vec<Fault>)>,
+    outside_range: usize,
     warnings: Vec<Warning>,
-    calculation: PhantomData<C>,
 }
 
 impl<C: Calculation> Batch<C> {
     /// Contacts are worked out on other cores while this one still finds where the next begin.
-    fn work_out(&self, contacts: &RawValue, path: JsonPath<'_>, cancel: &CancelFlag, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
-        let parts = Mutex::new(BTreeMap::new());
+    fn work_out_rows(
+        &self,
+        contacts: &RawValue,
+        path: JsonPath<'_>,
+        cancel: &CancelFlag,
+        faults: &mut Faults,
+    ) -> Result<(Part, usize), Faulted> {
+        let parts = Parts::default();
         let count = rayon::scope(|scope| {
             for_runs_of_items(contacts, MOST_CONTACTS, CHUNK, path, faults, |first, contacts| {
                 let parts = &parts;
                 scope.spawn(move |_| {
-                    let part = self.work_out_chunk(first, &contacts, &path, cancel);
-                    parts.lock().unwrap_or_else(PoisonError::into_inner).insert(first, part);
+                    let part = self.work_out_chunk(first, contacts.len(), cancel, |index, faults| {
+                        let path = path.item(index);
+                        let contact = BatchContact::read(contacts[index - first], C::STATES, &self.defaults, path, faults);
+                        contact.and_then(|contact| self.work_out_contact(contact, path, faults))
+                    });
+                    parts.insert(first, part);
                 });
             })
         })?;
-        let mut whole = Part::<C>::new(Column::default);
-        for part in parts.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
-            whole.append(part);
-        }
-        if cancel.is_cancelled() {
-            return Err(Faulted);
-        }
-        Ok(whole.written(self.shared.model, count))
+        Ok((self.joined(parts), count))
     }
 
-    /// The answer of a cancelled batch is discarded: the rest of its contacts is left out.
-    fn work_out_chunk(&self, first: usize, contacts: &[&RawValue], path: &JsonPath<'_>, cancel: &CancelFlag) -> Part<C> {
-        let mut part = Part::new(|| Column::with_capacity(contacts.len()));
-        for (index, raw) in (first..).zip(contacts) {
+    /// The columns are read first; their rows are worked out on all cores.
+    fn work_out_columns(
+        &self,
+        contacts: &RawValue,
+        path: JsonPath<'_>,
+        cancel: &CancelFlag,
+        faults: &mut Faults,
+    ) -> Result<(Part, usize), Faulted> {
+        let columns = ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, faults)?;
+        let parts = Parts::default();
+        (0..columns.count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
+            let first = chunk * CHUNK;
+            let part = self.work_out_chunk(first, CHUNK.min(columns.count - first), cancel, |index, faults| {
+                let path = columns.path(index, &path);
+                let contact = columns.contact(index, C::STATES, &self.defaults, path, faults);
+                contact.and_then(|contact| self.work_out_contact(contact, path, faults))
+            });
+            parts.insert(first, part);
+        });
+        Ok((self.joined(parts), columns.count))
+    }
+
+    /// The rest of a cancelled batch is left out.
+    fn work_out_chunk(
+        &self,
+        first: usize,
+        count: usize,
+        cancel: &CancelFlag,
+        work_out: impl Fn(usize, &mut Faults) -> Result<(Figures, JudgedPass), Faulted>,
+    ) -> Part {
+        let mut part = self.part(|| Column::with_capacity(count));
+        for index in first..first + count {
             if cancel.is_cancelled() {
                 break;
             }
             let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
-            match self.work_out_contact(raw, path.item(index), &mut faults) {
-                Ok((figures, pass)) => part.add(index, &figures, &pass),
-                Err(Faulted) => part.fail(index, &faults.into_listed()),
+            match work_out(index, &mut faults) {
+                Ok((mut figures, pass)) => {
+                    if self.selection.is_compared() {
+                        let check = single::compare(&pass, &figures);
+                        part.outside_range += usize::from(single::is_outside_range(&check));
+                        figures.check = check.ok();
+                    }
+                    part.add(index, &figures, &pass, &self.selection);
+                }
+                Err(Faulted) => part.fail(index, faults),
             }
         }
         part
     }
 
-    fn work_out_contact(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Figures, JudgedPass), Faulted> {
-        let BatchContact { contact, parameters } = BatchContact::read(raw, C::STATES, &self.defaults, path, faults)?;
+    fn work_out_contact(&self, contact: BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Figures, JudgedPass), Faulted> {
+        let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(C::STATES, &path, faults)?;
+        let member = self.calculation.step_over_member(&parameters);
         // A contact without an answer is to blame as a whole: which of its parameters are defaults makes no difference.
-        let mut fail = |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, step_over) });
+        let mut fail =
+            |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
         let pass = single::judge(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
         let figures = single::work_out(&self.calculation, &self.shared, &pass, step_over, &parameters)?.map_err(fail)?;
         Ok((figures, pass))
     }
-}
 
-impl<C: Calculation> Part<C> {
-    fn new(column: impl Fn() -> Column) -> Self {
-        Self {
-            columns: C::figures().map(|_| column()).collect(),
-            failures: Vec::new(),
-            failed: 0,
-            warnings: Vec::new(),
-            calculation: PhantomData,
-        }
+    /// A part without contacts.
+    fn part(&self, column: impl Fn() -> Column) -> Part {
+        let columns = self.selection.figures.iter().map(|_| column()).collect();
+        Part { columns, failed: 0, failures: Vec::new(), outside_range: 0, warnings: Vec::new() }
     }
 
-    fn add(&mut self, index: usize, figures: &Figures, pass: &JudgedPass) {
-        for (column, figure) in self.columns.iter_mut().zip(C::figures()) {
-            column.push(index, (figure.get)(figures));
+    fn joined(&self, parts: Parts) -> Part {
+        let mut whole = self.part(Column::default);
+        for part in parts.0.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
+            whole.append(part);
+        }
+        whole
+    }
+}
+
+/// The parts that are ready, by the index of their first contact.
+#[derive(Default)]
+struct Parts(Mutex<BTreeMap<usize, Part>>);
+
+impl Parts {
+    /// Adds a part. Where earlier parts alone have as many failures as are listed, the part's own are dropped, so that a flood of failures
+    /// holds no memory.
+    fn insert(&self, first: usize, mut part: Part) {
+        let mut parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let earlier: usize = parts.range(..first).map(|(_, part)| part.failures.len()).sum();
+        if earlier >= MOST_FAILURES {
+            part.failures = Vec::new();
+        }
+        parts.insert(first, part);
+    }
+}
+
+impl Part {
+    fn add(&mut self, index: usize, figures: &Figures, pass: &JudgedPass, selection: &Selection) {
+        for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
+            column.push(index, (figure.get)(figures).map(|value| value.rounded(selection.significant_digits)));
         }
         for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {
             match self.warnings.iter_mut().find(|known| known.code == warning_code(warning)) {
@@ -163,19 +252,20 @@ impl<C: Calculation> Part<C> {
         }
     }
 
-    fn fail(&mut self, index: usize, faults: &[Fault]) {
+    fn fail(&mut self, index: usize, faults: Faults) {
         self.columns.iter_mut().for_each(|column| column.push(index, None));
         self.failed += 1;
         if self.failures.len() < MOST_FAILURES {
-            self.failures.extend(Failure::new(index, faults));
+            self.failures.push((index, faults.into_listed()));
         }
     }
 
-    fn append(&mut self, mut next: Self) {
+    fn append(&mut self, next: Self) {
         self.columns.iter_mut().zip(next.columns).for_each(|(column, next)| column.append(next));
-        let room = MOST_FAILURES.saturating_sub(self.failures.len());
-        self.failures.extend(next.failures.drain(..room.min(next.failures.len())));
         self.failed += next.failed;
+        let listed = MOST_FAILURES - self.failures.len();
+        self.failures.extend(next.failures.into_iter().take(listed));
+        self.outside_range += next.outside_range;
         for warning in next.warnings {
             match self.warnings.iter_mut().find(|known| known.code == warning.code) {
                 Some(known) => known.contacts = known.contacts.zip(warning.contacts).map(|(a, b)| a + b),
@@ -184,20 +274,23 @@ impl<C: Calculation> Part<C> {
         }
     }
 
-    fn written(self, model: Model, count: usize) -> WrittenJson {
-        let sought = C::figures().position(|figure| figure.name == C::SOUGHT);
-        let [minimum, maximum] = sought.map_or([None, None], |sought| self.columns[sought].extremes());
+    fn written<C>(self, batch: &Batch<C>, count: usize) -> WrittenJson {
+        let Batch { shared, selection, .. } = batch;
+        let named = || selection.figures.iter().zip(&self.columns);
+        let extremes = ColumnExtremes(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
+        let outside_analytic_range = selection.is_compared().then_some(self.outside_range);
         let mut table = Table::default();
-        table.value("model", &model_name(model));
-        table.value("summary", &Summary { count, failures: self.failed, minimum, maximum });
-        for (figure, column) in C::figures().zip(self.columns) {
-            if figure.is_required_column() {
+        table.value("model", &model_name(shared.model));
+        table.value("summary", &Summary { count, failures: self.failed, outside_analytic_range, extremes });
+        for (figure, column) in selection.figures.iter().zip(self.columns) {
+            if selection.is_stated || figure.is_required_column() {
                 table.column(figure.name, column);
             } else {
                 table.optional_column(figure.name, column);
             }
         }
-        table.value("failures", &self.failures);
+        let failures: Vec<_> = self.failures.iter().filter_map(|(index, faults)| Failure::new(*index, faults)).collect();
+        table.value("failures", &failures);
         table.value("warnings", &self.warnings);
         table.written()
     }
@@ -206,11 +299,14 @@ impl<C: Calculation> Part<C> {
 /// The schema of a request with many contacts.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
     let contact = batch_contact_schemas(C::STATES, components);
-    let contacts = ArrayBuilder::new().items(contact).max_items(Some(MOST_CONTACTS));
-    let contacts = contacts.description(Some("the contacts of the tool path, in their order"));
+    let rows = ArrayBuilder::new().items(contact).max_items(Some(MOST_CONTACTS)).description(Some("an object for each contact"));
+    let columns = contact_columns_schema(C::STATES, MOST_CONTACTS, components);
+    let contacts = OneOfBuilder::new().item(rows).item(columns);
+    let contacts = contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"));
     let about = "A calculation at many contacts: the parameters hold for every contact that does not state its own";
     let schema = SharedParameters::describe(ObjectSchema::new(about, components));
-    ContactParameters::describe(schema, C::STATES).with::<C::Members>().required_property(CONTACTS, contacts).build()
+    let schema = ContactParameters::describe(schema, C::STATES).with::<C::Members>();
+    Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }
 
 /// The schema of an answer for many contacts.
@@ -219,14 +315,12 @@ pub(super) fn describe_answer<C: Calculation>(components: &mut Components) -> Re
     let mut schema = ObjectBuilder::new().schema_type(Type::Object).description(Some(about));
     schema = schema.property("model", MODEL.kind.schema("the model that answered", components)).required("model");
     schema = schema.property("summary", components.refer_type::<Summary>()).required("summary");
-    for figure in C::figures() {
+    for figure in C::figures().chain(CHECK_FIGURES) {
+        // Where the request names columns, the others are absent.
         schema = schema.property(figure.name, figure.column_schema(components));
-        schema = if figure.is_required_column() { schema.required(figure.name) } else { schema };
     }
-    let failures = ArrayBuilder::new()
-        .items(components.refer_type::<Failure>())
-        .description(Some("the contacts that have no answer, the first thousand of them; `summary` counts all"))
-        .max_items(Some(MOST_FAILURES));
+    let failures = ArrayBuilder::new().items(components.refer_type::<Failure>()).max_items(Some(MOST_FAILURES));
+    let failures = failures.description(Some("the first thousand contacts that have no answer; summary.failures counts all of them"));
     schema = schema.property("failures", failures).required("failures");
     schema.property("warnings", warnings_schema(components)).required("warnings").into()
 }

@@ -2,7 +2,7 @@
 //! beside its text.
 
 use crate::http::body::WrittenJson;
-use crate::http::wire::{Extreme, FigureValue};
+use crate::http::wire::{Extreme, Extremes, FigureValue};
 use serde::Serialize;
 
 /// A column of figures: the JSON of its rows in pieces that follow each other, and the extremes of its numbers.
@@ -29,16 +29,16 @@ impl Column {
         }
         self.has_value |= figure.is_some();
         write(rows, &figure);
-        if let Some(FigureValue::Number(value_mm)) = figure {
-            let found = Some(Extreme { index, value_mm });
+        if let Some(FigureValue::Number(value)) = figure {
+            let found = Some(Extreme { index, value });
             self.minimum = lower(self.minimum, found);
             self.maximum = higher(self.maximum, found);
         }
     }
 
-    /// The contacts with the smallest and the largest number.
-    pub(crate) fn extremes(&self) -> [Option<Extreme>; 2] {
-        [self.minimum, self.maximum]
+    /// The contacts with the smallest and the largest number; `None` where there is no number.
+    pub(crate) fn extremes(&self) -> Option<Extremes> {
+        Some(Extremes { minimum: self.minimum?, maximum: self.maximum? })
     }
 
     /// Adds the rows of `next` below these.
@@ -58,7 +58,7 @@ impl Column {
 /// The extreme with the smaller value, the first of equals.
 fn lower(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
     match (first, second) {
-        (Some(a), Some(b)) => Some(if b.value_mm < a.value_mm { b } else { a }),
+        (Some(a), Some(b)) => Some(if b.value < a.value { b } else { a }),
         (one, other) => one.or(other),
     }
 }
@@ -66,7 +66,7 @@ fn lower(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
 /// The extreme with the larger value, the first of equals.
 fn higher(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
     match (first, second) {
-        (Some(a), Some(b)) => Some(if b.value_mm > a.value_mm { b } else { a }),
+        (Some(a), Some(b)) => Some(if b.value > a.value { b } else { a }),
         (one, other) => one.or(other),
     }
 }
@@ -145,7 +145,8 @@ mod tests {
             let mut whole = Column::default();
             whole.append(column(0, &rows[..cut]));
             whole.append(column(cut, &rows[cut..]));
-            assert_eq!(whole.extremes().map(|extreme| extreme.unwrap().index), [2, 0], "cut at {cut}");
+            let extremes = whole.extremes().unwrap();
+            assert_eq!((extremes.minimum.index, extremes.maximum.index), (2, 0), "cut at {cut}");
             let mut table = Table::default();
             table.value("model", &"analytic");
             table.column("height_mm", whole);

@@ -1,38 +1,35 @@
-//! `POST /v1/max-feed` and its batch: the largest feed that keeps a tolerance.
+//! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps a tolerance.
 
+use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
-use crate::http::codes::RequestFault;
 use crate::http::document::described;
-use crate::http::problem::{Problem, Problems};
+use crate::http::problem::{Problem, Problems, QueryProblems};
+use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, CUTTER, Figure, FigureValue, Figures, SharedParameters, States, TEETH, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, Figure, FigureValue, Figures, SharedParameters, States, TOLERANCE};
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
-use crate::quantity::{Length, OutOfRange};
+use crate::quantity::Length;
 use axum::Json;
+use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// The tolerance to keep, and the limits of cutter and machine.
     pub(crate) struct MaxFeedMembers {
         tolerance: required TOLERANCE: Quantity<Length>,
-        spindle_speed_rpm: optional SPINDLE_SPEED: Quantity<f64> = ("spindle_speed_rpm", Quantity::new(|rpm| OutOfRange::check(rpm, 1.0, 1e6), 10_000.0),
-            "spindle speed n; with the cutter's teeth it gives the feed rate"),
-        per_tooth_limit: optional MAX_FEED_PER_TOOTH: Quantity<Length> = ("max_feed_per_tooth_mm", Quantity::length(0.35),
-            "the largest feed per tooth that the cutter's maker allows"),
-        rate_limit_mm_min: optional MAX_FEED_RATE: Quantity<f64> = ("max_feed_rate_mm_min", Quantity::new(|mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), 15_000.0),
-            "the largest feed rate of the machine; needs spindle_speed_rpm and the cutter's teeth"),
+        spindle_speed_rpm: optional SPINDLE_SPEED: Quantity<f64>,
+        per_tooth_limit: optional MAX_FEED_PER_TOOTH: Quantity<Length>,
+        rate_limit_mm_min: optional MAX_FEED_RATE: Quantity<f64>,
     }
 }
 
 /// The largest feed at a contact.
 pub(crate) struct MaxFeed {
     tolerance: Length,
-    spindle_speed_rpm: Option<f64>,
-    per_tooth_limit: Option<Length>,
-    rate_limit_mm_min: Option<f64>,
+    limits: FeedLimits,
 }
 
 /// What keeps the feed from being larger.
@@ -60,21 +57,17 @@ fn limited_by_schema(about: &str, components: &mut Components) -> RefOr<Schema> 
 }
 
 const FIGURES: &[Figure] = &[
-    Figure::number("feed_per_tooth_mm", "the largest feed per tooth", |figures| {
-        figures.feed_per_tooth.map(|feed| FigureValue::Number(feed.mm()))
-    }),
+    FEED_PER_TOOTH,
     Figure::word("limited_by", "what keeps the feed from being larger", limited_by_schema, |figures| {
         figures.limited_by.map(FigureValue::Word)
     }),
-    Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min.map(FigureValue::Number))
-        .only("where the cutter's teeth and the spindle speed are given"),
+    FEED_RATE,
 ];
 
 impl Calculation for MaxFeed {
     const STATES: States = States { step_over: true, feed_per_tooth: false };
     type Members = MaxFeedMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
-    const SOUGHT: &'static str = "feed_per_tooth_mm";
 
     fn new(
         members: MaxFeedMembers,
@@ -83,24 +76,8 @@ impl Calculation for MaxFeed {
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
         let MaxFeedMembers { tolerance, spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min } = members;
-        if let (Ok(Some(_)), Ok(speed), Ok(shared)) = (rate_limit_mm_min, spindle_speed_rpm, shared) {
-            let mut need = |path: &JsonPath<'_>, what: &str| {
-                let detail = format_args!("a largest feed rate limits the feed per tooth only with {what}");
-                faults.add(path, RequestFault::MissingField, detail);
-            };
-            if speed.is_none() {
-                need(&path.member(SPINDLE_SPEED.name), "a spindle speed");
-            }
-            if shared.tool.teeth.is_none() {
-                need(&path.member(CUTTER.name).member(TEETH.name), "a number of teeth");
-            }
-        }
-        Ok(Self {
-            tolerance: tolerance?,
-            spindle_speed_rpm: spindle_speed_rpm?,
-            per_tooth_limit: per_tooth_limit?,
-            rate_limit_mm_min: rate_limit_mm_min?,
-        })
+        let limits = FeedLimits::new(spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, shared, path, faults);
+        Ok(Self { tolerance: tolerance?, limits: limits? })
     }
 
     fn work_out(
@@ -111,10 +88,8 @@ impl Calculation for MaxFeed {
         _: Option<Length>,
     ) -> Result<Figures, NoAnswer> {
         let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
-        // A feed rate is f_z z n, so z n is a feed rate for each mm of feed per tooth.
-        let teeth_per_min = shared.tool.teeth.zip(self.spindle_speed_rpm).map(|(teeth, speed)| f64::from(teeth) * speed);
-        let by_machine = self.rate_limit_mm_min.zip(teeth_per_min).map(|(rate, teeth_per_min)| Length::computed(rate / teeth_per_min));
-        let stated = [(self.per_tooth_limit, LimitedBy::MaxFeedPerTooth), (by_machine, LimitedBy::MaxFeedRate)];
+        let by_machine = self.limits.by_machine(shared);
+        let stated = [(self.limits.per_tooth, LimitedBy::MaxFeedPerTooth), (by_machine, LimitedBy::MaxFeedRate)];
         let stated = stated.into_iter().filter_map(|(limit, by)| Some((limit?, by))).reduce(|a, b| if b.0 < a.0 { b } else { a });
         let (feed_per_tooth, limited_by) = match (pass.max_feed_per_tooth(self.tolerance, step_over), stated) {
             (Ok(by_tolerance), Some(stated)) if stated.0 < by_tolerance => stated,
@@ -123,13 +98,15 @@ impl Calculation for MaxFeed {
             (Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }), Some(stated)) if stated.0 <= largest_feed_per_tooth => stated,
             (Err(cause), _) => return Err(cause),
         };
-        let feed_rate_mm_min = teeth_per_min.map(|teeth_per_min| feed_per_tooth.mm() * teeth_per_min);
+        let feed_rate_mm_min = self.limits.teeth_per_min(shared).map(|teeth_per_min| feed_per_tooth.mm() * teeth_per_min);
         let mut figures = Figures::at(pass, step_over, Some(feed_per_tooth))?;
         figures.feed_rate_mm_min = feed_rate_mm_min;
         figures.limited_by = Some(LIMITED_BY.word(&limited_by));
         Ok(figures)
     }
 }
+
+query!(QUERY, MaxFeedQuery, single::describe_request::<MaxFeed>);
 
 described!(MaxFeedRequest, single::describe_request::<MaxFeed>);
 described!(MaxFeedAnswer, single::describe_answer::<MaxFeed>);
@@ -147,6 +124,18 @@ described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
 )]
 pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxFeed>>, Problem> {
     single::answer::<MaxFeed>(&body)
+}
+
+/// The largest feed at one contact, by a query
+///
+/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
+/// as `cutter`, vectors with commas.
+#[utoipa::path(
+    get, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed_query", params(MaxFeedQuery),
+    responses((status = 200, description = "The feed, what limits it, and the heights at it", body = MaxFeedAnswer), QueryProblems),
+)]
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<MaxFeed>>, Problem> {
+    single::answer_query::<MaxFeed>(&QUERY, text.as_deref())
 }
 
 /// The largest feeds of a tool path

@@ -1,15 +1,18 @@
-//! The calculations at contacts: scallop height, largest feed and largest step-over, each for one contact and for many. One file for each
+//! The calculations at contacts: scallop height, largest feed, largest step-over and fastest cutting parameters, each for one contact and for many. One file for each
 //! endpoint holds what is particular to it; requests and answers are read and written alike.
 
 mod batch;
 mod column;
+pub(crate) mod cutting_parameters;
+mod feed_limits;
 pub(crate) mod max_feed;
 pub(crate) mod scallop_height;
+mod selection;
 mod single;
 pub(crate) mod step_over;
 
 use super::reading::{Faulted, Faults, JsonPath, Members};
-use super::wire::{Figure, Figures, SharedParameters, States};
+use super::wire::{ContactParameters, Figure, Figures, SharedParameters, States};
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 
@@ -21,8 +24,6 @@ pub(crate) trait Calculation: Sized + Send + Sync {
     type Members: Members;
     /// The figures of an answer, in their order.
     const FIGURES: &'static [&'static [Figure]];
-    /// The name of the figure that is sought, whose extremes a batch's summary has.
-    const SOUGHT: &'static str;
 
     /// The calculation that a request at `path` describes.
     fn new(
@@ -40,6 +41,11 @@ pub(crate) trait Calculation: Sized + Send + Sync {
         step_over: Option<Length>,
         feed_per_tooth: Option<Length>,
     ) -> Result<Figures, NoAnswer>;
+
+    /// The member that bounds the step-over, to which its faults point.
+    fn step_over_member(&self, stated: &ContactParameters) -> &'static str {
+        stated.step_over_member()
+    }
 
     /// The figures of an answer.
     fn figures() -> impl Iterator<Item = &'static Figure> {

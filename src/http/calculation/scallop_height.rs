@@ -1,16 +1,18 @@
-//! `POST /v1/scallop-height` and its batch: the height that a step-over and a feed leave.
+//! `/v1/scallop-height`, by `POST` and `GET`, and its batch: the height that a step-over and a feed leave.
 
 use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
-use crate::http::problem::{Problem, Problems};
+use crate::http::problem::{Problem, Problems, QueryProblems};
+use crate::http::query::query;
 use crate::http::reading::{Faulted, Faults, JsonPath, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, States};
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
+use axum::extract::RawQuery;
 
 members! {
     /// No members but those of every calculation.
@@ -24,7 +26,6 @@ impl Calculation for ScallopHeight {
     const STATES: States = States { step_over: true, feed_per_tooth: true };
     type Members = NoMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
-    const SOUGHT: &'static str = "scallop_height_mm";
 
     fn new(_: NoMembers, _: Result<&SharedParameters, Faulted>, _: &JsonPath<'_>, _: &mut Faults) -> Result<Self, Faulted> {
         Ok(Self)
@@ -42,6 +43,8 @@ impl Calculation for ScallopHeight {
     }
 }
 
+query!(QUERY, ScallopHeightQuery, single::describe_request::<ScallopHeight>);
+
 described!(ScallopHeightRequest, single::describe_request::<ScallopHeight>);
 described!(ScallopHeightAnswer, single::describe_answer::<ScallopHeight>);
 described!(ScallopHeightBatchRequest, batch::describe_request::<ScallopHeight>);
@@ -57,6 +60,18 @@ described!(ScallopHeightBatchAnswer, batch::describe_answer::<ScallopHeight>);
 )]
 pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<ScallopHeight>>, Problem> {
     single::answer::<ScallopHeight>(&body)
+}
+
+/// The scallop height at one contact, by a query
+///
+/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
+/// as `cutter`, vectors with commas.
+#[utoipa::path(
+    get, path = "/v1/scallop-height", tag = "calculations", operation_id = "scallop_height_query", params(ScallopHeightQuery),
+    responses((status = 200, description = "The height, its shares and radii", body = ScallopHeightAnswer), QueryProblems),
+)]
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<ScallopHeight>>, Problem> {
+    single::answer_query::<ScallopHeight>(&QUERY, text.as_deref())
 }
 
 /// The scallop heights of a tool path

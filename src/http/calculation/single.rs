@@ -4,7 +4,8 @@ use super::Calculation;
 use crate::http::body::JsonBody;
 use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, ObjectSchema};
+use crate::http::query::Query;
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
     CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
 };
@@ -68,16 +69,22 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
 
 /// Answers a request with one contact.
 pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<Json<Answer<C>>, Problem> {
-    body.read(|object, faults| {
-        let path = object.path();
-        let shared = SharedParameters::read(object, faults);
-        let contact = object.required(&CONTACT, faults);
-        let parameters = ContactParameters::read(object, C::STATES, faults);
-        let members = C::Members::read(object, faults);
-        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
-        Request { shared, contact, parameters, calculation }.answer(&path, faults)
-    })
-    .map(Json)
+    body.read(read).map(Json)
+}
+
+/// Answers the same request as a query.
+pub(super) fn answer_query<C: Calculation>(query: &Query, text: Option<&str>) -> Result<Json<Answer<C>>, Problem> {
+    query.read(text.unwrap_or_default(), read).map(Json)
+}
+
+fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {
+    let path = object.path();
+    let shared = SharedParameters::read(object, faults);
+    let contact = object.required(&CONTACT, faults);
+    let parameters = ContactParameters::read(object, C::STATES, faults);
+    let members = C::Members::read(object, faults);
+    let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
+    Request { shared, contact, parameters, calculation }.answer(&path, faults)
 }
 
 /// A request in which any part may have been faulty. As much as possible is judged, for the faults that show only then.
@@ -93,8 +100,10 @@ impl<C: Calculation> Request<C> {
         let step_over = self.parameters.step_over(C::STATES, path, faults);
         let pass = self.judge(path, faults);
         let (shared, contact, pass) = (self.shared?, self.contact?, pass?);
-        let figures = work_out(&self.calculation?, &shared, &pass, step_over?, &self.parameters)?;
-        let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, step_over.ok().flatten())))?;
+        let calculation = self.calculation?;
+        let step_over_member = calculation.step_over_member(&self.parameters);
+        let figures = work_out(&calculation, &shared, &pass, step_over?, &self.parameters)?;
+        let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, step_over_member)))?;
         let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
         let check = check(&pass, &figures, &mut warnings);
         Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
@@ -103,7 +112,8 @@ impl<C: Calculation> Request<C> {
     /// The pass under its model, as soon as cutter, contact and surface are known, whatever else is faulty.
     fn judge(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
         let (shared, contact) = (self.shared?, self.contact?);
-        judge(&shared, contact, &self.parameters)?.map_err(|cause| faults.push(no_answer(cause, path, contact, None)))
+        judge(&shared, contact, &self.parameters)?
+            .map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, self.parameters.step_over_member())))
     }
 }
 
@@ -139,27 +149,37 @@ pub(super) fn work_out<C: Calculation>(
 /// A deviation beyond which the analytic model is outside its range: 5 % under what the cutter leaves.
 const OUTSIDE_RANGE: f64 = -0.05;
 
+/// The height of a pass under its model beside the envelope's.
+pub(super) fn compare(pass: &JudgedPass, figures: &Figures) -> Result<Check, NoAnswer> {
+    let height = figures.height.total().mm();
+    let envelope = match pass.model() {
+        Model::Analytic => Envelope::new(*pass.pass())?.scallop_height(figures.step_over, figures.feed_per_tooth)?.total().mm(),
+        Model::Envelope => height,
+    };
+    let deviation = (envelope > 0.0).then(|| (height - envelope) / envelope);
+    Ok(Check { envelope_scallop_height_mm: envelope, deviation })
+}
+
+/// Whether the analytic model is outside its range.
+pub(super) fn is_outside_range(check: &Result<Check, NoAnswer>) -> bool {
+    check.as_ref().map_or(true, |check| check.deviation.is_some_and(|deviation| deviation < OUTSIDE_RANGE))
+}
+
 /// The analytic height beside the envelope's, and the warning that it is far under it.
 fn check(pass: &JudgedPass, figures: &Figures, warnings: &mut Vec<Warning>) -> Option<Check> {
-    const CODE: WarningCode = WarningCode::OutsideAnalyticRange;
     if pass.model() != Model::Analytic {
         return None;
     }
-    let envelope = Envelope::new(*pass.pass()).and_then(|envelope| envelope.scallop_height(figures.step_over, figures.feed_per_tooth));
-    let envelope = match envelope {
-        Ok(height) => height.total().mm(),
-        Err(cause) => {
-            warnings.push(Warning::new(CODE, format!("the cutter's exact shape leaves no scallop to compare with: {cause}")));
-            return None;
-        }
-    };
-    let deviation = (envelope > 0.0).then(|| (figures.height.total().mm() - envelope) / envelope);
-    if let Some(deviation) = deviation.filter(|deviation| *deviation < OUTSIDE_RANGE) {
-        let detail = format!(
-            "the analytic height is {:.1} % under the {envelope:.6} mm that the cutter's exact shape leaves; model \"envelope\" keeps the tolerance",
-            -deviation * 100.0
-        );
-        warnings.push(Warning::new(CODE, detail));
+    let check = compare(pass, figures);
+    if is_outside_range(&check) {
+        let detail = match check {
+            Err(cause) => format!("the cutter's exact shape leaves no scallop to compare with: {cause}"),
+            Ok(Check { envelope_scallop_height_mm, deviation }) => format!(
+                "the analytic height is {:.1} % under the {envelope_scallop_height_mm:.6} mm that the cutter's exact shape leaves; model \"envelope\" keeps the tolerance",
+                -deviation.unwrap_or_default() * 100.0
+            ),
+        };
+        warnings.push(Warning::new(WarningCode::OutsideAnalyticRange, detail));
     }
-    Some(Check { envelope_scallop_height_mm: envelope, deviation })
+    check.ok()
 }

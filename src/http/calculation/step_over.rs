@@ -1,16 +1,18 @@
-//! `POST /v1/step-over` and its batch: the largest step-over that keeps a tolerance.
+//! `/v1/step-over`, by `POST` and `GET`, and its batch: the largest step-over that keeps a tolerance.
 
 use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
-use crate::http::problem::{Problem, Problems};
+use crate::http::problem::{Problem, Problems, QueryProblems};
+use crate::http::query::query;
 use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, States, TOLERANCE};
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::Json;
+use axum::extract::RawQuery;
 
 members! {
     /// The tolerance to keep.
@@ -28,7 +30,6 @@ impl Calculation for MaxStepOver {
     const STATES: States = States { step_over: false, feed_per_tooth: true };
     type Members = ToleranceMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
-    const SOUGHT: &'static str = "step_over_mm";
 
     fn new(members: ToleranceMembers, _: Result<&SharedParameters, Faulted>, _: &JsonPath<'_>, _: &mut Faults) -> Result<Self, Faulted> {
         Ok(Self { tolerance: members.tolerance? })
@@ -38,6 +39,8 @@ impl Calculation for MaxStepOver {
         Figures::at(pass, pass.max_step_over(self.tolerance, feed)?, feed)
     }
 }
+
+query!(QUERY, StepOverQuery, single::describe_request::<MaxStepOver>);
 
 described!(StepOverRequest, single::describe_request::<MaxStepOver>);
 described!(StepOverAnswer, single::describe_answer::<MaxStepOver>);
@@ -55,6 +58,18 @@ described!(StepOverBatchAnswer, batch::describe_answer::<MaxStepOver>);
 )]
 pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxStepOver>>, Problem> {
     single::answer::<MaxStepOver>(&body)
+}
+
+/// The largest step-over at one contact, by a query
+///
+/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
+/// as `cutter`, vectors with commas.
+#[utoipa::path(
+    get, path = "/v1/step-over", tag = "calculations", operation_id = "step_over_query", params(StepOverQuery),
+    responses((status = 200, description = "The step-over, and the heights at it", body = StepOverAnswer), QueryProblems),
+)]
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<MaxStepOver>>, Problem> {
+    single::answer_query::<MaxStepOver>(&QUERY, text.as_deref())
 }
 
 /// The largest step-overs of a tool path

@@ -11,6 +11,7 @@ codes! {
         ConflictingFields = "conflicting-fields": "Fields exclude each other", "Give one of the forms that the detail names.";
         WrongType = "wrong-type": "A value has the wrong JSON type", "Send the type that the detail names; numbers are not quoted.";
         OutOfRange = "out-of-range": "A number is outside its bounds", "Choose a value within the bounds in the detail; check the unit.";
+        NotFinite = "not-finite": "A number is NaN or infinite", "Leave the contact out, or find out where its number comes from.";
         UnknownValue = "unknown-value": "A word is none of those allowed", "Use one of the words in the detail.";
         WrongCount = "wrong-count": "An array has the wrong number of items", "Send as many items as the detail names.";
         TooManyFields = "too-many-fields": "An object has more fields than are read", "Remove the fields that the API does not know.";

@@ -7,7 +7,7 @@ codes! {
     /// A problem that no member of the request or file stands for.
     ServiceProblem {
         InvalidRequest = "invalid-request": "The request cannot be answered", "Correct the faults listed in errors.";
-        MalformedJson = "malformed-json": "The body is not JSON", "Correct the syntax at the line and column in the detail; NaN and Infinity are not JSON.";
+        MalformedJson = "malformed-json": "The body is not JSON", "Correct the syntax at the line and column in the detail; JSON has neither comments nor trailing commas.";
         MalformedForm = "malformed-form": "The form is malformed", "Send multipart/form-data as RFC 7578 describes it.";
         MalformedRequest = "malformed-request": "The request is malformed", "Correct the request.";
         UnreadableBody = "unreadable-body": "The body could not be read", "Send the body again; if it is compressed, check that it is valid gzip.";

@@ -70,6 +70,16 @@ impl Faults {
         Faulted
     }
 
+    /// Adds `others`, each with the pointer that `pointer` makes of its own, except those for which it makes none.
+    pub(crate) fn take_in(&mut self, others: Self, pointer: impl Fn(&str) -> Option<String>) {
+        self.unlisted += others.unlisted;
+        for fault in others.listed {
+            if let Some(pointer) = pointer(&fault.pointer) {
+                self.push(Fault { pointer, ..fault });
+            }
+        }
+    }
+
     /// The faults; where some were only counted, the last one says how many.
     pub(crate) fn into_listed(mut self) -> Vec<Fault> {
         if self.unlisted > 0 {

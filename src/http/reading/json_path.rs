@@ -11,6 +11,9 @@ pub(crate) enum JsonPath<'p> {
     Member(&'p JsonPath<'p>, &'p str),
     /// An item of an array.
     Item(&'p JsonPath<'p>, usize),
+    /// A row of an object of columns. Its members are items of the columns: `slope_deg` of row 17 is at `/slope_deg/17`. The row as a whole has no place
+    /// of its own; its pointer is that of its item in the first column, which is named here.
+    Row(&'p JsonPath<'p>, &'static str, usize),
 }
 
 impl JsonPath<'_> {
@@ -21,14 +24,39 @@ impl JsonPath<'_> {
     pub(crate) fn item(&self, index: usize) -> JsonPath<'_> {
         JsonPath::Item(self, index)
     }
+
+    /// Writes the pointer up to the innermost column; returns the row's index where it is still to be written.
+    fn write(&self, f: &mut fmt::Formatter<'_>) -> Result<Option<usize>, fmt::Error> {
+        match self {
+            JsonPath::Root => Ok(None),
+            JsonPath::Row(parent, _, index) => {
+                write!(f, "{parent}")?;
+                Ok(Some(*index))
+            }
+            JsonPath::Member(parent, name) => {
+                let row = parent.write(f)?;
+                write!(f, "/{}", shown(name).replace('~', "~0").replace('/', "~1"))?;
+                Ok(row)
+            }
+            JsonPath::Item(parent, index) => {
+                if let Some(row) = parent.write(f)? {
+                    write!(f, "/{row}")?;
+                }
+                write!(f, "/{index}")?;
+                Ok(None)
+            }
+        }
+    }
 }
 
 impl fmt::Display for JsonPath<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            JsonPath::Root => Ok(()),
-            JsonPath::Member(parent, name) => write!(f, "{parent}/{}", shown(name).replace('~', "~0").replace('/', "~1")),
-            JsonPath::Item(parent, index) => write!(f, "{parent}/{index}"),
+        if let JsonPath::Row(parent, first_column, index) = self {
+            return write!(f, "{parent}/{first_column}/{index}");
+        }
+        match self.write(f)? {
+            Some(row) => write!(f, "/{row}"),
+            None => Ok(()),
         }
     }
 }
@@ -56,5 +84,17 @@ mod tests {
     fn long_names_are_cut() {
         let name = "ä".repeat(1000);
         assert_eq!(JsonPath::Root.member(&name).to_string().chars().count(), 201);
+    }
+
+    #[test]
+    fn members_of_a_row_are_items_of_columns() {
+        let contacts = JsonPath::Root.member("contacts");
+        let row = JsonPath::Row(&contacts, "slope_deg", 17);
+        assert_eq!(row.to_string(), "/contacts/slope_deg/17");
+        assert_eq!(row.member("feed_angle_deg").to_string(), "/contacts/feed_angle_deg/17");
+        assert_eq!(row.member("normal").item(2).to_string(), "/contacts/normal/17/2");
+        let curvature = row.member("surface_curvature");
+        assert_eq!(curvature.member("twist_per_mm").to_string(), "/contacts/surface_curvature/twist_per_mm/17");
+        assert_eq!(curvature.member("principal_per_mm").item(0).to_string(), "/contacts/surface_curvature/principal_per_mm/17/0");
     }
 }

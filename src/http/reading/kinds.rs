@@ -2,7 +2,7 @@
 
 use super::array::items;
 use super::object::describe;
-use super::{Components, Faulted, Faults, JsonPath, Kind, PlainKind};
+use super::{Cells, Components, Faulted, Faults, JsonPath, Kind, PlainKind, not_finite};
 use crate::http::codes::RequestFault;
 use crate::quantity::{Length, OutOfRange};
 use serde_json::value::RawValue;
@@ -58,6 +58,7 @@ impl<T> Kind for Quantity<T> {
 
 impl<T> PlainKind for Quantity<T> {
     type Plain = f64;
+    type Column = Cells<f64>;
 
     fn accept(&self, plain: f64) -> Option<T> {
         (self.of)(plain).ok()
@@ -120,9 +121,45 @@ impl Kind for Vector {
 
 impl PlainKind for Vector {
     type Plain = [f64; 3];
+    type Column = Cells<[f64; 3]>;
 
     fn accept(&self, plain: [f64; 3]) -> Option<[f64; 3]> {
         Some(plain)
+    }
+}
+
+/// Two numbers of the same quantity.
+pub(crate) struct Pair {
+    pub(crate) of: Quantity<f64>,
+    pub(crate) example: [f64; 2],
+}
+
+impl Kind for Pair {
+    type Value = [f64; 2];
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 2], Faulted> {
+        const MOST_COUNTED: usize = 16;
+        let items = items(raw, MOST_COUNTED, path, faults)?;
+        let [first, second] = items.as_slice() else {
+            let detail = format_args!("expected two numbers, found {} items", items.len());
+            return Err(faults.add(&path, RequestFault::WrongType, detail));
+        };
+        let [first, second] = [(0, first), (1, second)].map(|(index, raw)| self.of.read(raw, path.item(index), faults));
+        Ok([first?, second?])
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        let schema = ArrayBuilder::new().items(self.of.schema("", components)).min_items(Some(2)).max_items(Some(2));
+        schema.description(Some(about)).examples([serde_json::json!(self.example)]).into()
+    }
+}
+
+impl PlainKind for Pair {
+    type Plain = [f64; 2];
+    type Column = Cells<[f64; 2]>;
+
+    fn accept(&self, plain: [f64; 2]) -> Option<[f64; 2]> {
+        Some([self.of.accept(plain[0])?, self.of.accept(plain[1])?])
     }
 }
 
@@ -173,6 +210,9 @@ impl<T: Copy> Kind for Choice<T> {
 /// The finite number that `raw` is. A number too large for double precision, such as 1e999, is out of range, not infinite.
 pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let text = raw.get();
+    if let Some(token) = not_finite::token(text) {
+        return Err(faults.add(&path, RequestFault::NotFinite, format_args!("the number must be finite, found {token}")));
+    }
     if !matches!(text.as_bytes()[0], b'-' | b'0'..=b'9') {
         return Err(faults.add(&path, RequestFault::WrongType, format_args!("expected a number, found {}", describe(raw))));
     }

@@ -1,8 +1,9 @@
 //! Named members of requests, and the kinds of values that they take: one description gives the reader and the schema.
 
-use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema};
+use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, PlainColumn};
 use serde::Deserialize;
 use serde_json::value::RawValue;
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// A named member of a request.
@@ -31,6 +32,15 @@ pub(crate) trait Kind {
 pub(crate) trait PlainKind: Kind {
     /// The value as JSON has it.
     type Plain: for<'de> Deserialize<'de> + Copy;
+    /// A column of such values.
+    type Column: PlainColumn<Plain = Self::Plain> + Sync;
+
+    /// The schema of a column: an array of values of the kind, null where a row has none.
+    fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
+        let null = ObjectBuilder::new().schema_type(Type::Null);
+        let item = OneOfBuilder::new().item(self.schema("", components)).item(null);
+        ArrayBuilder::new().items(item).max_items(Some(most)).description(Some(about)).into()
+    }
 
     /// The checked value; `None` where `plain` is faulty.
     fn accept(&self, plain: Self::Plain) -> Option<Self::Value>;

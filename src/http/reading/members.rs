@@ -1,6 +1,6 @@
 //! Declares the members of an object once: the reader, the schema and the fast path of batches follow from the declaration.
 
-use super::{Faults, Object, ObjectSchema};
+use super::{Faults, JsonPath, Object, ObjectSchema, RowText, Rows};
 use serde::de::MapAccess;
 
 /// The members of an object, each as read or with its faults recorded.
@@ -25,6 +25,8 @@ pub(crate) trait Members: Sized {
 pub(crate) trait PlainMembers: Members {
     /// A place for each member's value.
     type Slots: Default + Copy;
+    /// A column of values for each member.
+    type Columns: Default;
 
     /// Reads the value of `name` into its slot. False where no member has this name; an error for a value of another type, and for a
     /// second one.
@@ -35,6 +37,21 @@ pub(crate) trait PlainMembers: Members {
 
     /// The members; `None` where a required one is missing, or a value is refused.
     fn accept(slots: Self::Slots) -> Option<Self>;
+
+    /// Takes columns of at most `most` rows out of `object`, which may have others.
+    fn read_columns(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self::Columns;
+
+    /// Adds columns of at most `most` rows to a schema; none is required.
+    fn describe_columns(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_>;
+
+    /// Compares the number of rows of all columns of the object at `path`.
+    fn check_rows(columns: &Self::Columns, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
+
+    /// The values of a row; `None` where one is of another type.
+    fn row(columns: &Self::Columns, index: usize) -> Option<Self::Slots>;
+
+    /// Writes a row as members of an object.
+    fn write_row(columns: &Self::Columns, index: usize, row: &mut RowText);
 }
 
 /// An object in one of two forms.
@@ -44,7 +61,7 @@ pub(crate) enum Form<A, B> {
 }
 
 /// Declares members and the struct of them: `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`,
-/// with `plain struct Name / Slots` for members of contacts in batches. A member of several structs is declared in one of them.
+/// with `plain struct Name / Slots / Columns` for members of contacts in batches. A member of several structs is declared in one of them.
 macro_rules! members {
     ($(#[$doc:meta])* $vis:vis struct $name:ident {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )*
@@ -82,7 +99,7 @@ macro_rules! members {
             }
         }
     };
-    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident {
+    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident / $columns:ident {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+
     }) => {
         $crate::http::reading::members! {
@@ -95,8 +112,15 @@ macro_rules! members {
             $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Plain>, )+
         }
 
+        #[doc = concat!("Columns of the values of [`", stringify!($name), "`].")]
+        #[derive(Debug, Default)]
+        $vis struct $columns {
+            $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Column>, )+
+        }
+
         impl $crate::http::reading::PlainMembers for $name {
             type Slots = $slots;
+            type Columns = $columns;
 
             fn fill<'de, A: serde::de::MapAccess<'de>>(slots: &mut $slots, name: &str, map: &mut A) -> Result<bool, A::Error> {
                 $(
@@ -116,6 +140,49 @@ macro_rules! members {
 
             fn accept(slots: $slots) -> Option<Self> {
                 Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
+            }
+
+            fn read_columns(
+                object: &mut $crate::http::reading::Object<'_, '_>,
+                most: usize,
+                faults: &mut $crate::http::reading::Faults,
+            ) -> $columns {
+                $columns { $( $field: object.column($member.name, most, faults), )+ }
+            }
+
+            fn describe_columns(schema: $crate::http::reading::ObjectSchema<'_>, most: usize) -> $crate::http::reading::ObjectSchema<'_> {
+                schema$( .column(&$member, most) )+
+            }
+
+            fn check_rows(
+                columns: &$columns,
+                path: &$crate::http::reading::JsonPath<'_>,
+                rows: &mut $crate::http::reading::Rows,
+                faults: &mut $crate::http::reading::Faults,
+            ) {
+                $(
+                    if let Some(column) = &columns.$field {
+                        $crate::http::reading::PlainColumn::check_rows(column, $member.name, path.member($member.name), rows, faults);
+                    }
+                )+
+            }
+
+            fn row(columns: &$columns, index: usize) -> Option<$slots> {
+                Some($slots {
+                    $( $field: match columns.$field.as_ref().map(|column| $crate::http::reading::PlainColumn::get(column, index)) {
+                        Some($crate::http::reading::Cell::Value(value)) => Some(value),
+                        Some($crate::http::reading::Cell::Absent) | None => None,
+                        Some($crate::http::reading::Cell::Faulty) => return None,
+                    }, )+
+                })
+            }
+
+            fn write_row(columns: &$columns, index: usize, row: &mut $crate::http::reading::RowText) {
+                $(
+                    if let Some(column) = &columns.$field {
+                        $crate::http::reading::PlainColumn::write(column, index, $member.name, row);
+                    }
+                )+
             }
         }
     };

@@ -2,19 +2,23 @@
 //! constants.
 
 mod array;
+mod columns;
 mod faults;
 mod json_path;
 mod kinds;
 mod member;
 mod members;
+mod not_finite;
 mod object;
 mod schema;
 
 pub(crate) use array::{each, each_raw, for_runs_of_items, items};
+pub(crate) use columns::{Cell, Cells, PlainColumn, RowText, Rows};
 pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use json_path::JsonPath;
-pub(crate) use kinds::{Choice, Quantity, Vector, Whole, number, text};
+pub(crate) use kinds::{Choice, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use member::{Kind, Member, PlainKind, WireObject};
 pub(crate) use members::{Form, Members, PlainMembers, members};
+pub(crate) use not_finite::mark_not_finite;
 pub(crate) use object::{Object, describe};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};

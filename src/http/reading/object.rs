@@ -1,6 +1,6 @@
 //! A JSON object, read member by member with all its faults.
 
-use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members};
+use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members, PlainColumn, not_finite};
 use crate::http::codes::RequestFault;
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde_json::value::RawValue;
@@ -81,6 +81,12 @@ impl<'a, 'p> Object<'a, 'p> {
         member.kind.read(raw, self.path.member(member.name), faults).map(Some)
     }
 
+    /// A column of at most `most` rows that may be absent.
+    pub(crate) fn column<C: PlainColumn>(&mut self, name: &'static str, most: usize, faults: &mut Faults) -> Option<C> {
+        let raw = self.take(name, faults)?;
+        C::read(raw, most, self.path.member(name), faults).ok()
+    }
+
     /// Takes the members of one of two forms of an object. `forms` names the members of both, for the fault that none or both are there.
     pub(crate) fn one_of<A: Members, B: Members>(&mut self, forms: &str, faults: &mut Faults) -> Result<Form<A, B>, Faulted> {
         let [first, second] = [A::NAMES, B::NAMES].map(|names| names.iter().any(|name| self.has(name)));
@@ -117,6 +123,9 @@ impl<'a, 'p> Object<'a, 'p> {
 pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
     const SHOWN: usize = 40;
     let text = raw.get();
+    if let Some(token) = not_finite::token(text) {
+        return token.into();
+    }
     match text.as_bytes()[0] {
         b'{' => "an object".into(),
         b'[' => "an array".into(),

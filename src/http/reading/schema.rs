@@ -1,6 +1,6 @@
 //! Schemas of request objects, built from the members that the readers take, and the named schemas to which they refer.
 
-use super::{Kind, Member, Members};
+use super::{Kind, Member, Members, PlainKind};
 use utoipa::ToSchema;
 use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, RefBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
@@ -57,6 +57,12 @@ impl<'c> ObjectSchema<'c> {
     /// With a member that may be absent.
     pub(crate) fn optional<K: Kind>(self, member: &Member<K>) -> Self {
         let schema = member.kind.schema(member.about, self.components);
+        self.property(member.name, schema)
+    }
+
+    /// With a column of at most `most` values of a member, which may be absent.
+    pub(crate) fn column<K: PlainKind>(self, member: &Member<K>, most: usize) -> Self {
+        let schema = member.kind.column_schema(member.about, most, self.components);
         self.property(member.name, schema)
     }
 

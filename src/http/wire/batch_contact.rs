@@ -25,11 +25,33 @@ impl BatchContact {
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
-        if let Some(Self { contact, parameters }) = Self::read_plain(raw, states) {
-            let parameters = parameters.or(defaults);
-            parameters.step_over(states, &path, faults)?;
-            return Ok(Self { contact, parameters });
+        match Self::read_plain(raw, states) {
+            Some(plain) => plain.with_defaults(states, defaults, path, faults),
+            None => Self::read_faulty(raw, states, defaults, path, faults),
         }
+    }
+
+    /// Its own parameters and, where it has none, `defaults`.
+    pub(super) fn with_defaults(
+        self,
+        states: States,
+        defaults: &ContactParameters,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
+        let parameters = self.parameters.or(defaults);
+        parameters.step_over(states, &path, faults)?;
+        Ok(Self { contact: self.contact, parameters })
+    }
+
+    /// Reads a contact that has a fault or is written in an unusual way.
+    pub(super) fn read_faulty(
+        raw: &RawValue,
+        states: States,
+        defaults: &ContactParameters,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
         let (contact, parameters) = Self::read_with_faults(raw, states, path, faults)?;
         let parameters = parameters.or(defaults);
         parameters.step_over(states, &path, faults)?;
@@ -40,6 +62,11 @@ impl BatchContact {
     /// The contact, if nothing about it is unusual.
     fn read_plain(raw: &RawValue, states: States) -> Option<Self> {
         let slots = Slots::default().deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
+        Self::accept(slots, states)
+    }
+
+    /// The contact whose values were read; `None` where there is any fault.
+    pub(super) fn accept(slots: Slots, states: States) -> Option<Self> {
         let contact = contact::accept(slots.angles, slots.vectors)?;
         Some(Self { contact, parameters: ContactParameters::accept(slots.parameters, states)? })
     }
@@ -61,10 +88,10 @@ impl BatchContact {
 
 /// The values of a contact's members.
 #[derive(Debug, Clone, Copy, Default)]
-struct Slots {
-    angles: AngleSlots,
-    vectors: VectorSlots,
-    parameters: ParameterSlots,
+pub(super) struct Slots {
+    pub(super) angles: AngleSlots,
+    pub(super) vectors: VectorSlots,
+    pub(super) parameters: ParameterSlots,
 }
 
 impl<'de> DeserializeSeed<'de> for Slots {
@@ -100,7 +127,8 @@ pub(crate) fn batch_contact_schemas(states: States, components: &mut Components)
     let names = match (states.step_over, states.feed_per_tooth) {
         (true, true) => ["AngleContactWithParameters", "VectorContactWithParameters"],
         (true, false) => ["AngleContactWithStepOver", "VectorContactWithStepOver"],
-        (false, _) => ["AngleContactWithFeed", "VectorContactWithFeed"],
+        (false, true) => ["AngleContactWithFeed", "VectorContactWithFeed"],
+        (false, false) => ["AngleContactWithCurvature", "VectorContactWithCurvature"],
     };
     contact::forms(names, "A contact with parameters of its own", components, |schema| ContactParameters::describe(schema, states)).into()
 }
@@ -130,6 +158,10 @@ mod tests {
             r#"{"normal":[-0.64,0,0.77],"feed":[1,0,0.84]}"#,
             r#"{"slope_deg":40,"feed_angle_deg":30,"step_over_mm":0.687,"feed_per_tooth_mm":0}"#,
             r#"{"slope_deg":40,"feed_angle_deg":30,"step_over_xy_mm":0.65,"feed_per_tooth_mm":0.3,"surface_radius_mm":-120}"#,
+            r#"{"normal":[-0.64,0,0.77],"feed":[1,0,0.84],"tool_axis":[0.1,0,0.99]}"#,
+            r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":{}}"#,
+            r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":{"along_per_mm":-0.004,"across_per_mm":0.01,"twist_per_mm":0.001}}"#,
+            r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":{"principal_per_mm":[0.012,-0.005],"angle_deg":30}}"#,
         ] {
             let [plain, slow] = both(text, ALL);
             assert!(plain.is_some(), "{text}");
@@ -159,6 +191,19 @@ mod tests {
             (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_radius_mm":0}"#, ALL),
             (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_radius_mm":null}"#, ALL),
             (r#"{"slope_deg":40,"feed_angle_deg":30,"slope":40}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"tool_axis":[0,0,1]}"#, ALL),
+            (r#"{"normal":[0,0,1],"feed":[1,0,0],"tool_axis":[0,0,0]}"#, ALL),
+            (r#"{"normal":[0,0,1],"feed":[1,0,0],"tool_axis":[0,0,-1]}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":{},"surface_radius_mm":5}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":{"along_per_mm":1e7}}"#, ALL),
+            (
+                r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":{"along_per_mm":0.1,"angle_deg":0,"principal_per_mm":[0,0]}}"#,
+                ALL,
+            ),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":{"principal_per_mm":[0,0]}}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":{"principal_per_mm":[0],"angle_deg":0}}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":0.1}"#, ALL),
+            (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":null}"#, ALL),
             ("[40, 30]", ALL),
         ] {
             assert_eq!(both(text, states), [None, None], "{text}");

@@ -13,20 +13,22 @@ use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// A contact by angles.
-    pub(super) plain struct AngleMembers / AngleSlots {
+    pub(super) plain struct AngleMembers / AngleSlots / AngleColumns {
         slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(slope, 40.0),
             "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
         feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
-            "angle alpha between the feed and the steepest slope, both seen from above (in the horizontal XY plane); its period is 180 and its sign is free"),
+            "angle alpha from the uphill line of steepest slope to the feed, counter-clockwise seen from above (against the tool axis); any finite value, with a period of 180; its sign matters only where the surface is twisted against the feed"),
     }
 }
 members! {
     /// A contact by vectors.
-    pub(super) plain struct VectorMembers / VectorSlots {
+    pub(super) plain struct VectorMembers / VectorSlots / VectorColumns {
         normal: required NORMAL: Vector = ("normal", Vector { example: [-0.64, 0.0, 0.77] },
-            "the surface's normal, out of the part, of any length but zero; z must not be negative"),
+            "the surface's normal, out of the part, of any length but zero; at most 90 deg from the tool axis"),
         feed: required FEED: Vector = ("feed", Vector { example: [1.0, 0.0, 0.84] },
             "the feed's direction, of any length but zero; its part in the tangent plane counts"),
+        tool_axis: optional TOOL_AXIS: Vector = ("tool_axis", Vector { example: [0.1, 0.0, 0.99] },
+            "the tool axis from the tip to the spindle, of any length but zero, absent = +Z; slope and seen from above refer to it"),
     }
 }
 
@@ -59,7 +61,7 @@ impl AngleMembers {
 
 impl VectorMembers {
     fn contact(&self) -> Result<Result<StatedContact, ContactError>, Faulted> {
-        let contact = Contact::from_vectors(self.normal?, self.feed?, None);
+        let contact = Contact::from_vectors(self.normal?, self.feed?, self.tool_axis?);
         Ok(contact.map(|contact| StatedContact { contact, slope_member: NORMAL.name }))
     }
 }
@@ -95,7 +97,8 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
             ContactError::Slope(_) => SLOPE.name,
             ContactError::FeedAngle(_) => FEED_ANGLE.name,
             ContactError::NormalWithoutDirection | ContactError::NormalPointsDown => NORMAL.name,
-            ContactError::FeedWithoutDirection | ContactError::FeedAlongNormal | ContactError::ToolAxisWithoutDirection => FEED.name,
+            ContactError::FeedWithoutDirection | ContactError::FeedAlongNormal => FEED.name,
+            ContactError::ToolAxisWithoutDirection => TOOL_AXIS.name,
         };
         faults.add(&object.path().member(member), RequestFault::NoDirection, error)
     })

@@ -1,15 +1,230 @@
-//! The surface's curvature at a contact.
+//! The surface's curvature at a contact: a radius across the feed, or the curvature in every direction in one of two forms.
 
-use crate::http::reading::{Quantity, members};
-use crate::milling::SurfaceCurvature;
+use crate::http::codes::RequestFault;
+use crate::http::reading::{
+    Cell, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainColumn, PlainKind, PlainMembers, Quantity,
+    RowText, Rows, members,
+};
+use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
+use crate::quantity::{Angle, OutOfRange};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use serde_json::value::RawValue;
+use std::fmt;
+use utoipa::openapi::schema::OneOfBuilder;
+use utoipa::openapi::{RefOr, Schema};
 
 const RADIUS: Quantity<SurfaceCurvature> = Quantity::new(SurfaceCurvature::from_radius_mm, 120.0)
     .down_to(-SurfaceCurvature::LARGEST_RADIUS, "; the bounds are those of its magnitude; leave the field out for a plane");
 
+const fn per_mm(example: f64) -> Quantity<f64> {
+    Quantity::new(|value| OutOfRange::check(value, -SurfaceCurvature::LARGEST_PER_MM, SurfaceCurvature::LARGEST_PER_MM), example)
+}
+
 members! {
-    /// The members of a curvature.
-    pub(super) plain struct CurvatureMembers / CurvatureSlots {
+    /// The members of a curvature, of which one at most is given.
+    pub(super) plain struct CurvatureMembers / CurvatureSlots / CurvatureColumns {
         radius: optional SURFACE_RADIUS: Quantity<SurfaceCurvature> = ("surface_radius_mm", RADIUS,
-            "the surface's radius of curvature across the feed: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude"),
+            "the surface's radius of curvature across the feed, straight along it: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude; or give surface_curvature"),
+        curvature: optional SURFACE_CURVATURE: CurvatureKind = ("surface_curvature", CurvatureKind,
+            "the surface's curvature in every direction; absent = plane; or give surface_radius_mm"),
+    }
+}
+members! {
+    /// A curvature by its components in the axes of the feed.
+    pub(super) plain struct ComponentMembers / ComponentSlots / ComponentColumns {
+        along: optional ALONG: Quantity<f64> = ("along_per_mm", per_mm(-0.004),
+            "1/radius along the feed: positive convex, negative concave; absent = 0"),
+        across: optional ACROSS: Quantity<f64> = ("across_per_mm", per_mm(0.01),
+            "1/radius across the feed: positive convex, negative concave; absent = 0"),
+        twist: optional TWIST: Quantity<f64> = ("twist_per_mm", per_mm(0.001),
+            "the twist k_FT; the axis across points to the left of the feed seen from outside; absent = 0"),
+    }
+}
+members! {
+    /// A curvature by its principal curvatures.
+    pub(super) plain struct PrincipalMembers / PrincipalSlots / PrincipalColumns {
+        principal: required PRINCIPAL: Pair = ("principal_per_mm", Pair { of: per_mm(0.012), example: [0.012, -0.005] },
+            "the two principal curvatures, 1/radius: positive convex, negative concave"),
+        angle: required PRINCIPAL_ANGLE: Quantity<Angle> = ("angle_deg", Quantity::new(Angle::from_degrees, 30.0),
+            "angle from the feed to the direction of the first, counter-clockwise seen from outside"),
+    }
+}
+
+/// A curvature, and the member that states it, to which faults of the curvature point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StatedCurvature {
+    pub(super) curvature: SurfaceCurvature,
+    pub(super) member: &'static str,
+}
+
+impl CurvatureMembers {
+    /// The curvature, if one is given.
+    pub(super) fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StatedCurvature>, Faulted> {
+        self.stated().unwrap_or_else(|| {
+            let detail = "give surface_radius_mm or surface_curvature, not both";
+            Err(faults.add(&path.member(SURFACE_CURVATURE.name), RequestFault::ConflictingFields, detail))
+        })
+    }
+
+    /// The curvature, if one is given; `None` where both are.
+    pub(super) fn stated(&self) -> Option<Result<Option<StatedCurvature>, Faulted>> {
+        let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
+        match (self.radius, self.curvature) {
+            (Ok(Some(_)), Ok(Some(_))) => None,
+            (Ok(radius), Ok(None)) => Some(Ok(radius.map(of(SURFACE_RADIUS.name)))),
+            (Ok(None), Ok(curvature)) => Some(Ok(curvature.map(of(SURFACE_CURVATURE.name)))),
+            (Err(faulted), _) | (_, Err(faulted)) => Some(Err(faulted)),
+        }
+    }
+}
+
+/// The object of a curvature, in one of two forms.
+#[derive(Debug)]
+pub(super) struct CurvatureKind;
+
+impl ComponentMembers {
+    fn curvature(&self) -> Result<Result<SurfaceCurvature, CurvatureOutOfRange>, Faulted> {
+        let [along, across, twist] = [self.along?, self.across?, self.twist?].map(|component| component.unwrap_or(0.0));
+        Ok(SurfaceCurvature::from_components_per_mm(along, across, twist))
+    }
+}
+
+impl PrincipalMembers {
+    fn curvature(&self) -> Result<Result<SurfaceCurvature, CurvatureOutOfRange>, Faulted> {
+        Ok(SurfaceCurvature::from_principal_per_mm(self.principal?, self.angle?))
+    }
+}
+
+impl Kind for CurvatureKind {
+    type Value = SurfaceCurvature;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceCurvature, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
+        let [principal, components] =
+            [PrincipalMembers::NAMES, ComponentMembers::NAMES].map(|names| names.iter().any(|name| object.has(name)));
+        let curvature = match (principal, components) {
+            (true, true) => {
+                PrincipalMembers::check(&mut object, faults);
+                ComponentMembers::check(&mut object, faults);
+                let detail = "give along_per_mm, across_per_mm and twist_per_mm, or principal_per_mm and angle_deg, not both";
+                Err(faults.add(&path, RequestFault::ConflictingFields, detail))
+            }
+            (true, false) => PrincipalMembers::read(&mut object, faults).curvature(),
+            (false, _) => ComponentMembers::read(&mut object, faults).curvature(),
+        };
+        object.close(faults)?;
+        curvature?.map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        components.refer("SurfaceCurvature", about, |components| {
+            let by_components = components.refer("CurvatureComponents", "", |components| {
+                ObjectSchema::new("A curvature by its components along and across the feed", components).with::<ComponentMembers>().build()
+            });
+            let by_principal = components.refer("PrincipalCurvatures", "", |components| {
+                ObjectSchema::new("A curvature by its principal curvatures", components).with::<PrincipalMembers>().build()
+            });
+            OneOfBuilder::new()
+                .description(Some("The surface's curvature at a contact, in one of two forms"))
+                .item(by_components)
+                .item(by_principal)
+                .into()
+        })
+    }
+}
+
+impl PlainKind for CurvatureKind {
+    type Plain = FormSlots;
+    type Column = FormColumns;
+
+    fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
+        components.refer("SurfaceCurvatureColumns", about, |components| {
+            let schema = ObjectSchema::new("Columns of curvatures, each contact in one of two forms", components);
+            PrincipalMembers::describe_columns(ComponentMembers::describe_columns(schema, most), most).build()
+        })
+    }
+
+    fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {
+        let absent = (ComponentMembers::are_absent(&plain.components), PrincipalMembers::are_absent(&plain.principal));
+        let curvature = match absent {
+            (_, true) => ComponentMembers::accept(plain.components)?.curvature(),
+            (true, false) => PrincipalMembers::accept(plain.principal)?.curvature(),
+            (false, false) => return None,
+        };
+        curvature.ok()?.ok()
+    }
+}
+
+/// The values of either form in one pass.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct FormSlots {
+    components: ComponentSlots,
+    principal: PrincipalSlots,
+}
+
+impl<'de> Deserialize<'de> for FormSlots {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Fill;
+        impl<'de> Visitor<'de> for Fill {
+            type Value = FormSlots;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<FormSlots, A::Error> {
+                let mut slots = FormSlots::default();
+                while let Some(name) = map.next_key::<&str>()? {
+                    let known = ComponentMembers::fill(&mut slots.components, name, &mut map)?
+                        || PrincipalMembers::fill(&mut slots.principal, name, &mut map)?;
+                    if !known {
+                        return Err(A::Error::custom("a member that is not known"));
+                    }
+                }
+                Ok(slots)
+            }
+        }
+        deserializer.deserialize_map(Fill)
+    }
+}
+
+/// Columns of curvatures: one object of arrays.
+#[derive(Debug, Default)]
+pub(super) struct FormColumns {
+    components: ComponentColumns,
+    principal: PrincipalColumns,
+}
+
+impl PlainColumn for FormColumns {
+    type Plain = FormSlots;
+
+    fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
+        let components = ComponentMembers::read_columns(&mut object, most, faults);
+        let principal = PrincipalMembers::read_columns(&mut object, most, faults);
+        object.close(faults)?;
+        Ok(Self { components, principal })
+    }
+
+    fn check_rows(&self, _: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
+        ComponentMembers::check_rows(&self.components, &path, rows, faults);
+        PrincipalMembers::check_rows(&self.principal, &path, rows, faults);
+    }
+
+    fn get(&self, index: usize) -> Cell<FormSlots> {
+        let (Some(components), Some(principal)) =
+            (ComponentMembers::row(&self.components, index), PrincipalMembers::row(&self.principal, index))
+        else {
+            return Cell::Faulty;
+        };
+        if ComponentMembers::are_absent(&components) && PrincipalMembers::are_absent(&principal) {
+            return Cell::Absent;
+        }
+        Cell::Value(FormSlots { components, principal })
+    }
+
+    fn write(&self, index: usize, name: &'static str, row: &mut RowText) {
+        let mut object = RowText::default();
+        ComponentMembers::write_row(&self.components, index, &mut object);
+        PrincipalMembers::write_row(&self.principal, index, &mut object);
+        row.object(name, object);
     }
 }

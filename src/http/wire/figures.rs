@@ -1,12 +1,16 @@
 //! The figures of the calculations' answers. A row of a table names, describes and fetches a figure; single answers, columns of batches
 //! and their schemas follow from it.
 
+use super::summary::Check;
 use crate::http::reading::Components;
 use crate::milling::{JudgedPass, NoAnswer, ScallopHeight};
 use crate::quantity::Length;
 use serde::{Serialize, Serializer};
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, OneOfBuilder, SchemaFormat, SchemaType, Type};
 use utoipa::openapi::{RefOr, Schema};
+
+/// The most words in a figure that is a list of words.
+pub(crate) const MOST_WORDS: usize = 5;
 
 /// What a calculation yields at a contact.
 #[derive(Debug, Clone, Copy)]
@@ -19,6 +23,10 @@ pub(crate) struct Figures {
     pub(crate) feed_rate_mm_min: Option<f64>,
     /// The word for what limits the feed.
     pub(crate) limited_by: Option<&'static str>,
+    /// The words for the limits that bind, first those that are there.
+    pub(crate) binding_limits: [Option<&'static str>; MOST_WORDS],
+    /// The height beside the envelope's, where it was compared.
+    pub(crate) check: Option<Check>,
     effective_radius: Option<Length>,
     transverse_effective_radius: Option<Length>,
     spacing_ratio: f64,
@@ -33,6 +41,8 @@ impl Figures {
             feed_per_tooth,
             feed_rate_mm_min: None,
             limited_by: None,
+            binding_limits: [None; MOST_WORDS],
+            check: None,
             effective_radius: pass.effective_radius(),
             transverse_effective_radius: pass.transverse_effective_radius(),
             spacing_ratio: pass.pass().contact.spacing_ratio(),
@@ -58,8 +68,12 @@ enum FigureKind {
     Number,
     /// Numbers from 0 to 1.
     Share,
+    /// Numbers of at least -1.
+    Deviation,
     /// Words, with the schema that lists them.
     Word(fn(&str, &mut Components) -> RefOr<Schema>),
+    /// Lists of such words.
+    Words(fn(&str, &mut Components) -> RefOr<Schema>),
 }
 
 /// What becomes of a figure without a value. In a batch it is null in its column, as in the row of a contact without an answer.
@@ -80,6 +94,21 @@ enum Presence {
 pub(crate) enum FigureValue {
     Number(f64),
     Word(&'static str),
+    Words([Option<&'static str>; MOST_WORDS]),
+}
+
+impl FigureValue {
+    /// The same, a number rounded to so many significant digits.
+    pub(crate) fn rounded(self, significant_digits: Option<u32>) -> Self {
+        match (self, significant_digits) {
+            // A double has 17 digits at the most.
+            (Self::Number(number), Some(digits)) if digits < 17 => {
+                let text = format!("{number:.*e}", digits.saturating_sub(1) as usize);
+                Self::Number(text.parse().unwrap_or_else(|_| unreachable!("a number that was written can be read")))
+            }
+            (value, _) => value,
+        }
+    }
 }
 
 impl Serialize for FigureValue {
@@ -87,6 +116,7 @@ impl Serialize for FigureValue {
         match self {
             Self::Number(number) => serializer.serialize_f64(*number),
             Self::Word(word) => serializer.serialize_str(word),
+            Self::Words(words) => serializer.collect_seq(words.iter().flatten()),
         }
     }
 }
@@ -116,6 +146,23 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
     }),
 ];
 
+/// The figures of a batch that are answered only where they are named.
+pub(crate) const CHECK_FIGURES: &[Figure] = &[
+    Figure::number("envelope_scallop_height_mm", "the height by the cutter's exact shape, model envelope", |figures| {
+        figures.check.map(|check| FigureValue::Number(check.envelope_scallop_height_mm))
+    })
+    .only("where it is named in columns"),
+    Figure {
+        kind: FigureKind::Deviation,
+        ..Figure::number(
+            "deviation",
+            "(height - envelope) / envelope: negative where the model promises less than the cutter leaves",
+            |figures| figures.check.and_then(|check| check.deviation).map(FigureValue::Number),
+        )
+        .only("where it is named in columns")
+    },
+];
+
 impl Figure {
     /// A number of at least 0 that every contact with an answer has.
     pub(crate) const fn number(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<FigureValue>) -> Self {
@@ -135,6 +182,16 @@ impl Figure {
         get: fn(&Figures) -> Option<FigureValue>,
     ) -> Self {
         Self { kind: FigureKind::Word(words), ..Self::number(name, about, get) }
+    }
+
+    /// A list of the words that `words` describes.
+    pub(crate) const fn words(
+        name: &'static str,
+        about: &'static str,
+        words: fn(&str, &mut Components) -> RefOr<Schema>,
+        get: fn(&Figures) -> Option<FigureValue>,
+    ) -> Self {
+        Self { kind: FigureKind::Words(words), ..Self::number(name, about, get) }
     }
 
     /// The same where a single answer may have null.
@@ -193,10 +250,19 @@ impl Figure {
         };
         match self.kind {
             FigureKind::Number => number().into(),
+            FigureKind::Deviation => number().minimum(Some(-1.0)).into(),
             FigureKind::Share => number().maximum(Some(1.0)).into(),
             FigureKind::Word(words) if is_nullable => {
                 let null = ObjectBuilder::new().schema_type(Type::Null);
                 OneOfBuilder::new().item(words("", components)).item(null).description(about).into()
+            }
+            FigureKind::Words(words) => {
+                let list = ArrayBuilder::new().items(words("", components)).max_items(Some(MOST_WORDS));
+                if is_nullable {
+                    list.schema_type(SchemaType::from_iter([Type::Array, Type::Null])).description(about).into()
+                } else {
+                    list.description(about).into()
+                }
             }
             FigureKind::Word(words) => words(about.unwrap_or_default(), components),
         }

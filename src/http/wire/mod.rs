@@ -3,6 +3,7 @@
 
 mod batch_contact;
 mod contact;
+mod contact_columns;
 mod curvature;
 mod cutter;
 mod feed;
@@ -21,13 +22,14 @@ mod warning;
 
 pub(crate) use batch_contact::{BatchContact, batch_contact_schemas};
 pub(crate) use contact::{CONTACT, StatedContact};
+pub(crate) use contact_columns::{ContactColumns, contact_columns_schema};
 pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
-pub(crate) use figures::{COMMON_FIGURES, Figure, FigureValue, Figures};
+pub(crate) use figures::{CHECK_FIGURES, COMMON_FIGURES, Figure, FigureValue, Figures};
 pub(crate) use machine::{MACHINE, Machine};
 pub(crate) use model::{MODEL, model_name};
 pub(crate) use no_answer::no_answer;
 pub(crate) use parameters::{ContactParameters, SharedParameters, States, TOLERANCE};
 pub(crate) use source::{Source, Sourced};
-pub(crate) use summary::{Check, Extreme, Failure, Summary};
+pub(crate) use summary::{Check, ColumnExtremes, Extreme, Extremes, Failure, Summary};
 pub(crate) use surface::SURFACE;
 pub(crate) use warning::{Warning, warning_code};

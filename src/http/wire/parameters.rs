@@ -1,12 +1,14 @@
 //! The parameters of the calculations: those that hold for a whole request, and those that may differ from contact to contact.
 
-use super::curvature::{CurvatureMembers, CurvatureSlots};
+use super::curvature::{CurvatureColumns, CurvatureMembers, CurvatureSlots, SURFACE_RADIUS, StatedCurvature};
 use super::cutter::{AnyCutter, CUTTER, StatedCutter};
-use super::feed::{Feed, FeedMembers, FeedSlots};
+use super::feed::{Feed, FeedColumns, FeedMembers, FeedSlots};
 use super::model::MODEL;
 use super::runout::{RUNOUT, RunoutObject};
-use super::step_over::{self, StepOverMembers, StepOverSlots};
-use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainMembers, Quantity, members};
+use super::step_over::{self, StepOverColumns, StepOverMembers, StepOverSlots};
+use crate::http::reading::{
+    Choice, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainMembers, Quantity, RowText, Rows, members,
+};
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
 use serde::de::MapAccess;
@@ -55,20 +57,16 @@ pub(crate) struct States {
 pub(crate) struct ContactParameters {
     step_over: Result<Option<StepOver>, Faulted>,
     feed_per_tooth: Result<Option<Feed>, Faulted>,
-    curvature: Result<Option<SurfaceCurvature>, Faulted>,
+    curvature: Result<Option<StatedCurvature>, Faulted>,
 }
 
 impl ContactParameters {
     /// Takes out of `object` the parameters that a calculation is given, all of them optional.
     pub(crate) fn read(object: &mut Object<'_, '_>, states: States, faults: &mut Faults) -> Self {
-        let step_over = if states.step_over {
-            let path = object.path();
-            StepOverMembers::read(object, faults).build(&path, faults)
-        } else {
-            Ok(None)
-        };
+        let path = object.path();
+        let step_over = if states.step_over { StepOverMembers::read(object, faults).build(&path, faults) } else { Ok(None) };
         let feed_per_tooth = if states.feed_per_tooth { FeedMembers::read(object, faults).feed_per_tooth } else { Ok(None) };
-        Self { step_over, feed_per_tooth, curvature: CurvatureMembers::read(object, faults).radius }
+        Self { step_over, feed_per_tooth, curvature: CurvatureMembers::read(object, faults).build(&path, faults) }
     }
 
     pub(crate) fn describe(schema: ObjectSchema<'_>, states: States) -> ObjectSchema<'_> {
@@ -92,7 +90,7 @@ impl ContactParameters {
             StepOverMembers { .. } => return None,
         };
         let feed_per_tooth = FeedMembers::accept(feed)?.feed_per_tooth;
-        Some(Self { step_over: Ok(step_over), feed_per_tooth, curvature: CurvatureMembers::accept(curvature)?.radius })
+        Some(Self { step_over: Ok(step_over), feed_per_tooth, curvature: CurvatureMembers::accept(curvature)?.stated()? })
     }
 
     /// These parameters, and `others` where these are absent.
@@ -118,7 +116,17 @@ impl ContactParameters {
     }
 
     pub(crate) fn curvature(&self) -> Result<SurfaceCurvature, Faulted> {
-        self.curvature.map(|curvature| curvature.unwrap_or(SurfaceCurvature::PLANE))
+        self.curvature.map(|stated| stated.map_or(SurfaceCurvature::PLANE, |stated| stated.curvature))
+    }
+
+    /// The member that states the curvature.
+    pub(super) fn curvature_member(&self) -> &'static str {
+        self.curvature.ok().flatten().map_or(SURFACE_RADIUS.name, |stated| stated.member)
+    }
+
+    /// The member that states the step-over.
+    pub(crate) fn step_over_member(&self) -> &'static str {
+        step_over::member_of(self.step_over.ok().flatten())
     }
 }
 
@@ -136,5 +144,52 @@ impl ParameterSlots {
         Ok(StepOverMembers::fill(&mut self.step_over, name, map)?
             || FeedMembers::fill(&mut self.feed, name, map)?
             || CurvatureMembers::fill(&mut self.curvature, name, map)?)
+    }
+}
+
+/// Columns of the parameters of contacts.
+#[derive(Debug, Default)]
+pub(super) struct ParameterColumns {
+    step_over: StepOverColumns,
+    feed: FeedColumns,
+    curvature: CurvatureColumns,
+}
+
+impl ParameterColumns {
+    /// Takes out of `object` the columns of the parameters that a calculation is given.
+    pub(super) fn read(object: &mut Object<'_, '_>, states: States, most: usize, faults: &mut Faults) -> Self {
+        Self {
+            step_over: if states.step_over { StepOverMembers::read_columns(object, most, faults) } else { StepOverColumns::default() },
+            feed: if states.feed_per_tooth { FeedMembers::read_columns(object, most, faults) } else { FeedColumns::default() },
+            curvature: CurvatureMembers::read_columns(object, most, faults),
+        }
+    }
+
+    pub(super) fn describe(schema: ObjectSchema<'_>, states: States, most: usize) -> ObjectSchema<'_> {
+        let schema = if states.step_over { StepOverMembers::describe_columns(schema, most) } else { schema };
+        let schema = if states.feed_per_tooth { FeedMembers::describe_columns(schema, most) } else { schema };
+        CurvatureMembers::describe_columns(schema, most)
+    }
+
+    pub(super) fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
+        StepOverMembers::check_rows(&self.step_over, path, rows, faults);
+        FeedMembers::check_rows(&self.feed, path, rows, faults);
+        CurvatureMembers::check_rows(&self.curvature, path, rows, faults);
+    }
+
+    /// The values of a row; `None` where one is of another type.
+    pub(super) fn row(&self, index: usize) -> Option<ParameterSlots> {
+        Some(ParameterSlots {
+            step_over: StepOverMembers::row(&self.step_over, index)?,
+            feed: FeedMembers::row(&self.feed, index)?,
+            curvature: CurvatureMembers::row(&self.curvature, index)?,
+        })
+    }
+
+    /// Writes a row as members of an object.
+    pub(super) fn write_row(&self, index: usize, row: &mut RowText) {
+        StepOverMembers::write_row(&self.step_over, index, row);
+        FeedMembers::write_row(&self.feed, index, row);
+        CurvatureMembers::write_row(&self.curvature, index, row);
     }
 }

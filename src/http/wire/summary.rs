@@ -2,11 +2,13 @@
 
 use crate::http::codes::FaultCode;
 use crate::http::reading::Fault;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+#[expect(unused_imports, reason = "the description of extremes names it")]
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// The analytic height beside the envelope's.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub(crate) struct Check {
     /// The height by the cutter's exact shape, model `envelope`.
     #[schema(minimum = 0)]
@@ -43,10 +45,29 @@ impl Failure {
 /// A contact with an extreme figure.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub(crate) struct Extreme {
-    /// Which contact, counted from 0.
+    /// Which contact, counted from 0; the first of equals.
     pub(crate) index: usize,
-    /// Its figure, in mm: of the scallop height, the feed per tooth or the step-over, whichever the calculation finds.
-    pub(crate) value_mm: f64,
+    /// Its figure, as in the column.
+    pub(crate) value: f64,
+}
+
+/// The extremes of a column of numbers.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+pub(crate) struct Extremes {
+    /// The contact with the smallest number.
+    pub(crate) minimum: Extreme,
+    /// The contact with the largest number.
+    pub(crate) maximum: Extreme,
+}
+
+/// The extremes of columns, by the columns' names.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ColumnExtremes(pub(crate) Vec<(&'static str, Extremes)>);
+
+impl Serialize for ColumnExtremes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().copied())
+    }
 }
 
 /// A batch in short.
@@ -54,14 +75,14 @@ pub(crate) struct Extreme {
 pub(crate) struct Summary {
     /// How many contacts were sent.
     pub(crate) count: usize,
-    /// How many have no answer.
+    /// How many have no answer. `failures` beside the summary lists the first thousand of them.
     pub(crate) failures: usize,
-    /// The contact with the smallest figure that the calculation finds; absent where none has an answer.
+    /// How many have an analytic height more than 5 % under that of the cutter's exact shape, or an exact shape without a height. Only where
+    /// `columns` names `envelope_scallop_height_mm` or `deviation`: the comparison takes longer than the calculation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub(crate) minimum: Option<Extreme>,
-    /// The contact with the largest one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub(crate) maximum: Option<Extreme>,
+    pub(crate) outside_analytic_range: Option<usize>,
+    /// For every column of numbers that has one, the contacts with the smallest and the largest.
+    #[schema(value_type = BTreeMap<String, Extremes>)]
+    pub(crate) extremes: ColumnExtremes,
 }

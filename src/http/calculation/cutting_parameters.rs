@@ -1,0 +1,180 @@
+//! `/v1/cutting-parameters`, by `POST` and `GET`, and its batch: the step-over and feed that finish the most area per time under a tolerance.
+
+use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
+use super::single::Answer;
+use super::{Calculation, batch, single};
+use crate::http::body::{JsonBody, WrittenJson};
+use crate::http::codes::RequestFault;
+use crate::http::document::described;
+use crate::http::problem::{Problem, Problems, QueryProblems};
+use crate::http::query::query;
+use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, FigureValue, Figures, SharedParameters, States, TOLERANCE};
+use crate::http::worker_pool::Work;
+use crate::milling::{CuttingLimits, JudgedPass, LimitedBy, NoAnswer};
+use crate::quantity::Length;
+use axum::Json;
+use axum::extract::RawQuery;
+use utoipa::openapi::{RefOr, Schema};
+
+members! {
+    /// The tolerance to keep, and the limits of cutter, machine and step-over.
+    pub(crate) struct CuttingParametersMembers {
+        tolerance: required TOLERANCE: Quantity<Length>,
+        spindle_speed_rpm: optional SPINDLE_SPEED: Quantity<f64>,
+        per_tooth_limit: optional MAX_FEED_PER_TOOTH: Quantity<Length>,
+        rate_limit_mm_min: optional MAX_FEED_RATE: Quantity<f64>,
+        min_step_over: optional MIN_STEP_OVER: Quantity<Length> = ("min_step_over_mm", Quantity::length(0.1),
+            "the smallest step-over along the surface"),
+        max_step_over: optional MAX_STEP_OVER: Quantity<Length> = ("max_step_over_mm", Quantity::length(1.0),
+            "the largest step-over along the surface, at least min_step_over_mm"),
+    }
+}
+
+/// The fastest cutting parameters at a contact.
+pub(crate) struct FastestParameters {
+    tolerance: Length,
+    feed: FeedLimits,
+    min_step_over: Option<Length>,
+    max_step_over: Option<Length>,
+}
+
+/// A limit that binds, as the answer names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum BindingLimit {
+    ScallopTolerance,
+    MaxFeedPerTooth,
+    MaxFeedRate,
+    MinStepOver,
+    MaxStepOver,
+}
+
+const BINDING_LIMIT: Choice<BindingLimit> = Choice {
+    name: Some("BindingLimit"),
+    words: &[
+        ("scallop_tolerance", BindingLimit::ScallopTolerance),
+        ("max_feed_per_tooth", BindingLimit::MaxFeedPerTooth),
+        ("max_feed_rate", BindingLimit::MaxFeedRate),
+        ("min_step_over", BindingLimit::MinStepOver),
+        ("max_step_over", BindingLimit::MaxStepOver),
+    ],
+};
+
+fn binding_limit_schema(about: &str, components: &mut Components) -> RefOr<Schema> {
+    BINDING_LIMIT.schema(about, components)
+}
+
+const FIGURES: &[Figure] = &[
+    FEED_PER_TOOTH,
+    Figure::words("limited_by", "the limits that bind", binding_limit_schema, |figures| Some(FigureValue::Words(figures.binding_limits))),
+    FEED_RATE,
+    Figure::number("area_rate_mm2_min", "the area finished per minute, the step-over along the surface times the feed rate", |figures| {
+        figures.feed_rate_mm_min.map(|rate| FigureValue::Number(rate * figures.step_over.mm()))
+    })
+    .only("where the cutter's teeth and the spindle speed are given"),
+];
+
+/// Two limits on the feed within this ratio count as equal, as in the limits that the calculation finds.
+const EQUAL: f64 = 1e-9;
+
+impl FastestParameters {
+    /// The words for a limit that binds. The largest feed per tooth is the cutter maker's, the machine's, or both.
+    fn words(limit: LimitedBy, per_tooth: Option<Length>, by_machine: Option<Length>) -> [Option<BindingLimit>; 2] {
+        let is_smallest = |one: Option<Length>, other: Option<Length>| {
+            one.is_some_and(|one| other.is_none_or(|other| one.mm() <= other.mm() * (1.0 + EQUAL)))
+        };
+        match limit {
+            LimitedBy::ScallopTolerance => [Some(BindingLimit::ScallopTolerance), None],
+            LimitedBy::MaxFeedPerTooth => [
+                is_smallest(per_tooth, by_machine).then_some(BindingLimit::MaxFeedPerTooth),
+                is_smallest(by_machine, per_tooth).then_some(BindingLimit::MaxFeedRate),
+            ],
+            LimitedBy::MinStepOver => [Some(BindingLimit::MinStepOver), None],
+            LimitedBy::MaxStepOver => [Some(BindingLimit::MaxStepOver), None],
+        }
+    }
+}
+
+impl Calculation for FastestParameters {
+    const STATES: States = States { step_over: false, feed_per_tooth: false };
+    type Members = CuttingParametersMembers;
+    const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
+
+    fn new(
+        members: CuttingParametersMembers,
+        shared: Result<&SharedParameters, Faulted>,
+        path: &JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
+        let CuttingParametersMembers { tolerance, spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, min_step_over, max_step_over } =
+            members;
+        let feed = FeedLimits::new(spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, shared, path, faults);
+        let (min_step_over, max_step_over) = (min_step_over?, max_step_over?);
+        CuttingLimits::new(None, min_step_over, max_step_over)
+            .map_err(|error| faults.add(&path.member(MIN_STEP_OVER.name), RequestFault::OutOfRange, error))?;
+        Ok(Self { tolerance: tolerance?, feed: feed?, min_step_over, max_step_over })
+    }
+
+    fn step_over_member(&self, _: &ContactParameters) -> &'static str {
+        if self.min_step_over.is_some() { MIN_STEP_OVER.name } else { TOLERANCE.name }
+    }
+
+    fn work_out(&self, shared: &SharedParameters, pass: &JudgedPass, _: Option<Length>, _: Option<Length>) -> Result<Figures, NoAnswer> {
+        let (per_tooth, by_machine) = (self.feed.per_tooth, self.feed.by_machine(shared));
+        let feed_limit = per_tooth.into_iter().chain(by_machine).reduce(|a, b| if b < a { b } else { a });
+        let limits = CuttingLimits::new(feed_limit, self.min_step_over, self.max_step_over);
+        let limits = limits.unwrap_or_else(|_| unreachable!("the step-overs were compared when the request was read"));
+        let fastest = pass.fastest(self.tolerance, &limits)?;
+        let mut figures = Figures::at(pass, fastest.step_over, Some(fastest.feed_per_tooth))?;
+        figures.feed_rate_mm_min = self.feed.teeth_per_min(shared).map(|teeth_per_min| fastest.feed_per_tooth.mm() * teeth_per_min);
+        let words = fastest.limited_by().flat_map(|limit| Self::words(limit, per_tooth, by_machine)).flatten();
+        for (slot, word) in figures.binding_limits.iter_mut().zip(words) {
+            *slot = Some(BINDING_LIMIT.word(&word));
+        }
+        Ok(figures)
+    }
+}
+
+query!(QUERY, CuttingParametersQuery, single::describe_request::<FastestParameters>);
+
+described!(CuttingParametersRequest, single::describe_request::<FastestParameters>);
+described!(CuttingParametersAnswer, single::describe_answer::<FastestParameters>);
+described!(CuttingParametersBatchRequest, batch::describe_request::<FastestParameters>);
+described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParameters>);
+
+/// The fastest step-over and feed at one contact
+///
+/// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance, within the limits of cutter,
+/// machine and step-over where these are stated.
+#[utoipa::path(
+    post, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters",
+    request_body = CuttingParametersRequest,
+    responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), Problems),
+)]
+pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<FastestParameters>>, Problem> {
+    single::answer::<FastestParameters>(&body)
+}
+
+/// The fastest step-over and feed at one contact, by a query
+///
+/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
+/// as `cutter`, vectors with commas.
+#[utoipa::path(
+    get, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters_query", params(CuttingParametersQuery),
+    responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), QueryProblems),
+)]
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<FastestParameters>>, Problem> {
+    single::answer_query::<FastestParameters>(&QUERY, text.as_deref())
+}
+
+/// The fastest step-overs and feeds of a tool path
+///
+/// The same at many contacts. A contact without an answer is null in every column and named in `failures`; the others are answered.
+#[utoipa::path(
+    post, path = "/v1/cutting-parameters/batch", tag = "calculations", operation_id = "cutting_parameters_batch",
+    request_body = CuttingParametersBatchRequest,
+    responses((status = 200, description = "A column for each figure", body = CuttingParametersBatchAnswer), Problems),
+)]
+pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    batch::answer::<FastestParameters>(work, body).await
+}

@@ -1,0 +1,77 @@
+//! The limits of cutter and machine on the feed, and the conversion between feed per tooth and feed rate.
+
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity};
+use crate::http::wire::{CUTTER, Figure, FigureValue, SharedParameters, TEETH};
+use crate::quantity::{Length, OutOfRange};
+
+pub(super) const SPINDLE_SPEED: Member<Quantity<f64>> = Member {
+    name: "spindle_speed_rpm",
+    about: "spindle speed n; with the cutter's teeth it gives the feed rate",
+    kind: Quantity::new(|rpm| OutOfRange::check(rpm, 1.0, 1e6), 10_000.0),
+};
+
+pub(super) const MAX_FEED_PER_TOOTH: Member<Quantity<Length>> = Member {
+    name: "max_feed_per_tooth_mm",
+    about: "the largest feed per tooth that the cutter's maker allows",
+    kind: Quantity::length(0.35),
+};
+
+pub(super) const MAX_FEED_RATE: Member<Quantity<f64>> = Member {
+    name: "max_feed_rate_mm_min",
+    about: "the largest feed rate of the machine; needs spindle_speed_rpm and the cutter's teeth",
+    kind: Quantity::new(|mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), 15_000.0),
+};
+
+pub(super) const FEED_PER_TOOTH: Figure = Figure::number("feed_per_tooth_mm", "the largest feed per tooth", |figures| {
+    figures.feed_per_tooth.map(|feed| FigureValue::Number(feed.mm()))
+});
+
+pub(super) const FEED_RATE: Figure =
+    Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min.map(FigureValue::Number))
+        .only("where the cutter's teeth and the spindle speed are given");
+
+/// The limits on the feed that a request states.
+pub(super) struct FeedLimits {
+    spindle_speed_rpm: Option<f64>,
+    pub(super) per_tooth: Option<Length>,
+    rate_mm_min: Option<f64>,
+}
+
+impl FeedLimits {
+    /// The limits, of which a feed rate needs a spindle speed and teeth.
+    pub(super) fn new(
+        spindle_speed_rpm: Result<Option<f64>, Faulted>,
+        per_tooth: Result<Option<Length>, Faulted>,
+        rate_mm_min: Result<Option<f64>, Faulted>,
+        shared: Result<&SharedParameters, Faulted>,
+        path: &JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
+        let mut complete = Ok(());
+        if let Ok(Some(_)) = rate_mm_min {
+            let mut need = |path: &JsonPath<'_>, what: &str| {
+                let detail = format_args!("a largest feed rate limits the feed per tooth only with {what}");
+                complete = Err(faults.add(path, RequestFault::MissingField, detail));
+            };
+            if spindle_speed_rpm == Ok(None) {
+                need(&path.member(SPINDLE_SPEED.name), "a spindle speed");
+            }
+            if shared.is_ok_and(|shared| shared.tool.teeth.is_none()) {
+                need(&path.member(CUTTER.name).member(TEETH.name), "a number of teeth");
+            }
+        }
+        complete?;
+        Ok(Self { spindle_speed_rpm: spindle_speed_rpm?, per_tooth: per_tooth?, rate_mm_min: rate_mm_min? })
+    }
+
+    /// z n, the feed rate for each mm of feed per tooth; `None` where teeth or spindle speed are not stated.
+    pub(super) fn teeth_per_min(&self, shared: &SharedParameters) -> Option<f64> {
+        shared.tool.teeth.zip(self.spindle_speed_rpm).map(|(teeth, speed)| f64::from(teeth) * speed)
+    }
+
+    /// The feed per tooth at the machine's largest feed rate.
+    pub(super) fn by_machine(&self, shared: &SharedParameters) -> Option<Length> {
+        self.rate_mm_min.zip(self.teeth_per_min(shared)).map(|(rate, teeth_per_min)| Length::computed(rate / teeth_per_min))
+    }
+}

@@ -1,0 +1,97 @@
+//! Which columns a batch answers with, and with how many digits.
+
+use super::Calculation;
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, items, text};
+use crate::http::wire::{CHECK_FIGURES, Figure};
+use serde_json::value::RawValue;
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
+use utoipa::openapi::{RefOr, Schema};
+
+const SIGNIFICANT_DIGITS: Member<Whole> = Member {
+    name: "significant_digits",
+    about: "the significant digits to which numbers are rounded; absent = all",
+    kind: Whole { minimum: 3, maximum: 17, example: 6 },
+};
+
+/// The names of figures, each at most once.
+struct ColumnNames {
+    known: Vec<&'static Figure>,
+}
+
+fn columns<C: Calculation>() -> Member<ColumnNames> {
+    let known = C::figures().chain(CHECK_FIGURES).collect();
+    let about = "the columns of the answer; absent = all but envelope_scallop_height_mm and deviation, which are answered only where they are named";
+    Member { name: "columns", about, kind: ColumnNames { known } }
+}
+
+impl ColumnNames {
+    fn names(&self) -> Vec<&'static str> {
+        self.known.iter().map(|figure| figure.name).collect()
+    }
+}
+
+impl Kind for ColumnNames {
+    type Value = Vec<&'static Figure>;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+        // A list without repetition is no longer than that of the known names; some more are read for the faults in them.
+        let names = items(raw, 2 * self.known.len(), path, faults)?;
+        if names.is_empty() {
+            return Err(faults.add(&path, RequestFault::WrongCount, "name at least one column, or leave the field out"));
+        }
+        let (mut selected, mut result) = (Vec::<&'static Figure>::new(), Ok(()));
+        for (index, raw) in names.into_iter().enumerate() {
+            let path = path.item(index);
+            let Ok(name) = text(raw, path, faults) else {
+                result = Err(Faulted);
+                continue;
+            };
+            match self.known.iter().find(|figure| figure.name == name) {
+                None => {
+                    let detail = format_args!("expected one of {}, found {name:?}", self.names().join(", "));
+                    result = Err(faults.add(&path, RequestFault::UnknownValue, detail));
+                }
+                Some(figure) if selected.iter().any(|known| known.name == figure.name) => {
+                    result = Err(faults.add(&path, RequestFault::RepeatedField, format_args!("the column {name} is named more than once")));
+                }
+                Some(figure) => selected.push(figure),
+            }
+        }
+        result.map(|()| selected)
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        let name = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(self.names()));
+        let schema = ArrayBuilder::new().items(name).unique_items(true).min_items(Some(1));
+        schema.description(Some(about)).examples([serde_json::json!(["step_over_mm"])]).into()
+    }
+}
+
+/// The columns of an answer.
+pub(super) struct Selection {
+    pub(super) figures: Vec<&'static Figure>,
+    /// Whether the request names the columns.
+    pub(super) is_stated: bool,
+    pub(super) significant_digits: Option<u32>,
+}
+
+impl Selection {
+    /// Takes the selection out of `object`.
+    pub(super) fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        let stated = object.optional(&columns::<C>(), faults);
+        let significant_digits = object.optional(&SIGNIFICANT_DIGITS, faults);
+        let stated = stated?;
+        let is_stated = stated.is_some();
+        Ok(Self { figures: stated.unwrap_or_else(|| C::figures().collect()), is_stated, significant_digits: significant_digits? })
+    }
+
+    pub(super) fn describe<C: Calculation>(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+        schema.optional(&columns::<C>()).optional(&SIGNIFICANT_DIGITS)
+    }
+
+    /// Whether a column needs the height by the cutter's exact shape.
+    pub(super) fn is_compared(&self) -> bool {
+        self.figures.iter().any(|figure| CHECK_FIGURES.iter().any(|check| check.name == figure.name))
+    }
+}

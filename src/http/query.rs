@@ -1,0 +1,251 @@
+//! Requests of single calculations as a query, `GET` beside `POST`: the parameters are the members of the JSON request, found in its schema, with the
+//! names of nested members joined. A query becomes that JSON and is read by the same readers; faults point to the query's parameters.
+
+use super::body::read_into;
+use super::codes::RequestFault;
+use super::problem::Problem;
+use super::reading::{Components, Faulted, Faults, JsonPath, Object};
+use serde_json::Value;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn, ParameterStyle};
+use utoipa::openapi::{RefOr, Required, Schema};
+
+/// Declares the parameters of a calculation's query: `query!(NAME, Description, describe)` with the schema of the JSON request.
+macro_rules! query {
+    ($query:ident, $parameters:ident, $describe:expr) => {
+        static $query: std::sync::LazyLock<$crate::http::query::Query> =
+            std::sync::LazyLock::new(|| $crate::http::query::Query::of($describe));
+
+        /// The query's parameters, for the API document.
+        struct $parameters;
+
+        impl utoipa::IntoParams for $parameters {
+            fn into_params(_: impl Fn() -> Option<utoipa::openapi::path::ParameterIn>) -> Vec<utoipa::openapi::path::Parameter> {
+                $query.describe()
+            }
+        }
+    };
+}
+pub(crate) use query;
+
+/// The parameters of a calculation's query.
+pub(crate) struct Query {
+    members: Vec<QueryMember>,
+}
+
+/// A parameter, and the member of the JSON request for which it stands.
+struct QueryMember {
+    name: String,
+    /// The names of the member and of the objects around it, outermost first.
+    path: Vec<String>,
+    kind: MemberKind,
+    is_required: bool,
+    about: Option<String>,
+    /// Without references and description.
+    schema: Value,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum MemberKind {
+    Number,
+    Word,
+    /// Numbers with commas between them.
+    Numbers,
+}
+
+impl Query {
+    /// The parameters for the members of the JSON request that `describe` describes.
+    pub(crate) fn of(describe: fn(&mut Components) -> RefOr<Schema>) -> Self {
+        let mut components = Components::default();
+        let schema = value_of(&describe(&mut components));
+        let named = components.into_named().into_iter().map(|(name, schema)| (name, value_of(&schema))).collect();
+        let mut members = members_of(&schema, &named, &[]);
+        for member in &mut members {
+            member.name = match member.path.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+                ["cutter", "type"] => "cutter".to_owned(),
+                ["cutter" | "contact", name] => (*name).to_owned(),
+                names => names.join("_"),
+            };
+        }
+        Self { members }
+    }
+
+    /// The parameters for the API document.
+    pub(crate) fn describe(&self) -> Vec<Parameter> {
+        let describe = |member: &QueryMember| {
+            let schema: Schema = serde_json::from_value(member.schema.clone())
+                .unwrap_or_else(|error| unreachable!("a schema that was written can be read: {error}"));
+            let parameter = ParameterBuilder::new()
+                .name(&member.name)
+                .parameter_in(ParameterIn::Query)
+                .required(if member.is_required { Required::True } else { Required::False })
+                .description(member.about.clone())
+                .schema(Some(schema));
+            match member.kind {
+                MemberKind::Numbers => parameter.style(Some(ParameterStyle::Form)).explode(Some(false)),
+                MemberKind::Number | MemberKind::Word => parameter,
+            }
+            .build()
+        };
+        self.members.iter().map(describe).collect()
+    }
+
+    /// Reads a query with the reader of the JSON request.
+    pub(crate) fn read<T>(
+        &self,
+        query: &str,
+        read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
+    ) -> Result<T, Problem> {
+        let mut faults = Faults::default();
+        let mut given: Vec<(&QueryMember, Cow<'_, str>)> = Vec::new();
+        for (name, value) in form_urlencoded::parse(query.as_bytes()) {
+            let root = JsonPath::Root;
+            let path = root.member(&name);
+            let Some(member) = self.members.iter().find(|member| member.name == name) else {
+                let known: Vec<_> = self.members.iter().map(|member| member.name.as_str()).collect();
+                faults.add(&path, RequestFault::UnknownField, format_args!("unknown parameter; known here: {}", known.join(", ")));
+                continue;
+            };
+            if given.iter().any(|(known, _)| known.name == member.name) {
+                faults.add(&path, RequestFault::RepeatedField, "the parameter is given more than once");
+            } else {
+                if value.is_empty() {
+                    faults.add(&path, RequestFault::WrongType, "the parameter has no value; leave it out or give one");
+                }
+                given.push((member, value));
+            }
+        }
+        let (json, mut of_json) = (json_of(&given), Faults::default());
+        let result = read_into(json.as_bytes(), &mut of_json, read)?;
+        let is_empty = |pointer: &str| given.iter().any(|(member, value)| value.is_empty() && format!("/{}", member.name) == pointer);
+        // An empty parameter has its fault already.
+        faults.take_in(of_json, |pointer| Some(self.pointer(pointer, &given)).filter(|pointer| !is_empty(pointer)));
+        match result {
+            Ok(result) if faults.is_empty() => Ok(result),
+            _ => Err(Problem::faulty_request(faults)),
+        }
+    }
+
+    /// The pointer to the parameter for the member at `pointer` of the JSON request; for an object, to the first given parameter in it.
+    fn pointer(&self, pointer: &str, given: &[(&QueryMember, Cow<'_, str>)]) -> String {
+        for member in &self.members {
+            if let Some(rest) = pointer.strip_prefix(&member.pointer())
+                && (rest.is_empty() || rest.starts_with('/'))
+            {
+                return format!("/{}{rest}", member.name);
+            }
+        }
+        let inside = format!("{pointer}/");
+        if let Some((member, _)) = given.iter().find(|(member, _)| pointer.len() > 1 && member.pointer().starts_with(&inside)) {
+            return format!("/{}", member.name);
+        }
+        // An object without parameters in the query has no place there.
+        let is_object = self.members.iter().any(|member| member.pointer().starts_with(&inside));
+        if is_object { String::new() } else { pointer.to_owned() }
+    }
+}
+
+impl QueryMember {
+    fn pointer(&self) -> String {
+        self.path.iter().map(|name| format!("/{name}")).collect()
+    }
+}
+
+/// The members of a request's schema that are no objects, those of nested objects included, each once.
+fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) -> Vec<QueryMember> {
+    let schema = resolved(schema, named);
+    if let Some(forms) = schema["oneOf"].as_array() {
+        let forms: Vec<_> = forms.iter().map(|form| members_of(form, named, path)).collect();
+        let mut members: Vec<QueryMember> = Vec::new();
+        let is_in_all = |path: &[String]| forms.iter().all(|form| form.iter().any(|member| member.path == path && member.is_required));
+        let required: Vec<_> = forms.iter().flatten().filter(|member| is_in_all(&member.path)).map(|member| member.path.clone()).collect();
+        for mut member in forms.into_iter().flatten() {
+            member.is_required = required.contains(&member.path);
+            match members.iter_mut().find(|known| known.path == member.path) {
+                // The word that selects the form differs from form to form.
+                Some(known) => {
+                    if let (Some(words), Some(more)) = (known.schema["enum"].as_array_mut(), member.schema["enum"].as_array()) {
+                        words.extend(more.iter().filter(|word| !words.contains(word)).cloned().collect::<Vec<_>>());
+                    }
+                }
+                None => members.push(member),
+            }
+        }
+        return members;
+    }
+    let Some(properties) = schema["properties"].as_object() else { return Vec::new() };
+    let mut members = Vec::new();
+    for (name, property) in properties {
+        let path: Vec<String> = path.iter().chain([name]).cloned().collect();
+        let is_required = schema["required"].as_array().is_some_and(|required| required.iter().any(|required| required == name));
+        let target = resolved(property, named);
+        let inner = members_of(target, named, &path);
+        if !inner.is_empty() {
+            members.extend(inner.into_iter().map(|inner| QueryMember { is_required: is_required && inner.is_required, ..inner }));
+            continue;
+        }
+        let kind = match target["type"].as_str() {
+            Some("array") => MemberKind::Numbers,
+            Some("string") => MemberKind::Word,
+            _ => MemberKind::Number,
+        };
+        let about = property["description"].as_str().or(target["description"].as_str()).map(str::to_owned);
+        let mut schema = target.clone();
+        if let Some(schema) = schema.as_object_mut() {
+            schema.remove("description");
+        }
+        members.push(QueryMember { name: String::new(), path, kind, is_required, about, schema });
+    }
+    members
+}
+
+fn resolved<'s>(schema: &'s Value, named: &'s BTreeMap<String, Value>) -> &'s Value {
+    let name = schema["$ref"].as_str().and_then(|reference| reference.rsplit('/').next());
+    name.and_then(|name| named.get(name)).unwrap_or(schema)
+}
+
+fn value_of(schema: &RefOr<Schema>) -> Value {
+    serde_json::to_value(schema).unwrap_or_else(|error| unreachable!("a schema can be written: {error}"))
+}
+
+/// The JSON request for which the given parameters stand. Cutter and contact are there in any case, so that what they miss is found.
+fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
+    let mut objects: BTreeMap<&str, String> = BTreeMap::from([("cutter", String::new()), ("contact", String::new())]);
+    let mut json = String::new();
+    for (member, value) in given {
+        let value = match member.kind {
+            MemberKind::Word => quoted(value),
+            MemberKind::Number => number(value),
+            MemberKind::Numbers => format!("[{}]", value.split(',').map(number).collect::<Vec<_>>().join(",")),
+        };
+        match member.path.as_slice() {
+            [name] => _ = write!(json, "{}:{value},", quoted(name)),
+            [object, name] => _ = write!(objects.entry(object).or_default(), "{}:{value},", quoted(name)),
+            path => unreachable!("the requests of calculations have no objects in objects: {path:?}"),
+        }
+    }
+    for (name, members) in objects {
+        let _ = write!(json, "{}:{{{}}},", quoted(name), members.trim_end_matches(','));
+    }
+    format!("{{{}}}", json.trim_end_matches(','))
+}
+
+/// A number as JSON; what is none as a string, which the reader of numbers refuses.
+fn number(value: &str) -> String {
+    match value.to_ascii_lowercase().as_str() {
+        "nan" => "NaN".to_owned(),
+        "inf" | "infinity" => "Infinity".to_owned(),
+        "-inf" | "-infinity" => "-Infinity".to_owned(),
+        _ => {
+            let is_number = value.starts_with(|first: char| first == '-' || first.is_ascii_digit())
+                && serde_json::from_str::<&serde_json::value::RawValue>(value).is_ok_and(|raw| raw.get().len() == value.len());
+            if is_number { value.to_owned() } else { quoted(value) }
+        }
+    }
+}
+
+fn quoted(text: &str) -> String {
+    Value::from(text).to_string()
+}

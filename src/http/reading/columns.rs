@@ -1,0 +1,172 @@
+//! Columns of values that batches read straight into numbers: an array with an item for each contact, null where the contact has no value.
+
+use super::object::describe;
+use super::{Faulted, Faults, JsonPath, each};
+use crate::http::codes::RequestFault;
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+/// A column of values, or an object of columns.
+pub(crate) trait PlainColumn: Default {
+    /// The value of a row as JSON has it.
+    type Plain;
+
+    /// Reads a column of at most `most` rows. Items of another type are faults of their rows and are found there.
+    fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted>;
+
+    /// Compares the number of rows of this column, called `name`, with that of the columns before.
+    fn check_rows(&self, name: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
+
+    /// The value of a row.
+    fn get(&self, index: usize) -> Cell<Self::Plain>;
+
+    /// Writes the value of a row, faulty or not, as the member `name` of an object.
+    fn write(&self, index: usize, name: &'static str, row: &mut RowText);
+}
+
+/// A row's value in a column.
+pub(crate) enum Cell<P> {
+    /// There is none: null, or no column.
+    Absent,
+    Value(P),
+    /// It is of another type.
+    Faulty,
+}
+
+/// The number of rows that all columns have.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    first: Option<(&'static str, usize)>,
+}
+
+impl Rows {
+    /// Compares `count`, the rows of the column `name`.
+    pub(crate) fn check(&mut self, name: &'static str, count: usize, path: &JsonPath<'_>, faults: &mut Faults) {
+        match self.first {
+            None => self.first = Some((name, count)),
+            Some((first, expected)) if expected != count => {
+                let detail = format_args!("all columns must have as many items as {first}, {expected}; found {count}");
+                faults.add(path, RequestFault::WrongCount, detail);
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// The name of the first column and the number of rows; `None` where there are no columns.
+    pub(crate) fn first(&self) -> Option<(&'static str, usize)> {
+        self.first
+    }
+}
+
+/// The items of a column.
+#[derive(Debug)]
+pub(crate) struct Cells<P> {
+    values: Vec<Option<P>>,
+    /// The rows of another type in ascending order, the first ones with their text.
+    faulty: Vec<(usize, Option<Box<RawValue>>)>,
+}
+
+impl<P> Default for Cells<P> {
+    fn default() -> Self {
+        Self { values: Vec::new(), faulty: Vec::new() }
+    }
+}
+
+impl<P> Cells<P> {
+    /// An answer lists at most this many failures, so that the texts of further items are not needed.
+    const MOST_FAULTY_TEXTS: usize = 1000;
+}
+
+impl<P: for<'de> Deserialize<'de> + Serialize + Copy> PlainColumn for Cells<P> {
+    type Plain = P;
+
+    fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        let mut cells = Self::default();
+        let mut count = 0;
+        let read = each(raw, |value: Option<P>| {
+            count += 1;
+            if count <= most {
+                cells.values.push(value);
+            }
+        });
+        if read.is_err() {
+            // The pass above stops at the first item of another type; this one finds all of them.
+            cells.values.clear();
+            count = 0;
+            let read = each(raw, |item: &RawValue| {
+                count += 1;
+                if count > most {
+                    return;
+                }
+                let value = serde_json::from_str::<Option<P>>(item.get());
+                if value.is_err() {
+                    let text = (cells.faulty.len() < Self::MOST_FAULTY_TEXTS).then(|| item.to_owned());
+                    cells.faulty.push((count - 1, text));
+                }
+                cells.values.push(value.unwrap_or_default());
+            });
+            read.map_err(|_| {
+                faults.add(
+                    &path,
+                    RequestFault::WrongType,
+                    format_args!("expected an array with an item for each contact, found {}", describe(raw)),
+                )
+            })?;
+        }
+        if count > most {
+            return Err(faults.add(&path, RequestFault::TooManyItems, format_args!("must have at most {most} items, found {count}")));
+        }
+        Ok(cells)
+    }
+
+    fn check_rows(&self, name: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
+        rows.check(name, self.values.len(), &path, faults);
+    }
+
+    fn get(&self, index: usize) -> Cell<P> {
+        match self.values.get(index).copied().flatten() {
+            Some(value) => Cell::Value(value),
+            None if self.faulty.is_empty() || self.faulty.binary_search_by_key(&index, |(row, _)| *row).is_err() => Cell::Absent,
+            None => Cell::Faulty,
+        }
+    }
+
+    fn write(&self, index: usize, name: &'static str, row: &mut RowText) {
+        if let Some(value) = self.values.get(index).copied().flatten() {
+            row.member(name, &value);
+        } else if let Ok(found) = self.faulty.binary_search_by_key(&index, |(row, _)| *row) {
+            match &self.faulty[found].1 {
+                Some(text) => row.member(name, text),
+                // No member of a contact takes a boolean.
+                None => row.member(name, &true),
+            }
+        }
+    }
+}
+
+/// The JSON text of a row as an object.
+#[derive(Debug, Default)]
+pub(crate) struct RowText {
+    members: String,
+}
+
+impl RowText {
+    /// Adds a member.
+    pub(crate) fn member(&mut self, name: &str, value: &impl Serialize) {
+        let separator = if self.members.is_empty() { "" } else { "," };
+        let text = serde_json::to_string(value).unwrap_or_else(|_| unreachable!("numbers and JSON texts can be written"));
+        self.members += &format!("{separator}{name:?}:{text}");
+    }
+
+    /// Adds a member that is an object, unless it has no members.
+    pub(crate) fn object(&mut self, name: &str, object: Self) {
+        if !object.members.is_empty() {
+            self.member(name, &object.written());
+        }
+    }
+
+    /// The whole object.
+    pub(crate) fn written(self) -> Box<RawValue> {
+        RawValue::from_string(format!("{{{}}}", self.members)).unwrap_or_else(|_| unreachable!("it is put together from JSON"))
+    }
+}

@@ -1,0 +1,96 @@
+//! The contacts of a batch as an object of columns, read straight into numbers.
+
+use super::batch_contact::{BatchContact, Slots};
+use super::contact::{AngleColumns, AngleMembers, VectorColumns, VectorMembers};
+use super::parameters::{ContactParameters, ParameterColumns, States};
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainMembers, RowText, Rows};
+use serde_json::value::RawValue;
+use utoipa::openapi::{RefOr, Schema};
+
+/// Columns of contacts and of the parameters that they state themselves, all of one length. null is the default.
+#[derive(Debug)]
+pub(crate) struct ContactColumns {
+    angles: AngleColumns,
+    vectors: VectorColumns,
+    parameters: ParameterColumns,
+    first_column: &'static str,
+    /// The number of contacts.
+    pub(crate) count: usize,
+}
+
+impl ContactColumns {
+    /// Reads columns of at most `most` contacts. What is wrong with a contact is found when it is read.
+    pub(crate) fn read(raw: &RawValue, states: States, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
+        let angles = AngleMembers::read_columns(&mut object, most, faults);
+        let vectors = VectorMembers::read_columns(&mut object, most, faults);
+        let parameters = ParameterColumns::read(&mut object, states, most, faults);
+        object.close(faults)?;
+        let mut rows = Rows::default();
+        AngleMembers::check_rows(&angles, &path, &mut rows, faults);
+        VectorMembers::check_rows(&vectors, &path, &mut rows, faults);
+        parameters.check_rows(&path, &mut rows, faults);
+        if !faults.is_empty() {
+            return Err(Faulted);
+        }
+        let Some((first_column, count)) = rows.first() else {
+            let detail = "give the columns slope_deg and feed_angle_deg, or normal and feed";
+            return Err(faults.add(&path, RequestFault::MissingField, detail));
+        };
+        Ok(Self { angles, vectors, parameters, first_column, count })
+    }
+
+    /// The contact in the row `index`, whose own parameters prevail over `defaults`. `path` is that of the columns.
+    pub(crate) fn contact(
+        &self,
+        index: usize,
+        states: States,
+        defaults: &ContactParameters,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<BatchContact, Faulted> {
+        match self.row(index).and_then(|slots| BatchContact::accept(slots, states)) {
+            Some(contact) => contact.with_defaults(states, defaults, path, faults),
+            None => BatchContact::read_faulty(&self.text(index), states, defaults, path, faults),
+        }
+    }
+
+    /// The path of the row `index` in the columns at `path`.
+    pub(crate) fn path<'p>(&self, index: usize, path: &'p JsonPath<'p>) -> JsonPath<'p> {
+        JsonPath::Row(path, self.first_column, index)
+    }
+
+    fn row(&self, index: usize) -> Option<Slots> {
+        Some(Slots {
+            angles: AngleMembers::row(&self.angles, index)?,
+            vectors: VectorMembers::row(&self.vectors, index)?,
+            parameters: self.parameters.row(index)?,
+        })
+    }
+
+    /// The row as a contact of an array, for the reader that collects faults.
+    fn text(&self, index: usize) -> Box<RawValue> {
+        let mut text = RowText::default();
+        AngleMembers::write_row(&self.angles, index, &mut text);
+        VectorMembers::write_row(&self.vectors, index, &mut text);
+        self.parameters.write_row(index, &mut text);
+        text.written()
+    }
+}
+
+/// The schema of columns of at most `most` contacts, with the parameters that `states` allows.
+pub(crate) fn contact_columns_schema(states: States, most: usize, components: &mut Components) -> RefOr<Schema> {
+    let name = match (states.step_over, states.feed_per_tooth) {
+        (true, true) => "ContactColumnsWithParameters",
+        (true, false) => "ContactColumnsWithStepOver",
+        (false, true) => "ContactColumnsWithFeed",
+        (false, false) => "ContactColumnsWithCurvature",
+    };
+    components.refer(name, "", |components| {
+        let about =
+            "Contacts as columns of one length, by angles or by vectors; null is the default that the request states beside the contacts";
+        let schema = VectorMembers::describe_columns(AngleMembers::describe_columns(ObjectSchema::new(about, components), most), most);
+        ParameterColumns::describe(schema, states, most).build()
+    })
+}
