@@ -75,7 +75,7 @@ pub(super) struct Section<'a> {
 }
 
 /// Steps from the contact to an edge that lies in another part of the section.
-const MARCH: u8 = 64;
+const MARCH: u8 = 24;
 
 /// No offset beyond this one is searched, in mm: twice the largest length that can be stated.
 const FURTHEST: f64 = 2.0 * Length::LARGEST;
