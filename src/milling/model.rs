@@ -63,6 +63,16 @@ impl JudgedPass {
         }
     }
 
+    /// How much the third order of a curved surface, which model `envelope` leaves out, changes the marks at the ridge, as a share of the ridge's height: an estimate. The
+    /// height itself changes with the square of it. 0 on a plane and under model `analytic`, infinite for a flat-end cutter where the surface's normal turns.
+    #[must_use]
+    pub fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+        match &self.judge {
+            Judge::Analytic(_) => 0.0,
+            Judge::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
+        }
+    }
+
     /// The effective radius across the feed, radial runout included; `None` where it is infinite.
     #[must_use]
     pub fn effective_radius(&self) -> Option<Length> {

@@ -3,7 +3,7 @@
 use crate::laws::passes::{BOTH, at, curved, feed_angles, height, judged, mm, passes, plane_passes, slopes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, JudgedPass, Model, Pass, Runout, StepOver, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, StepOver, SurfaceCurvature};
 
 /// Normal and feed of a contact in a frame turned about the tool axis, worked out from what the angles mean: the slope tilts the normal
 /// down-hill, and the feed, seen from above at `alpha` from down-hill, follows the surface.
@@ -85,6 +85,8 @@ proptest! {
                         let most = 1.01 * s * s / (2.0 * rho) + 1e-12 * flat;
                         prop_assert!((bent - flat).abs() <= most, "{model:?} {rho}: {bent} {flat}");
                     }
+                    // Into a wall that is concave along its steepest line the cutter's straight side gouges, whatever the radius.
+                    Err(NoAnswer::Gouges { smallest_radius: None }) if pass.contact.slope().cos() == 0.0 => prop_assert!(sign < 0.0),
                     // Where the cutter's side leaves less than the hollow sinks.
                     Err(_) => prop_assert!(sign < 0.0 && flat <= 1.01 * s * s / (2.0 * rho), "{model:?} {rho}"),
                 }

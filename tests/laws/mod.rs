@@ -1,6 +1,7 @@
 //! Laws that the mathematics of a pass must obey whatever the figures, over random valid passes; and independent routes to the same numbers.
 
 mod continuity;
+mod curved_surfaces;
 mod cutting_parameters;
 mod heights;
 mod inverses;

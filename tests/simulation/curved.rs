@@ -125,10 +125,20 @@ impl Setup {
     }
 }
 
+/// Feed, side and normal of a contact; the level line is Y.
+fn frame(contact: Contact) -> [Vector; 3] {
+    let (slope, theta) = (contact.slope(), contact.theta());
+    let (u, v) = ([slope.cos(), 0.0, -slope.sin()], [0.0, 1.0, 0.0]);
+    [sum(&[(theta.cos(), u), (theta.sin(), v)]), sum(&[(-theta.sin(), u), (theta.cos(), v)]), [slope.sin(), 0.0, slope.cos()]]
+}
+
 /// The model's height, lambda and the simulated height as a share of the model's.
+#[derive(Debug)]
 struct Outcome {
     slope_deg: f64,
+    corner_ratio: f64,
     lambda: f64,
+    third_order: f64,
     share: f64,
 }
 
@@ -137,8 +147,7 @@ fn simulate(random: &mut Random, curved: bool, harsh: bool) -> Result<Outcome, N
     let corner = outer * random.within(0.1, 0.7);
     let (slope_deg, alpha_deg) = (random.within(5.0, 85.0), random.within(-180.0, 180.0));
     let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();
-    let (slope, theta) = (slope_deg.to_radians(), contact.theta().radians());
-    let largest = (outer - corner) / slope.sin() + corner;
+    let largest = (outer - corner) / slope_deg.to_radians().sin() + corner;
     let smallest_radius = if harsh { 12.0 } else { (3.0 * largest).max(20.0) };
     let mut principal = || if random.unit() < 0.5 { 1.0 } else { -1.0 } * random.unit() / smallest_radius;
     let principal = [principal(), principal()];
@@ -165,13 +174,12 @@ fn simulate(random: &mut Random, curved: bool, harsh: bool) -> Result<Outcome, N
             Tooth { core: outer + radial * (1.0 - less_radius) - corner, corner, lift: axial.abs() * lift }
         })
         .collect();
-    let (u, v) = ([slope.cos(), 0.0, -slope.sin()], [0.0, 1.0, 0.0]);
-    let frame = [sum(&[(theta.cos(), u), (theta.sin(), v)]), sum(&[(-theta.sin(), u), (theta.cos(), v)]), [slope.sin(), 0.0, slope.cos()]];
     let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
-    let setup = Setup { teeth, frame, curvature, feed, step_over: step_over.mm() };
+    let setup = Setup { teeth, frame: frame(contact), curvature, feed, step_over: step_over.mm() };
     let (along, across) = if curved { (16, 64) } else { (8, 32) };
     let share = setup.highest(along, across) / height;
-    Ok(Outcome { slope_deg, lambda: judged.relative_curvature(), share })
+    let third_order = judged.third_order_share(step_over, Some(mm(feed)));
+    Ok(Outcome { slope_deg, corner_ratio: corner / outer, lambda: judged.relative_curvature(), third_order, share })
 }
 
 fn outcomes(seed: u64, count: usize, curved: bool, harsh: bool) -> Vec<Outcome> {
@@ -183,48 +191,125 @@ fn outcomes(seed: u64, count: usize, curved: bool, harsh: bool) -> Vec<Outcome> 
     outcomes
 }
 
-fn print(name: &str, outcomes: &mut [Outcome]) -> f64 {
+/// Prints the figures of the configurations, and the worst one; returns their median.
+fn print(name: &str, outcomes: &[&Outcome]) -> f64 {
+    let mut outcomes = outcomes.to_vec();
     outcomes.sort_by(|a, b| a.share.total_cmp(&b.share));
-    let (median, most) = (outcomes[outcomes.len() / 2].share, outcomes[outcomes.len() - 1].share);
-    let over = outcomes.iter().filter(|outcome| outcome.share > 1.001).count();
-    println!("{name}: {} configurations, median {median:.4}, largest {most:.4}, {over} over 1.001", outcomes.len());
+    let Some(worst) = outcomes.last() else { return 1.0 };
+    let (median, over) = (outcomes[outcomes.len() / 2].share, outcomes.iter().filter(|outcome| outcome.share > 1.001).count());
+    println!("{name}: {} configurations, median {median:.4}, largest {:.4}, {over} over 1.001; {worst:.3?}", outcomes.len(), worst.share);
     median
 }
 
-#[test]
-fn heights_on_curved_surfaces_are_not_exceeded_and_are_reached() {
-    let mut outcomes = outcomes(11, wanted(200), true, false);
-    // Terms of the third order exceed 1 % in about one configuration of 400; docs/envelope-on-curved-surfaces.md has the figures.
-    let over = outcomes.iter().filter(|outcome| outcome.slope_deg >= 10.0 && outcome.share > 1.01).count();
-    assert!(100 * over <= outcomes.len(), "{over} of {} exceed the height by more than 1 %", outcomes.len());
-    for outcome in &outcomes {
-        assert!(outcome.share <= 1.045, "{} of the height at {} deg, lambda {}", outcome.share, outcome.slope_deg, outcome.lambda);
-    }
-    // The grid of 16 places along a mark and 64 across misses a percent or two of the peak.
-    let median = print("curved", &mut outcomes);
-    assert!(median >= 0.97, "median {median}");
-}
+/// The share up to which no `curvature-approximate` is given from 10 deg of slope on.
+const THIRD_ORDER_SMALL: f64 = 0.03;
 
-#[test]
-fn close_fits_are_simulated_for_the_record() {
-    let mut near = Vec::new();
-    let mut fair = Vec::new();
-    for outcome in outcomes(12, wanted(40), true, true) {
-        assert!(outcome.lambda > 0.0 && outcome.share.is_finite());
-        if outcome.lambda < 0.6 { near.push(outcome) } else { fair.push(outcome) }
-    }
-    for (name, outcomes) in [("harsh, lambda over 0.6", &mut fair), ("harsh, lambda up to 0.6", &mut near)] {
-        if !outcomes.is_empty() {
-            print(name, outcomes);
+/// Prints the configurations by what the model warns of.
+fn print_by_warning(name: &str, outcomes: &[Outcome]) {
+    for (steep, slopes) in [(true, "from 10 deg"), (false, "under 10 deg")] {
+        for (small, order) in [(true, "third order small"), (false, "third order not small")] {
+            let group = |outcome: &&Outcome| (outcome.slope_deg >= 10.0) == steep && (outcome.third_order <= THIRD_ORDER_SMALL) == small;
+            print(&format!("{name}, {slopes}, {order}"), &outcomes.iter().filter(group).collect::<Vec<_>>());
         }
     }
 }
 
 #[test]
-fn heights_with_runout_are_not_exceeded() {
-    let mut outcomes = outcomes(13, wanted(40), false, false);
-    for outcome in &outcomes {
-        assert!(outcome.share <= 1.01, "{} of the height at {} deg", outcome.share, outcome.slope_deg);
+fn heights_on_curved_surfaces_are_not_exceeded_and_are_reached() {
+    let outcomes = outcomes(11, wanted(200), true, false);
+    print_by_warning("curved", &outcomes);
+    // Where the third order is not small the model warns, and the height is exceeded in some cases: docs/envelope-on-curved-surfaces.md has the figures.
+    for outcome in outcomes.iter().filter(|outcome| outcome.third_order <= THIRD_ORDER_SMALL) {
+        let most = if outcome.slope_deg >= 10.0 { 1.01 } else { 1.04 };
+        assert!(outcome.share <= most, "{outcome:?}");
     }
-    print("runout, 2 to 6 teeth", &mut outcomes);
+    let rough = outcomes.iter().filter(|outcome| outcome.slope_deg >= 10.0 && outcome.third_order > THIRD_ORDER_SMALL).count();
+    assert!(5 * rough <= outcomes.len(), "warnings about the third order on {rough} of {}", outcomes.len());
+    // The grid of 16 places along a mark and 64 across misses a percent or two of the peak.
+    let median = print("curved", &outcomes.iter().collect::<Vec<_>>());
+    assert!(median >= 0.97, "median {median}");
+}
+
+#[test]
+fn close_fits_are_not_exceeded_where_nothing_is_warned_of() {
+    let (near, fair): (Vec<_>, Vec<_>) = outcomes(12, wanted(40), true, true).into_iter().partition(|outcome| outcome.lambda <= 0.6);
+    print_by_warning("harsh, lambda over 0.6", &fair);
+    let (least, little) = near.iter().partition::<Vec<_>, _>(|outcome| outcome.lambda < 0.25);
+    print("harsh, lambda 0.25 to 0.6", &little);
+    print("harsh, lambda under 0.25", &least);
+    for outcome in fair.iter().filter(|outcome| outcome.third_order <= THIRD_ORDER_SMALL) {
+        assert!(outcome.share <= if outcome.slope_deg >= 10.0 { 1.01 } else { 1.04 }, "{outcome:?}");
+    }
+}
+
+#[test]
+fn heights_with_runout_are_not_exceeded() {
+    let outcomes = outcomes(13, wanted(40), false, false);
+    print("runout, 2 to 6 teeth", &outcomes.iter().collect::<Vec<_>>());
+    for outcome in &outcomes {
+        assert!(outcome.share <= 1.01, "{outcome:?}");
+    }
+}
+
+/// Two shallow teeth that follow each other leave more than a deep and a shallow one: a bound for alternating teeth is none for three.
+#[test]
+fn two_shallow_teeth_in_a_row_exceed_the_height_for_alternating_teeth() {
+    let contact = Contact::from_degrees(40.0, 20.0).unwrap();
+    let (outer, corner, radial, axial) = (5.0, 2.0, 0.004, 0.004);
+    let cutter = Cutter::toroidal(mm(2.0 * outer), mm(corner)).unwrap();
+    let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
+    let (step_over, feed) = (0.3, 0.3);
+    let height = |teeth| {
+        let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout, teeth: NonZeroU32::new(teeth) };
+        JudgedPass::new(Model::Envelope, pass).unwrap().scallop_height(mm(step_over), Some(mm(feed))).unwrap().total().mm()
+    };
+    let deep = Tooth { core: outer + radial - corner, corner, lift: 0.0 };
+    let shallow = Tooth { core: outer - corner, corner, lift: axial };
+    let setup = Setup { teeth: vec![deep, shallow, shallow], frame: frame(contact), curvature: [0.0; 3], feed, step_over };
+    let simulated = setup.highest(8, 32);
+    assert!(simulated > 1.01 * height(2), "{simulated} {}", height(2));
+    assert!(simulated <= height(3) && simulated > 0.9 * height(3), "{simulated} {}", height(3));
+}
+
+/// The promised step-over on cylinders and spheres of 60 mm, convex and concave: what it leaves, simulated, against the tolerance of 10 um.
+#[test]
+fn promised_step_overs_keep_the_tolerance_on_cylinders_and_spheres() {
+    let mut worst = [0.0_f64; 2];
+    for (outer, corner) in [(6.0, 1.0), (5.0, 2.0)] {
+        for slope_deg in [5.0, 8.0, 10.0, 20.0, 40.0, 60.0, 80.0] {
+            for alpha_deg in [0.0, 30.0, 60.0, 90.0] {
+                // Cylinders whose axis is inclined with the slope, level cylinders, and spheres; the angle runs from the steepest line to the first principal direction.
+                for (principal, from_steepest) in [([1.0, 0.0], 90.0), ([1.0, 0.0], 0.0), ([1.0, 1.0], 0.0)] {
+                    for bend in [1.0 / 60.0, -1.0 / 60.0] {
+                        let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();
+                        let direction = scallopd::quantity::Angle::from_degrees(from_steepest - contact.theta().degrees()).unwrap();
+                        let surface = SurfaceCurvature::from_principal_per_mm(principal.map(|share| share * bend), direction).unwrap();
+                        let cutter = Cutter::toroidal(mm(2.0 * outer), mm(corner)).unwrap();
+                        let pass = Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None };
+                        let Ok(judged) = JudgedPass::new(Model::Envelope, pass) else { continue };
+                        if judged.relative_curvature() <= 0.6 {
+                            continue;
+                        }
+                        let feed = 0.1;
+                        let Ok(step_over) = judged.max_step_over(mm(0.01), Some(mm(feed))) else { continue };
+                        let teeth = vec![Tooth { core: outer - corner, corner, lift: 0.0 }];
+                        let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
+                        let setup = Setup { teeth, frame: frame(contact), curvature, feed, step_over: step_over.mm() };
+                        let share = setup.highest(8, 48) / 0.01;
+                        let third_order = judged.third_order_share(step_over, Some(mm(feed)));
+                        let steep = slope_deg >= 10.0;
+                        if share > if steep { 1.01 } else { 1.04 } {
+                            println!(
+                                "R {outer} r {corner} slope {slope_deg} alpha {alpha_deg} {principal:?} at {from_steepest} bend {bend:.4}: {share:.4}, third order {third_order:.3}, lambda {:.2}",
+                                judged.relative_curvature()
+                            );
+                        }
+                        worst[usize::from(steep)] = worst[usize::from(steep)].max(share);
+                    }
+                }
+            }
+        }
+    }
+    println!("under 10 deg {:.4}, from 10 deg {:.4}", worst[0], worst[1]);
+    assert!(worst[0] <= 1.04 && worst[1] <= 1.01, "{worst:?}");
 }

@@ -72,6 +72,22 @@ impl Envelope {
         self.relative_curvature
     }
 
+    /// The largest change, as a share of the ridge's height, that the third order of the surface makes to a mark's height at the ridge between passes s apart, their marks f
+    /// apart; an estimate by the curvature at the contact.
+    ///
+    /// From the contact to a mark beside the ridge the normal turns by K u, so that the cutter's line of steepest slope turns by (K u)_level / tan(S) in the tangent plane and the
+    /// slope changes by (K u)_steepest. Both change C^-1 = diag(1/r, 1/q), q = (R - r)/sin(S) + r, hence the mark's height by 1/2 u' (change of C^-1) u. The changes of both
+    /// passes' marks have opposite signs, so that h itself changes with the square of this share.
+    pub(super) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+        if self.pass.surface.is_plane() {
+            return 0.0;
+        }
+        let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
+        let share = self.body.third_order(s, f) * 8.0 / (s * s * self.groove_curvature);
+        // At an exact floor, and for a sharp edge, a product of 0 and infinity: the normal does not turn there, or everything turns with it.
+        if share.is_nan() { f64::INFINITY } else { share }
+    }
+
     /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
     ///
     /// # Errors

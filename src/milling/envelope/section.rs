@@ -75,7 +75,7 @@ pub(super) struct Section<'a> {
 }
 
 /// Steps from the contact to an edge that lies in another part of the section.
-const MARCH: u8 = 64;
+const MARCH: u8 = 24;
 
 /// No offset beyond this one is searched, in mm: twice the largest length that can be stated.
 const FURTHEST: f64 = 2.0 * Length::LARGEST;
@@ -95,13 +95,15 @@ impl<'a> Section<'a> {
 
     /// The height at which the cleared interval is `width` wide, starting from `guess`.
     ///
-    /// The square of the width is nearly linear in the height (for a paraboloid it is), so Newton's method works on that square, inside a bracket.
+    /// The square of the width is nearly linear in the height (for a paraboloid it is), so Newton's method works on that square, inside a bracket. An interval that is cut off
+    /// at the widest width has no derivative; there, and where three steps have not halved the bracket, the bracket is divided.
     pub(super) fn level(&self, width: f64, guess: f64) -> f64 {
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut p = guess;
         let mut last = None::<Interval>;
         let least = f64::EPSILON.powi(2) * width;
-        for _ in 0..MOST_STEPS {
+        let mut lengths = [f64::INFINITY; 3];
+        for step in 0..MOST_STEPS {
             let found = self.interval(p, last.as_ref());
             let excess = found.as_ref().map_or(-width, |interval| interval.width() - width);
             if excess < 0.0 {
@@ -109,7 +111,7 @@ impl<'a> Section<'a> {
             } else {
                 high = p
             }
-            let newton = found.as_ref().map_or(f64::NAN, |interval| {
+            let newton = found.as_ref().filter(|interval| interval.width() < self.widest * (1.0 - 1e-9)).map_or(f64::NAN, |interval| {
                 let (at, slope) = (interval.width(), interval.by_height());
                 p - excess * (at + width) / (2.0 * at * slope)
             });
@@ -117,10 +119,12 @@ impl<'a> Section<'a> {
             if (newton - p).abs() <= 4.0 * f64::EPSILON * p {
                 return newton.max(low).min(high);
             }
+            let is_slow = high - low > 0.5 * lengths[step % 3];
+            lengths[step % 3] = high - low;
             if (high < f64::INFINITY && high - low <= 4.0 * f64::EPSILON * high) || high < least {
                 return if high < least { 0.0 } else { high };
             }
-            p = if newton > low && newton < high && (high < f64::INFINITY || newton < 16.0 * p) {
+            p = if newton > low && newton < high && if high < f64::INFINITY { !is_slow } else { newton < 16.0 * p } {
                 newton
             } else if high == f64::INFINITY {
                 8.0 * p
@@ -131,7 +135,7 @@ impl<'a> Section<'a> {
                 if high > 4.0 * low { (low * high).sqrt() } else { f64::midpoint(low, high) }
             };
         }
-        p
+        high.min(f64::MAX)
     }
 
     /// The cleared interval at the height p. `near` is one at another height, to start from.
@@ -172,10 +176,12 @@ impl<'a> Section<'a> {
         });
         let alternating = alternating.filter(|interval| interval.width() >= 0.0);
         match (alternating, interval(lefts.2, &deep)) {
-            (Some(a), Some(b)) => Some(Interval {
+            (Some(a), Some(b)) if a.left.t <= b.right.t && b.left.t <= a.right.t => Some(Interval {
                 left: if a.left.t < b.left.t { a.left } else { b.left },
                 right: if a.right.t > b.right.t { a.right } else { b.right },
             }),
+            // Between two intervals that do not meet something stays, so that only the wider one counts.
+            (Some(a), Some(b)) => Some(if a.width() >= b.width() { a } else { b }),
             (one, other) => one.or(other),
         }
     }
