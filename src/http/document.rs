@@ -1,6 +1,7 @@
 //! The OpenAPI document: the descriptions of all routes, with an example for each request and answer.
 
 use super::problem;
+use super::query::parameters_of;
 use serde_json::Value;
 use utoipa::openapi::{Components, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
 
@@ -87,9 +88,19 @@ pub(super) fn with_examples(document: &OpenApi) -> Value {
     let mut document = serde_json::to_value(document).unwrap_or_else(|error| unreachable!("the document can be written: {error}"));
     let operations = document["paths"].as_object_mut().into_iter().flat_map(|paths| paths.values_mut());
     for operation in operations.filter_map(Value::as_object_mut).flat_map(|path| path.values_mut()) {
-        let id = operation["operationId"].as_str();
-        let Some(example) = EXAMPLES.iter().find(|example| Some(example.operation) == id) else { continue };
-        if let Some(request) = example.request {
+        let id = operation["operationId"].as_str().unwrap_or_default();
+        // A query has the example of the operation with the same members as JSON.
+        let (id, is_query) = id.strip_suffix("_query").map_or((id, false), |id| (id, true));
+        let Some(example) = EXAMPLES.iter().find(|example| example.operation == id) else { continue };
+        if let Some(request) = example.request.filter(|_| is_query) {
+            let request = parse(request);
+            let values = parameters_of(&request);
+            for parameter in operation["parameters"].as_array_mut().into_iter().flatten() {
+                if let Some((_, value)) = values.iter().find(|(name, _)| parameter["name"] == **name) {
+                    parameter["example"] = (*value).clone();
+                }
+            }
+        } else if let Some(request) = example.request {
             // JSON or a form: an operation takes one of them.
             let contents = operation["requestBody"]["content"].as_object_mut().into_iter().flat_map(|contents| contents.values_mut());
             contents.for_each(|content| content["example"] = parse(request));

@@ -63,11 +63,7 @@ impl Query {
         let named = components.into_named().into_iter().map(|(name, schema)| (name, value_of(&schema))).collect();
         let mut members = members_of(&schema, &named, &[]);
         for member in &mut members {
-            member.name = match member.path.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-                ["cutter", "type"] => "cutter".to_owned(),
-                ["cutter" | "contact", name] => (*name).to_owned(),
-                names => names.join("_"),
-            };
+            member.name = name_of(&member.path.iter().map(String::as_str).collect::<Vec<_>>());
         }
         Self { members }
     }
@@ -151,6 +147,25 @@ impl QueryMember {
     fn pointer(&self) -> String {
         self.path.iter().map(|name| format!("/{name}")).collect()
     }
+}
+
+/// The name of the parameter for the member at `path`.
+fn name_of(path: &[&str]) -> String {
+    match path {
+        ["cutter", "type"] => "cutter".to_owned(),
+        ["cutter" | "contact", name] => (*name).to_owned(),
+        names => names.join("_"),
+    }
+}
+
+/// The parameters for a JSON request, with their values.
+pub(crate) fn parameters_of(request: &Value) -> Vec<(String, &Value)> {
+    let members = request.as_object().into_iter().flatten();
+    let parameters = members.flat_map(|(outer, value)| match value.as_object() {
+        Some(members) => members.iter().map(|(name, value)| (name_of(&[outer, name]), value)).collect(),
+        None => vec![(name_of(&[outer]), value)],
+    });
+    parameters.collect()
 }
 
 /// The members of a request's schema that are no objects, those of nested objects included, each once.

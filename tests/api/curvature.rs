@@ -91,24 +91,26 @@ async fn a_tilted_tool_is_the_upright_one_in_its_own_frame() {
     // A floor, the tool tilted by 40 deg against the feed or across it.
     let (sin, cos) = 40.0_f64.to_radians().sin_cos();
     for path in SINGLES {
+        // Fed along the level line the step-over leaves 30 um.
+        let body = if path == SCALLOP_HEIGHT { shortest(path) } else { with(shortest(path), "/scallop_tolerance_mm", 0.05) };
         for (axis, feed_angle) in [([-sin, 0.0, cos], 0.0), ([0.0, -sin, cos], 90.0)] {
-            let upright = app.answer(path, &with(shortest(path), "/contact/feed_angle_deg", feed_angle)).await;
+            let upright = app.answer(path, &with(body.clone(), "/contact/feed_angle_deg", feed_angle)).await;
             let contact = json!({"normal": [0, 0, 2], "feed": [3, 0, 0], "tool_axis": axis});
-            let tilted = app.answer(path, &with(shortest(path), "/contact", contact)).await;
+            let tilted = app.answer(path, &with(body.clone(), "/contact", contact)).await;
             for name in ["scallop_height_mm", "step_over_mm", "effective_radius_mm"] {
                 assert_relative_eq!(figure(&tilted, name), figure(&upright, name), max_relative = 1e-12);
             }
         }
         // A surface that overhangs against Z is seen along the axis.
         let overhang = json!({"normal": [1, 0, -0.2], "feed": [0, 1, 0], "tool_axis": [1, 0, 0.5]});
-        app.answer(path, &with(shortest(path), "/contact", overhang)).await;
+        app.answer(path, &with(body.clone(), "/contact", overhang)).await;
         for (axis, pointer, code) in [
             (json!([0, 0, 0]), "/contact/tool_axis", "no-direction"),
             (json!([0, 0, -1]), "/contact/normal", "no-direction"),
             (json!([0, 1]), "/contact/tool_axis", "wrong-type"),
         ] {
             let contact = json!({"normal": [0, 0.1, 1], "feed": [1, 0, 0], "tool_axis": axis});
-            assert_eq!(faults(&app.refusal(path, &with(shortest(path), "/contact", contact)).await), [(pointer, code)]);
+            assert_eq!(faults(&app.refusal(path, &with(body.clone(), "/contact", contact)).await), [(pointer, code)]);
         }
     }
     let angles = with(shortest(SCALLOP_HEIGHT), "/contact/tool_axis", json!([0, 0, 1]));

@@ -47,7 +47,7 @@ async fn a_query_is_answered_as_the_json_with_the_same_members() {
             shortest(path),
             longest(path),
             with(shortest(path), "/contact", vectors),
-            with(shortest(path), "/cutter", json!({"type": "ball_end", "diameter_mm": 8})),
+            with(shortest(path), "/cutter", json!({"type": "ball_end", "diameter_mm": 20})),
             with(curved.clone(), "/surface_curvature", json!({"along_per_mm": -0.004, "across_per_mm": 0.01, "twist_per_mm": 0.001})),
             with(curved, "/surface_curvature", json!({"principal_per_mm": [0.012, -0.005], "angle_deg": 30})),
         ] {
@@ -122,5 +122,25 @@ async fn the_documented_parameters_are_those_that_are_known() {
                 .iter()
                 .all(|parameter| parameter["in"] == "query" && parameter["description"].is_string() && parameter["schema"].is_object())
         );
+    }
+}
+
+#[tokio::test]
+async fn the_documented_example_of_each_query_gives_its_answer() {
+    let app = TestApp::start().await;
+    let document: Value = serde_json::from_str(&scallopd::http::openapi_json()).unwrap();
+    for path in SINGLES {
+        let operation = &document["paths"][path]["get"];
+        let examples: serde_json::Map<_, _> = operation["parameters"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(|parameter| Some((parameter["name"].as_str()?.to_owned(), parameter.get("example")?.clone())))
+            .collect();
+        let (status, answer) = get(&app, path, &query_of(&examples.into())).await;
+        let (_, expected) = app.post(path, &document["paths"][path]["post"]["requestBody"]["content"]["application/json"]["example"]).await;
+        assert_eq!((status, &answer), (200, &expected), "{path}");
+        let shown = &operation["responses"]["200"]["content"]["application/json"]["example"];
+        assert_eq!(shown["model"], answer["model"], "{path}");
     }
 }

@@ -3,8 +3,6 @@
 use crate::http::codes::FaultCode;
 use crate::http::reading::Fault;
 use serde::{Serialize, Serializer};
-#[expect(unused_imports, reason = "the description of extremes names it")]
-use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
 /// The analytic height beside the envelope's.
@@ -83,6 +81,6 @@ pub(crate) struct Summary {
     #[schema(nullable = false)]
     pub(crate) outside_analytic_range: Option<usize>,
     /// For every column of numbers that has one, the contacts with the smallest and the largest.
-    #[schema(value_type = BTreeMap<String, Extremes>)]
+    #[schema(value_type = std::collections::BTreeMap<String, Extremes>)]
     pub(crate) extremes: ColumnExtremes,
 }
