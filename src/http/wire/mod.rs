@@ -2,6 +2,7 @@
 //! fast path of batches follow. A figure of an answer has its name, description and value in one row of a table.
 
 mod batch_contact;
+mod candidate;
 mod contact;
 mod curvature;
 mod cutter;
@@ -10,24 +11,31 @@ mod figures;
 mod machine;
 mod model;
 mod no_answer;
+mod not_ranked;
 mod parameters;
 mod points;
 mod runout;
+mod selection;
 mod source;
 mod step_over;
 mod summary;
 mod surface;
+mod unit;
 mod warning;
 
 pub(crate) use batch_contact::{BatchContact, batch_contact_schemas};
+pub(crate) use candidate::{CUTTERS, CandidateKind, MOST_CUTTERS, NamedCandidate};
 pub(crate) use contact::{CONTACT, StatedContact};
 pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
 pub(crate) use figures::{COMMON_FIGURES, Figure, FigureValue, Figures};
 pub(crate) use machine::{MACHINE, Machine};
 pub(crate) use model::{MODEL, model_name};
 pub(crate) use no_answer::no_answer;
+pub(crate) use not_ranked::NotRanked;
 pub(crate) use parameters::{ContactParameters, SharedParameters, States, TOLERANCE};
-pub(crate) use source::{Source, Sourced};
+pub(crate) use selection::{PIECES_NAME, SELECT, SelectKind};
+pub(crate) use source::{ReceivedSurface, Source, Sourced};
 pub(crate) use summary::{Check, Extreme, Failure, Summary};
 pub(crate) use surface::SURFACE;
+pub(crate) use unit::UNIT;
 pub(crate) use warning::{Warning, warning_code};
