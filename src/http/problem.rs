@@ -6,13 +6,14 @@
 use super::codes::{Code, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
 use super::reading::{Fault, Faults};
 use super::request_id::RequestId;
+use super::wire::NotRanked;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Type};
+use utoipa::openapi::schema::{ArrayBuilder, Discriminator, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder, Schema};
 use utoipa::{IntoResponses, PartialSchema, ToSchema};
 
@@ -27,6 +28,7 @@ struct Content {
     detail: Cow<'static, str>,
     errors: Vec<Fault>,
     figures: Vec<(ProblemFigure, f64)>,
+    not_ranked: Vec<NotRanked>,
     retry_after_s: Option<u32>,
 }
 
@@ -36,7 +38,15 @@ impl Problem {
     }
 
     fn under(status: StatusCode, kind: ProblemType, detail: impl Into<Cow<'static, str>>) -> Self {
-        Self(Box::new(Content { status, kind, detail: detail.into(), errors: Vec::new(), figures: Vec::new(), retry_after_s: None }))
+        Self(Box::new(Content {
+            status,
+            kind,
+            detail: detail.into(),
+            errors: Vec::new(),
+            figures: Vec::new(),
+            not_ranked: Vec::new(),
+            retry_after_s: None,
+        }))
     }
 
     /// The request is well-formed and cannot be answered, for all the reasons in `faults`. A single reason that is a problem type of its
@@ -53,6 +63,14 @@ impl Problem {
         });
         let mut problem = Self::under(of_file.unwrap_or(StatusCode::UNPROCESSABLE_ENTITY), kind, detail);
         (problem.0.errors, problem.0.figures) = (errors, figures);
+        problem
+    }
+
+    /// No cutter of a recommendation can be ranked, each for its own reason.
+    pub(crate) fn no_cutter_fits(not_ranked: Vec<NotRanked>) -> Self {
+        let detail = format!("none of the {} cutters can be ranked; not_ranked has the reasons", not_ranked.len());
+        let mut problem = Self::new(ServiceProblem::NoCutterFits, detail);
+        problem.0.not_ranked = not_ranked;
         problem
     }
 
@@ -123,6 +141,7 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
         instance: instance.to_owned(),
         request_id: Some(request_id.as_str().to_owned()),
         errors: problem.errors.into_iter().map(FaultBody::from).collect(),
+        not_ranked: problem.not_ranked,
         figures: problem.figures.into_iter().map(|(figure, value)| (figure.name().to_owned(), value.into())).collect(),
     };
     let (mut parts, _) = response.into_parts();
@@ -161,6 +180,10 @@ pub(crate) struct ProblemBody {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(required = false)]
     errors: Vec<FaultBody>,
+    /// The cutters that cannot be ranked, for the type `no-cutter-fits`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schema(ignore)]
+    not_ranked: Vec<NotRanked>,
     /// The figures that the problem's type has, described by the schemas of these types.
     #[serde(flatten)]
     #[schema(ignore)]
@@ -236,6 +259,7 @@ fn problem_response(description: &str, schema: &str) -> RefOr<utoipa::openapi::R
     ResponseBuilder::new().description(description).content("application/problem+json", content).build().into()
 }
 
+const NOT_RANKED: &str = "not_ranked";
 const PROBLEM: &str = "Problem";
 const UNPROCESSABLE: &str = "UnprocessableProblem";
 
@@ -257,9 +281,22 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
             figures => add(format!("{}Problem", pascal_case(code.name())), &[code.name()], figures),
         }
     }
+    let no_cutter_fits = ServiceProblem::NoCutterFits.name();
+    add("NoCutterFitsProblem".to_owned(), &[no_cutter_fits], (&[], &[]));
     add("ProblemWithoutFigures".to_owned(), &plain, (&[], &[]));
     let any = any.discriminator(Some(Discriminator::with_mapping("type", mapping)));
     schemas.push((UNPROCESSABLE.to_owned(), any.into()));
+    for (name, schema) in &mut schemas {
+        if name == "NoCutterFitsProblem"
+            && let RefOr::T(Schema::Object(problem)) = schema
+        {
+            let of_cutters = ArrayBuilder::new().items(Ref::from_schema_name(NotRanked::name())).min_items(Some(1));
+            let of_cutters = of_cutters.description(Some("The cutters, each with the reason why it is not ranked."));
+            *schema = ObjectBuilder::from(problem.clone()).property(NOT_RANKED, of_cutters).required(NOT_RANKED).into();
+        }
+    }
+    schemas.push((NotRanked::name().into_owned(), NotRanked::schema()));
+    NotRanked::schemas(&mut schemas);
     schemas
 }
 

@@ -10,15 +10,3 @@ pub enum Level {
     /// The recommendation may be wrong; simulate both candidates.
     Low,
 }
-
-impl Level {
-    /// The stable name of the level.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::High => "high",
-            Self::Moderate => "moderate",
-            Self::Low => "low",
-        }
-    }
-}

@@ -2,6 +2,7 @@
 
 use super::codes;
 use crate::planning::Weakness;
+use crate::planning::zigzag::SurfaceWeakness;
 
 codes! {
     /// Which weakness of the method: a code for programs to decide by, listed with meanings and remedies in docs/codes.md.
@@ -24,6 +25,24 @@ codes! {
         SeveralPieces = "several-pieces": "The surface is in several pieces", "Send or select one piece at a time.";
         SimulationDisagrees = "simulation-disagrees": "The simulation on the surface takes another time", "Use method \"surface\".";
         SimulationPrefersOther = "simulation-prefers-other": "The simulation on the surface names another cutter", "Use method \"surface\".";
+        SmallLead = "small-lead": "The fastest cutter leads the next by little", "Decide by other reasons, such as tool wear.";
+        CoarseTessellation = "coarse-tessellation": "Facets are wide against the step-over", "Export the surface with a finer tolerance.";
+        SteepArea = "steep-area": "Some of the area is too steep to set a spacing", "Finish the walls in an operation of their own.";
+        HiddenArea = "hidden-area": "Some of the area is hidden from above", "Machine the rest in another set-up.";
+        OverTolerance = "over-tolerance": "Some of the area exceeds the scallop height", "Look at the map of scallop heights; reduce the scallop height.";
+    }
+}
+
+impl From<SurfaceWeakness> for ConfidenceCode {
+    fn from(weakness: SurfaceWeakness) -> Self {
+        match weakness {
+            SurfaceWeakness::SmallLead => Self::SmallLead,
+            SurfaceWeakness::CoarseTessellation => Self::CoarseTessellation,
+            SurfaceWeakness::SteepArea => Self::SteepArea,
+            SurfaceWeakness::HiddenArea => Self::HiddenArea,
+            SurfaceWeakness::SeveralPieces => Self::SeveralPieces,
+            SurfaceWeakness::OverTolerance => Self::OverTolerance,
+        }
     }
 }
 

@@ -1,11 +1,12 @@
 //! The codes on the wire, one enumeration for each family: faults of a request, faults of a file, reasons without an answer, problem types,
-//! warnings, and reasons for less confidence. Each code has its name, its meaning and a remedy in one place; `docs/codes.md` is generated
+//! warnings, reasons for less confidence, and reasons why a cutter is not ranked. Each code has its name, its meaning and a remedy in one place; `docs/codes.md` is generated
 //! from them.
 
 mod confidence;
 mod fault;
 mod file;
 mod no_answer;
+mod not_ranked;
 mod problem;
 #[cfg(test)]
 mod table;
@@ -15,6 +16,7 @@ pub(crate) use confidence::ConfidenceCode;
 pub(crate) use fault::{FaultCode, RequestFault};
 pub(crate) use file::FileFault;
 pub(crate) use no_answer::{NoAnswerCode, ProblemFigure};
+pub(crate) use not_ranked::NotRankedCode;
 pub(crate) use problem::{ProblemType, ServiceProblem};
 pub(crate) use warning::WarningCode;
 

@@ -17,6 +17,7 @@ codes! {
         TooLarge = "too-large": "The body is too large", "Send less, or raise the server's limit.";
         UnsupportedMediaType = "unsupported-media-type": "The media type is not supported", "Send application/json; to the upload, multipart/form-data.";
         UnsupportedEncoding = "unsupported-encoding": "The content encoding is not supported", "Send the body plain or with gzip.";
+        NoCutterFits = "no-cutter-fits": "No cutter can be ranked", "See not_ranked for each cutter's reason; send other cutters.";
         Internal = "internal": "The server failed", "Report the request id to the server's operator.";
         Overloaded = "overloaded": "The server is busy", "Try again after the seconds in Retry-After.";
         Failed = "failed": "The request failed", "The HTTP status says more.";
@@ -27,7 +28,7 @@ impl ServiceProblem {
     /// The status of such a problem; `None` where it takes whatever status the framework gave.
     pub(crate) fn status(self) -> Option<StatusCode> {
         Some(match self {
-            Self::InvalidRequest => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::InvalidRequest | Self::NoCutterFits => StatusCode::UNPROCESSABLE_ENTITY,
             Self::MalformedJson | Self::MalformedForm | Self::MalformedRequest | Self::UnreadableBody => StatusCode::BAD_REQUEST,
             Self::NotFound => StatusCode::NOT_FOUND,
             Self::MethodNotAllowed => StatusCode::METHOD_NOT_ALLOWED,

@@ -1,6 +1,6 @@
 //! The table of all codes, `docs/codes.md`, held against the enumerations.
 
-use super::{Code, ConfidenceCode, Entry, FileFault, NoAnswerCode, RequestFault, ServiceProblem, WarningCode};
+use super::{Code, ConfidenceCode, Entry, FileFault, NoAnswerCode, NotRankedCode, RequestFault, ServiceProblem, WarningCode};
 use axum::http::StatusCode;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -47,6 +47,11 @@ fn all_tables() -> String {
         ),
         table::<RequestFault>("Faults", "The `code` in `errors` of a problem, and in `failures` of a batch.", None),
         table::<WarningCode>("Warnings", "The `code` in `warnings` of an answer.", None),
+        table::<NotRankedCode>(
+            "Cutters that are not ranked",
+            "The `code` in `not_ranked` of a recommendation, and of the problem `no-cutter-fits`.",
+            None,
+        ),
         table::<ConfidenceCode>("Confidence", "The `code` in `confidence.reasons` of a recommendation.", None),
     ]
     .concat()
@@ -68,6 +73,7 @@ fn every_name_is_in_kebab_case_and_stands_once_in_its_family() {
         RequestFault::names(),
         FileFault::names(),
         NoAnswerCode::names(),
+        NotRankedCode::names(),
         ServiceProblem::names(),
         WarningCode::names(),
         ConfidenceCode::names(),

@@ -23,6 +23,10 @@ codes! {
         OtherElements = "other-elements": "Elements other than vertices and faces were left out", "None is needed.";
         MissingPoints = "missing-points": "Points without coordinates were left out", "None is needed; scanners write them where they saw nothing.";
         CrossedPolygons = "crossed-polygons": "Polygons cross themselves", "Check the mesh; their area is uncertain.";
+        FacetsMerged = "facets-merged": "The surface was merged on a raster", "Send fewer facets; details under the raster's cell are lost.";
+        FlutesTooShort = "flutes-too-short": "The flutes are shorter than the surface is deep", "Check the clearance of shank and holder.";
+        OtherTools = "other-tools": "Tools of a library are no finishing cutters", "None is needed; the detail counts them by type.";
+        PassesLeftOut = "passes-left-out": "The passes have too many points for an answer", "Select a part of the surface, or allow more height.";
         MissingEnd = "missing-end": "The file ends inside a solid", "Check that the file is whole.";
     }
 }

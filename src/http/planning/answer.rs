@@ -1,211 +1,352 @@
 //! The answer of a cutter recommendation.
 
-use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster, candidates, line_degrees};
-use crate::http::codes::ConfidenceCode;
-use crate::http::wire::{Source, Sourced, Warning};
-use crate::planning::{Confidence, Level, Reason, Recommendation};
-use crate::quantity::{Angle, Area};
-use crate::surface::{Basis, Bounds, Shape};
+use super::candidates::{ComparedCutter, line_degrees};
+use super::confidence::ConfidenceAnswer;
+use super::map::MapAnswer;
+use super::parameters::Method;
+use super::passes::PassesAnswer;
+use super::shape::SurfaceAnswer;
+use crate::http::wire::{NamedCandidate, NotRanked, Warning, model_name};
+use crate::milling::{CutterKind, Model};
+use crate::planning::RectanglePlan;
+use crate::planning::zigzag::{SpacingFigures, ZigzagPlan};
+use crate::quantity::{Angle, Length, Speed, Time};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// Which cutter finishes the surface sooner, how, and how far to trust it.
+/// Which cutter finishes the surface soonest, how, and how far to trust it.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct RecommendationAnswer {
-    /// The faster cutter, in its direction.
-    recommended: Recommended,
-    /// The slope below which the toroidal cutter is faster on a surface of this form. 90 where it is faster on every slope, 0 where the
-    /// ball-end cutter is; `always_faster` names it then.
-    #[schema(minimum = 0, maximum = 90)]
-    critical_slope_deg: f64,
-    /// The cutter that is faster on every slope; absent where there is a critical slope.
+    /// How the plans were made.
+    pub(super) method: MethodName,
+    /// The model by which passes are spaced: `analytic` or `envelope`.
+    #[schema(example = "envelope")]
+    pub(super) model: &'static str,
+    /// The fastest cutter, in its direction.
+    pub(super) recommended: RecommendedCutter,
+    /// All cutters that can be ranked, fastest first.
+    #[schema(min_items = 1)]
+    pub(super) candidates: Vec<RankedCandidate>,
+    /// The cutters that cannot be ranked, in the order of the request.
+    pub(super) not_ranked: Vec<NotRanked>,
+    /// The surface.
+    pub(super) surface: SurfaceAnswer,
+    /// The slope below which the toroidal cutter is faster on the rectangle that spreads as much as the surface; 90 where it is faster on every slope, 0
+    /// where the ball-end cutter is. Only where one toroidal and one ball-end cutter are compared and the published method has an answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 90)]
+    pub(super) critical_slope_deg: Option<f64>,
+    /// The cutter that is faster on every slope of that rectangle; absent where there is a critical slope.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    always_faster: Option<ComparedCutter>,
-    /// The form factor below which the toroidal cutter is faster on a surface of this size and slope; 1 where the ball-end cutter is faster
-    /// even on a square.
-    #[schema(minimum = 1)]
-    critical_form_factor: f64,
-    /// The surface's shape.
-    surface: SurfaceAnswer,
-    /// Both cutters, the toroidal one first.
-    #[schema(min_items = 2, max_items = 2)]
-    candidates: Vec<CandidateAnswer>,
+    pub(super) always_faster: Option<ComparedCutter>,
+    /// The form factor below which the toroidal cutter is faster on a rectangle of this size and slope. Only with `critical_slope_deg`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 1)]
+    pub(super) critical_form_factor: Option<f64>,
+    /// The surface as a raster, for drawing; only where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub(super) map: Option<MapAnswer>,
+    /// The passes of the recommended plan; only where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub(super) passes: Option<PassesAnswer>,
     /// How far to trust the recommendation.
-    confidence: ConfidenceAnswer,
+    pub(super) confidence: ConfidenceAnswer,
     /// What must be looked at.
-    warnings: Vec<Warning>,
+    pub(super) warnings: Vec<Warning>,
 }
 
-/// The shape of a surface. Directions are lines seen from above, from +X counter-clockwise, in [0, 180).
+/// How a plan is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = MethodUsed)]
+pub(super) enum MethodName {
+    /// Zigzag passes simulated on the surface.
+    Surface,
+    /// The published method: an inclined rectangle stands for the surface.
+    Rectangle,
+}
+
+impl From<Method> for MethodName {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Surface => Self::Surface,
+            Method::Rectangle => Self::Rectangle,
+        }
+    }
+}
+
+/// The name of a model.
+pub(super) fn model(model: Model) -> &'static str {
+    model_name(model)
+}
+
+/// The cutter to take, and how.
 #[derive(Debug, Serialize, ToSchema)]
-#[schema(as = SurfaceShape)]
-struct SurfaceAnswer {
-    /// In which form the surface was sent; of a file, the format that its content showed.
-    source: Source,
-    /// How many points the shape was taken of; 0 where it was taken of facets.
-    points: u64,
-    /// How many facets the shape was taken of.
-    facets: u64,
-    /// The angle between the plane that fits best and the horizontal.
-    #[schema(minimum = 0, maximum = 90)]
-    slope_deg: f64,
-    /// The mean of the slopes of all facets or samples. Only where facets or a patch have slopes.
+pub(super) struct RecommendedCutter {
+    /// The position of the cutter in the request, from 0; cutters of libraries follow.
+    cutter: usize,
+    /// The cutter's name, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, maximum = 90)]
-    mean_slope_deg: Option<f64>,
-    /// mu, the long side over the short side of the rectangle that spreads as much.
-    #[schema(minimum = 1)]
-    form_factor: f64,
-    /// chi, the area of that rectangle.
+    #[schema(nullable = false)]
+    name: Option<String>,
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where the surface has no such direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
+    direction_deg: Option<f64>,
+    /// The time of all passes and links, stops included.
     #[schema(minimum = 0)]
-    characteristic_size_mm2: f64,
-    /// Along which the surface spreads most. Absent where it spreads as much in every direction, or most along the vertical.
+    machining_time_s: f64,
+    /// The median distance of the passes seen from above.
+    #[schema(minimum = 0)]
+    step_over_xy_mm: f64,
+    /// The mean feed rate of the passes.
+    #[schema(minimum = 0)]
+    feed_rate_mm_min: f64,
+}
+
+/// A cutter with its fastest plan.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub(super) struct RankedCandidate {
+    /// The position of the cutter in the request, from 0; cutters of libraries follow.
+    cutter: usize,
+    /// The cutter's name, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    name: Option<String>,
+    /// The kind of cutter.
+    #[serde(rename = "type")]
+    kind: CutterKindName,
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
-    principal_direction_deg: Option<f64>,
-    /// The steepest direction of the plane that fits best. Absent where that is level.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
-    steepest_direction_deg: Option<f64>,
-    /// The angle between these two directions; the method takes it for 90. Absent where one of them is.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, maximum = 90)]
-    direction_gap_deg: Option<f64>,
-    /// sqrt(l3/l1) of the eigenvalues: 0 for a plane.
-    #[schema(minimum = 0, maximum = 1)]
-    flatness: f64,
-    /// The eigenvalues l1 >= l2 >= l3 of the covariance matrix.
-    #[schema(min_items = 3, max_items = 3)]
-    eigenvalues_mm2: [f64; 3],
-    /// The centroid [x, y, z].
-    #[schema(min_items = 3, max_items = 3)]
-    centroid_mm: [f64; 3],
-    /// The box around what the shape was taken of.
-    bounds_mm: BoundsAnswer,
-    /// The area. Only where facets or a patch have one.
+    direction_deg: Option<f64>,
+    /// The time of all passes and links, stops included.
+    #[schema(minimum = 0)]
+    machining_time_s: f64,
+    /// How many planes the passes lie in; in method rectangle the model's quotient, not rounded.
+    #[schema(minimum = 0)]
+    passes: f64,
+    /// The length of all passes and links.
+    #[schema(minimum = 0)]
+    path_length_mm: f64,
+    /// The distances of the passes seen from above.
+    step_over_xy_mm: SpacingAnswer,
+    /// The mean feed rate of the passes: their length over the time they would take without stops.
+    #[schema(minimum = 0)]
+    feed_rate_mm_min: f64,
+    /// The mean feed per tooth; only for cutters with teeth and spindle speed, in method surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
-    area_mm2: Option<f64>,
+    feed_per_tooth_mm: Option<f64>,
+    /// The figures of the simulation; only in method surface.
+    #[serde(flatten)]
+    simulated: Option<SimulatedFigures>,
 }
 
-/// A box with sides along the axes.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Bounds)]
-struct BoundsAnswer {
-    /// The smallest x, y and z.
-    #[schema(min_items = 3, max_items = 3)]
-    min: [f64; 3],
-    /// The largest x, y and z.
-    #[schema(min_items = 3, max_items = 3)]
-    max: [f64; 3],
+/// What the simulation on the surface tells of a plan.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+struct SimulatedFigures {
+    /// The links between runs.
+    #[schema(required = false)]
+    links: LinksAnswer,
+    /// The scallop height over the area, by model `envelope` with the surface's own curvature.
+    #[schema(required = false)]
+    scallop_height_mm: ScallopAnswer,
+    /// The share of the area whose scallop exceeds the height asked for.
+    #[schema(required = false, minimum = 0, maximum = 1)]
+    over_tolerance_share: f64,
+    /// The share of the area that the cutter leaves uncut because it does not fit.
+    #[schema(required = false, minimum = 0, maximum = 1)]
+    uncut_share: f64,
+    /// The largest height that it leaves there.
+    #[schema(required = false, minimum = 0)]
+    uncut_height_mm: f64,
+    /// A bound from below: no zigzag that keeps the scallop height takes less.
+    #[schema(required = false, minimum = 0)]
+    least_time_s: f64,
+    /// The time of each direction that was tried and has one.
+    #[schema(required = false)]
+    by_direction: ByDirection,
+    /// The same cutter by the published method, where that has an answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    rectangle: Option<OnRectangle>,
 }
 
-/// How far to trust a recommendation.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Confidence)]
-struct ConfidenceAnswer {
-    /// `high`: the surface is of the kind for which the method was built; `moderate`: times and critical slope are estimates; `low`: the
-    /// recommendation may be wrong, so simulate both candidates.
-    level: LevelName,
-    /// What keeps the level from being high, the gravest first.
-    reasons: Vec<ReasonAnswer>,
-}
-
-/// A level of confidence.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+/// A kind of cutter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-#[schema(as = ConfidenceLevel)]
-enum LevelName {
-    High,
-    Moderate,
-    Low,
+#[schema(as = CutterType)]
+enum CutterKindName {
+    Toroidal,
+    BallEnd,
+    FlatEnd,
 }
 
-/// A weakness of the method that this surface touches.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = ConfidenceReason)]
-struct ReasonAnswer {
-    code: ConfidenceCode,
-    /// To which level it lowers the confidence.
-    level: LevelName,
-    /// What it is about, for a person.
-    detail: String,
-    /// The figure that shows it, in the unit that `detail` names.
-    value: f64,
-    /// The threshold that the figure crossed, in the same unit.
-    threshold: f64,
+/// Distances of passes.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[schema(as = StepOverRange)]
+struct SpacingAnswer {
+    /// The smallest.
+    #[schema(minimum = 0)]
+    min: f64,
+    /// The median.
+    #[schema(minimum = 0)]
+    median: f64,
+    /// The largest.
+    #[schema(minimum = 0)]
+    max: f64,
 }
 
-impl RecommendationAnswer {
-    pub(super) fn new(recommendation: &Recommendation, shape: &Shape, sourced: &Sourced) -> Self {
-        let plan = &recommendation.plan;
+/// The links between runs.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[schema(as = Links)]
+struct LinksAnswer {
+    /// How many there are.
+    count: usize,
+    /// Their length.
+    #[schema(minimum = 0)]
+    length_mm: f64,
+    /// How many go over the clearance height.
+    lifts: usize,
+}
+
+/// Scallop heights over the area.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[schema(as = ScallopHeights)]
+struct ScallopAnswer {
+    /// The median.
+    #[schema(minimum = 0)]
+    p50: f64,
+    /// The 90th percentile.
+    #[schema(minimum = 0)]
+    p90: f64,
+    /// The 99th percentile.
+    #[schema(minimum = 0)]
+    p99: f64,
+    /// The largest.
+    #[schema(minimum = 0)]
+    max: f64,
+}
+
+/// Times by direction, before the check of the scallop height.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+struct ByDirection {
+    /// The directions.
+    direction_deg: Vec<f64>,
+    /// The time in each.
+    machining_time_s: Vec<f64>,
+}
+
+/// A plan by the published method.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+struct OnRectangle {
+    /// The line of the passes; absent where the surface has no such direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
+    direction_deg: Option<f64>,
+    /// The time of the zigzag.
+    #[schema(minimum = 0)]
+    machining_time_s: f64,
+}
+
+impl From<SpacingFigures> for SpacingAnswer {
+    fn from(figures: SpacingFigures) -> Self {
+        Self { min: figures.min.mm(), median: figures.median.mm(), max: figures.max.mm() }
+    }
+}
+
+fn kind(named: &NamedCandidate) -> CutterKindName {
+    match named.candidate.cutter.kind() {
+        CutterKind::Toroidal => CutterKindName::Toroidal,
+        CutterKind::BallEnd => CutterKindName::BallEnd,
+        CutterKind::FlatEnd => CutterKindName::FlatEnd,
+    }
+}
+
+impl RankedCandidate {
+    /// A plan simulated on the surface.
+    pub(super) fn simulated(plan: &ZigzagPlan, candidates: &[NamedCandidate]) -> Self {
+        let named = &candidates[plan.candidate];
+        let (directions, times): (Vec<_>, Vec<_>) =
+            plan.by_direction.iter().filter_map(|(direction, time)| Some((line_degrees(*direction), (*time)?.seconds()))).unzip();
+        let scallop = plan.scallop_height;
+        #[expect(clippy::cast_precision_loss, reason = "at most 50,000")]
+        let passes = plan.planes as f64;
         Self {
-            recommended: plan.recommended().into(),
-            critical_slope_deg: plan.critical_slope.angle().degrees(),
-            always_faster: always_faster(plan.critical_slope),
-            critical_form_factor: plan.critical_form_factor.form_factor().ratio(),
-            surface: SurfaceAnswer::new(shape, sourced.source),
-            candidates: candidates(plan),
-            confidence: (&recommendation.confidence).into(),
-            warnings: sourced.warnings(shape),
+            cutter: plan.candidate,
+            name: named.name.clone(),
+            kind: kind(named),
+            direction_deg: Some(line_degrees(plan.direction)),
+            machining_time_s: plan.time.seconds(),
+            passes,
+            path_length_mm: plan.path_length().mm(),
+            step_over_xy_mm: plan.step_over.into(),
+            feed_rate_mm_min: plan.feed_rate.mm_min(),
+            feed_per_tooth_mm: plan.feed_per_tooth.map(Length::mm),
+            simulated: Some(SimulatedFigures {
+                links: LinksAnswer { count: plan.tour.links, length_mm: plan.tour.link_length, lifts: plan.tour.lifts },
+                scallop_height_mm: ScallopAnswer {
+                    p50: scallop.p50.mm(),
+                    p90: scallop.p90.mm(),
+                    p99: scallop.p99.mm(),
+                    max: scallop.max.mm(),
+                },
+                over_tolerance_share: scallop.over_tolerance_share,
+                uncut_share: plan.reach.map_or(0.0, |reach| reach.uncut_share),
+                uncut_height_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height.mm()),
+                least_time_s: plan.least_time.seconds(),
+                by_direction: ByDirection { direction_deg: directions, machining_time_s: times },
+                rectangle: plan.rectangle.map(|plan| OnRectangle {
+                    direction_deg: plan.direction.map(line_degrees),
+                    machining_time_s: plan.zigzag.time.seconds(),
+                }),
+            }),
         }
     }
-}
 
-impl SurfaceAnswer {
-    fn new(shape: &Shape, source: Source) -> Self {
-        let (points, facets) = if shape.basis == Basis::Points { (shape.elements, 0) } else { (0, shape.elements) };
+    /// A plan by the published method. Passes up and down the slope are level apart, so that their distance is the same seen from above; those along the
+    /// level side are apart up the slope.
+    pub(super) fn on_rectangle(cutter: usize, plan: &RectanglePlan, slope: Angle, feed_rate: Speed, candidates: &[NamedCandidate]) -> Self {
+        let named = &candidates[cutter];
+        let is_ball = named.candidate.cutter.kind() == CutterKind::BallEnd;
+        let step_over = plan.zigzag.step_over.mm() * if is_ball { slope.cos() } else { 1.0 };
         Self {
-            source,
-            points,
-            facets,
-            slope_deg: shape.slope.degrees(),
-            mean_slope_deg: shape.mean_slope.map(Angle::degrees),
-            form_factor: shape.form_factor.ratio(),
-            characteristic_size_mm2: shape.characteristic_size.mm2(),
-            principal_direction_deg: shape.principal_direction.map(line_degrees),
-            steepest_direction_deg: shape.steepest_direction.map(line_degrees),
-            direction_gap_deg: shape.direction_gap.map(Angle::degrees),
-            flatness: shape.flatness,
-            eigenvalues_mm2: shape.eigenvalues.map(Area::mm2),
-            centroid_mm: shape.centroid,
-            bounds_mm: shape.bounds.into(),
-            area_mm2: shape.area.map(Area::mm2),
+            cutter,
+            name: named.name.clone(),
+            kind: kind(named),
+            direction_deg: plan.direction.map(line_degrees),
+            machining_time_s: plan.zigzag.time.seconds(),
+            passes: plan.zigzag.passes,
+            path_length_mm: plan.zigzag.path_length.mm(),
+            step_over_xy_mm: SpacingAnswer { min: step_over, median: step_over, max: step_over },
+            feed_rate_mm_min: feed_rate.mm_min(),
+            feed_per_tooth_mm: None,
+            simulated: None,
         }
     }
-}
 
-impl From<Bounds> for BoundsAnswer {
-    fn from(bounds: Bounds) -> Self {
-        Self { min: bounds.min, max: bounds.max }
+    pub(super) fn time(&self) -> Time {
+        Time::computed(self.machining_time_s)
+    }
+
+    pub(super) fn cutter(&self) -> usize {
+        self.cutter
     }
 }
 
-impl From<&Confidence> for ConfidenceAnswer {
-    fn from(confidence: &Confidence) -> Self {
-        Self { level: confidence.level().into(), reasons: confidence.reasons().iter().map(ReasonAnswer::from).collect() }
-    }
-}
-
-impl From<Level> for LevelName {
-    fn from(level: Level) -> Self {
-        match level {
-            Level::High => Self::High,
-            Level::Moderate => Self::Moderate,
-            Level::Low => Self::Low,
-        }
-    }
-}
-
-impl From<&Reason> for ReasonAnswer {
-    fn from(reason: &Reason) -> Self {
+impl From<&RankedCandidate> for RecommendedCutter {
+    fn from(candidate: &RankedCandidate) -> Self {
         Self {
-            code: reason.weakness.into(),
-            level: reason.level.into(),
-            detail: reason.to_string(),
-            value: reason.figure,
-            threshold: reason.threshold,
+            cutter: candidate.cutter,
+            name: candidate.name.clone(),
+            direction_deg: candidate.direction_deg,
+            machining_time_s: candidate.machining_time_s,
+            step_over_xy_mm: candidate.step_over_xy_mm.median,
+            feed_rate_mm_min: candidate.feed_rate_mm_min,
         }
     }
 }

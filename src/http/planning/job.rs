@@ -22,7 +22,7 @@ members! {
 /// Takes the members of a job out of `object`, which has others.
 pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Job, Faulted> {
     let JobMembers { toroidal, ball_end, scallop_height, machine, model } = JobMembers::read(object, faults);
-    let job = Job::new(toroidal?, ball_end?, scallop_height?, machine?, model?.unwrap_or_default());
+    let job = Job::new(toroidal?, ball_end?, scallop_height?, machine?.limits, model?.unwrap_or_default());
     job.map_err(|error| faults.push(fault(error, &object.path())))
 }
 

@@ -1,54 +1,76 @@
-//! `POST /v1/cutter-recommendation/upload`: the surface as a file, the parameters beside it in a part of their own. The file passes
-//! through its reader as it arrives and is never held.
+//! `POST /v1/cutter-recommendation/upload`: the surface as a file, the parameters beside it in a part of their own, tool libraries in further parts. The
+//! surface passes through its reader as it arrives; of the file only what its format needs is held.
 
 use super::answer::RecommendationAnswer;
+use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
 use super::multipart::{Form, Head};
-use super::recommendation::Parameters;
+use super::parameters::Parameters;
+use super::plan::Task;
+use super::recommendation::answer_to;
+use crate::cancellation::CancelFlag;
 use crate::http::body::{WrittenJson, read_text};
 use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
-use crate::http::wire::{SURFACE, Sourced};
+use crate::http::wire::{ReceivedSurface, SURFACE, Sourced};
 use crate::http::worker_pool::Work;
-use crate::surface::SampledSurface;
+use crate::memory_budget::Reservation;
 use crate::surface::read::{self, Format, FormatHint, Reader, TextBlock};
+use crate::surface::{SampledSurface, Sink};
+use crate::tooling::ToolLibrary;
 use axum::body::Bytes;
 use axum::extract::State;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, SchemaFormat, Type};
+use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 const PARAMETERS: &str = "parameters";
 
-/// Parameters are some hundred bytes; a part of this size holds something else.
-const LARGEST_PARAMETERS: usize = 1 << 16;
+/// Parameters are some kB, with 200 cutters 40 kB; a part of this size holds something else.
+const LARGEST_PARAMETERS: usize = 1 << 18;
+
+/// What the tools of a library take at most: ten thousand, of some 300 bytes.
+const MEMORY_OF_A_LIBRARY: u64 = 3 << 20;
+
+/// The largest 3MF file, compressed, and the most vertices of its meshes.
+const LARGEST_ARCHIVE: usize = 64 << 20;
+const MOST_VERTICES_OF_A_PACKAGE: usize = 4_000_000;
+
+/// What the meshes of a 3MF file take at most: 24 bytes a vertex, and two triangles of 12 bytes for each.
+const MEMORY_OF_A_PACKAGE: u64 = 48 * MOST_VERTICES_OF_A_PACKAGE as u64;
 
 described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "the file: points in text (CSV, TSV, XYZ), STL, OBJ or PLY. Its content shows the format; the part's type and file name help where it does not",
+        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. Its content shows the format; the part's type and file name help where it does not",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
-        Parameters::describe(ObjectSchema::new("Two cutters to compare on a surface, and the machine", components)).build()
+        Parameters::describe(ObjectSchema::new("The cutters to choose from, unless libraries have them, and the machine", components))
+            .build()
     });
-    let form = ObjectSchema::new("A surface file and the parameters, in either order", components);
-    form.required_property(SURFACE.name, file).required_property(PARAMETERS, parameters).build()
+    let library = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
+        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb or a zip of them) or CSV; its ball-end, bull-nose and flat cutters join cutters",
+    ));
+    let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));
+    let form = ObjectSchema::new("A surface file, the parameters and tool libraries, in any order", components);
+    form.required_property(SURFACE.name, file).required_property(PARAMETERS, parameters).property(LIBRARY, libraries).build()
 }
 
 /// The cutter for a surface in a file
 ///
-/// The same as `/v1/cutter-recommendation`, for a file with points (CSV, TSV, XYZ) or facets (STL, OBJ, PLY).
+/// The same as `/v1/cutter-recommendation`, for a file with points (CSV, TSV, XYZ, PCD) or facets (STL, OBJ, PLY, 3MF), and for cutters out of tool libraries.
 #[utoipa::path(
     post, path = "/v1/cutter-recommendation/upload", tag = "planning", operation_id = "cutter_recommendation_upload",
     request_body(content = UploadRequest, content_type = "multipart/form-data", encoding(("parameters" = (content_type = "application/json")))),
-    responses((status = 200, description = "The recommendation, with both candidates", body = RecommendationAnswer), UploadProblems),
+    responses((status = 200, description = "The recommendation, with all candidates", body = RecommendationAnswer), UploadProblems),
 )]
 pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
     let received = Received::read(&mut form, &work, &metrics).await?;
-    work.run_after_upload(move |_| received.answer()).await?
+    let planning = work.clone();
+    work.run_after_upload(move |cancelled| received.answer(&planning, cancelled)).await?
 }
 
 /// What arrived.
@@ -56,24 +78,42 @@ pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form:
 struct Received {
     parameters: Option<Vec<u8>>,
     surface: Option<Result<Sourced, read::Fault>>,
+    libraries: Libraries,
     /// Of the form itself.
     faults: Vec<Fault>,
+    /// The memory that surface and libraries hold until the answer is ready.
+    memory: Vec<Reservation>,
 }
 
 impl Received {
-    /// Takes in the whole form, so that the faults of all parts can be told together.
+    /// Takes in the whole form, so that the answer has the faults of all parts.
     async fn read(form: &mut Form, work: &Work, metrics: &Metrics) -> Result<Self, Problem> {
         let mut received = Self::default();
         while let Some(head) = form.next().await? {
             match head.name.as_deref() {
                 Some(name) if name == SURFACE.name && received.surface.is_none() => {
-                    received.surface = Some(read_file(form, &head, work, metrics).await?);
+                    let mut memory = work.reserve(0)?;
+                    received.surface = Some(read_file(form, &head, work, metrics, &mut memory).await?);
+                    received.memory.push(memory);
                 }
-                Some(PARAMETERS) if received.parameters.is_none() => received.parameters = Some(read_parameters(form).await?),
+                Some(PARAMETERS) if received.parameters.is_none() => {
+                    received.parameters = Some(read_small(form, PARAMETERS, LARGEST_PARAMETERS, &mut work.reserve(0)?).await?);
+                }
+                Some(LIBRARY) => received.read_library(form, head.file_name, work).await?,
                 name => received.refuse_part(name),
             }
         }
         Ok(received)
+    }
+
+    async fn read_library(&mut self, form: &mut Form, file_name: Option<String>, work: &Work) -> Result<(), Problem> {
+        let mut memory = work.reserve(0)?;
+        let bytes = read_small(form, LIBRARY, LARGEST_LIBRARY, &mut memory).await?;
+        self.libraries.push(work.run_piece(move || ToolLibrary::read(&bytes, file_name.as_deref())).await);
+        // The tools of a library are at most ten thousand names and figures.
+        memory.shrink_to(MEMORY_OF_A_LIBRARY);
+        self.memory.push(memory);
+        Ok(())
     }
 
     fn refuse_part(&mut self, name: Option<&str>) {
@@ -82,35 +122,41 @@ impl Received {
             Some(name) if name == SURFACE.name || name == PARAMETERS => {
                 Fault::new(&root.member(name), RequestFault::RepeatedField, "the part is given more than once")
             }
-            Some(name) => Fault::new(&root.member(name), RequestFault::UnknownField, "unknown part; known here: surface, parameters"),
-            None => Fault::new(&root, RequestFault::UnknownField, "a part has no name; known here: surface, parameters"),
+            Some(name) => {
+                Fault::new(&root.member(name), RequestFault::UnknownField, "unknown part; known here: surface, parameters, library")
+            }
+            None => Fault::new(&root, RequestFault::UnknownField, "a part has no name; known here: surface, parameters, library"),
         };
         self.faults.push(fault);
     }
 
-    fn answer(self) -> Result<WrittenJson, Problem> {
-        let Some(parameters) = &self.parameters else {
+    fn answer(mut self, work: &Work, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+        let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
-            let _ = self.surface(&mut faults);
+            let _ = (self.surface(&mut faults), self.libraries.check(&mut faults));
             let path = JsonPath::Root.member(PARAMETERS);
-            faults.add(&path, RequestFault::MissingField, "the part is missing: the job and the machine, as JSON");
+            faults.add(&path, RequestFault::MissingField, "the part is missing: the cutters and the machine, as JSON");
             return Err(Problem::faulty_request(faults));
         };
-        let answer = read_text(parameters, |object, faults| {
-            let parameters = Parameters::read(object, faults);
+        let task = read_text(&parameters, |object, faults| {
+            let libraries = std::mem::take(&mut self.libraries);
+            let (checked, warning) = (libraries.check(faults), libraries.warning());
+            let parameters = Parameters::read(object, libraries.into_candidates(), checked, faults);
             let surface = self.surface(faults);
-            parameters?.answer(surface?, &JsonPath::Root.member(SURFACE.name), faults)
-        });
-        WrittenJson::of(&answer?)
+            let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults)?;
+            task.warn(warning);
+            Ok(task)
+        })?;
+        answer_to(task, work, cancelled)
     }
 
     /// The surface, with the faults of the form and the file recorded.
-    fn surface(&self, faults: &mut Faults) -> Result<&Sourced, Faulted> {
-        for fault in &self.faults {
-            faults.push(fault.clone());
+    fn surface(&mut self, faults: &mut Faults) -> Result<Sourced, Faulted> {
+        for fault in std::mem::take(&mut self.faults) {
+            faults.push(fault);
         }
         let path = JsonPath::Root.member(SURFACE.name);
-        match &self.surface {
+        match self.surface.take() {
             Some(Ok(surface)) => Ok(surface),
             Some(Err(fault)) => Err(faults.add(&path, FileFault::from(fault.kind()), fault)),
             None => Err(faults.add(&path, RequestFault::MissingField, "the part is missing: the file with the surface")),
@@ -120,11 +166,16 @@ impl Received {
 
 /// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
 /// is received; no more than these two are held.
-async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics) -> Result<Result<Sourced, read::Fault>, Problem> {
-    let mut reader = Reader::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()));
-    let mut surface = SampledSurface::new();
-    // What the reader holds; a block adds a few times its size, for which there is room beside the budget.
-    let mut held = work.reserve(0)?;
+async fn read_file(
+    form: &mut Form,
+    head: &Head,
+    work: &Work,
+    metrics: &Metrics,
+    held: &mut Reservation,
+) -> Result<Result<Sourced, read::Fault>, Problem> {
+    let hint = FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref());
+    let mut reader = Reader::new(hint).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE).with_archive_limit(LARGEST_ARCHIVE);
+    let mut surface = ReceivedSurface::new();
     let mut received = Block::receive(form, metrics).await?;
     while !received.pieces.is_empty() {
         let block = received;
@@ -135,11 +186,16 @@ async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics)
         let (worked, next) = tokio::join!(reading, Block::receive(form, metrics));
         let pushed;
         (reader, surface, pushed) = worked;
-        held.resize(reader.held_bytes() as u64)?;
+        // What the reader and the facets hold; a block adds a few times its size, for which there is room beside the budget.
+        held.resize(reader.held_bytes() as u64 + surface.held_bytes())?;
         received = next?;
         if let Err(fault) = pushed {
             return Ok(Err(fault));
         }
+    }
+    if reader.is_archive() {
+        // A package is inflated once it has arrived, and its meshes are held until they are placed.
+        held.grow(MEMORY_OF_A_PACKAGE)?;
     }
     let (surface, finished) = work
         .run_piece(move || {
@@ -147,9 +203,10 @@ async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics)
             (surface, finished)
         })
         .await;
+    held.resize(surface.held_bytes())?;
     Ok(finished.map(|summary| {
         metrics.upload_facets(format_label(summary.format), if summary.facets > 0 { summary.facets } else { summary.points });
-        Sourced { surface, source: summary.format.into(), notes: summary.notes }
+        Sourced::of_file(surface, summary)
     }))
 }
 
@@ -180,16 +237,17 @@ impl Block {
 
     /// Passes the pieces to the reader; blocks of text that can be read apart go to all threads. Their sums are added in their order,
     /// so that the same file has the same sums, to the bit.
-    fn read(&self, reader: &mut Reader, surface: &mut SampledSurface) -> Result<(), read::Fault> {
+    fn read(&self, reader: &mut Reader, surface: &mut ReceivedSurface) -> Result<(), read::Fault> {
         let mut blocks = Vec::new();
         self.pieces.iter().try_for_each(|piece| reader.push_in_blocks(piece, surface, &mut blocks))?;
         let sum = |text_block: TextBlock| {
-            let mut part = SampledSurface::new();
+            let mut part = TextPart::default();
             (text_block.read(&mut part), part)
         };
         let parts: Vec<_> = blocks.into_par_iter().map(sum).collect();
         parts.into_iter().try_for_each(|(read, part)| {
-            surface.merge(&part);
+            surface.sampled.merge(&part.sums);
+            part.points.into_iter().for_each(|point| surface.mesh.point(point));
             reader.record_block(read)
         })
     }
@@ -207,16 +265,35 @@ fn format_label(format: Format) -> &'static str {
     }
 }
 
-async fn read_parameters(form: &mut Form) -> Result<Vec<u8>, Problem> {
-    let mut parameters = Vec::new();
-    while let Some(chunk) = form.chunk().await? {
-        parameters.extend(chunk);
-        if parameters.len() > LARGEST_PARAMETERS {
-            let detail = format!("the part parameters is larger than {LARGEST_PARAMETERS} bytes");
-            return Err(Problem::new(ServiceProblem::TooLarge, detail));
-        }
+/// What is read of a block of text, which has points only.
+#[derive(Debug, Default)]
+struct TextPart {
+    sums: SampledSurface,
+    points: Vec<[f64; 3]>,
+}
+
+impl Sink for TextPart {
+    fn point(&mut self, point: [f64; 3]) {
+        self.sums.point(point);
+        self.points.push(point);
     }
-    Ok(parameters)
+
+    fn facet(&mut self, _: [[f64; 3]; 3]) {
+        unreachable!("blocks of text have no facets")
+    }
+}
+
+/// Reads a part that is held as a whole, up to `largest` bytes.
+async fn read_small(form: &mut Form, name: &str, largest: usize, memory: &mut Reservation) -> Result<Vec<u8>, Problem> {
+    let mut bytes = Vec::new();
+    while let Some(chunk) = form.chunk().await? {
+        if bytes.len() + chunk.len() > largest {
+            return Err(Problem::new(ServiceProblem::TooLarge, format!("the part {name} is larger than {largest} bytes")));
+        }
+        bytes.extend(chunk);
+        memory.resize(bytes.capacity() as u64)?;
+    }
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -226,13 +303,13 @@ mod tests {
 
     /// The shape of a text that comes in pieces and blocks of these sizes.
     fn shape(text: &[u8], piece: usize, pieces: usize) -> String {
-        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), SampledSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::new());
         let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();
         for pieces in all.chunks(pieces) {
             Block { pieces: pieces.to_vec() }.read(&mut reader, &mut surface).unwrap();
         }
         assert_eq!(reader.finish(&mut surface).unwrap().points, 60_000);
-        format!("{:?}", surface.shape(Unit::Millimetre, Facing::Up).unwrap())
+        format!("{:?}", surface.sampled.shape(Unit::Millimetre, Facing::Up).unwrap())
     }
 
     #[test]
@@ -248,7 +325,7 @@ mod tests {
     #[test]
     fn a_fault_in_a_text_block_has_its_line_in_the_file() {
         let text = "1.5,2,3\n".repeat(100_000) + "1.5,2\n" + &"1.5,2,3\n".repeat(100_000);
-        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), SampledSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::new());
         let block = Block { pieces: vec![Bytes::from(text)] };
         let fault = block.read(&mut reader, &mut surface).unwrap_err();
         assert_eq!(fault.location(), read::FileLocation::Line(100_001));

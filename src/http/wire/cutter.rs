@@ -84,42 +84,62 @@ impl Kind for AnyCutter {
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedCutter, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
-        let cutter = match object.required(&TYPE, faults) {
-            Ok(Type::Toroidal) => ToroidalDimensions::read(&mut object, faults).cutter(&path, faults),
-            Ok(Type::BallEnd) => DiameterOnly::read(&mut object, faults).diameter.map(Cutter::ball_end),
-            Ok(Type::FlatEnd) => DiameterOnly::read(&mut object, faults).diameter.map(Cutter::flat_end),
-            // Without a type a corner radius may or may not belong there, so it is neither missing nor unknown.
-            Err(faulted) => {
-                let _ = DiameterOnly::read(&mut object, faults);
-                object.optional(&CORNER_RADIUS, faults).and(Err(faulted))
-            }
-        };
+        let cutter = read_geometry(&mut object, faults);
         let teeth = AnyMembers::read(&mut object, faults).teeth;
         object.close(faults)?;
         Ok(StatedCutter { cutter: cutter?, teeth: teeth? })
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer("Cutter", about, |components| {
-            let kinds: [(_, _, _, AddMembers); 3] = [
-                (Type::Toroidal, "ToroidalCutter", "A toroidal (bull-nose, torus-end) cutter: 0 < r < R", ToroidalDimensions::describe),
-                (Type::BallEnd, "BallEndCutter", "A ball-end (ball-nose) cutter: r = R", DiameterOnly::describe),
-                (Type::FlatEnd, "FlatEndCutter", "A flat-end cutter: r = 0", DiameterOnly::describe),
-            ];
-            let mut any = OneOfBuilder::new().description(Some("A cutter, one of three kinds, discriminated by type"));
-            let mut mapping = Vec::new();
-            for (kind, name, about, dimensions) in kinds {
-                let words: Vec<_> = TYPE.kind.words.iter().filter(|(_, of_word)| *of_word == kind).map(|(word, _)| *word).collect();
-                mapping.extend(words.iter().map(|word| (*word, format!("#/components/schemas/{name}"))));
-                let of_type = ObjectBuilder::new().schema_type(SchemaKind::String).description(Some(TYPE.about)).enum_values(Some(words));
-                any = any.item(components.refer(name, "", |components| {
-                    let schema = ObjectSchema::new(about, components).required_property(TYPE.name, of_type);
-                    dimensions(schema).with::<AnyMembers>().build()
-                }));
-            }
-            any.discriminator(Some(Discriminator::with_mapping(TYPE.name, mapping))).into()
-        })
+        const ABOUT: &str = "A cutter, one of three kinds, discriminated by type";
+        kinds_schema(["Cutter", "ToroidalCutter", "BallEndCutter", "FlatEndCutter"], ABOUT, AnyMembers::describe, about, components)
     }
+}
+
+/// Takes type and dimensions of a cutter out of `object`, which may have further members.
+pub(super) fn read_geometry(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
+    let path = object.path();
+    match object.required(&TYPE, faults) {
+        Ok(Type::Toroidal) => ToroidalDimensions::read(object, faults).cutter(&path, faults),
+        Ok(Type::BallEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::ball_end),
+        Ok(Type::FlatEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::flat_end),
+        // Without a type a corner radius may or may not belong there, so it is neither missing nor unknown.
+        Err(faulted) => {
+            let _ = DiameterOnly::read(object, faults);
+            object.optional(&CORNER_RADIUS, faults).and(Err(faulted))
+        }
+    }
+}
+
+/// The schema of an object with a cutter's type and dimensions and the members that `further` adds. `names` has the name of the union, then those of its
+/// three kinds.
+pub(super) fn kinds_schema(
+    names: [&'static str; 4],
+    of_union: &str,
+    further: AddMembers,
+    about: &str,
+    components: &mut Components,
+) -> RefOr<Schema> {
+    let [union, toroidal, ball_end, flat_end] = names;
+    components.refer(union, about, |components| {
+        let kinds: [(_, _, _, AddMembers); 3] = [
+            (Type::Toroidal, toroidal, "A toroidal (bull-nose, torus-end) cutter: 0 < r < R", ToroidalDimensions::describe),
+            (Type::BallEnd, ball_end, "A ball-end (ball-nose) cutter: r = R", DiameterOnly::describe),
+            (Type::FlatEnd, flat_end, "A flat-end cutter: r = 0", DiameterOnly::describe),
+        ];
+        let mut any = OneOfBuilder::new().description(Some(of_union));
+        let mut mapping = Vec::new();
+        for (kind, name, about, dimensions) in kinds {
+            let words: Vec<_> = TYPE.kind.words.iter().filter(|(_, of_word)| *of_word == kind).map(|(word, _)| *word).collect();
+            mapping.extend(words.iter().map(|word| (*word, format!("#/components/schemas/{name}"))));
+            let of_type = ObjectBuilder::new().schema_type(SchemaKind::String).description(Some(TYPE.about)).enum_values(Some(words));
+            any = any.item(components.refer(name, "", |components| {
+                let schema = ObjectSchema::new(about, components).required_property(TYPE.name, of_type);
+                further(dimensions(schema)).build()
+            }));
+        }
+        any.discriminator(Some(Discriminator::with_mapping(TYPE.name, mapping))).into()
+    })
 }
 
 /// A toroidal cutter without `type`.

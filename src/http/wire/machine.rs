@@ -1,9 +1,9 @@
-//! Machines: a preset's name, the three limits, or a preset with some of them overridden.
+//! Machines: a preset's name, the three limits, or a preset with some of them overridden; rapid moves and the spindle beside them.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, WireObject, members, text};
-use crate::motion::{MachineLimits, PRESETS, Preset};
-use crate::quantity::{Acceleration, Jerk, Speed};
+use crate::motion::{self, MachineLimits, PRESETS, Preset};
+use crate::quantity::{Acceleration, Jerk, Length, Speed, SpindleSpeed};
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
@@ -25,6 +25,12 @@ members! {
             "A, the largest acceleration along the path, in m/s^2"),
         jerk: optional JERK: Quantity<Jerk> = ("jerk_m_s3", Quantity::new(Jerk::from_m_s3, 40.0),
             "J, the largest jerk along the path, in m/s^3"),
+        rapid_rate: optional RAPID_RATE: Quantity<Speed> = ("rapid_rate_mm_min", Quantity::new(Speed::from_mm_min, 20_000.0),
+            "the rate of moves that do not cut, in mm/min; absent = the feed rate"),
+        max_spindle_speed: optional MAX_SPINDLE_SPEED: Quantity<SpindleSpeed> = ("max_spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 18_000.0),
+            "the largest spindle speed; cutters that state a higher one run at it"),
+        clearance_height: optional CLEARANCE_HEIGHT: Quantity<Length> = ("clearance_height_mm", Quantity::length(5.0),
+            "the height over the highest point of the surface at which rapid moves cross it; absent = 5"),
     }
 }
 
@@ -35,15 +41,22 @@ impl WireObject for Machine {
     const NAME: &'static str = "Machine";
     const ABOUT: &'static str = "A machine: a preset's name, or all three limits; limits beside a preset override its own";
     type Members = MachineMembers;
-    type Value = MachineLimits;
+    type Value = motion::Machine;
 
-    fn build(members: MachineMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<MachineLimits, Faulted> {
+    fn build(members: MachineMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<motion::Machine, Faulted> {
         let preset = members.preset.map(|preset| preset.map(|preset| preset.limits));
         let feed_rate = limit(&FEED_RATE, members.feed_rate, preset, |limits| limits.feed_rate, path, faults);
         let acceleration = limit(&ACCELERATION, members.acceleration, preset, |limits| limits.acceleration, path, faults);
         let jerk = limit(&JERK, members.jerk, preset, |limits| limits.jerk, path, faults);
         preset?;
-        Ok(MachineLimits { feed_rate: feed_rate?, acceleration: acceleration?, jerk: jerk? })
+        let (rapid_rate, max_spindle_speed, clearance_height) = (members.rapid_rate, members.max_spindle_speed, members.clearance_height);
+        let machine = motion::Machine::from(MachineLimits { feed_rate: feed_rate?, acceleration: acceleration?, jerk: jerk? });
+        Ok(motion::Machine {
+            rapid_rate: rapid_rate?.unwrap_or(machine.rapid_rate),
+            max_spindle_speed: max_spindle_speed?.or(machine.max_spindle_speed),
+            clearance_height: clearance_height?.unwrap_or(machine.clearance_height),
+            ..machine
+        })
     }
 }
 

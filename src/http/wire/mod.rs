@@ -2,6 +2,7 @@
 //! fast path of batches follow. A figure of an answer has its name, description and value in one row of a table.
 
 mod batch_contact;
+mod candidate;
 mod contact;
 mod contact_columns;
 mod curvature;
@@ -11,16 +12,20 @@ mod figures;
 mod machine;
 mod model;
 mod no_answer;
+mod not_ranked;
 mod parameters;
 mod points;
 mod runout;
+mod selection;
 mod source;
 mod step_over;
 mod summary;
 mod surface;
+mod unit;
 mod warning;
 
 pub(crate) use batch_contact::{BatchContact, batch_contact_schemas};
+pub(crate) use candidate::{CUTTERS, CandidateKind, MOST_CUTTERS, NamedCandidate};
 pub(crate) use contact::{CONTACT, StatedContact};
 pub(crate) use contact_columns::{ContactColumns, contact_columns_schema};
 pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
@@ -28,8 +33,11 @@ pub(crate) use figures::{CHECK_FIGURES, COMMON_FIGURES, Figure, FigureValue, Fig
 pub(crate) use machine::{MACHINE, Machine};
 pub(crate) use model::{MODEL, model_name};
 pub(crate) use no_answer::no_answer;
+pub(crate) use not_ranked::NotRanked;
 pub(crate) use parameters::{ContactParameters, SharedParameters, States, TOLERANCE};
-pub(crate) use source::{Source, Sourced};
+pub(crate) use selection::{PIECES_NAME, SELECT, SelectKind};
+pub(crate) use source::{ReceivedSurface, Source, Sourced};
 pub(crate) use summary::{Check, ColumnExtremes, Extreme, Extremes, Failure, Summary};
 pub(crate) use surface::SURFACE;
+pub(crate) use unit::UNIT;
 pub(crate) use warning::{Warning, warning_code};

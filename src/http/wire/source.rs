@@ -1,9 +1,11 @@
-//! A surface with the form in which it was sent, and the warnings about how it was read.
+//! A surface with the form in which it was sent, its unit, and the warnings about how it was read.
 
 use super::Warning;
-use crate::http::codes::WarningCode;
-use crate::surface::read::{Format, Notes};
-use crate::surface::{Basis, SampledSurface, Shape};
+use super::unit::unit_name;
+use crate::http::codes::{FileFault, RequestFault, WarningCode};
+use crate::http::reading::{Faulted, Faults, JsonPath};
+use crate::surface::read::{Format, Notes, Summary};
+use crate::surface::{Basis, MeshBuilder, SampledSurface, Shape, Sink, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -15,6 +17,8 @@ pub(crate) enum Source {
     Points,
     /// A JSON grid.
     Grid,
+    /// A JSON mesh.
+    Mesh,
     /// A JSON Bezier patch.
     Bezier,
     /// A file of points in lines of text.
@@ -54,19 +58,87 @@ impl From<Format> for Source {
     }
 }
 
+/// The most facets of a surface that are held; more are merged on a raster.
+const MOST_FACETS: usize = 500_000;
+
+/// What is kept of a surface as it comes: the sums that its shape needs, and its facets.
+#[derive(Debug)]
+pub(crate) struct ReceivedSurface {
+    pub(crate) sampled: SampledSurface,
+    pub(crate) mesh: MeshBuilder,
+}
+
+impl ReceivedSurface {
+    pub(crate) fn new() -> Self {
+        Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS) }
+    }
+
+    /// The memory that the facets hold, in bytes.
+    pub(crate) fn held_bytes(&self) -> u64 {
+        self.mesh.held_bytes() as u64
+    }
+}
+
+impl Sink for ReceivedSurface {
+    fn point(&mut self, point: [f64; 3]) {
+        self.sampled.point(point);
+        self.mesh.point(point);
+    }
+
+    fn facet(&mut self, corners: [[f64; 3]; 3]) {
+        self.sampled.facet(corners);
+        self.mesh.facet(corners);
+    }
+
+    fn turn_over(&mut self) {
+        self.sampled.turn_over();
+        self.mesh.turn_over();
+    }
+}
+
 /// A surface with its source.
 #[derive(Debug)]
 pub(crate) struct Sourced {
-    pub(crate) surface: SampledSurface,
+    pub(crate) surface: ReceivedSurface,
     pub(crate) source: Source,
+    /// The unit that the file states.
+    pub(crate) unit: Option<Unit>,
     /// What the reader of a file left out, or took although it looks odd.
     pub(crate) notes: Notes,
 }
 
 impl Sourced {
     /// A surface out of a JSON request, of which nothing is left out.
-    pub(crate) fn stated(surface: SampledSurface, source: Source) -> Self {
-        Self { surface, source, notes: Notes::default() }
+    pub(crate) fn stated(surface: ReceivedSurface, source: Source) -> Self {
+        Self { surface, source, unit: None, notes: Notes::default() }
+    }
+
+    /// A surface out of a file.
+    pub(crate) fn of_file(surface: ReceivedSurface, summary: Summary) -> Self {
+        Self { surface, source: summary.format.into(), unit: summary.unit, notes: summary.notes }
+    }
+
+    /// The unit of the coordinates: the one of the request, else the file's, else mm.
+    ///
+    /// A 3MF file always states its unit; a request that states another contradicts it. The unit in the header of a text is that of a column's name, and
+    /// where it is not mm the request must confirm it, or state what the coordinates are.
+    pub(crate) fn unit_of(&self, requested: Option<Unit>, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Unit, Faulted> {
+        let Some(own) = self.unit else { return Ok(requested.unwrap_or_default()) };
+        match requested {
+            Some(requested) if requested != own && self.source == Source::ThreeMf => {
+                let detail = format_args!("the 3MF file states its unit, {}; omit `unit` or state the same", unit_name(own));
+                Err(faults.add(&JsonPath::Root.member("unit"), RequestFault::ConflictingFields, detail))
+            }
+            Some(requested) => Ok(requested),
+            None if self.source == Source::ThreeMf || own == Unit::default() => Ok(own),
+            None => {
+                let (header, default) = (unit_name(own), unit_name(Unit::default()));
+                let detail = format_args!(
+                    "the header gives the coordinates in {header}, and without `unit` they are read in {default}; state unit \"{header}\" or \"{default}\""
+                );
+                Err(faults.add(path, FileFault::AmbiguousFile, detail))
+            }
+        }
     }
 
     /// What must be looked at in how the surface was taken.
@@ -76,12 +148,12 @@ impl Sourced {
     }
 
     fn degenerate_facets(&self) -> Option<Warning> {
-        let count = self.surface.degenerate_facets();
+        let count = self.surface.sampled.degenerate_facets();
         (count > 0).then(|| Warning::new(WarningCode::DegenerateFacets, format!("{count} facets have no area and were left out")))
     }
 
     fn left_out_facets(&self, shape: &Shape) -> Option<Warning> {
-        let all = self.surface.facets();
+        let all = self.surface.sampled.facets();
         let left_out = if shape.basis == Basis::Points { 0 } else { all.saturating_sub(shape.elements) };
         (left_out > 0).then(|| {
             let detail =

@@ -1,19 +1,19 @@
-//! Surfaces in JSON: points, a grid, or a Bezier patch.
+//! Surfaces in JSON: points, a grid, a mesh, or a Bezier patch.
 
 use super::points::{Points, each_point, point, point_schema};
-use super::source::{Source, Sourced};
+use super::source::{ReceivedSurface, Source, Sourced};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
+    AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each, each_raw, members,
 };
-use crate::surface::{Bezier, BezierError, Grid, GridError, SampledSurface, Sink};
+use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, Sink};
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The member `surface`.
 pub(crate) const SURFACE: Member<StatedSurface> =
-    Member { name: "surface", about: "the surface: points, a grid of them, or a Bezier patch", kind: StatedSurface };
+    Member { name: "surface", about: "the surface: points, a grid of them, a mesh, or a Bezier patch", kind: StatedSurface };
 const POINTS: Member<Points> =
     Member { name: "points", about: "sample points [x, y, z] spread evenly over the surface, in any order", kind: Points };
 const GRID: Member<GridKind> =
@@ -23,6 +23,13 @@ const COLUMNS: Member<Whole> =
     Member { name: "columns", about: "how many points a row has", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
 const GRID_POINTS: Member<Points> =
     Member { name: "points", about: "the points [x, y, z], row after row; rows times columns of them", kind: Points };
+const MESH: Member<MeshKind> = Member { name: "mesh", about: "points and the triangles between them", kind: MeshKind };
+const MESH_POINTS: Member<Points> = Member { name: "points", about: "the points [x, y, z]", kind: Points };
+const TRIANGLES: Member<Triangles> = Member {
+    name: "triangles",
+    about: "three numbers of points for each triangle, from 0, counter-clockwise seen from outside the part",
+    kind: Triangles,
+};
 const BEZIER: Member<BezierKind> = Member { name: "bezier", about: "a tensor-product Bezier patch", kind: BezierKind };
 const SAMPLES: Member<Whole> = Member {
     name: "samples",
@@ -30,7 +37,7 @@ const SAMPLES: Member<Whole> = Member {
     kind: Whole { minimum: 2, maximum: 1000, example: 80 },
 };
 
-/// A surface in one of its three forms.
+/// A surface in one of its four forms.
 pub(crate) struct StatedSurface;
 
 impl Kind for StatedSurface {
@@ -38,17 +45,20 @@ impl Kind for StatedSurface {
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
-        let forms = [POINTS.name, GRID.name, BEZIER.name].map(|form| object.has(form));
+        let forms = [POINTS.name, GRID.name, MESH.name, BEZIER.name].map(|form| object.has(form));
         let surface = match forms {
-            [true, false, false] => points(&mut object, faults),
-            [false, true, false] => object.required(&GRID, faults).map(|surface| Sourced::stated(surface, Source::Grid)),
-            [false, false, true] => bezier(&mut object, faults),
-            [false, false, false] => Err(faults.add(&path, RequestFault::MissingField, "give points, grid, or bezier with samples")),
+            [true, false, false, false] => points(&mut object, faults),
+            [false, true, false, false] => object.required(&GRID, faults).map(|surface| Sourced::stated(surface, Source::Grid)),
+            [false, false, true, false] => object.required(&MESH, faults).map(|surface| Sourced::stated(surface, Source::Mesh)),
+            [false, false, false, true] => bezier(&mut object, faults),
+            [false, false, false, false] => {
+                Err(faults.add(&path, RequestFault::MissingField, "give points, grid, mesh, or bezier with samples"))
+            }
             _ => {
                 // All forms are read for the faults in them.
-                let _ = (object.optional(&POINTS, faults), object.optional(&GRID, faults), object.optional(&BEZIER, faults));
-                let _ = object.optional(&SAMPLES, faults);
-                Err(faults.add(&path, RequestFault::ConflictingFields, "give one of points, grid, and bezier with samples"))
+                let _ = (object.optional(&POINTS, faults), object.optional(&GRID, faults), object.optional(&MESH, faults));
+                let _ = (object.optional(&BEZIER, faults), object.optional(&SAMPLES, faults));
+                Err(faults.add(&path, RequestFault::ConflictingFields, "give one of points, grid, mesh, and bezier with samples"))
             }
         };
         object.close(faults)?;
@@ -57,9 +67,10 @@ impl Kind for StatedSurface {
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         components.refer("Surface", about, |components| {
-            let forms: [(_, _, AddMembers); 3] = [
+            let forms: [(_, _, AddMembers); 4] = [
                 ("PointsSurface", "Sample points", |schema| schema.required(&POINTS)),
                 ("GridSurface", "A grid of points", |schema| schema.required(&GRID)),
+                ("MeshSurface", "Triangles between points", |schema| schema.required(&MESH)),
                 ("BezierSurface", "A sampled Bezier patch", |schema| schema.required(&BEZIER).required(&SAMPLES)),
             ];
             let mut any = OneOfBuilder::new().description(Some(SURFACE.about));
@@ -74,14 +85,17 @@ impl Kind for StatedSurface {
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
     let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
-    let mut surface = SampledSurface::new();
+    let mut surface = ReceivedSurface::new();
     each_point(raw, path.member(POINTS.name), faults, |point| surface.point(point))?;
     Ok(Sourced::stated(surface, Source::Points))
 }
 
 fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
-    let surface = patch?.sampled(samples? as usize).map_err(|bounds| {
+    let (patch, samples) = (patch?, samples? as usize);
+    // The shape comes from the samples, as published; the facets only from the corners between them.
+    let mesh = patch.tessellate(samples, ReceivedSurface::new().mesh);
+    let surface = patch.sampled(samples).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
         faults.add(&object.path().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
     })?;
     Ok(Sourced::stated(surface, Source::Bezier))
@@ -90,9 +104,9 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, F
 pub(crate) struct GridKind;
 
 impl Kind for GridKind {
-    type Value = SampledSurface;
+    type Value = ReceivedSurface;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SampledSurface, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let (rows, columns) = (object.required(&ROWS, faults), object.required(&COLUMNS, faults));
         let surface = match (rows, columns) {
@@ -111,15 +125,100 @@ impl Kind for GridKind {
     }
 }
 
-fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<SampledSurface, Faulted> {
+fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = object.path();
-    let mut grid = Grid::new(rows, columns).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
+    let mut grid =
+        Grid::into_sink(rows, columns, ReceivedSurface::new()).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let Some(raw) = object.take(GRID_POINTS.name, faults) else {
         return object.required(&GRID_POINTS, faults).and(Err(Faulted));
     };
     let path = path.member(GRID_POINTS.name);
     each_point(raw, path, faults, |point| grid.point(point))?;
     grid.finish().map_err(|error: GridError| faults.add(&path, RequestFault::WrongCount, error))
+}
+
+pub(crate) struct MeshKind;
+
+impl Kind for MeshKind {
+    type Value = ReceivedSurface;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
+        let points = match object.take(MESH_POINTS.name, faults) {
+            Some(raw) => {
+                let mut points = Vec::new();
+                each_point(raw, path.member(MESH_POINTS.name), faults, |point| points.push(point)).map(|()| points)
+            }
+            None => object.required(&MESH_POINTS, faults).and(Err(Faulted)),
+        };
+        let triangles = object.required(&TRIANGLES, faults);
+        object.close(faults)?;
+        mesh(&points?, &triangles?, &path, faults)
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        components.refer("Mesh", about, |components| {
+            ObjectSchema::new("Triangles between points", components).required(&MESH_POINTS).required(&TRIANGLES).build()
+        })
+    }
+}
+
+fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
+    let path = path.member(TRIANGLES.name);
+    let mut surface = ReceivedSurface::new();
+    let mut result = Ok(());
+    for (number, triangle) in triangles.iter().enumerate() {
+        let at = |corner: usize| points.get(triangle[corner] as usize).copied().ok_or(corner);
+        match (at(0), at(1), at(2)) {
+            (Ok(a), Ok(b), Ok(c)) => surface.facet([a, b, c]),
+            (a, b, c) => {
+                for corner in [a, b, c].into_iter().filter_map(Result::err) {
+                    let (index, points) = (u64::from(triangle[corner]), points.len());
+                    let error = MeshError::IndexOutOfRange { triangle: number, corner, index, points };
+                    result = Err(faults.add(&path.item(number).item(corner), RequestFault::OutOfRange, error));
+                }
+            }
+        }
+    }
+    result.map(|()| surface)
+}
+
+/// An array of triangles, each three numbers of points.
+pub(crate) struct Triangles;
+
+impl Triangles {
+    /// Three numbers of points; more than 2^32 - 1 points do not fit a request.
+    fn one(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[u32; 3], Faulted> {
+        let indices = List { item: Self::INDEX, about_item: "", fewest: 3, most: 3 }.read(raw, path, faults)?;
+        Ok([indices[0], indices[1], indices[2]])
+    }
+
+    const INDEX: Whole = Whole { minimum: 0, maximum: u32::MAX, example: 0 };
+}
+
+impl Kind for Triangles {
+    type Value = Vec<[u32; 3]>;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+        let mut triangles = Vec::new();
+        if each(raw, |triangle: [u32; 3]| triangles.push(triangle)).is_ok() {
+            return Ok(triangles);
+        }
+        // The pass above stops at the first fault without its place. This one finds all faults, and takes whole numbers written as 1.0 or 1e3.
+        let (mut triangles, mut index) = (Vec::new(), 0);
+        each_raw(raw, path, faults, |item, faults| {
+            triangles.push(Self::one(item, path.item(index), faults));
+            index += 1;
+        })?;
+        triangles.into_iter().collect()
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        let triangle =
+            ArrayBuilder::new().items(Self::INDEX.schema("the number of a point", components)).min_items(Some(3)).max_items(Some(3));
+        let examples = [serde_json::json!([[0, 1, 2], [1, 3, 2]])];
+        ArrayBuilder::new().items(triangle).description(Some(about)).examples(examples).into()
+    }
 }
 
 members! {

@@ -3,7 +3,7 @@
 //! Herraz et al. 2020 name these weaknesses, mostly in section 7, but give few figures. Each threshold here says where it comes
 //! from.
 
-use super::{Candidate, CriticalSlope, CutterChoice, InclinedRectangle, Job, Plan};
+use super::{CriticalSlope, CutterChoice, InclinedRectangle, Job, Plan};
 use crate::motion::TravelCase;
 use crate::planning::Level;
 use crate::quantity::{Angle, Area, Time};
@@ -72,33 +72,6 @@ pub enum Weakness {
     SimulationDisagrees,
     /// The simulation on the surface names the other cutter; figure: what the recommended one loses, as a share of the faster one's time.
     SimulationPrefersOther,
-}
-
-impl Weakness {
-    /// The stable code of the weakness.
-    #[must_use]
-    pub fn code(self) -> &'static str {
-        match self {
-            Self::DirectionsNotPerpendicular => "directions_not_perpendicular",
-            Self::FormFactorNearOne => "form_factor_near_one",
-            Self::NoPrincipalDirection => "no_principal_direction",
-            Self::SlopeNearZero => "slope_near_zero",
-            Self::NotFlat => "not_flat",
-            Self::SlopeNearCritical => "slope_near_critical",
-            Self::TimesNearlyEqual => "times_nearly_equal",
-            Self::MeanSlopeDisagrees => "mean_slope_disagrees",
-            Self::ShortPasses => "short_passes",
-            Self::LongSteps => "long_steps",
-            Self::SmallSurface => "small_surface",
-            Self::FewPasses => "few_passes",
-            Self::StepOverExceedsCutter => "step_over_exceeds_cutter",
-            Self::MeanSlopeFarFromPlane => "mean_slope_far_from_plane",
-            Self::AreaFarFromSize => "area_far_from_size",
-            Self::SeveralPieces => "several_pieces",
-            Self::SimulationDisagrees => "simulation_disagrees",
-            Self::SimulationPrefersOther => "simulation_prefers_other",
-        }
-    }
 }
 
 /// A weakness that the surface at hand touches.
@@ -188,7 +161,7 @@ impl fmt::Display for Reason {
             ),
             Weakness::SimulationPrefersOther => write!(
                 f,
-                "passes simulated on the surface are faster with the other cutter; the recommended one takes {:.1} % longer",
+                "passes simulated on the surface are faster with another cutter; the recommended one takes {:.1} % longer",
                 100.0 * figure
             ),
         }
@@ -226,9 +199,47 @@ impl Confidence {
         Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons }
     }
 
+    /// Judges the rectangle that stands for a surface of this shape, for cutters that are not one toroidal and one ball-end. `times` are those of the
+    /// candidates on it, fastest first.
+    #[must_use]
+    pub fn of_shape(shape: &Shape, times: &[Time]) -> Self {
+        let mut reasons = [of_directions(shape), of_form(shape)].concat();
+        if let [first, second, ..] = times {
+            reasons.extend(under(Weakness::TimesNearlyEqual, 1.0 - first.seconds() / second.seconds(), 0.05, 0.05));
+        }
+        Self::from_reasons(reasons)
+    }
+
     /// Adds what the surface itself and the simulation on it say about a rectangle in its place.
     #[must_use]
     pub fn with_evidence(self, plan: &Plan, shape: &Shape, evidence: &Evidence) -> Self {
+        let with_surface = self.with_surface(shape, evidence);
+        let Some([toroidal, ball_end]) = evidence.simulated else { return with_surface };
+        let (toroidal, ball_end) = ((plan.toroidal.zigzag.time, toroidal), (plan.ball_end.zigzag.time, ball_end));
+        with_surface.with_simulation(&match plan.recommended {
+            CutterChoice::Toroidal => [toroidal, ball_end],
+            CutterChoice::BallEnd => [ball_end, toroidal],
+        })
+    }
+
+    /// Adds how far the times on the rectangle are from those of passes simulated on the surface. `times` has both, in this order, for each candidate, the
+    /// recommended one first.
+    #[must_use]
+    pub fn with_simulation(self, times: &[(Time, Time)]) -> Self {
+        let mut reasons = self.reasons;
+        let apart = times.iter().map(|(rectangle, simulated)| (rectangle.seconds() / simulated.seconds() - 1.0).abs());
+        reasons.extend(over(Weakness::SimulationDisagrees, apart.fold(0.0, f64::max), 0.1, 0.3));
+        if let Some((_, recommended)) = times.first() {
+            let fastest = times.iter().map(|(_, simulated)| simulated.seconds()).fold(f64::INFINITY, f64::min);
+            // The simulation errs by some 2 % itself.
+            reasons.extend(over(Weakness::SimulationPrefersOther, recommended.seconds() / fastest - 1.0, 0.02, 0.05));
+        }
+        Self::from_reasons(reasons)
+    }
+
+    /// Adds what the surface itself says about a rectangle in its place.
+    #[must_use]
+    pub fn with_surface(self, shape: &Shape, evidence: &Evidence) -> Self {
         let mut reasons = self.reasons;
         let difference = (evidence.mean_slope.degrees() - shape.slope.degrees()).abs();
         reasons.extend(over(Weakness::MeanSlopeFarFromPlane, difference, 5.0, 15.0));
@@ -237,17 +248,6 @@ impl Confidence {
         #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
         let pieces = evidence.pieces as f64;
         reasons.extend(over(Weakness::SeveralPieces, pieces, 1.0, 1.0));
-        if let Some([toroidal, ball_end]) = evidence.simulated {
-            let apart = |candidate: &Candidate, simulated: Time| (candidate.zigzag.time.seconds() / simulated.seconds() - 1.0).abs();
-            let figure = apart(&plan.toroidal, toroidal).max(apart(&plan.ball_end, ball_end));
-            reasons.extend(over(Weakness::SimulationDisagrees, figure, 0.1, 0.3));
-            let (recommended, other) = match plan.recommended {
-                CutterChoice::Toroidal => (toroidal, ball_end),
-                CutterChoice::BallEnd => (ball_end, toroidal),
-            };
-            // The simulation errs by some 2 % itself.
-            reasons.extend(over(Weakness::SimulationPrefersOther, recommended.seconds() / other.seconds() - 1.0, 0.02, 0.05));
-        }
         Self::from_reasons(reasons)
     }
 }

@@ -2,6 +2,8 @@
 
 use super::contacts::{FacetContact, NoContact};
 use super::march::{Plane, Spaced, TooManyPlanes};
+use super::ranking::Prepared;
+use super::settings::ZigzagSettings;
 use super::simulate::{Operation, Simulated, simulate};
 use super::spacing::FeedLaw;
 use crate::milling::{Cutter, Model, NoAnswer};
@@ -89,22 +91,46 @@ pub(super) fn checked(
     Ok((simulated, figures))
 }
 
-impl Inspector<'_> {
+impl<'a> Inspector<'a> {
+    pub(super) fn new(facets: &'a [FinishFacet], prepared: &'a Prepared, settings: &ZigzagSettings) -> Self {
+        Self {
+            facets,
+            cutter: prepared.candidate.cutter,
+            tolerance: settings.scallop_height.mm(),
+            feeds: &prepared.feeds,
+            teeth_per_second: prepared.range.map(|range| range.teeth_per_second),
+        }
+    }
+
+    /// The heights at these facets, in their order.
+    pub(super) fn heights(&self, spaced: &Spaced, planes: &[Plane], facets: &[u32]) -> Vec<Option<f64>> {
+        self.judge_all(spaced, planes, &Self::by_strip(spaced, planes, facets)).into_iter().map(|judged| judged.height).collect()
+    }
+
     /// The heights at the drawn facets and at those that bind the strips, in this order.
     fn judge(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Judged> {
         let stride = planes.len().div_ceil(STRIPS).max(1);
-        let heading = spaced.sweep.heading;
-        let middle = |facet: u32| {
-            let corners = spaced.workpiece.corners[facet as usize];
-            corners.iter().map(|&[x, y, _]| heading.across(x, y)).sum::<f64>() / 3.0
-        };
-        let by_area = drawn.iter().map(|&facet| (strip_of(planes, middle(facet)), facet));
+        let by_area = Self::by_strip(spaced, planes, drawn);
         let binding = planes
             .iter()
             .enumerate()
             .step_by(stride)
             .flat_map(|(strip, plane)| plane.binding.into_iter().flatten().map(move |facet| (strip, facet)));
-        let places: Vec<(usize, u32)> = by_area.chain(binding).collect();
+        let places: Vec<(usize, u32)> = by_area.into_iter().chain(binding).collect();
+        self.judge_all(spaced, planes, &places)
+    }
+
+    /// Each facet with the strip in which its middle lies.
+    fn by_strip(spaced: &Spaced, planes: &[Plane], facets: &[u32]) -> Vec<(usize, u32)> {
+        let heading = spaced.sweep.heading;
+        let middle = |facet: u32| {
+            let corners = spaced.workpiece.corners[facet as usize];
+            corners.iter().map(|&[x, y, _]| heading.across(x, y)).sum::<f64>() / 3.0
+        };
+        facets.iter().map(|&facet| (strip_of(planes, middle(facet)), facet)).collect()
+    }
+
+    fn judge_all(&self, spaced: &Spaced, planes: &[Plane], places: &[(usize, u32)]) -> Vec<Judged> {
         let judge = |&(strip, facet): &(usize, u32)| {
             let spacing = planes[strip].after;
             Judged { strip, facet, height: self.height(spaced, facet, spacing) }

@@ -41,21 +41,6 @@ pub enum SurfaceWeakness {
     OverTolerance,
 }
 
-impl SurfaceWeakness {
-    /// The stable code of the weakness.
-    #[must_use]
-    pub fn code(self) -> &'static str {
-        match self {
-            Self::SmallLead => "small-lead",
-            Self::CoarseTessellation => "coarse-tessellation",
-            Self::SteepArea => "steep-area",
-            Self::HiddenArea => "hidden-area",
-            Self::SeveralPieces => "several-pieces",
-            Self::OverTolerance => "over-tolerance",
-        }
-    }
-}
-
 /// A weakness of the plans at hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceReason {

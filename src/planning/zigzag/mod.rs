@@ -7,12 +7,13 @@
 //! The files, in the order in which they are used: `workpiece` prepares facets, `slopes` and `spacing` hold what a cutter allows, `sweep` orders facets
 //! across a direction, `march` places the planes, `runs` cuts the facets, `tour` adds up times, `simulate` joins these three, `search` tries
 //! directions, `contacts` and `check` judge a plan, `least_time` bounds it, `ranking` is the entry, `confidence` says how far to trust it,
-//! `passes` gives a plan point by point.
+//! `passes` gives a plan point by point, `heights` its scallops facet by facet.
 
 mod candidate;
 mod check;
 mod confidence;
 mod contacts;
+mod heights;
 mod least_time;
 mod march;
 mod passes;
@@ -30,6 +31,7 @@ mod workpiece;
 pub use candidate::{CandidateCutter, Drive, ReachFigures};
 pub use check::ScallopFigures;
 pub use confidence::{SurfaceConfidence, SurfaceEvidence, SurfaceReason, SurfaceWeakness};
+pub use heights::heights;
 pub use passes::{PassPoint, Passes, TooManyPoints, passes};
 pub use ranking::{NotRanked, NotRankedReason, Ranking, SpacingFigures, SurfaceFigures, ZigzagPlan, rank};
 pub use settings::{Directions, ZigzagSettings};

@@ -108,18 +108,6 @@ pub enum NotRankedReason {
     },
 }
 
-impl NotRankedReason {
-    /// The stable code of the reason.
-    #[must_use]
-    pub fn code(self) -> &'static str {
-        match self {
-            Self::CannotReach(_) => "cannot-reach",
-            Self::NoStepOver => "no-step-over",
-            Self::NoHeight { .. } => "gouges",
-        }
-    }
-}
-
 impl fmt::Display for NotRankedReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -261,13 +249,7 @@ fn plan(
 ) -> Result<ZigzagPlan, NotRankedReason> {
     let best = fastest(times).ok_or(NotRankedReason::NoStepOver)?;
     let cutter = prepared.candidate.cutter;
-    let inspector = Inspector {
-        facets,
-        cutter,
-        tolerance: settings.scallop_height.mm(),
-        feeds: &prepared.feeds,
-        teeth_per_second: prepared.range.map(|range| range.teeth_per_second),
-    };
+    let inspector = Inspector::new(facets, prepared, settings);
     // By model `analytic` the spacing is the published one; it is checked, but does not follow.
     let follows = settings.model == Model::Envelope;
     let sweep = Sweep::new(workpiece, best.direction);

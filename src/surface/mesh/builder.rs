@@ -76,6 +76,13 @@ impl MeshBuilder {
         self.limit
     }
 
+    /// The memory that the facets or points hold now, in bytes.
+    #[must_use]
+    pub fn held_bytes(&self) -> usize {
+        let lattice = self.lattice.as_ref().map_or(0, HeightLattice::held_bytes);
+        self.welder.held_bytes() + self.triangles.capacity() * size_of::<[u32; 3]>() + lattice + self.cloud.held_bytes()
+    }
+
     /// The mesh in mm of all that came, with coordinates in `unit`.
     ///
     /// With [`Facing::Up`] a surface of which no facet points up but some point down counts as turned over, and is turned. A facet whose back is

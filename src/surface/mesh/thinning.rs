@@ -43,6 +43,11 @@ impl PointCloud {
         }
     }
 
+    /// The memory held, in bytes.
+    pub(super) fn held_bytes(&self) -> usize {
+        self.points.capacity() * size_of::<[f64; 3]>()
+    }
+
     pub(super) fn into_points(self) -> Vec<[f64; 3]> {
         self.points
     }

@@ -43,6 +43,11 @@ impl Welder {
     pub(super) fn into_points(self) -> Vec<[f64; 3]> {
         self.points
     }
+
+    /// The memory held, in bytes: the points, and 5 bytes for each place of the table.
+    pub(super) fn held_bytes(&self) -> usize {
+        self.points.capacity() * size_of::<[f64; 3]>() + self.table.capacity() * 5
+    }
 }
 
 /// Each coordinate times a secret factor, high and low half of the product folded together: the step of wyhash.

@@ -1,0 +1,23 @@
+//! The codes of reasons why a cutter is listed and not ranked.
+
+use super::codes;
+use crate::planning::zigzag::NotRankedReason;
+
+codes! {
+    /// Why a cutter is not ranked: a code for programs to decide by, listed with meanings and remedies in docs/codes.md.
+    NotRankedCode {
+        CannotReach = "cannot-reach": "The cutter leaves too much of the surface uncut", "Use a smaller cutter, select the facets that it reaches, or raise max_uncut_share.";
+        NoStepOver = "no-step-over": "No step-over keeps the scallop height", "Allow more height, or use another cutter.";
+        Gouges = "gouges": "The cutter gouges the surface beside its contacts", "Use a cutter with a larger corner radius, or a smaller one.";
+    }
+}
+
+impl From<NotRankedReason> for NotRankedCode {
+    fn from(reason: NotRankedReason) -> Self {
+        match reason {
+            NotRankedReason::CannotReach(_) => Self::CannotReach,
+            NotRankedReason::NoStepOver => Self::NoStepOver,
+            NotRankedReason::NoHeight { .. } => Self::Gouges,
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The confidence of an answer: its level and the weaknesses of the method that the surface touches.
+
+use crate::http::codes::ConfidenceCode;
+use crate::planning::zigzag::SurfaceConfidence;
+use crate::planning::{Confidence, Level, Reason};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// How far to trust a recommendation.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Confidence)]
+pub(super) struct ConfidenceAnswer {
+    /// `high`: the surface is of the kind for which the method was built; `moderate`: the times are estimates; `low`: the recommendation may be
+    /// wrong.
+    level: LevelName,
+    /// What keeps the level from being high, the gravest first.
+    reasons: Vec<ReasonAnswer>,
+}
+
+/// A level of confidence.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = ConfidenceLevel)]
+enum LevelName {
+    High,
+    Moderate,
+    Low,
+}
+
+/// A weakness of the method that this surface touches.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = ConfidenceReason)]
+struct ReasonAnswer {
+    code: ConfidenceCode,
+    /// To which level it lowers the confidence.
+    level: LevelName,
+    /// What it is about, for a person.
+    detail: String,
+    /// The figure that shows it, in the unit that `detail` names.
+    value: f64,
+    /// The threshold that the figure crossed, in the same unit.
+    threshold: f64,
+}
+
+impl From<&Confidence> for ConfidenceAnswer {
+    fn from(confidence: &Confidence) -> Self {
+        Self { level: confidence.level().into(), reasons: confidence.reasons().iter().map(ReasonAnswer::from).collect() }
+    }
+}
+
+impl From<Level> for LevelName {
+    fn from(level: Level) -> Self {
+        match level {
+            Level::High => Self::High,
+            Level::Moderate => Self::Moderate,
+            Level::Low => Self::Low,
+        }
+    }
+}
+
+impl From<&Reason> for ReasonAnswer {
+    fn from(reason: &Reason) -> Self {
+        Self {
+            code: reason.weakness.into(),
+            level: reason.level.into(),
+            detail: reason.to_string(),
+            value: reason.figure,
+            threshold: reason.threshold,
+        }
+    }
+}
+
+impl From<&SurfaceConfidence> for ConfidenceAnswer {
+    fn from(confidence: &SurfaceConfidence) -> Self {
+        let reasons = confidence.reasons().iter().map(|reason| ReasonAnswer {
+            code: reason.weakness.into(),
+            level: reason.level.into(),
+            detail: reason.to_string(),
+            value: reason.figure,
+            threshold: reason.threshold,
+        });
+        Self { level: confidence.level().into(), reasons: reasons.collect() }
+    }
+}

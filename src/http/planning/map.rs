@@ -1,0 +1,62 @@
+//! The surface of an answer as a raster, for drawing.
+
+use super::simulation::{Simulation, Workpiece};
+use crate::planning::zigzag::heights;
+use crate::quantity::Length;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// The surface seen from above on square cells, at most 256 x 256. Columns of figures are row after row from the lowest y, each row from the lowest x; null
+/// where there is no figure.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = SurfaceMap)]
+pub(crate) struct MapAnswer {
+    /// How many cells a row has.
+    columns: usize,
+    /// How many rows there are.
+    rows: usize,
+    /// The side of a cell.
+    #[schema(minimum = 0)]
+    cell_mm: f64,
+    /// x and y of the corner of the first cell.
+    #[schema(min_items = 2, max_items = 2)]
+    origin_mm: [f64; 2],
+    /// The height of the surface at the middle of each cell; null where there is no surface.
+    z_mm: Vec<Option<f64>>,
+    /// The slope of the facet seen there; null where there is no surface.
+    slope_deg: Vec<Option<f64>>,
+    /// The scallop height of the recommended plan on that facet, by model `envelope`; null where nothing is machined or the cutter leaves more than scallops.
+    scallop_height_mm: Vec<Option<f64>>,
+    /// The height that the recommended cutter leaves uncut because it does not fit; null where nothing is machined.
+    uncut_mm: Vec<Option<f32>>,
+}
+
+impl MapAnswer {
+    /// The map of the fastest plan; `None` without a plan.
+    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation) -> Option<Self> {
+        let plan = simulation.ranking.plans.first()?;
+        let view = &workpiece.view;
+        let frame = view.frame;
+        let facet_of_cell: Vec<Option<u32>> = (0..frame.cells()).map(|cell| workpiece.facet_of_cell(cell)).collect();
+        let mut seen: Vec<u32> = facet_of_cell.iter().flatten().copied().collect();
+        seen.sort_unstable();
+        seen.dedup();
+        let candidate = &simulation.candidates[plan.candidate];
+        let heights = heights(plan, &workpiece.facets, candidate, &simulation.settings, &seen);
+        let height_of = |facet: u32| seen.binary_search(&facet).ok().and_then(|place| heights[place]).map(Length::mm);
+        let slope_of = |facet: usize| {
+            let ([x, y, z], _) = workpiece.mesh.normal_and_area(facet);
+            x.hypot(y).atan2(z.abs()).to_degrees()
+        };
+        Some(Self {
+            columns: frame.columns,
+            rows: frame.rows,
+            cell_mm: frame.cell,
+            origin_mm: frame.origin,
+            z_mm: view.heights.iter().map(|&z| z.is_finite().then_some(z)).collect(),
+            slope_deg: view.of_facets(slope_of).values,
+            scallop_height_mm: facet_of_cell.iter().map(|facet| facet.and_then(height_of)).collect(),
+            uncut_mm: simulation.uncut(plan.candidate).map.values,
+        })
+    }
+}

@@ -1,0 +1,165 @@
+//! What is asked beside the surface: the cutters, the scallop height, the machine, and how to plan.
+
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Choice, Faulted, Faults, List, Members, Object, ObjectSchema, Quantity, members};
+use crate::http::wire::{CUTTERS, CandidateKind, MACHINE, MODEL, MOST_CUTTERS, Machine, NamedCandidate, SELECT, SelectKind, UNIT};
+use crate::milling::Model;
+use crate::motion;
+use crate::planning::zigzag::{Directions, Pattern, ZigzagSettings};
+use crate::quantity::{Angle, Length, OutOfRange};
+use crate::surface::mesh::Selection;
+use crate::surface::{Facing, Shape, Unit};
+
+/// How a plan is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Method {
+    /// Zigzag passes simulated on the surface.
+    #[default]
+    Surface,
+    /// The published method: an inclined rectangle stands for the surface.
+    Rectangle,
+}
+
+/// What an answer may have in addition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    Map,
+    Passes,
+}
+
+fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
+    Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?)
+}
+
+/// The line of a direction is the same after half a turn.
+fn direction(degrees: f64) -> Result<Angle, OutOfRange> {
+    Angle::from_degrees(OutOfRange::check(degrees, -360.0, 360.0)?.rem_euclid(180.0))
+}
+
+fn share(value: f64) -> Result<f64, OutOfRange> {
+    OutOfRange::check(value, 0.0, 1.0)
+}
+
+/// The largest slope where none is stated, in deg.
+const DEFAULT_MAX_SLOPE: f64 = 85.0;
+
+members! {
+    /// What is asked beside the surface.
+    pub(super) struct ParameterMembers {
+        cutters: optional CUTTERS: List<CandidateKind>,
+        scallop_height: required SCALLOP_HEIGHT: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
+            "the scallop height to keep: for cutters with teeth and spindle speed it covers the feed marks, for others the step-over alone"),
+        machine: required MACHINE: Machine,
+        pattern: optional PATTERN: Choice<Pattern> = ("pattern", Choice { name: Some("Pattern"), words: &[("zigzag", Pattern::Zigzag), ("one_way", Pattern::OneWay)] },
+            "zigzag (default): passes alternate in sense; one_way: all have one sense, and the cutter returns at the rapid rate over the clearance height"),
+        max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::new(slope, DEFAULT_MAX_SLOPE),
+            "the slope up to which facets set the step-over; steeper ones count as steep; absent = 85"),
+        method: optional METHOD: Choice<Method> = ("method", Choice { name: Some("Method"), words: &[("surface", Method::Surface), ("rectangle", Method::Rectangle)] },
+            "surface (default): zigzag passes simulated on the surface; rectangle: the published method, by an inclined rectangle that spreads as much"),
+        model: optional MODEL: Choice<Model>,
+        directions: optional DIRECTIONS: List<Quantity<Angle>> = ("directions_deg",
+            List { item: Quantity::new(direction, 90.0), about_item: "a direction from +X, counter-clockwise", fewest: 1, most: 360 },
+            "the directions of passes to try, in method surface; absent = all"),
+        unit: optional UNIT: Choice<Unit>,
+        facing: optional FACING: Choice<Facing> = ("facing", Choice { name: Some("Facing"), words: &[("up", Facing::Up), ("any", Facing::Any)] },
+            "which facets count for the shape: up (default), those whose normal points up, which a cutter from above reaches; any, all of them. Points and patches have no sides"),
+        max_uncut_share: optional MAX_UNCUT_SHARE: Quantity<f64> = ("max_uncut_share", Quantity::new(share, 0.005),
+            "the share of the area that a cutter may leave uncut and be ranked; absent = 0.005"),
+        select: optional SELECT: SelectKind,
+        include: optional INCLUDE: List<Choice<Part>> = ("include",
+            List { item: Choice { name: None, words: &[("map", Part::Map), ("passes", Part::Passes)] }, about_item: "a part of the answer", fewest: 0, most: 2 },
+            "what the answer has in addition, in method surface: map, a raster for drawing; passes, the recommended plan point by point"),
+    }
+}
+
+/// What is asked beside the surface.
+#[derive(Debug)]
+pub(super) struct Parameters {
+    pub(super) candidates: Vec<NamedCandidate>,
+    pub(super) scallop_height: Length,
+    pub(super) machine: motion::Machine,
+    pub(super) pattern: Pattern,
+    pub(super) max_slope: Angle,
+    pub(super) method: Method,
+    model: Option<Model>,
+    directions: Option<Vec<Angle>>,
+    pub(super) unit: Option<Unit>,
+    pub(super) facing: Facing,
+    pub(super) max_uncut_share: Option<f64>,
+    pub(super) selection: Selection,
+    include: Vec<Part>,
+}
+
+impl Parameters {
+    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow those of the request.
+    pub(super) fn read(
+        object: &mut Object<'_, '_>,
+        of_libraries: impl IntoIterator<Item = NamedCandidate>,
+        libraries: Result<(), Faulted>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
+        let members = ParameterMembers::read(object, faults);
+        let candidates = members.cutters.and_then(|own| {
+            // Cutters of a refused library may be all that were meant.
+            libraries?;
+            let candidates: Vec<_> = own.into_iter().flatten().chain(of_libraries).collect();
+            let object = object.path();
+            let path = object.member(CUTTERS.name);
+            match candidates.len() {
+                0 => Err(faults.add(&path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about))),
+                1..=MOST_CUTTERS => Ok(candidates),
+                count => {
+                    let detail = format_args!("at most {MOST_CUTTERS} cutters, those of libraries included; there are {count}");
+                    Err(faults.add(&path, RequestFault::TooManyItems, detail))
+                }
+            }
+        });
+        Ok(Self {
+            candidates: candidates?,
+            scallop_height: members.scallop_height?,
+            machine: members.machine?,
+            pattern: members.pattern?.unwrap_or_default(),
+            max_slope: members.max_slope?.unwrap_or_else(|| Angle::from_radians(DEFAULT_MAX_SLOPE.to_radians())),
+            method: members.method?.unwrap_or_default(),
+            model: members.model?,
+            directions: members.directions?,
+            unit: members.unit?,
+            facing: members.facing?.unwrap_or_default(),
+            max_uncut_share: members.max_uncut_share?,
+            selection: members.select?.unwrap_or_default(),
+            include: members.include?.unwrap_or_default(),
+        })
+    }
+
+    /// Adds the members to a request's schema.
+    pub(super) fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+        schema.with::<ParameterMembers>()
+    }
+
+    /// The model of the plan: as stated, else `envelope` on the surface and the published `analytic` on the rectangle.
+    pub(super) fn model(&self) -> Model {
+        self.model.unwrap_or(match self.method {
+            Method::Surface => Model::Envelope,
+            Method::Rectangle => Model::Analytic,
+        })
+    }
+
+    pub(super) fn includes(&self, part: Part) -> bool {
+        self.include.contains(&part)
+    }
+
+    /// The settings of the simulation on a surface of this shape.
+    pub(super) fn settings(&self, shape: &Shape, model: Model) -> ZigzagSettings {
+        let usual = ZigzagSettings::new(self.scallop_height, self.machine);
+        let beside = [shape.principal_direction, shape.steepest_direction].into_iter().flatten().collect();
+        ZigzagSettings {
+            pattern: self.pattern,
+            model,
+            max_slope: self.max_slope,
+            directions: self.directions.clone().map_or(Directions::All { beside }, Directions::Only),
+            max_uncut_share: self.max_uncut_share.unwrap_or(usual.max_uncut_share),
+            shape: Some(*shape),
+            ..usual
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! The passes of an answer, point by point.
+
+use super::simulation::{Simulation, Workpiece};
+use crate::planning::reach::lowest_tip;
+use crate::planning::zigzag::{self, TooManyPoints};
+use crate::quantity::Length;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// The most points of an answer: some 25 MB of JSON.
+const MOST_POINTS: usize = 100_000;
+
+/// The side of the raster on which tips are held against the whole surface.
+const SIDE: usize = 1024;
+
+/// The passes of the recommended plan: columns over all points, in cutting order.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Passes)]
+pub(crate) struct PassesAnswer {
+    /// The position in the columns at which each run begins; between two runs the cutter links.
+    run_starts: Vec<usize>,
+    /// Where the cutter touches the surface; null where the tip is raised because the cutter would gouge the surface elsewhere.
+    contact_mm: Vec<Option<[f64; 3]>>,
+    /// The unit normal of the surface.
+    normal: Vec<[f64; 3]>,
+    /// The lowest point of the cutter on its axis.
+    tip_mm: Vec<[f64; 3]>,
+    /// The step-over along the surface to the farther of the neighbouring passes.
+    step_over_mm: Vec<f64>,
+    /// The largest feed per tooth that keeps the scallop height; absent for a cutter without teeth and spindle speed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    feed_per_tooth_mm: Option<Vec<f64>>,
+    /// The feed rate of that feed per tooth, else the machine's.
+    feed_rate_mm_min: Vec<f64>,
+    /// The scallop height, by the plan's model; null where the model has none.
+    scallop_height_mm: Vec<Option<f64>>,
+    /// The curvature of the surface.
+    surface_curvature: CurvatureColumns,
+    /// How far the points that were left out lie from the lines between those that are given, at most.
+    #[schema(minimum = 0)]
+    chord_tolerance_mm: f64,
+}
+
+/// The curvature of a surface in the axes of the feed, in 1/mm, positive where convex.
+#[derive(Debug, Default, Serialize, ToSchema)]
+struct CurvatureColumns {
+    /// Along the feed.
+    along_per_mm: Vec<f64>,
+    /// Across the feed.
+    across_per_mm: Vec<f64>,
+    /// The twist.
+    twist_per_mm: Vec<f64>,
+}
+
+impl PassesAnswer {
+    /// The passes of the fastest plan; `None` without a plan.
+    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation) -> Option<Result<Self, TooManyPoints>> {
+        let plan = simulation.ranking.plans.first()?;
+        let candidate = &simulation.candidates[plan.candidate];
+        let view = workpiece.mesh.seen_from_above(SIDE);
+        let tip_height = |x: f64, y: f64| lowest_tip(&view, candidate.cutter, [x, y]);
+        Some(zigzag::passes(plan, &workpiece.facets, candidate, &simulation.settings, &tip_height, MOST_POINTS).map(Self::of))
+    }
+
+    fn of(passes: zigzag::Passes) -> Self {
+        let points = &passes.points;
+        let mut surface_curvature = CurvatureColumns::default();
+        for point in points {
+            let [along, across, twist] = point.curvature;
+            surface_curvature.along_per_mm.push(along);
+            surface_curvature.across_per_mm.push(across);
+            surface_curvature.twist_per_mm.push(twist);
+        }
+        Self {
+            run_starts: passes.run_starts,
+            contact_mm: points.iter().map(|point| point.contact).collect(),
+            normal: points.iter().map(|point| point.normal).collect(),
+            tip_mm: points.iter().map(|point| point.tip).collect(),
+            step_over_mm: points.iter().map(|point| point.step_over.mm()).collect(),
+            feed_per_tooth_mm: points.iter().map(|point| point.feed_per_tooth.map(Length::mm)).collect(),
+            feed_rate_mm_min: points.iter().map(|point| point.feed_rate.mm_min()).collect(),
+            scallop_height_mm: points.iter().map(|point| point.scallop_height.map(Length::mm)).collect(),
+            surface_curvature,
+            chord_tolerance_mm: passes.chord_tolerance.mm(),
+        }
+    }
+}

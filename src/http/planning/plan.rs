@@ -1,0 +1,226 @@
+//! From a surface and the parameters to an answer, by either method.
+
+use super::answer::{RankedCandidate, RecommendationAnswer, model};
+use super::candidates::always_faster;
+use super::confidence::ConfidenceAnswer;
+use super::map::MapAnswer;
+use super::parameters::{Method, Parameters, Part};
+use super::passes::PassesAnswer;
+use super::shape::SurfaceAnswer;
+use super::simulation::{Simulation, Workpiece};
+use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
+use crate::http::problem::Problem;
+use crate::http::reading::{Faulted, Faults, JsonPath};
+use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, Sourced, Warning};
+use crate::milling::{Cutter, CutterKind, Model};
+use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
+use crate::planning::{Confidence, Evidence, Job, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
+use crate::quantity::{Angle, Length, OutOfRange, Time};
+use crate::surface::{Shape, ShapeError};
+
+/// A surface that was read, with what is asked of it.
+pub(super) struct Task {
+    parameters: Parameters,
+    shape: Shape,
+    /// The facets; in method rectangle a surface may have none.
+    workpiece: Option<Workpiece>,
+    source: Source,
+    warnings: Vec<Warning>,
+}
+
+impl Task {
+    /// Takes shape and facets of the surface that was sent at `path`.
+    pub(super) fn new(parameters: Parameters, sourced: Sourced, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        let unit = sourced.unit_of(parameters.unit, path, faults)?;
+        let shape = sourced.surface.sampled.shape(unit, parameters.facing);
+        let shape = shape.map_err(|error| faults.add(path, shape_code(error), error))?;
+        let mut warnings = sourced.warnings(&shape);
+        let Sourced { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
+        let workpiece = match parameters.method {
+            Method::Surface => Some(Workpiece::new(mesh, unit, &parameters, path, faults)?),
+            // Without facets the method loses evidence, not its answer.
+            Method::Rectangle => Workpiece::new(mesh, unit, &parameters, path, &mut Faults::default()).ok(),
+        };
+        if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
+            let detail =
+                format!("the surface has more facets or points than are held; it was merged on a raster with cells of {cell:.6} mm");
+            warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
+        }
+        if parameters.method == Method::Rectangle {
+            // The sides of the rectangle do not depend on the cutter.
+            let first = parameters.candidates.first().map(|named| on_rectangle(named, &parameters, &shape));
+            if let Some(Err(bounds)) = first {
+                let detail = format_args!("both sides of the rectangle that stands for the surface {bounds} mm");
+                return Err(faults.add(path, RequestFault::SizeOutOfRange, detail));
+            }
+        }
+        Ok(Self { parameters, shape, workpiece, source, warnings })
+    }
+
+    /// The warning is added to those of the surface.
+    pub(super) fn warn(&mut self, warnings: impl IntoIterator<Item = Warning>) {
+        self.warnings.extend(warnings);
+    }
+
+    /// How many facets the plan is made for.
+    pub(super) fn facets(&self) -> usize {
+        self.workpiece.as_ref().map_or(0, |workpiece| workpiece.facets.len())
+    }
+
+    /// The answer, or the problem that no cutter fits. Once `stop` returns true nobody waits for it, and it may be any.
+    pub(super) fn answer(mut self, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
+        match (self.parameters.method, self.workpiece.take()) {
+            (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, stop),
+            (_, workpiece) => self.on_rectangle(workpiece.as_ref(), stop),
+        }
+    }
+
+    fn on_surface(mut self, workpiece: &Workpiece, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &self.shape, self.parameters.model(), stop) else {
+            return Err(Problem::no_cutter_fits(Vec::new()));
+        };
+        let ranking = &simulation.ranking;
+        let named = &self.parameters.candidates;
+        let not_ranked: Vec<NotRanked> =
+            ranking.not_ranked.iter().map(|not_ranked| self.not_ranked(not_ranked.candidate, not_ranked.reason)).collect();
+        let candidates: Vec<_> = ranking.plans.iter().map(|plan| RankedCandidate::simulated(plan, named)).collect();
+        let (Some(first), Some(confidence)) = (candidates.first(), &ranking.confidence) else {
+            return Err(Problem::no_cutter_fits(not_ranked));
+        };
+        self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
+        let passes = if self.parameters.includes(Part::Passes) {
+            match PassesAnswer::new(workpiece, &simulation).transpose() {
+                Ok(passes) => passes,
+                Err(error) => {
+                    self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{error}, and were left out")));
+                    None
+                }
+            }
+        } else {
+            None
+        };
+        let map = if self.parameters.includes(Part::Map) { MapAnswer::new(workpiece, &simulation) } else { None };
+        let critical = self.published().map(|published| published.plan);
+        Ok(RecommendationAnswer {
+            method: self.parameters.method.into(),
+            model: model(self.parameters.model()),
+            recommended: first.into(),
+            candidates,
+            not_ranked,
+            surface: SurfaceAnswer::new(&self.shape, self.source, Some(workpiece)),
+            critical_slope_deg: critical.map(|plan| plan.critical_slope.angle().degrees()),
+            always_faster: critical.and_then(|plan| always_faster(plan.critical_slope)),
+            critical_form_factor: critical.map(|plan| plan.critical_form_factor.form_factor().ratio()),
+            map,
+            passes,
+            confidence: confidence.into(),
+            warnings: self.warnings,
+        })
+    }
+
+    fn on_rectangle(self, workpiece: Option<&Workpiece>, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
+        let named = &self.parameters.candidates;
+        let feed_rate = self.parameters.machine.limits.feed_rate;
+        let slope = if self.shape.steepest_direction.is_some() { self.shape.slope } else { Angle::ZERO };
+        let (mut candidates, mut not_ranked) = (Vec::new(), Vec::new());
+        for (index, cutter) in named.iter().enumerate() {
+            match on_rectangle(cutter, &self.parameters, &self.shape) {
+                Ok(Some(plan)) => candidates.push(RankedCandidate::on_rectangle(index, &plan, slope, feed_rate, named)),
+                _ => not_ranked.push(self.not_ranked(index, NotRankedReason::NoStepOver)),
+            }
+        }
+        candidates.sort_by(|a, b| a.time().seconds().total_cmp(&b.time().seconds()));
+        let Some(first) = candidates.first() else { return Err(Problem::no_cutter_fits(not_ranked)) };
+        let published = self.published();
+        let critical = published.as_ref().map(|published| published.plan);
+        let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, stop);
+        Ok(RecommendationAnswer {
+            method: self.parameters.method.into(),
+            model: model(self.parameters.model()),
+            recommended: first.into(),
+            not_ranked,
+            surface: SurfaceAnswer::new(&self.shape, self.source, workpiece),
+            critical_slope_deg: critical.map(|plan| plan.critical_slope.angle().degrees()),
+            always_faster: critical.and_then(|plan| always_faster(plan.critical_slope)),
+            critical_form_factor: critical.map(|plan| plan.critical_form_factor.form_factor().ratio()),
+            candidates,
+            map: None,
+            passes: None,
+            confidence,
+            warnings: self.warnings,
+        })
+    }
+
+    /// The confidence in plans on the rectangle: the published weaknesses, then what the facets and the simulation on them say.
+    fn confidence_in_rectangle(
+        &self,
+        published: Option<Recommendation>,
+        candidates: &[RankedCandidate],
+        workpiece: Option<&Workpiece>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> ConfidenceAnswer {
+        let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
+        let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
+        let Some(workpiece) = workpiece else { return (&confidence).into() };
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &self.shape, Model::Envelope, stop) else {
+            return (&confidence).into();
+        };
+        let figures = simulation.ranking.surface;
+        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.pieces as usize, simulated: None };
+        let simulated = |candidate: &RankedCandidate| {
+            let plans = &simulation.ranking.plans;
+            plans.iter().find(|plan| plan.candidate == candidate.cutter()).map(|plan| (candidate.time(), plan.time))
+        };
+        let confidence = confidence.with_surface(&self.shape, &evidence);
+        // Without the recommended cutter's simulation there is nothing to compare the others with.
+        let times: Vec<_> =
+            if candidates.first().and_then(simulated).is_some() { candidates.iter().filter_map(simulated).collect() } else { Vec::new() };
+        (&confidence.with_simulation(&times)).into()
+    }
+
+    /// The published comparison, where exactly one toroidal and one ball-end cutter are compared and it has an answer.
+    fn published(&self) -> Option<Recommendation> {
+        let of_kind = |kind: CutterKind| move |cutter: &Cutter| cutter.kind() == kind;
+        let [one, other] = self.parameters.candidates.as_slice() else { return None };
+        let pair = [one.candidate.cutter, other.candidate.cutter];
+        let toroidal = pair.into_iter().find(of_kind(CutterKind::Toroidal))?;
+        let ball_end = pair.into_iter().find(of_kind(CutterKind::BallEnd))?;
+        // The published comparison has its own model, unless the rectangle is asked for by another.
+        let model = if self.parameters.method == Method::Rectangle { self.parameters.model() } else { Model::Analytic };
+        let job = Job::new(toroidal, ball_end, self.parameters.scallop_height, self.parameters.machine.limits, model).ok()?;
+        recommend(&job, &self.shape).ok()
+    }
+
+    fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {
+        let reach = if let NotRankedReason::CannotReach(reach) = reason { Some(reach) } else { None };
+        NotRanked {
+            cutter,
+            name: self.parameters.candidates[cutter].name.clone(),
+            code: NotRankedCode::from(reason),
+            detail: reason.to_string(),
+            uncut_share: reach.map(|reach| reach.uncut_share),
+            uncut_height_mm: reach.map(|reach| reach.uncut_height.mm()),
+        }
+    }
+}
+
+fn on_rectangle(named: &NamedCandidate, parameters: &Parameters, shape: &Shape) -> Result<Option<RectanglePlan>, OutOfRange> {
+    plan_on_rectangle(named.candidate.cutter, shape, parameters.scallop_height, parameters.machine.limits, parameters.model())
+}
+
+fn short_flutes(plan: &ZigzagPlan, candidates: &[NamedCandidate]) -> Warning {
+    let named = &candidates[plan.candidate];
+    let cutter = named.name.clone().unwrap_or_else(|| format!("cutter {}", plan.candidate));
+    let flutes = named.candidate.flute_length.map_or(0.0, Length::mm);
+    Warning::new(WarningCode::FlutesTooShort, format!("the flutes of {cutter}, {flutes} mm long, are shorter than the surface is deep"))
+}
+
+fn shape_code(error: ShapeError) -> RequestFault {
+    match error {
+        ShapeError::TooFewPoints { .. } => RequestFault::TooFewPoints,
+        ShapeError::OnlyDegenerateFacets { .. } => RequestFault::OnlyDegenerateFacets,
+        ShapeError::AllPointsEqual => RequestFault::AllPointsEqual,
+        ShapeError::Collinear => RequestFault::Collinear,
+        ShapeError::CoordinateOutOfRange => RequestFault::OutOfRange,
+    }
+}

@@ -1,0 +1,119 @@
+//! The surface of an answer: its shape and its facets.
+
+use super::candidates::line_degrees;
+use super::simulation::Workpiece;
+use crate::http::wire::Source;
+use crate::quantity::{Angle, Area};
+use crate::surface::{Basis, Bounds, Shape};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// The shape of a surface. Directions are lines seen from above, from +X counter-clockwise, in [0, 180).
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = SurfaceShape)]
+pub(super) struct SurfaceAnswer {
+    /// In which form the surface was sent; of a file, the format that its content showed.
+    source: Source,
+    /// How many points the shape was taken of; 0 where it was taken of facets.
+    points: u64,
+    /// How many facets the surface has: those that came with an area, or that were made of points or a patch.
+    facets: u64,
+    /// The angle between the plane that fits best and the horizontal.
+    #[schema(minimum = 0, maximum = 90)]
+    slope_deg: f64,
+    /// The mean of the slopes of all facets or samples. Only where facets or a patch have slopes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 90)]
+    mean_slope_deg: Option<f64>,
+    /// mu, the long side over the short side of the rectangle that spreads as much.
+    #[schema(minimum = 1)]
+    form_factor: f64,
+    /// chi, the area of that rectangle.
+    #[schema(minimum = 0)]
+    characteristic_size_mm2: f64,
+    /// Along which the surface spreads most. Absent where it spreads as much in every direction, or most along the vertical.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
+    principal_direction_deg: Option<f64>,
+    /// The steepest direction of the plane that fits best. Absent where that is level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
+    steepest_direction_deg: Option<f64>,
+    /// The angle between these two directions; the method takes it for 90. Absent where one of them is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 90)]
+    direction_gap_deg: Option<f64>,
+    /// sqrt(l3/l1) of the eigenvalues: 0 for a plane.
+    #[schema(minimum = 0, maximum = 1)]
+    flatness: f64,
+    /// The eigenvalues l1 >= l2 >= l3 of the covariance matrix.
+    #[schema(min_items = 3, max_items = 3)]
+    eigenvalues_mm2: [f64; 3],
+    /// The centroid [x, y, z].
+    #[schema(min_items = 3, max_items = 3)]
+    centroid_mm: [f64; 3],
+    /// The box around what the shape was taken of.
+    bounds_mm: BoundsAnswer,
+    /// The area. Absent in method rectangle for points that span no facets.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    area_mm2: Option<f64>,
+    /// The share of the area of all facets that is seen from above.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 1)]
+    visible_area_share: Option<f64>,
+    /// The share of the area of all facets that is seen from above and steeper than `max_slope_deg`, walls included.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 1)]
+    steep_area_share: Option<f64>,
+    /// How many connected pieces the surface is in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 1)]
+    pieces: Option<u32>,
+}
+
+/// A box with sides along the axes.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Bounds)]
+struct BoundsAnswer {
+    /// The smallest x, y and z.
+    #[schema(min_items = 3, max_items = 3)]
+    min: [f64; 3],
+    /// The largest x, y and z.
+    #[schema(min_items = 3, max_items = 3)]
+    max: [f64; 3],
+}
+
+impl SurfaceAnswer {
+    /// A surface of this shape, with its facets where it has any.
+    pub(super) fn new(shape: &Shape, source: Source, workpiece: Option<&Workpiece>) -> Self {
+        let (points, facets) = if shape.basis == Basis::Points { (shape.elements, 0) } else { (0, shape.elements) };
+        let facets = workpiece.map_or(facets, |workpiece| workpiece.mesh.triangles().len() as u64);
+        Self {
+            source,
+            points,
+            facets,
+            slope_deg: shape.slope.degrees(),
+            mean_slope_deg: shape.mean_slope.map(Angle::degrees),
+            form_factor: shape.form_factor.ratio(),
+            characteristic_size_mm2: shape.characteristic_size.mm2(),
+            principal_direction_deg: shape.principal_direction.map(line_degrees),
+            steepest_direction_deg: shape.steepest_direction.map(line_degrees),
+            direction_gap_deg: shape.direction_gap.map(Angle::degrees),
+            flatness: shape.flatness,
+            eigenvalues_mm2: shape.eigenvalues.map(Area::mm2),
+            centroid_mm: shape.centroid,
+            bounds_mm: shape.bounds.into(),
+            area_mm2: shape.area.map(Area::mm2).or(workpiece.map(|workpiece| workpiece.visibility.area())),
+            visible_area_share: workpiece.map(Workpiece::visible_area_share),
+            steep_area_share: workpiece.map(|workpiece| workpiece.visibility.shares().steep),
+            pieces: workpiece.map(|workpiece| workpiece.pieces),
+        }
+    }
+}
+
+impl From<Bounds> for BoundsAnswer {
+    fn from(bounds: Bounds) -> Self {
+        Self { min: bounds.min, max: bounds.max }
+    }
+}

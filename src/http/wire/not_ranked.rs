@@ -1,0 +1,28 @@
+//! A cutter that is listed and not ranked.
+
+use crate::http::codes::NotRankedCode;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// A cutter that is not ranked, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[schema(as = NotRankedCutter)]
+pub(crate) struct NotRanked {
+    /// The position of the cutter in the request, from 0; cutters of libraries follow.
+    pub(crate) cutter: usize,
+    /// The cutter's name, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub(crate) name: Option<String>,
+    pub(crate) code: NotRankedCode,
+    /// What is wrong, for a person.
+    pub(crate) detail: String,
+    /// The share of the area that the cutter leaves uncut; only with the code `cannot-reach`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 1)]
+    pub(crate) uncut_share: Option<f64>,
+    /// The largest height that it leaves there; only with the code `cannot-reach`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub(crate) uncut_height_mm: Option<f64>,
+}

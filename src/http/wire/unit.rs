@@ -1,0 +1,26 @@
+//! The unit of a surface's coordinates.
+
+use crate::http::reading::{Choice, Member};
+use crate::surface::Unit;
+
+/// The member `unit` of a recommendation.
+pub(crate) const UNIT: Member<Choice<Unit>> = Member {
+    name: "unit",
+    about: "the unit of the surface's coordinates; absent = mm, but a 3MF file states its own",
+    kind: Choice {
+        name: Some("Unit"),
+        words: &[
+            ("mm", Unit::Millimetre),
+            ("cm", Unit::Centimetre),
+            ("m", Unit::Metre),
+            ("inch", Unit::Inch),
+            ("um", Unit::Micrometre),
+            ("foot", Unit::Foot),
+        ],
+    },
+};
+
+/// The name of a unit on the wire.
+pub(super) fn unit_name(unit: Unit) -> &'static str {
+    UNIT.kind.word(&unit)
+}

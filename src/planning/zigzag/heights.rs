@@ -1,0 +1,31 @@
+//! The scallop heights of a plan at single facets, for drawing.
+
+use super::candidate::CandidateCutter;
+use super::check::Inspector;
+use super::march::Spaced;
+use super::ranking::{Prepared, ZigzagPlan, rows_of};
+use super::settings::ZigzagSettings;
+use super::sweep::Sweep;
+use super::workpiece::Workpiece;
+use crate::quantity::Length;
+use crate::surface::FinishFacet;
+
+/// The scallop height that `plan` leaves at each of the facets `wanted`, by model `envelope` with the curvature of the facet. `None` where the cutter gouges
+/// beside the contact or leaves uncut material between its passes, and on facets that are too steep to set a spacing.
+///
+/// [`super::rank`] made the plan from the same facets, candidate and settings.
+#[must_use]
+pub fn heights(
+    plan: &ZigzagPlan,
+    facets: &[FinishFacet],
+    candidate: &CandidateCutter,
+    settings: &ZigzagSettings,
+    wanted: &[u32],
+) -> Vec<Option<Length>> {
+    let workpiece = Workpiece::new(facets, settings.max_slope.cos());
+    let sweep = Sweep::new(&workpiece, plan.direction);
+    let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece));
+    let spaced = Spaced::new(&workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+    let heights = Inspector::new(facets, &prepared, settings).heights(&spaced, &plan.passes, wanted);
+    heights.into_iter().map(|height| height.filter(|height| height.is_finite()).map(Length::computed)).collect()
+}
