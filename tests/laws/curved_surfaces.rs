@@ -69,10 +69,11 @@ proptest! {
         }
     }
 
-    /// Neither how the curvature is stated, nor the sense of the feed, nor a mirror image at the plane of normal and steepest line changes the height.
+    /// Neither how the curvature is stated, nor the sense of the feed, nor a mirror image at the plane of normal and steepest line changes the height. Sharp
+    /// edges are left out: see `step_over_and_feed_come_back_from_the_height`.
     #[test]
     fn curvature_may_be_stated_by_components_or_by_principal_directions(
-        cutter in all_cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.01..0.2_f64,
+        cutter in cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.01..0.2_f64,
     ) {
         let surface = bent(cutter, bend);
         let components =

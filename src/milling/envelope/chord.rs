@@ -88,8 +88,8 @@ impl Chord {
             let front = body.distance(*x, t, p - marks.front_drop);
             let back = if alone { front } else { body.distance(*x - f, t, p - marks.back_drop) };
             let (is_front, active) = if front.value >= back.value { (true, front) } else { (false, back) };
-            if active.by_feed == 0.0 && active.bend >= 0.0 {
-                // The flat of the cutter, or its side along a wall; over a surface that is concave along the feed the distance could be greatest here.
+            if active.by_feed == 0.0 {
+                // The flat of the cutter, or its side along a wall.
                 return Self::flat(&active);
             }
             let crossing = !alone && front.by_feed > 0.0 && back.by_feed < 0.0;
