@@ -197,7 +197,11 @@ fn print(name: &str, outcomes: &[&Outcome]) -> f64 {
     outcomes.sort_by(|a, b| a.share.total_cmp(&b.share));
     let Some(worst) = outcomes.last() else { return 1.0 };
     let (median, over) = (outcomes[outcomes.len() / 2].share, outcomes.iter().filter(|outcome| outcome.share > 1.001).count());
-    println!("{name}: {} configurations, median {median:.4}, largest {:.4}, {over} over 1.001; {worst:.3?}", outcomes.len(), worst.share);
+    let Outcome { slope_deg, corner_ratio, lambda, third_order, share } = worst;
+    println!(
+        "{name}: {} configurations, median {median:.4}, largest {share:.4}, {over} over 1.001; the largest at slope {slope_deg:.1} deg, r/R {corner_ratio:.2}, lambda {lambda:.3}, third order {third_order:.3}",
+        outcomes.len()
+    );
     median
 }
 

@@ -47,6 +47,9 @@ impl Body {
     pub(super) fn new(cutter: Cutter, contact: Contact, surface: SurfaceCurvature) -> Self {
         let (core, corner, slope) = (cutter.core_radius().mm(), cutter.corner_radius().mm(), contact.slope());
         let (cos, sin) = (contact.theta().cos(), contact.theta().sin());
+        // Under the whole cutter such a surface falls by less than places are rounded, and noise in derivatives would mislead the search.
+        let is_flat = surface.principal_per_mm().into_iter().all(|curvature| curvature.abs() * (core + corner) <= 1e-14);
+        let surface = if is_flat { SurfaceCurvature::PLANE } else { surface };
         // Neither turning the feed round nor mirroring feed and surface at the steepest line changes what a pass leaves.
         let surface = if (cos < 0.0) == (sin < 0.0) || cos == 0.0 || sin == 0.0 { surface } else { surface.mirrored() };
         Self {

@@ -79,7 +79,7 @@ impl Chord {
     #[inline]
     pub(super) fn search(body: &Body, x: &mut f64, t: f64, p: f64, marks: &Marks, accuracy: Accuracy, mut reach: f64) -> Self {
         let f = marks.spacing;
-        let alone = f == 0.0 && marks.front_drop == marks.back_drop;
+        let alone = f == 0.0 && marks.front_drop - marks.back_drop == 0.0;
         let (mut falling, mut rising) = (None::<(f64, Distance)>, None::<(f64, Distance)>);
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut length = f64::INFINITY;
@@ -88,16 +88,9 @@ impl Chord {
             let front = body.distance(*x, t, p - marks.front_drop);
             let back = if alone { front } else { body.distance(*x - f, t, p - marks.back_drop) };
             let (is_front, active) = if front.value >= back.value { (true, front) } else { (false, back) };
-            if active.by_feed == 0.0 && active.bend >= 0.0 {
-                // The flat of the cutter, or its side along a wall; over a surface that is concave along the feed the distance could be greatest here.
-                return Self {
-                    value: active.value,
-                    by_side: active.by_side,
-                    by_height: active.by_height,
-                    by_spacing: 0.0,
-                    furthest: active.value,
-                    shift: Shift::default(),
-                };
+            if active.by_feed == 0.0 {
+                // The flat of the cutter, or its side along a wall.
+                return Self::flat(&active);
             }
             let crossing = !alone && front.by_feed > 0.0 && back.by_feed < 0.0;
             let to_least = -active.by_feed / active.bend;
@@ -159,28 +152,20 @@ impl Chord {
                 };
                 if step % 3 != 2 && tangents > low && tangents < high { tangents } else { f64::midpoint(low, high) }
             };
-            if next == *x {
+            if next - *x == 0.0 {
                 break;
             }
             length = (next - *x).abs();
             *x = next;
         }
-        let (at, chord) = best.unwrap_or_else(|| {
-            let at = body.distance(*x, t, p - marks.front_drop);
-            (
-                *x,
-                Self {
-                    value: at.value,
-                    by_side: at.by_side,
-                    by_height: at.by_height,
-                    by_spacing: 0.0,
-                    furthest: at.value,
-                    shift: Shift::default(),
-                },
-            )
-        });
+        let (at, chord) = best.unwrap_or_else(|| (*x, Self::flat(&body.distance(*x, t, p - marks.front_drop))));
         *x = at;
         chord
+    }
+
+    /// The chord where the distance does not change along the feed.
+    fn flat(at: &Distance) -> Self {
+        Self { value: at.value, by_side: at.by_side, by_height: at.by_height, by_spacing: 0.0, furthest: at.value, shift: Shift::default() }
     }
 
     /// The chord where one distance alone is least and the other one less, on the parabola that it is along the feed. `back` is 1 for the place f behind x.
