@@ -145,7 +145,7 @@ impl Query {
 
 impl QueryMember {
     fn pointer(&self) -> String {
-        self.path.iter().map(|name| format!("/{name}")).collect()
+        format!("/{}", self.path.join("/"))
     }
 }
 

@@ -5,6 +5,7 @@ use super::{Faulted, Faults, JsonPath, each};
 use crate::http::codes::RequestFault;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
+use std::fmt::Write;
 
 /// A column of values, or an object of columns.
 pub(crate) trait PlainColumn: Default {
@@ -155,7 +156,7 @@ impl RowText {
     pub(crate) fn member(&mut self, name: &str, value: &impl Serialize) {
         let separator = if self.members.is_empty() { "" } else { "," };
         let text = serde_json::to_string(value).unwrap_or_else(|_| unreachable!("numbers and JSON texts can be written"));
-        self.members += &format!("{separator}{name:?}:{text}");
+        let _ = write!(self.members, "{separator}{name:?}:{text}");
     }
 
     /// Adds a member that is an object, unless it has no members.

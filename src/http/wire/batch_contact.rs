@@ -62,11 +62,11 @@ impl BatchContact {
     /// The contact, if nothing about it is unusual.
     fn read_plain(raw: &RawValue, states: States) -> Option<Self> {
         let slots = Slots::default().deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
-        Self::accept(slots, states)
+        Self::accept(&slots, states)
     }
 
     /// The contact whose values were read; `None` where there is any fault.
-    pub(super) fn accept(slots: Slots, states: States) -> Option<Self> {
+    pub(super) fn accept(slots: &Slots, states: States) -> Option<Self> {
         let contact = contact::accept(slots.angles, slots.vectors)?;
         Some(Self { contact, parameters: ContactParameters::accept(slots.parameters, states)? })
     }

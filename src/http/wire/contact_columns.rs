@@ -50,7 +50,7 @@ impl ContactColumns {
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
-        match self.row(index).and_then(|slots| BatchContact::accept(slots, states)) {
+        match self.row(index).and_then(|slots| BatchContact::accept(&slots, states)) {
             Some(contact) => contact.with_defaults(states, defaults, path, faults),
             None => BatchContact::read_faulty(&self.text(index), states, defaults, path, faults),
         }
