@@ -25,7 +25,7 @@ fn facets() -> Vec<u8> {
 }
 
 fn upload(address: SocketAddr, facets: &[u8]) -> String {
-    const PARAMETERS: &str = r#"{"toroidal":{"diameter_mm":10,"corner_radius_mm":2},"ball_end":{"diameter_mm":10},"scallop_height_mm":0.01,"machine":{"preset":"five_axis_vmc"}}"#;
+    const PARAMETERS: &str = r#"{"cutters":[{"type":"ball_end","diameter_mm":10}],"directions_deg":[0],"max_uncut_share":1,"scallop_height_mm":0.01,"machine":{"preset":"five_axis_vmc"}}"#;
     let head = format!(
         "--part\r\ncontent-disposition: form-data; name=\"parameters\"\r\n\r\n{PARAMETERS}\r\n\
          --part\r\ncontent-disposition: form-data; name=\"surface\"; filename=\"part.stl\"\r\n\r\n"
