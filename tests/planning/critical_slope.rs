@@ -1,7 +1,7 @@
 //! `POST /v1/critical-slope` and `GET /v1/machines`.
 
 use crate::planning::app::{TestApp, figure, warnings};
-use crate::planning::{job, with};
+use crate::planning::{pair, with};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use serde_json::{Value, json};
 
@@ -14,7 +14,7 @@ fn published() -> Value {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_published_plane_has_its_times_and_lengths() {
     let app = TestApp::start().await;
-    let answer = app.post(PATH, &with(job(), json!({"width_mm": 56, "height_mm": 28, "slope_deg": 60}))).await.ok();
+    let answer = app.post(PATH, &with(pair(), json!({"width_mm": 56, "height_mm": 28, "slope_deg": 60}))).await.ok();
     assert_abs_diff_eq!(figure(&answer, "/critical_slope_deg"), 33.8558, epsilon = 0.00005);
     assert_eq!(answer["recommended"]["cutter"], "ball_end");
     assert_eq!(answer["recommended"].get("direction_deg"), None);
@@ -34,7 +34,7 @@ async fn the_published_surfaces_have_their_critical_slopes() {
     for (index, exact) in [(0, 38.90), (1, 62.61)] {
         let surface = &published["surfaces"][index];
         let form = json!({"form_factor": surface["form_factor"], "characteristic_size_mm2": surface["characteristic_size_mm2"]});
-        let answer = app.post(PATH, &with(job(), form)).await.ok();
+        let answer = app.post(PATH, &with(pair(), form)).await.ok();
         assert_abs_diff_eq!(figure(&answer, "/critical_slope_deg"), exact, epsilon = 0.005);
         assert_eq!(answer.as_object().unwrap().keys().collect::<Vec<_>>(), ["critical_slope_deg", "warnings"]);
     }
@@ -43,8 +43,8 @@ async fn the_published_surfaces_have_their_critical_slopes() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn sides_and_form_are_two_ways_to_say_the_same() {
     let app = TestApp::start().await;
-    let sides = app.post(PATH, &with(job(), json!({"width_mm": 80, "height_mm": 20, "slope_deg": 10}))).await.ok();
-    let form = app.post(PATH, &with(job(), json!({"form_factor": 4, "characteristic_size_mm2": 1600, "slope_deg": 10}))).await.ok();
+    let sides = app.post(PATH, &with(pair(), json!({"width_mm": 80, "height_mm": 20, "slope_deg": 10}))).await.ok();
+    let form = app.post(PATH, &with(pair(), json!({"form_factor": 4, "characteristic_size_mm2": 1600, "slope_deg": 10}))).await.ok();
     assert_relative_eq!(figure(&sides, "/critical_slope_deg"), figure(&form, "/critical_slope_deg"), max_relative = 1e-12);
     assert_relative_eq!(figure(&sides, "/critical_form_factor"), figure(&form, "/critical_form_factor"), max_relative = 1e-12);
 }
@@ -58,18 +58,18 @@ async fn a_cutter_that_is_always_faster_is_named() {
         (json!({"width_mm": 30, "height_mm": 30, "ball_end": {"diameter_mm": 1}, "scallop_height_mm": 0.001}), 90.0, "toroidal"),
         (json!({"width_mm": 2000, "height_mm": 0.2}), 0.0, "ball_end"),
     ] {
-        let answer = app.post(PATH, &with(job(), with(members, json!({"slope_deg": 30})))).await.ok();
+        let answer = app.post(PATH, &with(pair(), with(members, json!({"slope_deg": 30})))).await.ok();
         assert_abs_diff_eq!(figure(&answer, "/critical_slope_deg"), critical);
         assert_eq!((&answer["always_faster"], &answer["recommended"]["cutter"]), (&json!(faster), &json!(faster)));
     }
-    let square = with(job(), json!({"width_mm": 30, "height_mm": 30, "slope_deg": 30}));
+    let square = with(pair(), json!({"width_mm": 30, "height_mm": 30, "slope_deg": 30}));
     assert_eq!(app.post(PATH, &square).await.ok().get("always_faster"), None);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_floor_has_candidates_in_the_envelope_model_only() {
     let app = TestApp::start().await;
-    let floor = with(job(), json!({"width_mm": 56, "height_mm": 28, "slope_deg": 0}));
+    let floor = with(pair(), json!({"width_mm": 56, "height_mm": 28, "slope_deg": 0}));
     let refused = app.post(PATH, &floor).await;
     assert_eq!(refused.faults(), (422, vec![("/slope_deg", "flat-floor")]));
     assert_eq!(refused.body["type"], "flat-floor");
@@ -77,7 +77,7 @@ async fn a_floor_has_candidates_in_the_envelope_model_only() {
     assert_eq!(answer["recommended"]["cutter"], "toroidal");
     // Flat of 2 (R - r) = 6 mm, and the chord of r = 2 mm at 10 um.
     assert_relative_eq!(figure(&answer, "/recommended/step_over_mm"), 6.0 + 2.0 * 0.0399_f64.sqrt(), max_relative = 1e-9);
-    let gentle = with(job(), json!({"width_mm": 56, "height_mm": 28, "slope_deg": 0.05}));
+    let gentle = with(pair(), json!({"width_mm": 56, "height_mm": 28, "slope_deg": 0.05}));
     assert_eq!(warnings(&app.post(PATH, &gentle).await.ok()), ["step-over-exceeds-cutter"]);
 }
 
@@ -95,7 +95,7 @@ async fn all_faults_of_a_rectangle_are_told_with_their_places() {
         (json!({"width_mm": 2, "height_mm": 1, "slope": 1}), vec![("/slope", "unknown-field")]),
         (json!({"width_mm": 2, "height_mm": 1, "scallop_height_mm": 2.5}), vec![("/scallop_height_mm", "scallop-too-high")]),
     ] {
-        let answer = app.post(PATH, &with(job(), members)).await;
+        let answer = app.post(PATH, &with(pair(), members)).await;
         assert_eq!(answer.faults(), (422, expected), "{}", answer.body);
     }
     let answer = app.post(PATH, &json!({"width_mm": 56, "height_mm": 28})).await;
@@ -107,7 +107,7 @@ async fn all_faults_of_a_rectangle_are_told_with_their_places() {
 async fn machines_are_presets_values_or_both() {
     let app = TestApp::start().await;
     let critical = async |machine: Value| {
-        let answer = app.post(PATH, &with(job(), json!({"width_mm": 56, "height_mm": 28, "machine": machine}))).await;
+        let answer = app.post(PATH, &with(pair(), json!({"width_mm": 56, "height_mm": 28, "machine": machine}))).await;
         if answer.status == 200 { Ok(figure(&answer.body, "/critical_slope_deg")) } else { Err(answer) }
     };
     let preset = critical(json!({"preset": "five_axis_vmc"})).await.unwrap();
@@ -141,7 +141,7 @@ async fn the_listed_machines_are_those_that_can_be_named() {
         let by_name = json!({"width_mm": 56, "height_mm": 28, "machine": {"preset": machine["name"]}});
         let limits = ["feed_rate_mm_min", "acceleration_m_s2", "jerk_m_s3"].map(|limit| (limit.to_owned(), machine[limit].clone()));
         let by_values = json!({"width_mm": 56, "height_mm": 28, "machine": Value::Object(limits.into_iter().collect())});
-        assert_eq!(app.post(PATH, &with(job(), by_name)).await.ok(), app.post(PATH, &with(job(), by_values)).await.ok());
+        assert_eq!(app.post(PATH, &with(pair(), by_name)).await.ok(), app.post(PATH, &with(pair(), by_values)).await.ok());
         assert!(!machine["source"].as_str().unwrap().is_empty() && !machine["description"].as_str().unwrap().is_empty());
     }
 }

@@ -87,7 +87,7 @@ async fn the_files_of_surface_2_give_the_answer_of_its_patch() {
             .part("parameters", Part::text(parameters.to_string()).mime_str("application/json").unwrap());
         let answer = app.upload_form(form).await.ok();
         assert_eq!(answer["surface"]["source"], source);
-        assert_eq!(answer["recommended"]["cutter"], "toroidal");
+        assert_eq!(answer["recommended"]["name"], "toroidal");
         assert_eq!(answer["warnings"], patch["warnings"]);
         // 40 x 40 samples or quads in place of 80 x 80 samples, and facets weighted by area in place of parameters: under a hundredth.
         for pointer in ["/critical_slope_deg", "/surface/slope_deg", "/surface/form_factor", "/recommended/machining_time_s"] {

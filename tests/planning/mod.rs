@@ -7,13 +7,27 @@ mod faults;
 mod formats;
 mod published;
 mod recommendation;
+mod simulated;
 mod upload;
 mod zigzag;
 
 use serde_json::{Value, json};
 
-/// The published job: two cutters of 10 mm, 10 um of scallop, the published machine.
+/// The published job by the published method: two cutters of 10 mm, 10 um of scallop, the published machine.
 fn job() -> Value {
+    json!({
+        "cutters": [
+            {"name": "toroidal", "type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2},
+            {"name": "ball_end", "type": "ball_end", "diameter_mm": 10},
+        ],
+        "scallop_height_mm": 0.01,
+        "machine": {"preset": "five_axis_vmc"},
+        "method": "rectangle",
+    })
+}
+
+/// The same two cutters as `/v1/critical-slope` takes them.
+fn pair() -> Value {
     json!({
         "toroidal": {"diameter_mm": 10, "corner_radius_mm": 2},
         "ball_end": {"diameter_mm": 10},

@@ -116,7 +116,7 @@ async fn faulty_parameters_are_refused_as_in_json() {
     assert_eq!(answer.faults(), (422, vec![("/machine/preset", "unknown-value"), ("/facing", "unknown-value")]));
     assert_eq!(app.upload(CSV, &Value::Null).await.faults(), (422, vec![("", "wrong-type")]));
     assert_eq!(app.upload_parts([("surface", CSV.into()), ("parameters", b"{".to_vec())]).await.status, 400);
-    assert_eq!(app.upload_parts([("surface", CSV.into()), ("parameters", vec![b' '; 100_000])]).await.status, 413);
+    assert_eq!(app.upload_parts([("surface", CSV.into()), ("parameters", vec![b' '; 300_000])]).await.status, 413);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -16,7 +16,7 @@ pub(super) struct SurfaceAnswer {
     source: Source,
     /// How many points the shape was taken of; 0 where it was taken of facets.
     points: u64,
-    /// How many facets the surface has: those that came with an area, or that were made of points or a patch.
+    /// How many facets the shape was taken of; of points or a patch, how many were made.
     facets: u64,
     /// The angle between the plane that fits best and the horizontal.
     #[schema(minimum = 0, maximum = 90)]
@@ -88,7 +88,8 @@ impl SurfaceAnswer {
     /// A surface of this shape, with its facets where it has any.
     pub(super) fn new(shape: &Shape, source: Source, workpiece: Option<&Workpiece>) -> Self {
         let (points, facets) = if shape.basis == Basis::Points { (shape.elements, 0) } else { (0, shape.elements) };
-        let facets = workpiece.map_or(facets, |workpiece| workpiece.mesh.triangles().len() as u64);
+        let made = workpiece.map_or(0, |workpiece| workpiece.mesh.triangles().len() as u64);
+        let facets = if facets == 0 { made } else { facets };
         Self {
             source,
             points,

@@ -1,0 +1,153 @@
+//! `POST /v1/cutter-recommendation` by its default method: passes simulated on the surface itself.
+
+use crate::planning::app::{TestApp, figure, warnings};
+use crate::planning::{job, with};
+use crate::writers::{binary_stl, exact, facets_of, obj, ply, three_mf};
+use approx::assert_relative_eq;
+use serde_json::{Value, json};
+
+const ROWS: usize = 13;
+const COLUMNS: usize = 17;
+
+/// A wavy slope as nodes in rows, in single precision, which all formats can hold.
+fn nodes() -> Vec<[f32; 3]> {
+    let at = |row: u8, column: u8| {
+        let (x, y) = (f32::from(column) * 1.5, f32::from(row) * 1.25);
+        [x, y, 0.5 * y + 0.25 * (0.2 * x).sin()]
+    };
+    let (rows, columns) = (u8::try_from(ROWS).unwrap(), u8::try_from(COLUMNS).unwrap());
+    (0..rows).flat_map(|row| (0..columns).map(move |column| at(row, column))).collect()
+}
+
+fn triangles() -> Vec<[usize; 3]> {
+    let number = |row: usize, column: usize| row * COLUMNS + column;
+    let quads = (1..ROWS).flat_map(|row| (1..COLUMNS).map(move |column| (row, column)));
+    let divided = quads.flat_map(|(row, column)| {
+        let [a, b, c, d] = [number(row - 1, column - 1), number(row - 1, column), number(row, column), number(row, column - 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    // Counter-clockwise seen from above.
+    divided.map(|[a, b, c]| [a, c, b]).collect()
+}
+
+/// The published cutters, simulated in two directions.
+fn simulated() -> Value {
+    with(job(), json!({"method": "surface", "directions_deg": [0, 90]}))
+}
+
+fn grid() -> Value {
+    let points: Vec<_> = nodes().into_iter().map(exact).collect();
+    json!({"surface": {"grid": {"rows": ROWS, "columns": COLUMNS, "points": points}}})
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_surface_in_every_form_gives_the_same_recommendation() {
+    let app = TestApp::start().await;
+    let (nodes, triangles) = (nodes(), triangles());
+    let points: Vec<_> = nodes.iter().copied().map(exact).collect();
+    let expected = app.recommend(&with(simulated(), grid())).await.ok();
+    assert_eq!((&expected["method"], &expected["model"]), (&json!("surface"), &json!("envelope")));
+    let mut answers = vec![
+        app.recommend(&with(simulated(), json!({"surface": {"points": points}}))).await.ok(),
+        app.recommend(&with(simulated(), json!({"surface": {"mesh": {"points": points, "triangles": triangles}}}))).await.ok(),
+    ];
+    for file in [
+        binary_stl("a surface", &facets_of(&nodes, &triangles)),
+        obj(&nodes, &triangles).into_bytes(),
+        ply("binary_little_endian", &nodes, &triangles),
+        three_mf("millimeter", &nodes, &triangles),
+    ] {
+        answers.push(app.upload(file, &simulated()).await.ok());
+    }
+    for answer in answers {
+        assert_eq!(answer["recommended"]["cutter"], expected["recommended"]["cutter"], "{}", answer["surface"]);
+        assert_eq!(figure(&answer, "/surface/pieces").to_bits(), 1.0_f64.to_bits());
+        for pointer in ["/candidates/0/machining_time_s", "/candidates/1/machining_time_s"] {
+            assert_relative_eq!(figure(&answer, pointer), figure(&expected, pointer), max_relative = 0.01);
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn map_and_passes_come_on_request() {
+    let app = TestApp::start().await;
+    let plain = app.recommend(&with(simulated(), grid())).await.ok();
+    assert_eq!((plain.get("map"), plain.get("passes")), (None, None));
+    let answer = app.recommend(&with(with(simulated(), grid()), json!({"include": ["map", "passes"]}))).await.ok();
+    let map = &answer["map"];
+    let cells = map["columns"].as_u64().unwrap() * map["rows"].as_u64().unwrap();
+    for column in ["z_mm", "slope_deg", "scallop_height_mm", "uncut_mm"] {
+        assert_eq!(map[column].as_array().unwrap().len() as u64, cells, "{column}");
+        assert!(map[column].as_array().unwrap().iter().any(Value::is_number), "{column}");
+    }
+    let passes = &answer["passes"];
+    let count = passes["tip_mm"].as_array().unwrap().len();
+    for column in ["contact_mm", "normal", "step_over_mm", "feed_rate_mm_min", "scallop_height_mm"] {
+        assert_eq!(passes[column].as_array().unwrap().len(), count, "{column}");
+    }
+    assert_eq!(passes["surface_curvature"]["twist_per_mm"].as_array().unwrap().len(), count);
+    assert_eq!(passes["run_starts"][0], 0);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_selection_is_machined_alone() {
+    let app = TestApp::start().await;
+    let whole = app.recommend(&with(simulated(), grid())).await.ok();
+    let half = json!({"select": {"box_mm": {"min": [-1, -1, -100], "max": [12, 100, 100]}}});
+    let half = app.recommend(&with(with(simulated(), grid()), half)).await.ok();
+    assert!(figure(&half, "/recommended/machining_time_s") < 0.7 * figure(&whole, "/recommended/machining_time_s"));
+    let none = app.recommend(&with(with(simulated(), grid()), json!({"select": {"slope_deg": [80, 85]}}))).await;
+    assert_eq!(none.faults(), (422, vec![("/surface", "nothing-to-machine")]));
+    let unknown = app.recommend(&with(with(simulated(), grid()), json!({"select": {"pieces": [3]}}))).await;
+    assert_eq!(unknown.faults(), (422, vec![("/select/pieces", "out-of-range")]));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn where_no_cutter_fits_each_has_its_reason() {
+    let app = TestApp::start().await;
+    // A groove of 4 mm, 5 mm deep, which a ball of 20 mm does not enter.
+    let at = |x: f64| if (x - 10.0).abs() < 2.5 { 0.0 } else { 5.0 };
+    let points: Vec<[f64; 3]> =
+        (0..11).flat_map(|row| (0..41).map(move |c| [0.5 * f64::from(c), f64::from(row), at(0.5 * f64::from(c))])).collect();
+    let surface = json!({"surface": {"grid": {"rows": 11, "columns": 41, "points": points}}, "cutters": [{"name": "B20", "type": "ball_end", "diameter_mm": 20}]});
+    let answer = app.recommend(&with(simulated(), surface)).await;
+    assert_eq!((answer.status, &answer.body["type"]), (422, &json!("no-cutter-fits")), "{}", answer.body);
+    let not_ranked = &answer.body["not_ranked"][0];
+    assert_eq!((&not_ranked["name"], &not_ranked["code"]), (&json!("B20"), &json!("cannot-reach")));
+    assert!(figure(not_ranked, "/uncut_share") > 0.1);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn cutters_of_libraries_join_and_other_tools_are_counted() {
+    let app = TestApp::start().await;
+    let library = b"name,type,diameter_mm,corner_radius_mm,teeth\nB6,ball_end,6,,2\nT8,toroidal,8,2,4\nD8,drill,8,,2\n".to_vec();
+    let file = obj(&nodes(), &triangles()).into_bytes();
+    let mut parameters = simulated();
+    parameters.as_object_mut().unwrap().remove("cutters");
+    let parameters = parameters.to_string().into_bytes();
+    let parts = [("library", library), ("surface", file.clone()), ("parameters", parameters.clone())];
+    let answer = app.upload_parts(parts).await.ok();
+    let names: Vec<_> = answer["candidates"].as_array().unwrap().iter().map(|candidate| candidate["name"].as_str().unwrap()).collect();
+    assert!(names.contains(&"B6") && names.contains(&"T8"), "{names:?}");
+    assert_eq!(warnings(&answer), ["other-tools"]);
+    let refused = app
+        .upload_parts([("library", b"name,type,diameter_mm\nB6,ball_end,-6\n".to_vec()), ("surface", file), ("parameters", parameters)])
+        .await;
+    assert_eq!(refused.faults(), (422, vec![("/library/0", "out-of-range")]), "{}", refused.body);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_unit_in_a_header_must_be_confirmed() {
+    let app = TestApp::start().await;
+    let lines: String = nodes().iter().map(|[x, y, z]| format!("{x},{y},{z}\n")).collect();
+    let text = format!("x_cm,y_cm,z_cm\n{lines}");
+    let doubtful = app.upload(text.clone(), &simulated()).await;
+    assert_eq!(doubtful.faults(), (422, vec![("/surface", "ambiguous-file")]), "{}", doubtful.body);
+    let confirmed = app.upload(text, &with(simulated(), json!({"unit": "cm"}))).await.ok();
+    assert_relative_eq!(figure(&confirmed, "/surface/bounds_mm/max/0"), 240.0, max_relative = 1e-6);
+    let package = three_mf("centimeter", &nodes(), &triangles());
+    let stated = app.upload(package.clone(), &simulated()).await.ok();
+    assert_relative_eq!(figure(&stated, "/surface/bounds_mm/max/0"), 240.0, max_relative = 1e-6);
+    let contradicted = app.upload(package, &with(simulated(), json!({"unit": "inch"}))).await;
+    assert_eq!(contradicted.faults(), (422, vec![("/unit", "conflicting-fields")]));
+}
