@@ -118,7 +118,7 @@ async fn facets_in_every_form_give_the_same_answer() {
 async fn a_patch_and_the_grid_of_its_points_give_the_same_answer() {
     let app = TestApp::start().await;
     let request: Value = serde_json::from_str(include_str!("../../examples/surface_2.json")).unwrap();
-    let patch = app.recommend(&request).await.ok();
+    let patch = app.recommend(&with(request.clone(), json!({"method": "rectangle"}))).await.ok();
     let grid = |nodes: u16| {
         let net = &request["surface"]["bezier"]["control_points"];
         let points: Vec<_> = (0..=nodes)

@@ -26,8 +26,7 @@ fn triangles() -> Vec<[usize; 3]> {
         let [a, b, c, d] = [number(row - 1, column - 1), number(row - 1, column), number(row, column), number(row, column - 1)];
         [[a, b, c], [a, c, d]]
     });
-    // Counter-clockwise seen from above.
-    divided.map(|[a, b, c]| [a, c, b]).collect()
+    divided.collect()
 }
 
 /// The published cutters, simulated in two directions.
