@@ -6,7 +6,7 @@ use crate::api::app::TestApp;
 
 const PATH: &str = "/v1/scallop-height/batch";
 
-fn batch(contacts: Vec<Value>) -> Value {
+fn batch(contacts: &[Value]) -> Value {
     json!({"cutter": {"type": "ball_end", "diameter_mm": 10}, "step_over_mm": 0.5, "contacts": contacts})
 }
 
@@ -19,7 +19,7 @@ async fn the_first_thousand_failures_are_listed_and_all_are_counted() {
     let app = TestApp::start().await;
     let mut contacts = vec![json!(0); 2500];
     contacts.push(valid());
-    let answer = app.answer(PATH, &batch(contacts)).await;
+    let answer = app.answer(PATH, &batch(&contacts)).await;
     let failures = answer["failures"].as_array().unwrap();
     assert_eq!(failures.len(), 1000);
     assert!(failures.iter().enumerate().all(|(index, failure)| failure["index"] == index));
@@ -33,7 +33,7 @@ async fn the_first_thousand_failures_are_listed_and_all_are_counted() {
 async fn a_contact_of_many_unknown_members_lists_a_few_of_them() {
     let app = TestApp::start().await;
     let flood: serde_json::Map<_, _> = (0..256).map(|index| (format!("m{index}"), json!(0))).collect();
-    let body = batch(vec![flood.into(), valid()]);
+    let body = batch(&vec![flood.into(), valid()]);
     let answer = app.answer(PATH, &body).await;
     let detail = answer["failures"][0]["detail"].as_str().unwrap();
     assert!(detail.contains("further faults are not listed"), "{detail}");

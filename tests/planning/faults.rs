@@ -147,7 +147,7 @@ async fn a_flood_of_faulty_points_is_listed_in_part() {
 async fn bodies_that_are_not_json_are_refused() {
     let app = TestApp::start().await;
     let path = "/v1/cutter-recommendation";
-    assert_eq!(app.post_text(path, "application/json", "{\"surface\": {\"points\": [[1, 2, NaN]]}}").await.status, 400);
+    assert_eq!(app.post_text(path, "application/json", "{\"surface\": {\"points\": [[1, 2, NaN]]}}").await.status, 422);
     assert_eq!(app.post_text(path, "application/json", "").await.status, 400);
     assert_eq!(app.post_text(path, "application/json", "[".repeat(100_000)).await.status, 400);
     assert_eq!(app.post_text(path, "text/csv", "1,2,3").await.status, 415);

@@ -138,8 +138,8 @@ async fn cutters_of_libraries_join_and_other_tools_are_counted() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_unit_in_a_header_must_be_confirmed() {
     let app = TestApp::start().await;
-    let lines: String = nodes().iter().map(|[x, y, z]| format!("{x},{y},{z}\n")).collect();
-    let text = format!("x_cm,y_cm,z_cm\n{lines}");
+    let lines: Vec<String> = nodes().iter().map(|[x, y, z]| format!("{x},{y},{z}")).collect();
+    let text = format!("x_cm,y_cm,z_cm\n{}\n", lines.join("\n"));
     let doubtful = app.upload(text.clone(), &simulated()).await;
     assert_eq!(doubtful.faults(), (422, vec![("/surface", "ambiguous-file")]), "{}", doubtful.body);
     let confirmed = app.upload(text, &with(simulated(), json!({"unit": "cm"}))).await.ok();

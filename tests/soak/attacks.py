@@ -32,8 +32,7 @@ CUTTER = {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth":
 HEIGHT = {"cutter": CUTTER, "contact": {"slope_deg": 40, "feed_angle_deg": 30}, "step_over_mm": 0.687, "feed_per_tooth_mm": 0.1}
 SHORT_BATCH = {"cutter": CUTTER, "step_over_mm": 0.5, "contacts": [{"slope_deg": 5 + i, "feed_angle_deg": 30} for i in range(50)]}
 JOB = {
-    "toroidal": {"diameter_mm": 10, "corner_radius_mm": 2},
-    "ball_end": {"diameter_mm": 10},
+    "cutters": [{"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2}, {"type": "ball_end", "diameter_mm": 10}],
     "scallop_height_mm": 0.01,
     "machine": {"preset": "five_axis_vmc"},
 }

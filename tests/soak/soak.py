@@ -26,8 +26,7 @@ import time
 CUTTER = {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}
 CONTACT = {"slope_deg": 40, "feed_angle_deg": 30}
 SHAPES = {
-    "toroidal": {"diameter_mm": 10, "corner_radius_mm": 2},
-    "ball_end": {"diameter_mm": 10},
+    "cutters": [{"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2}, {"type": "ball_end", "diameter_mm": 10}],
     "scallop_height_mm": 0.01,
     "machine": {"preset": "five_axis_vmc"},
 }

@@ -36,6 +36,7 @@ impl Libraries {
 
     /// The warning that counts the tools that are no finishing cutters, by type.
     pub(super) fn warning(&self) -> Option<Warning> {
+        const MOST_LISTED: usize = 20;
         let mut others = BTreeMap::<&str, u64>::new();
         for (kind, count) in self.0.iter().flatten().flat_map(ToolLibrary::others) {
             *others.entry(kind).or_default() += count;
@@ -43,7 +44,6 @@ impl Libraries {
         if others.is_empty() {
             return None;
         }
-        const MOST_LISTED: usize = 20;
         let mut listed: Vec<String> = others.iter().take(MOST_LISTED).map(|(kind, count)| format!("{count} {kind}")).collect();
         if others.len() > MOST_LISTED {
             listed.push(format!("and {} further types", others.len() - MOST_LISTED));

@@ -44,6 +44,7 @@ pub(crate) struct PassesAnswer {
 
 /// The curvature of a surface in the axes of the feed, in 1/mm, positive where convex.
 #[derive(Debug, Default, Serialize, ToSchema)]
+#[expect(clippy::struct_field_names, reason = "the wire names, each with its unit")]
 struct CurvatureColumns {
     /// Along the feed.
     along_per_mm: Vec<f64>,

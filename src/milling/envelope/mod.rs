@@ -120,12 +120,13 @@ impl Envelope {
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().min(largest);
         let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
         let quick = if self.drop == 0.0 { self.quickly(lengths, Sought::MarkSpacing) } else { None };
+        let height = |feed: f64| self.height(s, self.pattern(feed));
         if let Some(feed) = quick.map(|found| found.mark_spacing).filter(|feed| (Length::SMALLEST..=largest).contains(feed)) {
-            return Ok(Length::computed(feed));
+            return self.confirmed(feed, tolerance.mm(), height).map_or_else(used_up, |feed| Ok(Length::computed(feed)));
         }
         match self.feed_held(tolerance.mm(), s, guess, largest) {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
-            Some(feed) => Ok(Length::computed(feed)),
+            Some(feed) => self.confirmed(feed, tolerance.mm(), height).map_or_else(used_up, |feed| Ok(Length::computed(feed))),
             // Room for less than any feed that can be stated.
             None => used_up(),
         }
@@ -193,8 +194,31 @@ impl Envelope {
                 // Wider than the cutter on a concave surface: only where the height grows up to there.
                 self.height(width, pattern)?;
             }
-            Ok(Length::computed(width))
+            let confirmed = self.confirmed(width, p, |step_over| self.height(step_over, pattern)).map(Length::computed);
+            confirmed.map_or_else(|| Err(NoAnswer::FeedUsesUpTolerance { feed_height: tolerance }), Ok)
         }
+    }
+
+    /// `found`, or on a concave surface the largest value under it at which the height keeps the tolerance; `None` where the smallest does
+    /// not keep it.
+    ///
+    /// Near the floor and beside walls the section of a concave surface has lobes beside the contact, and the search for an inverse can follow
+    /// another lobe than the search for the height. The height has the last word, so that no answer exceeds the tolerance.
+    fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Option<f64> {
+        let keeps = |value: f64| height(value).is_ok_and(|height| height <= tolerance * (1.0 + 1e-9));
+        if !self.body.is_concave() || keeps(found) {
+            return Some(found);
+        }
+        let (mut low, mut high) = (Length::SMALLEST, found);
+        if !keeps(low) {
+            return None;
+        }
+        while high > low * (1.0 + 1e-9) {
+            // The geometric mean halves the orders of magnitude between the two.
+            let middle = (low * high).sqrt();
+            if keeps(middle) { low = middle } else { high = middle }
+        }
+        Some(low)
     }
 
     /// The marks of a feed per tooth.

@@ -295,7 +295,9 @@ proptest! {
     fn soups_of_facets_are_examined_without_a_panic(soup in soups(), limit in prop::sample::select(vec![8_usize, 50, 2_000_000])) {
         for facing in [Facing::Up, Facing::Any] {
             let mut builder = MeshBuilder::with_facet_limit(limit);
-            soup.iter().for_each(|&facet| builder.facet(facet));
+            for &facet in &soup {
+                builder.facet(facet);
+            }
             if let Ok(mesh) = builder.finish(Unit::Metre, facing) {
                 prop_assert!(mesh.triangles().len() <= limit);
                 examine(&mesh);
