@@ -81,8 +81,8 @@ impl CutterSpacing {
         feed_rate: f64,
     ) -> (Self, FeedLaw) {
         let h = height.mm();
-        // A rounding less than the diameter, where passes still overlap.
-        let diameter = 2.0 * cutter.outer_radius().mm() * (1.0 - 1e-9);
+        // A rounding of single precision less than the diameter, where passes still overlap.
+        let diameter = 2.0 * cutter.outer_radius().mm() * (1.0 - 1e-6);
         let (law, feed_law) = match (cutter.kind(), model, feeds) {
             (_, Model::Analytic, None) | (CutterKind::BallEnd, _, None) => (
                 Law::Circle { core: cutter.core_radius().mm(), corner: cutter.corner_radius().mm(), height: h },
