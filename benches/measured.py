@@ -37,6 +37,17 @@ def need(program: str, package: str) -> str:
     return found
 
 
+def environment(name: str) -> Path:
+    """The interpreter of a virtual environment with what `benches/NAME-requirements.txt` lists, made where it is missing or another."""
+    home, wanted = RESULTS / f"venv-{name}", ROOT / "benches" / f"{name}-requirements.txt"
+    python, made = home / "bin" / "python", home / "made-from"
+    if not made.exists() or made.read_text() != wanted.read_text():
+        subprocess.run([sys.executable, "-m", "venv", "--clear", home], check=True)
+        subprocess.run([python, "-m", "pip", "install", "--quiet", "--requirement", wanted], check=True)
+        made.write_text(wanted.read_text())
+    return python
+
+
 class Server:
     """A server that runs, with what the system knows of its process."""
 
