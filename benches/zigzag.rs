@@ -1,6 +1,6 @@
 //! Zigzag passes simulated on the surface: all directions, for two and for fifty cutters. `cargo bench --bench zigzag`
 //!
-//! To be reached on two cores: 12,000 facets and two cutters 30 ms, fifty cutters 0.6 s; a million facets and two cutters 1.5 s.
+//! Targets on two cores: 12,000 facets and two cutters 30 ms, fifty cutters 0.6 s; a million facets and two cutters 1.5 s.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use scallopd::milling::Cutter;
@@ -29,7 +29,7 @@ fn waves(x: f64, y: f64) -> [f64; 6] {
     ]
 }
 
-/// Waves over 60 x 60 mm as 2 n^2 facets, each with the normal of its own plane and the curvature of the surface in its middle.
+/// Waves over 60 x 60 mm as 2 n^2 facets, each with the normal of its plane and the curvature of the surface at its middle.
 fn facets(n: u32) -> Vec<FinishFacet> {
     let at = |i: f64, j: f64| {
         let (x, y) = (60.0 * i / f64::from(n), 60.0 * j / f64::from(n));

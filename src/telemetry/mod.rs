@@ -94,14 +94,14 @@ fn level_filter(level: LevelFilter) -> Targets {
 /// Logs panics as events, with the request's id where there is one.
 fn log_panics() {
     std::panic::set_hook(Box::new(|panic| {
-        let cause = panic.payload_as_str().unwrap_or("a payload that is no text");
+        let cause = panic.payload_as_str().unwrap_or("a payload that is not text");
         let location = panic.location().map(ToString::to_string).unwrap_or_default();
         let backtrace = std::backtrace::Backtrace::capture();
         tracing::error!(cause, location, %backtrace, "panic");
     }));
 }
 
-/// Makes the request that `span` stands for part of its caller's trace, where its headers name one (W3C Trace Context).
+/// Makes the request's `span` part of its caller's trace, where the headers name one (W3C Trace Context).
 #[cfg_attr(not(feature = "otlp"), expect(unused_variables, reason = "without the feature there are no traces"))]
 pub(crate) fn continue_trace(span: &Span, headers: &HeaderMap) {
     #[cfg(feature = "otlp")]

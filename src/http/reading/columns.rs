@@ -13,10 +13,10 @@ pub(crate) trait PlainColumn: Default {
     /// The value of a row as JSON has it.
     type Plain;
 
-    /// Reads a column of at most `most` rows. Items of another type are faults of their rows and are found there.
+    /// Reads a column of at most `most` rows. Items of another type are faults of their rows, found when a row is read.
     fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted>;
 
-    /// Compares the number of rows of this column, called `name`, with that of the columns before.
+    /// Compares the number of rows of this column, `name`, with that of earlier columns.
     fn check_rows(&self, name: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
     /// The value of a row.
@@ -28,10 +28,10 @@ pub(crate) trait PlainColumn: Default {
 
 /// A row's value in a column.
 pub(crate) enum Cell<P> {
-    /// There is none: null, or no column.
+    /// No value: null, or no column.
     Absent,
     Value(P),
-    /// It is of another type.
+    /// A value of another type.
     Faulty,
 }
 
@@ -75,7 +75,7 @@ impl<P> Default for Cells<P> {
 }
 
 impl<P> Cells<P> {
-    /// An answer lists at most this many failures, so that the texts of further items are not needed.
+    /// An answer lists at most this many failures; the texts of further items are not needed.
     const MOST_FAULTY_TEXTS: usize = 1000;
 }
 
@@ -190,6 +190,6 @@ impl RowText {
 
     /// The whole object.
     pub(crate) fn written(self) -> Box<RawValue> {
-        RawValue::from_string(format!("{{{}}}", self.members)).unwrap_or_else(|_| unreachable!("it is put together from JSON"))
+        RawValue::from_string(format!("{{{}}}", self.members)).unwrap_or_else(|_| unreachable!("its members are JSON"))
     }
 }
