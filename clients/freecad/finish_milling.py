@@ -347,15 +347,19 @@ def contacts_of_path(path, faces, cutter, gap_mm=0.05):
 
 
 def path_with_feeds(client, path, faces, cutter, scallop_tolerance_mm, **parameters):
-    """The path with the largest feeds that keep the tolerance, the number of moves that got one, and the failures by move. `parameters` are
-    those of `Client.max_feed_batch`: a step-over, the spindle speed, limits of the feed.
+    """The path with the largest feeds that keep the tolerance, the number of moves that got one, and the failures by move.
+
+    `cutter` is one of those that are ranked; its spindle speed and largest feed per tooth count unless `parameters` state others. `parameters`
+    are those of `Client.max_feed_batch`: a step-over, limits of the feed.
 
     Moves off the faces, moves along the normal and those without an answer keep their feed.
     """
     moves, columns = contacts_of_path(path, faces, cutter)
     if not moves:
         return path, 0, []
-    answer = client.max_feed_batch(cutter, columns, scallop_tolerance_mm, **{"model": "envelope", **parameters})
+    shape = {name: cutter[name] for name in ("type", "diameter_mm", "corner_radius_mm", "teeth") if name in cutter}
+    limits = {name: cutter[name] for name in ("spindle_speed_rpm", "max_feed_per_tooth_mm") if name in cutter}
+    answer = client.max_feed_batch(shape, columns, scallop_tolerance_mm, **{"model": "envelope", **limits, **parameters})
     rates = dict(zip(moves, answer["feed_rate_mm_min"]))
     commands = path.Commands
     for move, rate in rates.items():
