@@ -1,6 +1,8 @@
 //! Calls a server with the client that progenitor generates from the OpenAPI 3.0 document: typed requests, typed answers, a typed problem.
 //! Usage: scallopd-contract-client BASE_URL EXAMPLES_FOLDER
 
+#![deny(warnings)]
+
 #[allow(dead_code)]
 mod client {
     include!(concat!(env!("OUT_DIR"), "/client.rs"));
@@ -55,11 +57,8 @@ async fn height(client: &Client) -> Result<(), Box<dyn StdError>> {
     };
     let answer = client.scallop_height(&request).await?.into_inner();
     assert!((0.014..0.016).contains(&answer.scallop_height_mm), "{answer:?}");
-    let vector = types::Contact::VectorContact(types::VectorContact {
-        normal: [-0.64, 0.0, 0.77],
-        feed: [1.0, 0.0, 0.84],
-        tool_axis: None,
-    });
+    let vector =
+        types::Contact::VectorContact(types::VectorContact { normal: [-0.64, 0.0, 0.77], feed: [1.0, 0.0, 0.84], tool_axis: None });
     let request = types::ScallopHeightRequest { contact: vector, ..request };
     client.scallop_height(&request).await?;
     Ok(())
@@ -100,7 +99,8 @@ async fn upload(base_url: &str, examples: &str) -> Result<(), Box<dyn StdError>>
         .part("parameters", reqwest::multipart::Part::text(serde_json::to_string(&parameters)?).mime_str("application/json")?)
         .part("surface", reqwest::multipart::Part::text(surface).file_name("surface.csv"));
     let url = format!("{base_url}/v1/cutter-recommendation/upload");
-    let answer: types::RecommendationAnswer = reqwest::Client::new().post(url).multipart(form).send().await?.error_for_status()?.json().await?;
+    let answer: types::RecommendationAnswer =
+        reqwest::Client::new().post(url).multipart(form).send().await?.error_for_status()?.json().await?;
     assert_eq!(answer.recommended.name.as_deref(), Some("T10"));
     Ok(())
 }
