@@ -349,8 +349,8 @@ def contacts_of_path(path, faces, cutter, gap_mm=0.05):
 def path_with_feeds(client, path, faces, cutter, scallop_tolerance_mm, **parameters):
     """The path with the largest feeds that keep the tolerance, the number of moves that got one, and the failures by move.
 
-    `cutter` is one of those that are ranked; its spindle speed and largest feed per tooth count unless `parameters` state others. `parameters`
-    are those of `Client.max_feed_batch`: a step-over, limits of the feed.
+    `cutter` is one of those that are ranked; its spindle speed and largest feed per tooth count unless `parameters` state others.
+    `parameters` are those of `Client.max_feed_batch`: a step-over, limits of the feed.
 
     Moves off the faces, moves along the normal and those without an answer keep their feed.
     """

@@ -407,7 +407,7 @@ class Macros(unittest.TestCase):
             self.document.recompute()
             self.document.saveAs(f"{folder}/part.FCStd")
             readme = (HERE / "README.md").read_text()
-            command = re.search(r"^SCALLOPD_SETTINGS=\S+ (freecadcmd .*)$", readme, re.MULTILINE)[1]
+            command = re.search(r"^SCALLOPD_SETTINGS=\S+ (freecadcmd .* part.FCStd .*)$", readme, re.MULTILINE)[1]
             command = command.replace("part.FCStd", f"{folder}/part.FCStd").replace("clients/", f"{HERE.parent}/").split()
             environment = {**os.environ, "SCALLOPD_SETTINGS": f"{folder}/mine.json"}
             done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, env=environment)
@@ -445,6 +445,25 @@ class AgainstTheProgram(unittest.TestCase):
         cls.client = scallopd.Client(cls.service.url)
         cls.addClassCleanup(cls.client.close)
 
+    def test_the_transcript_of_the_readme(self):
+        blocks = re.findall(r"```(?:sh|text)\n(.*?)```", (HERE / "README.md").read_text(), re.DOTALL)
+        commands, shown, moves = blocks[:3]
+        with tempfile.TemporaryDirectory() as folder:
+            (FilePath(folder) / "clients").symlink_to(HERE.parent)
+            commands = commands.replace("> mine.json", f"| sed 's#http://127.0.0.1:8080#{self.service.url}#' > mine.json")
+            done = subprocess.run(
+                ["sh", "-ec", commands], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120
+            )
+            gcode = (FilePath(folder) / "finish.ngc").read_text()
+
+        def without_figures(text):
+            """Another version of the kernel meshes a little differently, which moves the figures."""
+            return re.sub(r"-?[0-9][0-9.]*", "#", re.sub(r" +", " ", text))
+
+        for line in shown.splitlines():
+            self.assertIn(without_figures(line), without_figures(done.stdout + done.stderr))
+        self.assertIn(without_figures(moves), without_figures(gcode.replace(" \n", "\n")))
+
     def test_the_passes_touch_the_faces(self):
         faces = free_form()
         for cutter in (TORUS, BALL):
@@ -459,8 +478,8 @@ class AgainstTheProgram(unittest.TestCase):
                     nearest = milling.nearest_on(faces, contact)
                     # Near the edge the nearest point of the untrimmed surface can lie outside the face.
                     if nearest is not None:
-                        # The mesh keeps within a quarter of the scallop height. A facet that deviates by e from curvature k turns the normal
-                        # by up to sqrt(2 e k): 0.9 deg at the 0.05 per mm that this surface reaches.
+                        # The mesh keeps within a quarter of the scallop height. A facet that deviates by e from curvature k turns the
+                        # normal by up to sqrt(2 e k): 0.9 deg at the 0.05 per mm that this surface reaches.
                         self.assertLess(nearest[3], 0.0025)
                         self.assertLess(math.degrees(normal.getAngle(milling.upward_normal(*nearest[:3]))), 1)
                     found += milling.contact_of(faces, tip, cutter, 0.01) is not None
