@@ -60,7 +60,7 @@ class IntegrationPage(ServiceCase):
 
     def test_curl(self) -> None:
         found = examples(PAGE, "sh")
-        self.assertEqual(len(found), 4)
+        self.assertEqual(len(found), 5)
         for command, shown in found:
             with self.subTest(command):
                 if '"cutters"' in command and not self.service.offers("cutters"):
