@@ -35,6 +35,14 @@ def cutters(chosen):
     return cutters_of_job() if chosen == "job" else chosen
 
 
+def cutter_named(chosen, name):
+    """The cutter of that name among the settings' `cutters`."""
+    known = {cutter["name"]: cutter for cutter in cutters(chosen)}
+    if name not in known:
+        raise LookupError(f"there is no cutter {name!r}; known are {', '.join(known)}")
+    return known[name]
+
+
 def cutters_of_job(document=None):
     """The ball-end, bull-nose and flat cutters among the tool controllers of the document's jobs, with the controllers' speeds."""
     found = []
@@ -88,8 +96,16 @@ def selected_faces(names=()):
 
         chosen = [sub for selection in FreeCADGui.Selection.getSelectionEx() for sub in selection.SubObjects]
     else:
-        chosen = [FreeCAD.ActiveDocument.getObject(name.split(".")[0]).Shape.getElement(name.split(".")[1]) for name in names]
+        chosen = [face for face in map(face_named, names) if face is not None]
     return [shape for shape in chosen if isinstance(shape, Part.Face)]
+
+
+def face_named(name):
+    """The face of a name such as "Body.Face3" in the active document; None where there is none."""
+    feature = FreeCAD.ActiveDocument and FreeCAD.ActiveDocument.getObject(name.partition(".")[0])
+    faces = feature.Shape.Faces if hasattr(feature, "Shape") else []
+    number = name.partition(".Face")[2]
+    return faces[int(number) - 1] if number.isdigit() and 0 < int(number) <= len(faces) else None
 
 
 def mesh_of(faces, deviation_mm):

@@ -420,8 +420,25 @@ class Macros(unittest.TestCase):
         feeds = {**json.loads((HERE / "finish_milling.json").read_text())["feeds"], "path": "Old"}
         with RecordingServer(answer) as server:
             self.run_macro("FeedsForPath.FCMacro", server.url, feeds=feeds)
+            body = server.received[0].json()
+        self.assertEqual(body["cutter"], {"type": "ball_end", "diameter_mm": 10, "teeth": 2})
+        self.assertEqual(body["spindle_speed_rpm"], 12000)
         found = self.document.getObject("OldFeeds").Path.Commands
         self.assertEqual(round(60 * found[2].Parameters["F"]), 1200)
+
+    def test_names_that_the_document_does_not_have_are_reported_and_not_raised(self):
+        with RecordingServer(answer) as server:
+            self.run_macro("FinishFaces.FCMacro", server.url, faces=["Part.Face9", "Nothing.Face1", "Part"])
+            self.run_macro("FeedsForPath.FCMacro", server.url)
+            self.assertEqual(server.received, [])
+
+    def test_a_cutter_that_is_not_in_the_settings_is_reported_and_not_raised(self):
+        milling.add_path(Feeds().path(None), "Old")
+        feeds = {**json.loads((HERE / "finish_milling.json").read_text())["feeds"], "path": "Old", "cutter": "T99"}
+        with RecordingServer(answer) as server:
+            self.run_macro("FeedsForPath.FCMacro", server.url, feeds=feeds)
+            self.assertEqual(server.received, [])
+        self.assertIsNone(self.document.getObject("OldFeeds"))
 
     def test_a_server_that_is_away_is_reported_and_not_raised(self):
         original = scallopd.Client.__init__.__kwdefaults__["retry_for"]
