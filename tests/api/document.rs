@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
 use crate::app::{Answer, TestApp, faults};
 use jsonschema::Validator;
-use scallopd::http::openapi_json;
+use scallopd::http::{openapi_3_0_json, openapi_json};
 use serde_json::{Value, json};
 
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
@@ -76,10 +76,13 @@ fn the_committed_document_is_the_generated_one() {
 }
 
 #[tokio::test]
-async fn the_server_serves_the_same_document() {
-    let answer = TestApp::start().await.get("/openapi.json").await;
-    assert_eq!(answer.headers()["content-type"], "application/json");
-    assert_eq!(answer.text().await.unwrap(), openapi_json());
+async fn the_server_serves_the_same_document_in_both_versions() {
+    let app = TestApp::start().await;
+    for (path, document) in [("/openapi.json", openapi_json()), ("/openapi-3.0.json", openapi_3_0_json())] {
+        let answer = app.get(path).await;
+        assert_eq!(answer.headers()["content-type"], "application/json");
+        assert_eq!(answer.text().await.unwrap(), document);
+    }
 }
 
 #[tokio::test]
