@@ -55,18 +55,29 @@ export const TERMS = {
   scallop_max_mm: { label: 'Scallop max', kind: 'height', help: 'Largest scallop height on the surface.' },
   links_lifts: { label: 'Lifts', kind: 'count', help: 'Links that lift the tool to the clearance height.' },
   tolerance_of_plan: { label: 'Scallop height', kind: 'height', help: 'Largest scallop height that the plan may leave.' },
-  machine: { label: 'Preset', help: 'A preset of the service; the values below override it.' },
+  machine: { label: 'Preset', help: 'A machine by its name. Limits that are stated override its own.' },
   acceleration_m_s2: { label: 'Acceleration', kind: 'acceleration', help: 'The machine’s acceleration along the path.' },
   jerk_m_s3: { label: 'Jerk', kind: 'jerk', help: 'The machine’s jerk: how fast the acceleration changes.' },
   machine_feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'The feed rate of the machine for finishing.' },
   rapid_rate_mm_min: { label: 'Rapid rate', kind: 'feedRate', help: 'Rate of moves off the surface. Empty: the feed rate.' },
+  max_spindle_speed_rpm: { label: 'Max speed', kind: 'speed', help: 'The machine’s largest spindle speed. Cutters that state a higher one run at it.' },
   clearance_height_mm: { label: 'Clearance', kind: 'length', help: 'Height over the highest point at which the tool crosses gaps.' },
   pattern: { label: 'Pattern', help: 'Zigzag cuts in both senses; one-way returns at the rapid rate over the clearance height.' },
   method: { label: 'Method', help: 'Surface: the passes are simulated on the surface itself. Rectangle: the published method on an equivalent inclined rectangle.' },
   model: { label: 'Model', help: 'Exact shape: the cutter’s whole body. Published: circles of the effective radii.' },
   max_slope_deg: { label: 'Max slope', kind: 'angle', help: 'Steeper facets set no spacing and count as steep.' },
   max_uncut_share: { label: 'Max uncut', kind: 'share', help: 'A cutter that leaves more of the area uncut is listed, not ranked.' },
-  unit: { label: 'File’s unit', help: 'Unit of length of the coordinates in the file.' },
+  directions_deg: { label: 'Directions', help: 'Directions of the passes to try, in degrees from +X counter-clockwise, with commas between them. Empty: all.' },
+  select_slope_from_deg: { label: 'Slope from', kind: 'angle', help: 'Only facets at least as steep are machined.' },
+  select_slope_to_deg: { label: 'Slope to', kind: 'angle', help: 'Only facets at most as steep are machined.' },
+  box_min_x_mm: { label: 'X from', kind: 'length', help: 'Only facets whose centroid lies in this box are machined. Drag over the map to choose it.' },
+  box_max_x_mm: { label: 'X to', kind: 'length', help: 'Only facets whose centroid lies in this box are machined. Drag over the map to choose it.' },
+  box_min_y_mm: { label: 'Y from', kind: 'length', help: 'Only facets whose centroid lies in this box are machined. Drag over the map to choose it.' },
+  box_max_y_mm: { label: 'Y to', kind: 'length', help: 'Only facets whose centroid lies in this box are machined. Drag over the map to choose it.' },
+  box_min_z_mm: { label: 'Z from', kind: 'length', help: 'Only facets whose centroid lies in this box are machined.' },
+  box_max_z_mm: { label: 'Z to', kind: 'length', help: 'Only facets whose centroid lies in this box are machined.' },
+  pieces_selected: { label: 'Pieces', help: 'Numbers of the connected pieces to machine, from 0 in the order in which their first facets come, with commas between them. Empty: all.' },
+  unit: { label: 'File’s unit', help: 'Unit of length of the coordinates in the file. A 3MF file states its own.' },
   facing: { label: 'Facing', help: 'Which facets count: those that face up, or all.' },
   // Surface
   area_mm2: { label: 'Area', kind: 'area', help: 'Area of the surface.' },
@@ -80,6 +91,7 @@ export const TERMS = {
   flatness: { label: 'Flatness', kind: 'number', help: 'Extent out of the mean plane over the longest extent: 0 for a plane.' },
   visible_area_share: { label: 'Visible area', kind: 'share', help: 'Share of the area that is visible from above.' },
   steep_area_share: { label: 'Steep area', kind: 'share', help: 'Share of the area steeper than the maximal slope.' },
+  bounds_mm: { label: 'Size', kind: 'length', help: 'Extent along X, Y and Z.' },
   pieces: { label: 'Pieces', kind: 'count', help: 'Connected pieces of the surface.' },
   critical_slope_deg: { label: 'Critical slope', kind: 'angle', help: 'Slope below which the toroidal cutter is faster than the ball-end cutter, by the published method.' },
   height_over_datum: { label: 'Height', kind: 'length', help: 'Z of the surface.' },
@@ -87,7 +99,8 @@ export const TERMS = {
 };
 
 /** Names that the page gives to members of members, and to fields that the service calls otherwise. */
-export const OF_THE_PAGE = new Set(['tolerance_of_plan', 'machine_feed_rate_mm_min', 'scallop_p99_mm', 'scallop_max_mm', 'links_lifts', 'rectangle_time_s', 'height_over_datum']);
+export const OF_THE_PAGE = new Set(['tolerance_of_plan', 'machine_feed_rate_mm_min', 'scallop_p99_mm', 'scallop_max_mm', 'links_lifts', 'rectangle_time_s', 'height_over_datum',
+  'select_slope_from_deg', 'select_slope_to_deg', 'box_min_x_mm', 'box_max_x_mm', 'box_min_y_mm', 'box_max_y_mm', 'box_min_z_mm', 'box_max_z_mm', 'pieces_selected']);
 
 // Words of the service's closed sets as the page writes them.
 const WORDS = {

@@ -3,7 +3,7 @@
 import { LineChart } from '../charts.js';
 import { addressOf, post, Unreachable } from '../service.js';
 import { copy, curlOfJson, save } from '../clipboard.js';
-import { debounced, el } from '../dom.js';
+import { debounced, el, fileButton } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
 import { figure, term, warningList } from '../figures.js';
 import { TERMS } from '../terms.js';
@@ -86,7 +86,7 @@ export class PathView {
 
   #output() {
     const example = el('button', { type: 'button', onclick: () => this.setText(examplePath()) }, 'Try an example');
-    const choose = el('label', { for: 'path-file', class: 'button', tabindex: '0', role: 'button', onkeydown: (event) => (event.key === 'Enter' || event.key === ' ') && (event.preventDefault(), this.#fileInput.click()) }, 'Choose a file');
+    const choose = fileButton('path-file', 'Choose a file');
     this.#charts = el('div', { hidden: true }, el('section', { class: 'card' }, this.#summary), el('section', { class: 'card' }, this.#main.element, this.#row), el('section', { class: 'card' }, this.#heights.element));
     return el(
       'div',
