@@ -2,7 +2,7 @@
 
 const hex = (text) => [1, 3, 5].map((at) => Number.parseInt(text.slice(at, at + 2), 16));
 const SLOPE = ['#f4f1de', '#b9dcc0', '#6bb8ad', '#35859b', '#2b4f81', '#2a2050'].map(hex);
-const WITHIN = ['#eef4f3', '#a9d3d0', '#4f9fa6'].map(hex);
+const WITHIN = ['#f3f8f7', '#c0e0dd', '#78bbbe'].map(hex);
 const OVER = ['#f0a93f', '#d9622b', '#8f1d2c'].map(hex);
 const REACHED = hex('#d5dbde');
 /** The colour of cells without a value. */

@@ -241,7 +241,7 @@ export class PartView {
   async #copyCurl(button) {
     const { parameters, surface, file, libraries } = await this.#compose();
     if (surface && libraries.length === 0) return copy(curlOfJson(addressOf('v1/cutter-recommendation'), { surface, ...parameters }), button);
-    const parts = [['surface', `@${file?.name ?? 'part.stl'}`], ['parameters', JSON.stringify(parameters)], ...libraries.map(({ name }) => ['library', `@${name}`])];
+    const parts = [['surface', { file: file?.name ?? 'part.stl' }], ['parameters', JSON.stringify(parameters)], ...libraries.map(({ name }) => ['library', { file: name }])];
     return copy(curlOfForm(addressOf('v1/cutter-recommendation/upload'), parts), button);
   }
 

@@ -117,7 +117,7 @@ export function startForTests() {
 }
 
 /** Runs a command; not the synchronous form: a server of this process may have to answer. */
-export const shell = async (command) => (await promisify(execFile)('sh', ['-c', command])).stdout;
+export const shell = async (command) => (await promisify(execFile)('sh', ['-c', command], { maxBuffer: 64e6 })).stdout;
 
 /** The input of a field in the view that is shown. */
 export const field = (page, name) => page.locator(`.view:not([hidden]) [data-field="${name}"] input`).first();

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { assertFigure, clean, downloaded, field, fileOf, startForTests, writeStl } from './harness.js';
+import { assertFigure, clean, downloaded, field, fileOf, folder, shell, startForTests, writeStl } from './harness.js';
 
 const { visit } = startForTests();
 
@@ -135,7 +135,11 @@ test('a tool library joins the cutters, beside an example and beside a file', as
   assert.equal(await page.locator('.ranking tbody tr').nth(1).getByRole('button').count(), 0);
   const surface = fileOf('hill.csv', `x,y,z\n${Array.from({ length: 900 }, (_, i) => [i % 30, Math.floor(i / 30), 4 * Math.sin((i % 30) / 9)].join(',')).join('\n')}\n`);
   await page.locator('#surface-file').setInputFiles(surface);
-  assert.equal((await find(page)).answer.surface.source, 'text');
+  const ofFile = (await find(page)).answer;
+  assert.equal(ofFile.surface.source, 'text');
+  await page.getByRole('button', { name: 'Copy as curl' }).click();
+  const command = await page.evaluate(() => navigator.clipboard.readText());
+  assert.equal(JSON.parse(await shell(`cd ${folder}; ${command}`)).recommended.machining_time_s, ofFile.recommended.machining_time_s);
   const broken = fileOf('tools.json', '{"data": [{"type": "ball end mill"}]}');
   await page.locator('#library-file').setInputFiles(broken);
   assert.equal((await find(page)).status, 400);
@@ -173,17 +177,21 @@ test('slope band, box and pieces select what is machined', async () => {
   clean(watch, { refused: true });
 });
 
-test('the link of the part view holds fields and cutters', async () => {
+test('the link and the curl command of the part view hold fields and cutters', async () => {
   const { page } = await visit('#part');
   await keepCutters(page, 1, 3);
   await page.getByText('Method and limits').click();
   await field(page, 'directions_deg').fill('0, 45');
   await page.waitForFunction(() => location.hash.includes('directions_deg=0'));
-  const { request } = await find(page);
+  const { request, answer } = await find(page);
   const { page: other } = await visit(await page.evaluate(() => location.hash));
   await other.locator('.cutter-row').nth(1).waitFor();
   assert.deepEqual((await find(other)).request.postDataJSON(), request.postDataJSON());
   assert.deepEqual(request.postDataJSON().directions_deg, [0, 45]);
+  // The command states the example's ten thousand points, and can be run.
+  await page.getByRole('button', { name: 'Copy as curl' }).click();
+  const command = fileOf('request.sh', await page.evaluate(() => navigator.clipboard.readText()));
+  assert.equal(JSON.parse(await shell(`sh ${command}`)).recommended.machining_time_s, answer.recommended.machining_time_s);
 });
 
 test('the passes are drawn, downloaded, and read by the tool path view', async () => {
