@@ -37,6 +37,17 @@ def need(program: str, package: str) -> str:
     return found
 
 
+def environment(name: str) -> Path:
+    """The interpreter of a virtual environment with what `benches/NAME-requirements.txt` lists, made where it is missing or another."""
+    home, wanted = RESULTS / f"venv-{name}", ROOT / "benches" / f"{name}-requirements.txt"
+    python, made = home / "bin" / "python", home / "made-from"
+    if not made.exists() or made.read_text() != wanted.read_text():
+        subprocess.run([sys.executable, "-m", "venv", "--clear", home], check=True)
+        subprocess.run([python, "-m", "pip", "install", "--quiet", "--requirement", wanted], check=True)
+        made.write_text(wanted.read_text())
+    return python
+
+
 class Server:
     """A server that runs, with what the system knows of its process."""
 
@@ -97,7 +108,7 @@ def machine() -> dict:
 def report(name: str, rows: list[dict], **more) -> None:
     """Prints the rows as a table and writes them, with the machine, as JSON."""
     if rows:
-        heads = list(rows[0])
+        heads = list(dict.fromkeys(head for row in rows for head in row))
         cells = [heads, *([shown(row.get(head)) for head in heads] for row in rows)]
         widths = [max(len(line[column]) for line in cells) for column in range(len(heads))]
         for line in cells:

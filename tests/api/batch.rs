@@ -1,7 +1,7 @@
 //! The batches: columns in the order sent, contacts that fail alone, defaults and what overrides them.
 
-use crate::api::app::{TestApp, faults};
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, batch_of, longest, shortest, with, without};
+use crate::app::{TestApp, faults};
 use serde_json::{Map, Value, json};
 
 const SINGLES: [&str; 3] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER];

@@ -1,7 +1,7 @@
 //! The surface's curvature in its forms, and tilted tools.
 
-use crate::api::app::{TestApp, faults, figure};
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, shortest, with};
+use crate::app::{TestApp, faults, figure};
 use approx::assert_relative_eq;
 use serde_json::json;
 

@@ -1,7 +1,7 @@
 //! `POST /v1/cutting-parameters`: the fastest step-over and feed, the limits that bind, and faults.
 
-use crate::api::app::{TestApp, faults, figure};
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, shortest, toroidal, with, without};
+use crate::app::{Answer, TestApp, faults, figure};
 use approx::assert_relative_eq;
 use serde_json::{Value, json};
 
@@ -70,7 +70,7 @@ async fn no_pair_of_step_over_and_feed_is_faster() {
     for share in [0.25, 0.5, 0.9, 1.1, 1.5] {
         let feed = share * figure(&answer, "feed_per_tooth_mm");
         let body = with(with(shortest(STEP_OVER), "/feed_per_tooth_mm", feed), "/model", "envelope");
-        let (status, other) = app.post(STEP_OVER, &body).await;
+        let Answer { status, body: other } = app.post(STEP_OVER, &body).await;
         if status == 200 {
             assert!(figure(&other, "step_over_mm") * feed <= fastest * (1.0 + 1e-6), "{share}");
         }

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::api::app::{TestApp, faults};
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
+use crate::app::{Answer, TestApp, faults};
 use jsonschema::Validator;
 use scallopd::http::openapi_json;
 use serde_json::{Value, json};
@@ -102,9 +102,9 @@ async fn examples_answers_and_problems_are_as_the_schemas_say() {
         assert_valid(&requests, &request["example"]);
         assert_valid(&answers, &answer["example"]);
         assert_valid(&answers, &app.answer(path, &request["example"]).await);
-        let (status, problem) = app.post(path, &json!({})).await;
+        let Answer { status, body: problem } = app.post(path, &json!({})).await;
         assert_valid(&validator(&document, problem_of(operation, &status.to_string())), &problem);
-        let (status, problem) = app.post_text(path, "{").await;
+        let Answer { status, body: problem } = app.post_text(path, "{").await;
         assert_valid(&validator(&document, problem_of(operation, &status.to_string())), &problem);
     }
 }

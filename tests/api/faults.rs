@@ -1,10 +1,10 @@
 //! Faults of requests that are well-formed: each kind with its place and name, and all of a request's in one answer.
 
-use crate::api::app::{TestApp, faults, figure};
 use crate::api::requests::{
     CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, longest, members, shortest, toroidal, with, with_literal,
     without,
 };
+use crate::app::{TestApp, faults, figure};
 use serde_json::{Value, json};
 
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];

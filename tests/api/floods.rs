@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::api::app::TestApp;
+use crate::app::TestApp;
 
 const PATH: &str = "/v1/scallop-height/batch";
 

@@ -1,8 +1,8 @@
 //! `POST /v1/max-feed`: published feed rates, what limits a feed, and tolerances that leave none.
 
-use crate::api::app::{TestApp, faults, figure};
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, shortest, toroidal, with, without};
 use crate::api::scallop_height::published;
+use crate::app::{TestApp, faults, figure};
 use approx::assert_relative_eq;
 use serde_json::json;
 

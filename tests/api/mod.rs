@@ -1,6 +1,5 @@
 //! The HTTP contract, as a client meets it: the whole service in-process on a free port, asked with a client of its own.
 
-mod app;
 mod batch;
 mod columns;
 mod curvature;

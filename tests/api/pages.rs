@@ -2,7 +2,7 @@
 //!
 //! After a change that is meant, `docs/renew-examples` writes the answers anew.
 
-use crate::api::app::TestApp;
+use crate::app::TestApp;
 use reqwest::multipart::{Form, Part};
 use serde_json::Value;
 

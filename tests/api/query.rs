@@ -1,7 +1,7 @@
 //! `GET` on the single calculations: the same members as a query, the same answers, and faults that point to the query's parameters.
 
-use crate::api::app::TestApp;
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, longest, shortest, with, without};
+use crate::app::{Answer, TestApp};
 use serde_json::{Value, json};
 
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
@@ -138,7 +138,8 @@ async fn the_documented_example_of_each_query_gives_its_answer() {
             .filter_map(|parameter| Some((parameter["name"].as_str()?.to_owned(), parameter.get("example")?.clone())))
             .collect();
         let (status, answer) = get(&app, path, &query_of(&examples.into())).await;
-        let (_, expected) = app.post(path, &document["paths"][path]["post"]["requestBody"]["content"]["application/json"]["example"]).await;
+        let Answer { body: expected, .. } =
+            app.post(path, &document["paths"][path]["post"]["requestBody"]["content"]["application/json"]["example"]).await;
         assert_eq!((status, &answer), (200, &expected), "{path}");
         let shown = &operation["responses"]["200"]["content"]["application/json"]["example"];
         assert_eq!(shown["model"], answer["model"], "{path}");

@@ -1,8 +1,8 @@
 //! `POST /v1/scallop-height`: published heights, and those of the envelope beside them.
 #![allow(clippy::float_cmp)] // exact where compared for equality: nothing, or the same computation twice
 
-use crate::api::app::{TestApp, faults, figure, warnings};
 use crate::api::requests::{SCALLOP_HEIGHT, angles, ball_end, shortest, toroidal, with};
+use crate::app::{TestApp, faults, figure, warnings};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use serde_json::{Value, json};
 

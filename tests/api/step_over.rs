@@ -1,7 +1,7 @@
 //! `POST /v1/step-over`: published step-overs, and tolerances that leave none.
 
-use crate::api::app::{TestApp, faults, figure};
 use crate::api::requests::{SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, longest, shortest, toroidal, with, without};
+use crate::app::{TestApp, faults, figure};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use serde_json::json;
 

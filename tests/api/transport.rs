@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use crate::api::app::{TestApp, faults};
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
+use crate::app::{Answer, TestApp, faults};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::Value;
@@ -30,11 +30,11 @@ async fn text_that_is_not_json_is_malformed() {
             "{'a': 1}",
             "\u{feff}{}",
         ] {
-            let (status, problem) = app.post_text(&path, text).await;
+            let Answer { status, body: problem } = app.post_text(&path, text).await;
             assert_eq!((status, problem["type"].as_str()), (400, Some("malformed-json")), "{text:?}");
             assert_eq!(problem.get("errors"), None);
         }
-        let (status, _) = app.post_text(&path, b"{\"\xff\": 1}".to_vec()).await;
+        let Answer { status, .. } = app.post_text(&path, b"{\"\xff\": 1}".to_vec()).await;
         assert_eq!(status, 400);
     }
 }
@@ -54,11 +54,11 @@ async fn nesting_without_end_is_refused_and_the_server_lives_on() {
     let app = TestApp::start().await;
     for (path, body) in every_post() {
         for open in ["[", "{\"a\":"] {
-            let (status, _) = app.post_text(&path, open.repeat(8_000)).await;
+            let Answer { status, .. } = app.post_text(&path, open.repeat(8_000)).await;
             assert_eq!(status, 400);
         }
         let nested = format!("{{\"cutter\":{}1{}}}", "[".repeat(20_000), "]".repeat(20_000));
-        let (status, _) = app.post_text(&path, nested).await;
+        let Answer { status, .. } = app.post_text(&path, nested).await;
         assert!(status == 400 || status == 422, "{status}");
         app.answer(&path, &body).await;
     }
@@ -86,7 +86,7 @@ async fn only_json_is_understood() {
 async fn paths_that_are_not_there_are_not_found() {
     let app = TestApp::start().await;
     for path in ["/v1", "/v1/scallop-heights", "/v2/scallop-height", "/v1/scallop-height/", "/v1/max-feed/batch/1"] {
-        let (status, problem) = app.post_text(path, "{}").await;
+        let Answer { status, body: problem } = app.post_text(path, "{}").await;
         assert_eq!((status, problem["type"].as_str()), (404, Some("not-found")));
     }
 }

@@ -1,7 +1,7 @@
 //! Warnings: where the answer stands and an assumption of the model is near its limit, and nowhere else.
 
-use crate::api::app::{TestApp, warnings};
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, batch_of, shortest, toroidal, with};
+use crate::app::{TestApp, warnings};
 use serde_json::{Value, json};
 
 /// Along the steepest slope of 40 deg, where `R_eff` is 6.667 mm and `TR_eff` 2 mm.

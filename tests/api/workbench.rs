@@ -1,6 +1,6 @@
 //! The workbench and the pages around it: every file that a page names is served, and nothing inline is allowed.
 
-use crate::api::app::TestApp;
+use crate::app::TestApp;
 
 /// The addresses in the `href` and `src` attributes of a page.
 fn addresses(page: &str) -> Vec<&str> {

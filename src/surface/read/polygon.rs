@@ -3,6 +3,8 @@
 //! A fan from the first corner covers every convex polygon and many others. Where a triangle of the fan would have the opposite
 //! orientation, ear clipping is used instead [Meisters 1975, two ears theorem].
 
+use nalgebra::Vector3;
+
 use super::fault::{FaultKind, Flaw};
 
 /// The most corners of a polygon.
@@ -77,30 +79,30 @@ impl Polygon {
 enum Fan {
     Fits,
     /// Some triangles have the opposite orientation; with the polygon's area vector, doubled.
-    TurnsOver([f64; 3]),
+    TurnsOver(Vector3<f64>),
     /// The triangles cancel each other.
     Crosses,
 }
 
 fn judge(corners: &[[f64; 3]]) -> Fan {
     let first = corners[0];
-    let triangles = || corners[1..].windows(2).map(|pair| cross(minus(pair[0], first), minus(pair[1], first)));
-    let extent = corners.iter().map(|corner| minus(*corner, first)).map(|edge| dot(edge, edge)).fold(0.0, f64::max);
-    let mut area = [0.0; 3];
+    let triangles = || corners[1..].windows(2).map(|pair| edge(first, pair[0]).cross(&edge(first, pair[1])));
+    let extent = corners.iter().map(|corner| edge(first, *corner).norm_squared()).fold(0.0, f64::max);
+    let mut area = Vector3::zeros();
     let mut sizes = 0.0;
     for triangle in triangles() {
-        area = [area[0] + triangle[0], area[1] + triangle[1], area[2] + triangle[2]];
-        sizes += dot(triangle, triangle).sqrt();
+        area += triangle;
+        sizes += triangle.norm();
     }
     // A line rather than a polygon: its triangles have no area, whatever their orientation.
     if sizes <= NEGLIGIBLE * extent {
         return Fan::Fits;
     }
-    let square = dot(area, area);
+    let square = area.norm_squared();
     if square.sqrt() <= NEGLIGIBLE * sizes {
         return Fan::Crosses;
     }
-    if triangles().all(|triangle| dot(triangle, area) >= -NEGLIGIBLE * square) { Fan::Fits } else { Fan::TurnsOver(area) }
+    if triangles().all(|triangle| triangle.dot(&area) >= -NEGLIGIBLE * square) { Fan::Fits } else { Fan::TurnsOver(area) }
 }
 
 /// The remaining outline during ear clipping, projected along the polygon's normal, counter-clockwise.
@@ -114,7 +116,7 @@ struct Ring {
 }
 
 impl Ring {
-    fn cut(&mut self, corners: &[[f64; 3]], area: [f64; 3], mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
+    fn cut(&mut self, corners: &[[f64; 3]], area: Vector3<f64>, mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
         self.lay_out(corners, area);
         let mut left = corners.len();
         let mut at = 0;
@@ -149,13 +151,13 @@ impl Ring {
     }
 
     /// The remaining corners as a fan: one triangle, if all went well.
-    fn fan(&self, first: usize, corners: &[[f64; 3]], area: [f64; 3], mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
+    fn fan(&self, first: usize, corners: &[[f64; 3]], area: Vector3<f64>, mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
         let mut cut = Cut::Exact;
         let mut second = self.next[first];
         while self.next[second] != first {
             let third = self.next[second];
             let [a, b, c] = [first, second, third].map(|corner| corners[corner]);
-            if dot(cross(minus(b, a), minus(c, a)), area) < -NEGLIGIBLE * dot(area, area) {
+            if edge(a, b).cross(&edge(a, c)).dot(&area) < -NEGLIGIBLE * area.norm_squared() {
                 cut = Cut::Crossed;
             }
             emit([a, b, c]);
@@ -164,7 +166,7 @@ impl Ring {
         cut
     }
 
-    fn lay_out(&mut self, corners: &[[f64; 3]], area: [f64; 3]) {
+    fn lay_out(&mut self, corners: &[[f64; 3]], area: Vector3<f64>) {
         let largest = (0..3).max_by(|a, b| area[*a].abs().total_cmp(&area[*b].abs())).unwrap_or(2);
         let (mut u, mut v) = ((largest + 1) % 3, (largest + 2) % 3);
         if area[largest] < 0.0 {
@@ -230,16 +232,8 @@ fn side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+fn edge(from: [f64; 3], to: [f64; 3]) -> Vector3<f64> {
+    Vector3::from(to) - Vector3::from(from)
 }
 
 #[cfg(test)]
@@ -260,7 +254,7 @@ mod tests {
     }
 
     fn along_normal([a, b, c]: [[f64; 3]; 3]) -> f64 {
-        dot(cross(minus(b, a), minus(c, a)), [-0.8, 0.0, 0.6]) / 2.0
+        edge(a, b).cross(&edge(a, c)).dot(&Vector3::new(-0.8, 0.0, 0.6)) / 2.0
     }
 
     fn shoelace(outline: &[[f64; 2]]) -> f64 {
