@@ -2,7 +2,7 @@
 //!
 //! After a change that is meant, `docs/renew-examples` writes the problems anew.
 
-use crate::api::app::TestApp;
+use crate::app::TestApp;
 use crate::api::document::{assert_same, assert_valid, document, problem_of, validator};
 use reqwest::RequestBuilder;
 use reqwest::multipart::{Form, Part};

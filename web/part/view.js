@@ -68,7 +68,7 @@ export class PartView {
       this.#arrange();
       changed();
     });
-    this.#cutters = new CutterTable(changed);
+    this.#cutters = new CutterTable(changed, () => this.ask());
     this.#cutters.take(CUTTERS);
     this.element = el('section', { class: 'view', id: 'view-part', 'aria-label': 'Part' }, this.#panel(), this.#output());
     this.#fileInput.addEventListener('change', () => this.#choose(this.#fileInput.files[0]));
