@@ -46,10 +46,14 @@ function gridOfPatch({ bezier: { control_points: controls }, samples }) {
 export function fileOfSurface(surface, name) {
   const { rows, columns, points } = surface.grid ?? gridOfPatch(surface);
   const lines = points.map((point) => `v ${point.join(' ')}`);
+  const [origin, next, above] = [points[0], points[1], points[columns]];
+  // Normals point up where the corners run counter-clockwise seen from above.
+  const isUp = (next[0] - origin[0]) * (above[1] - origin[1]) > (next[1] - origin[1]) * (above[0] - origin[0]);
   for (let row = 0; row + 1 < rows; row += 1) {
     for (let column = 0; column + 1 < columns; column += 1) {
       const corner = row * columns + column + 1;
-      lines.push(`f ${corner} ${corner + 1} ${corner + columns + 1} ${corner + columns}`);
+      const quad = [corner, corner + 1, corner + columns + 1, corner + columns];
+      lines.push(`f ${(isUp ? quad : quad.reverse()).join(' ')}`);
     }
   }
   return new File([`${lines.join('\n')}\n`], `${name}.obj`, { type: 'model/obj' });

@@ -130,6 +130,8 @@ test('a tool library joins the cutters, beside an example and beside a file', as
   const { answer } = await find(page);
   assert.deepEqual(new Set(answer.candidates.map(({ name }) => name)), new Set(['L8', 'L12']));
   assertRanking(await ranking(page), answer, false);
+  // The drill is counted; of the example's file there is nothing to say.
+  assert.deepEqual(answer.warnings.map(({ code }) => code), ['other-tools']);
   assert.match(await page.locator('.headline .warnings').textContent(), /Other tools/);
   // The second cutter of a library cannot be asked for alone.
   assert.equal(await page.locator('.ranking tbody tr').nth(1).getByRole('button').count(), 0);
