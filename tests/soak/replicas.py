@@ -12,7 +12,7 @@ so that replicas, proxy and wrk do not take it from each other; else they share 
 are processor time a request, of all replicas and of the proxy, which depend little on what else the machine does.
 
 Failures: requests at fixed times, whether or not earlier ones were answered. A client repeats a request as docs/integration.md asks: on
-a broken connection at once, then after growing pauses, on 429 and 503 after Retry-After. "repeated by the client" is what a client
+a broken connection and the proxy's 502 at once, then after growing pauses, on 429 and 503 after Retry-After. "repeated by the client" is what a client
 without repetition would have lost, "lost" what had no answer after five attempts; "repeated by the proxy" is what the proxy counts. The
 program ends with 1 where a request is lost, or where a single calculation is lost to a client that does not repeat.
 """
@@ -260,7 +260,7 @@ class Client:
                     self.counts.longest_s = max(self.counts.longest_s, time.monotonic() - began)
                     return
                 self.counts.reasons[str(status)] += 1
-                if status not in (429, 503):
+                if status not in (429, 502, 503):
                     break
                 # The proxy's own 503 has no Retry-After.
                 pause = retry_after if retry_after is not None else pause
