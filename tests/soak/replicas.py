@@ -42,7 +42,8 @@ TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 CUTTER = {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}
 HEIGHT = {"cutter": CUTTER, "contact": {"slope_deg": 40, "feed_angle_deg": 30}, "step_over_mm": 0.687, "feed_per_tooth_mm": 0.3}
 BACKENDS = ("single", "long")
-# Each kind of request is sent by a process of its own. The proxy holds a batch of 1000 whole and may repeat it, one of 50 000 not.
+# Each kind of request is sent by a process of its own. The proxy holds single requests whole and may repeat them, batches of
+# this size not.
 SINGLE, SHORT, LONG = "single", "batch of 1000", "batch of 50 000, envelope"
 # As the manifests have it: longer than the proxy takes to notice.
 DRAIN_DELAY_S = 5
