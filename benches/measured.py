@@ -108,7 +108,7 @@ def machine() -> dict:
 def report(name: str, rows: list[dict], **more) -> None:
     """Prints the rows as a table and writes them, with the machine, as JSON."""
     if rows:
-        heads = list(rows[0])
+        heads = list(dict.fromkeys(head for row in rows for head in row))
         cells = [heads, *([shown(row.get(head)) for head in heads] for row in rows)]
         widths = [max(len(line[column]) for line in cells) for column in range(len(heads))]
         for line in cells:

@@ -5,9 +5,9 @@ use std::net::SocketAddr;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use scallopd::http::{self, AppState, openapi_json};
+use scallopd::http::{self, AppState};
 use scallopd::server::App;
-use scallopd::settings::{Command, Refusal, ServerSettings, Settings};
+use scallopd::settings::{Command, OpenApiVersion, Refusal, ServerSettings, Settings};
 use scallopd::telemetry::Telemetry;
 use scallopd::{health, server};
 use tokio::net::{TcpListener, TcpSocket};
@@ -29,7 +29,13 @@ const EXIT_USAGE: u8 = 2;
 fn main() -> ExitCode {
     match Command::read(std::env::args_os()) {
         Ok(Command::Serve(settings)) => exit(run(&settings)),
-        Ok(Command::OpenApi) => exit(std::io::stdout().write_all(openapi_json().as_bytes()).map(|()| true)),
+        Ok(Command::OpenApi(version)) => {
+            let document = match version {
+                OpenApiVersion::V3_1 => http::openapi_json(),
+                OpenApiVersion::V3_0 => http::openapi_3_0_json(),
+            };
+            exit(std::io::stdout().write_all(document.as_bytes()).map(|()| true))
+        }
         Ok(Command::Healthcheck(listen)) => exit(health::is_ready(listen)),
         Err(Refusal::Usage(usage)) => usage.exit(),
         Err(Refusal::Faults(faults)) => {

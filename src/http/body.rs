@@ -33,6 +33,9 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
     }
 }
 
+/// The bytes that an answer for one contact hardly exceeds.
+const USUAL_ANSWER: usize = 1024;
+
 /// An answer that was written where it was computed, off the async threads.
 pub(crate) struct WrittenJson {
     pieces: VecDeque<Bytes>,
@@ -42,10 +45,14 @@ pub(crate) struct WrittenJson {
 
 impl WrittenJson {
     pub(crate) fn of(answer: &impl Serialize) -> Result<Self, Problem> {
-        serde_json::to_vec(answer).map(|text| Self::in_pieces([text])).map_err(|error| {
-            tracing::error!(%error, "an answer could not be written");
-            Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
-        })
+        let mut text = Vec::with_capacity(USUAL_ANSWER);
+        match serde_json::to_writer(&mut text, answer) {
+            Ok(()) => Ok(Self::in_pieces([text])),
+            Err(error) => {
+                tracing::error!(%error, "an answer could not be written");
+                Err(Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR))
+            }
+        }
     }
 
     /// An answer that is sent as it was written, piece by piece: joining the pieces of a large one would double its memory.
@@ -58,6 +65,17 @@ impl WrittenJson {
         reservation.resize(self.length())?;
         self.reservation = Some(reservation);
         Ok(self)
+    }
+
+    fn into_body(mut self) -> Body {
+        match self.pieces.pop_front() {
+            Some(only) if self.pieces.is_empty() && self.reservation.is_none() => Body::from(only),
+            Some(first) => {
+                self.pieces.push_front(first);
+                Body::new(self)
+            }
+            None => Body::empty(),
+        }
     }
 
     fn length(&self) -> u64 {
@@ -95,7 +113,7 @@ impl HttpBody for WrittenJson {
 
 impl IntoResponse for WrittenJson {
     fn into_response(self) -> Response {
-        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], Body::new(self)).into_response()
+        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], self.into_body()).into_response()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::problem;
 use super::query::parameters_of;
-use serde_json::Value;
+use serde_json::{Value, json};
 use utoipa::openapi::{Components, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
 
 /// Declares a type that represents a request or an answer in the document; `$describe` returns its schema.
@@ -83,13 +83,43 @@ const EXAMPLES: [Example; 12] = [
     Example { operation: "machines", request: None, answer: include_str!("../../openapi/examples/machines.answer.json") },
 ];
 
+/// Requests of an operation that are refused, by the operation's id.
+macro_rules! refused {
+    ($($operation:literal),* $(,)?) => {
+        [$(($operation, include_str!(concat!("../../openapi/examples/", $operation, ".refused.json")))),*]
+    };
+}
+
+/// For each operation, named requests that are refused with status 422, each with the problem that answers it.
+const REFUSALS: [(&str, &str); 15] = refused![
+    "scallop_height",
+    "scallop_height_query",
+    "scallop_height_batch",
+    "max_feed",
+    "max_feed_query",
+    "max_feed_batch",
+    "step_over",
+    "step_over_query",
+    "step_over_batch",
+    "cutting_parameters",
+    "cutting_parameters_query",
+    "cutting_parameters_batch",
+    "critical_slope",
+    "cutter_recommendation",
+    "cutter_recommendation_upload",
+];
+
 /// The document as JSON, with the examples of its operations.
 pub(super) fn with_examples(document: &OpenApi) -> Value {
     let mut document = serde_json::to_value(document).unwrap_or_else(|error| unreachable!("the document can be written: {error}"));
     let operations = document["paths"].as_object_mut().into_iter().flat_map(|paths| paths.values_mut());
     for operation in operations.filter_map(Value::as_object_mut).flat_map(|path| path.values_mut()) {
         let id = operation["operationId"].as_str().unwrap_or_default();
-        // A query takes its example from the operation that has the same members as JSON.
+        if let Some((_, examples)) = REFUSALS.iter().find(|(operation, _)| *operation == id) {
+            operation["responses"]["422"]["content"]["application/problem+json"]["examples"] = refusals(examples);
+        }
+        let id = operation["operationId"].as_str().unwrap_or_default();
+        // A query has the example of the operation with the same members as JSON.
         let (id, is_query) = id.strip_suffix("_query").map_or((id, false), |id| (id, true));
         let Some(example) = EXAMPLES.iter().find(|example| example.operation == id) else { continue };
         if let Some(request) = example.request.filter(|_| is_query) {
@@ -108,6 +138,23 @@ pub(super) fn with_examples(document: &OpenApi) -> Value {
         operation["responses"]["200"]["content"]["application/json"]["example"] = parse(example.answer);
     }
     document
+}
+
+/// The examples of a response with status 422 from a file of refused requests. Each description states the request.
+fn refusals(file: &str) -> Value {
+    let mut examples = parse(file);
+    for example in examples.as_object_mut().into_iter().flat_map(|examples| examples.values_mut()) {
+        let request = match &example["request"] {
+            Value::String(query) => query.clone(),
+            body => body.to_string(),
+        };
+        *example = json!({
+            "summary": example["summary"],
+            "description": format!("The answer to `{request}`"),
+            "value": example["problem"],
+        });
+    }
+    examples
 }
 
 fn parse(example: &str) -> Value {

@@ -9,6 +9,7 @@ mod collected_body;
 mod document;
 pub mod metrics;
 mod middleware;
+mod openapi_3_0;
 pub mod overload;
 mod pages;
 mod planning;
@@ -57,6 +58,7 @@ pub fn routes() -> Routes {
         .documented(Upload, routes!(upload::answer))
         .merge(health_routes())
         .documented(Single, routes!(pages::openapi))
+        .documented(Single, routes!(pages::openapi_3_0))
         .nested(Single, pages::routes())
         .nested(Single, workbench::routes())
 }
@@ -64,7 +66,17 @@ pub fn routes() -> Routes {
 /// The OpenAPI document, as `openapi/openapi.json` holds it.
 #[must_use]
 pub fn openapi_json() -> String {
-    format!("{:#}\n", document::with_examples(&routes().openapi(document::outline())))
+    format!("{:#}\n", described())
+}
+
+/// The OpenAPI document in version 3.0.3, as `/openapi-3.0.json` serves it.
+#[must_use]
+pub fn openapi_3_0_json() -> String {
+    format!("{:#}\n", openapi_3_0::converted(described()))
+}
+
+fn described() -> serde_json::Value {
+    document::with_examples(&routes().openapi(document::outline()))
 }
 
 /// The routes without `/metrics`, for a service with a separate address for probes and metrics.

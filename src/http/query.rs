@@ -52,7 +52,7 @@ struct QueryMember {
 enum MemberKind {
     Number,
     Word,
-    /// Numbers with commas between them.
+    /// Numbers with commas between them, or the name repeated for each.
     Numbers,
 }
 
@@ -105,13 +105,20 @@ impl Query {
                 faults.add(&path, RequestFault::UnknownField, format_args!("unknown parameter; known here: {}", known.join(", ")));
                 continue;
             };
-            if given.iter().any(|(known, _)| known.name == member.name) {
-                faults.add(&path, RequestFault::RepeatedField, "the parameter is given more than once");
-            } else {
-                if value.is_empty() {
-                    faults.add(&path, RequestFault::WrongType, "the parameter has no value; leave it out or give one");
+            if value.is_empty() {
+                faults.add(&path, RequestFault::WrongType, "the parameter has no value; leave it out or give one");
+            }
+            match given.iter_mut().find(|(known, _)| known.name == member.name) {
+                None => given.push((member, value)),
+                // Generated clients repeat the name for each number, whatever form the document states.
+                Some((_, numbers)) if member.kind == MemberKind::Numbers => {
+                    let numbers = numbers.to_mut();
+                    numbers.push(',');
+                    numbers.push_str(&value);
                 }
-                given.push((member, value));
+                Some(_) => {
+                    faults.add(&path, RequestFault::RepeatedField, "the parameter is given more than once");
+                }
             }
         }
         let (json, mut of_json) = (json_of(&given), Faults::default());

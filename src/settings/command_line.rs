@@ -15,9 +15,18 @@ pub enum Command {
     /// Serve requests.
     Serve(Box<Settings>),
     /// Print the OpenAPI document.
-    OpenApi,
+    OpenApi(OpenApiVersion),
     /// Ask the server that listens at this address whether it is ready.
     Healthcheck(SocketAddr),
+}
+
+/// A version of the OpenAPI specification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OpenApiVersion {
+    /// 3.1, the document in full.
+    V3_1,
+    /// 3.0.3, for generators that do not read 3.1.
+    V3_0,
 }
 
 /// Why the command line gives no [`Command`].
@@ -49,7 +58,7 @@ impl Command {
         let line = CommandLine::try_parse_from(arguments).map_err(Refusal::Usage)?;
         match line.subcommand {
             None => Settings::read(&line.given).map(Box::new).map(Self::Serve).map_err(Refusal::Faults),
-            Some(Subcommand::Openapi) => Ok(Self::OpenApi),
+            Some(Subcommand::Openapi { is_3_0 }) => Ok(Self::OpenApi(if is_3_0 { OpenApiVersion::V3_0 } else { OpenApiVersion::V3_1 })),
             Some(Subcommand::Healthcheck) => {
                 let mut faults = Vec::new();
                 let listen = take(&mut faults, "SCALLOPD_LISTEN", &line.given.listen, address);
@@ -74,7 +83,11 @@ struct CommandLine {
 #[derive(clap::Subcommand)]
 enum Subcommand {
     /// Print the OpenAPI document
-    Openapi,
+    Openapi {
+        /// In version 3.0.3, for generators that do not read 3.1; without the operations that take forms
+        #[arg(long = "3.0")]
+        is_3_0: bool,
+    },
     /// Ask the running server's /readyz; exit 0 when it is ready, 1 otherwise
     Healthcheck,
 }
@@ -178,6 +191,12 @@ mod tests {
         let Err(Refusal::Faults(faults)) = Command::read(line) else { panic!("faults are accepted") };
         let flags: Vec<_> = faults.0.iter().map(super::super::Fault::flag).collect();
         assert_eq!(flags, ["--listen", "--log-format", "--otlp-endpoint", "--max-in-flight"]);
+    }
+
+    #[test]
+    fn the_document_is_printed_in_version_3_1_unless_3_0_is_asked_for() {
+        assert!(matches!(Command::read(["scallopd", "openapi"]), Ok(Command::OpenApi(OpenApiVersion::V3_1))));
+        assert!(matches!(Command::read(["scallopd", "openapi", "--3.0"]), Ok(Command::OpenApi(OpenApiVersion::V3_0))));
     }
 
     #[test]

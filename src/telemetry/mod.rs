@@ -9,10 +9,11 @@ use std::io::{self, IsTerminal};
 use std::thread::JoinHandle;
 
 use http::HeaderMap;
-use tracing::Span;
 use tracing::level_filters::LevelFilter;
+use tracing::{Span, Subscriber};
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::registry::LookupSpan;
 use tracing_subscriber::{Layer, Registry, fmt};
 
 use crate::settings::{LogFormat, TelemetrySettings};
@@ -33,25 +34,24 @@ impl Telemetry {
     /// # Errors
     /// The process has telemetry already, or the collector's address is invalid.
     pub fn start(settings: &TelemetrySettings) -> io::Result<Self> {
-        let filter = || level_filter(settings.log_level);
         let lines = lines::Lines::default();
         let writer = lines.write_to(io::stdout())?;
-        let form = || fmt::layer().with_writer(lines.clone());
-        let log = match settings.log_format {
-            LogFormat::Pretty => form().with_target(false).with_ansi(io::stdout().is_terminal()).with_filter(filter()).boxed(),
-            LogFormat::Json => form().event_format(json::JsonLine).fmt_fields(json::JsonMembers).with_filter(filter()).boxed(),
-        };
-        let subscriber = Registry::default().with(log);
         #[cfg(feature = "otlp")]
         let telemetry = {
             let traces = settings.otlp_endpoint.as_ref().map(otlp::Traces::start).transpose()?;
-            let layer = traces.as_ref().map(|traces| traces.layer().with_filter(level_filter(LevelFilter::INFO)));
-            tracing::subscriber::set_global_default(subscriber.with(layer)).map_err(io::Error::other)?;
+            match &traces {
+                None => log_alone(settings, &lines)?,
+                Some(traces) => {
+                    let log = log_layer(settings, &lines).with_filter(level_filter(settings.log_level));
+                    let layer = traces.layer().with_filter(level_filter(LevelFilter::INFO));
+                    tracing::subscriber::set_global_default(Registry::default().with(log).with(layer)).map_err(io::Error::other)?;
+                }
+            }
             Self { lines, writer, traces }
         };
         #[cfg(not(feature = "otlp"))]
         let telemetry = {
-            tracing::subscriber::set_global_default(subscriber).map_err(io::Error::other)?;
+            log_alone(settings, &lines)?;
             Self { lines, writer }
         };
         log_panics();
@@ -65,6 +65,24 @@ impl Telemetry {
             traces.stop();
         }
         self.lines.stop(&self.writer);
+    }
+}
+
+/// Logs without traces. One filter for the whole subscriber is checked once for a span or an event; a filter of a layer several times.
+fn log_alone(settings: &TelemetrySettings, lines: &lines::Lines) -> io::Result<()> {
+    let subscriber = Registry::default().with(level_filter(settings.log_level)).with(log_layer(settings, lines));
+    tracing::subscriber::set_global_default(subscriber).map_err(io::Error::other)
+}
+
+/// Writes events as lines in the format of the settings.
+fn log_layer<S>(settings: &TelemetrySettings, lines: &lines::Lines) -> Box<dyn Layer<S> + Send + Sync>
+where
+    S: Subscriber + for<'a> LookupSpan<'a>,
+{
+    let form = || fmt::layer().with_writer(lines.clone());
+    match settings.log_format {
+        LogFormat::Pretty => form().with_target(false).with_ansi(io::stdout().is_terminal()).boxed(),
+        LogFormat::Json => form().event_format(json::JsonLine).fmt_fields(json::JsonMembers).boxed(),
     }
 }
 

@@ -6,23 +6,23 @@ use std::collections::BTreeSet;
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
 use crate::app::{Answer, TestApp, faults};
 use jsonschema::Validator;
-use scallopd::http::openapi_json;
+use scallopd::http::{openapi_3_0_json, openapi_json};
 use serde_json::{Value, json};
 
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
 
-fn document() -> Value {
+pub(super) fn document() -> Value {
     serde_json::from_str(&openapi_json()).unwrap()
 }
 
 /// A validator of `schema`, which refers to the document's components.
-fn validator(document: &Value, schema: &Value) -> Validator {
+pub(super) fn validator(document: &Value, schema: &Value) -> Validator {
     let mut schema = schema.clone();
     schema["components"] = document["components"].clone();
     jsonschema::draft202012::new(&schema).unwrap()
 }
 
-fn assert_valid(validator: &Validator, instance: &Value) {
+pub(super) fn assert_valid(validator: &Validator, instance: &Value) {
     let errors: Vec<_> = validator.iter_errors(instance).map(|error| format!("{}: {error}", error.instance_path())).collect();
     assert!(errors.is_empty(), "{errors:#?} in {instance}");
 }
@@ -41,13 +41,13 @@ fn answer_of(operation: &Value) -> &Value {
     &operation["responses"]["200"]["content"]["application/json"]
 }
 
-fn problem_of<'a>(operation: &'a Value, status: &str) -> &'a Value {
+pub(super) fn problem_of<'a>(operation: &'a Value, status: &str) -> &'a Value {
     &operation["responses"][status]["content"]["application/problem+json"]["schema"]
 }
 
 /// Asserts that `found` is `expected`, with numbers to a relative 1e-12: twenty functions of the system's mathematical library
 /// may each differ by some roundings of 1e-16, and a deviation of a tenth has ten times their relative error.
-fn assert_same(found: &Value, expected: &Value, place: &str) {
+pub(super) fn assert_same(found: &Value, expected: &Value, place: &str) {
     match (found, expected) {
         (Value::Number(a), Value::Number(b)) => {
             let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
@@ -76,10 +76,13 @@ fn the_committed_document_is_the_generated_one() {
 }
 
 #[tokio::test]
-async fn the_server_serves_the_same_document() {
-    let answer = TestApp::start().await.get("/openapi.json").await;
-    assert_eq!(answer.headers()["content-type"], "application/json");
-    assert_eq!(answer.text().await.unwrap(), openapi_json());
+async fn the_server_serves_the_same_document_in_both_versions() {
+    let app = TestApp::start().await;
+    for (path, document) in [("/openapi.json", openapi_json()), ("/openapi-3.0.json", openapi_3_0_json())] {
+        let answer = app.get(path).await;
+        assert_eq!(answer.headers()["content-type"], "application/json");
+        assert_eq!(answer.text().await.unwrap(), document);
+    }
 }
 
 #[tokio::test]

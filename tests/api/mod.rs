@@ -10,6 +10,7 @@ mod floods;
 mod max_feed;
 mod pages;
 mod query;
+mod refused_examples;
 mod requests;
 mod scallop_height;
 mod statuses;

@@ -60,6 +60,22 @@ async fn a_query_is_answered_like_the_json_with_the_same_members() {
 }
 
 #[tokio::test]
+async fn numbers_stand_with_commas_or_under_a_repeated_name() {
+    let app = TestApp::start().await;
+    let get =
+        async |normal: &str| get(&app, SCALLOP_HEIGHT, &format!("cutter=ball_end&diameter_mm=6&step_over_mm=1&feed=1,0,0&{normal}")).await;
+    let (status, answer) = get("normal=-0.64,0,0.77").await;
+    assert_eq!(status, 200, "{answer}");
+    assert_eq!(get("normal=-0.64&normal=0&normal=0.77").await, (200, answer));
+    for (normal, pointer) in
+        [("normal=0&normal=1", "/normal"), ("normal=0&normal=x&normal=1", "/normal/1"), ("normal=0&normal=&normal=1", "/normal")]
+    {
+        let (status, problem) = get(normal).await;
+        assert_eq!((status, &problem["errors"][0]["pointer"]), (422, &json!(pointer)), "{normal}: {problem}");
+    }
+}
+
+#[tokio::test]
 async fn faults_point_to_the_parameters() {
     let app = TestApp::start().await;
     for (query, expected) in [

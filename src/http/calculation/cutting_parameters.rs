@@ -2,7 +2,6 @@
 //! time within a tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
@@ -14,7 +13,6 @@ use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, FigureValue, 
 use crate::http::worker_pool::Work;
 use crate::milling::{CuttingLimits, JudgedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
-use axum::Json;
 use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -152,7 +150,7 @@ described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParamet
     request_body = CuttingParametersRequest,
     responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<FastestParameters>>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     single::answer::<FastestParameters>(&body)
 }
 
@@ -164,7 +162,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<FastestParamete
     get, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters_query", params(CuttingParametersQuery),
     responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<FastestParameters>>, Problem> {
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
     single::answer_query::<FastestParameters>(&QUERY, text.as_deref())
 }
 

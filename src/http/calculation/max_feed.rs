@@ -1,7 +1,6 @@
 //! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps the scallop height within a tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
@@ -12,7 +11,6 @@ use crate::http::wire::{COMMON_FIGURES, Figure, FigureValue, Figures, SharedPara
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
-use axum::Json;
 use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -120,7 +118,7 @@ described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
     request_body = MaxFeedRequest,
     responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxFeed>>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     single::answer::<MaxFeed>(&body)
 }
 
@@ -132,7 +130,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxFeed>>, Prob
     get, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed_query", params(MaxFeedQuery),
     responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<MaxFeed>>, Problem> {
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
     single::answer_query::<MaxFeed>(&QUERY, text.as_deref())
 }
 

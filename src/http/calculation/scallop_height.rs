@@ -1,6 +1,5 @@
 //! `/v1/scallop-height`, by `POST` and `GET`, and its batch: the height left by a step-over and a feed.
 
-use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
@@ -11,7 +10,6 @@ use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, State
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
-use axum::Json;
 use axum::extract::RawQuery;
 
 members! {
@@ -59,7 +57,7 @@ described!(ScallopHeightBatchAnswer, batch::describe_answer::<ScallopHeight>);
     request_body = ScallopHeightRequest,
     responses((status = 200, description = "The height, its parts, and the effective radii", body = ScallopHeightAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<ScallopHeight>>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     single::answer::<ScallopHeight>(&body)
 }
 
@@ -71,7 +69,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<ScallopHeight>>
     get, path = "/v1/scallop-height", tag = "calculations", operation_id = "scallop_height_query", params(ScallopHeightQuery),
     responses((status = 200, description = "The height, its parts, and the effective radii", body = ScallopHeightAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<ScallopHeight>>, Problem> {
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
     single::answer_query::<ScallopHeight>(&QUERY, text.as_deref())
 }
 

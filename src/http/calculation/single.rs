@@ -1,7 +1,7 @@
 //! Requests with one contact, as JSON or as a query, and their answers.
 
 use super::Calculation;
-use crate::http::body::JsonBody;
+use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
 use crate::http::query::Query;
@@ -10,7 +10,6 @@ use crate::http::wire::{
     CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
 };
 use crate::milling::{Envelope, JudgedPass, Model, NoAnswer, Pass, StepOver};
-use axum::Json;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::marker::PhantomData;
 use std::num::NonZeroU32;
@@ -18,7 +17,7 @@ use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The answer for one contact.
-pub(crate) struct Answer<C> {
+struct Answer<C> {
     model: Model,
     figures: Figures,
     check: Option<Check>,
@@ -70,13 +69,13 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
 }
 
 /// Answers a request with one contact.
-pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<Json<Answer<C>>, Problem> {
-    body.read(read).map(Json)
+pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Problem> {
+    WrittenJson::of(&body.read(read::<C>)?)
 }
 
 /// Answers the same request as a query.
-pub(super) fn answer_query<C: Calculation>(query: &Query, text: Option<&str>) -> Result<Json<Answer<C>>, Problem> {
-    query.read(text.unwrap_or_default(), read).map(Json)
+pub(super) fn answer_query<C: Calculation>(query: &Query, text: Option<&str>) -> Result<WrittenJson, Problem> {
+    WrittenJson::of(&query.read(text.unwrap_or_default(), read::<C>)?)
 }
 
 fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {

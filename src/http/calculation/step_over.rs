@@ -1,6 +1,5 @@
 //! `/v1/step-over`, by `POST` and `GET`, and its batch: the largest step-over that keeps the scallop height within a tolerance.
 
-use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
@@ -11,7 +10,6 @@ use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, State
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
-use axum::Json;
 use axum::extract::RawQuery;
 
 members! {
@@ -56,7 +54,7 @@ described!(StepOverBatchAnswer, batch::describe_answer::<MaxStepOver>);
     request_body = StepOverRequest,
     responses((status = 200, description = "The step-over, and the heights at this step-over", body = StepOverAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxStepOver>>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     single::answer::<MaxStepOver>(&body)
 }
 
@@ -68,7 +66,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxStepOver>>, 
     get, path = "/v1/step-over", tag = "calculations", operation_id = "step_over_query", params(StepOverQuery),
     responses((status = 200, description = "The step-over, and the heights at this step-over", body = StepOverAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<MaxStepOver>>, Problem> {
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
     single::answer_query::<MaxStepOver>(&QUERY, text.as_deref())
 }
 

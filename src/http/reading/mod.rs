@@ -10,6 +10,7 @@ mod list;
 mod member;
 mod members;
 mod not_finite;
+mod number_array;
 mod object;
 mod schema;
 
