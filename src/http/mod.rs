@@ -1,5 +1,5 @@
-//! The HTTP interface: a file or folder for each endpoint, and what they share. Nothing here computes: requests are read into checked
-//! values, handed to the mathematics, and the results are written as JSON.
+//! The HTTP interface: a file or folder for each endpoint, and the modules that they share. Nothing here computes: requests are read
+//! into checked values and passed to the mathematics, and the results are written as JSON.
 
 mod app_state;
 mod body;
@@ -79,7 +79,7 @@ fn described() -> serde_json::Value {
     document::with_examples(&routes().openapi(document::outline()))
 }
 
-/// The routes without `/metrics`, for a service whose probes and metrics have an address of their own.
+/// The routes without `/metrics`, for a service with a separate address for probes and metrics.
 #[must_use]
 pub fn public_routes() -> Routes {
     routes().without("/metrics")
@@ -95,7 +95,7 @@ pub fn health_routes() -> Routes {
         .documented(Probe, routes!(metrics::show))
 }
 
-/// Writes the answers to heads that are no requests, for the server.
+/// Writes the server's answers to request heads that cannot be parsed.
 #[must_use]
 pub fn refusals(state: &AppState) -> Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + Sync> {
     let metrics = state.metrics.clone();

@@ -12,7 +12,13 @@ use utoipa_swagger_ui::{Config, SwaggerUi};
 /// The documentation's scripts and styles, under the page that [`super::workbench`] serves. They are left out of the OpenAPI document: no
 /// program calls them.
 pub(super) fn routes() -> Router<AppState> {
-    let documentation = SwaggerUi::new("/docs/ui").config(Config::from("/openapi.json").try_it_out_enabled(true));
+    let documentation = SwaggerUi::new("/docs/ui").config(
+        Config::from("/openapi.json")
+            // A hundred schemas would hide the operations.
+            .default_models_expand_depth(0)
+            .display_request_duration(true)
+            .try_it_out_enabled(true),
+    );
     Router::new().route("/docs", get(async || Redirect::to("/docs/"))).merge(documentation)
 }
 

@@ -38,7 +38,7 @@ async fn get(app: &TestApp, path: &str, query: &str) -> (u16, Value) {
 }
 
 #[tokio::test]
-async fn a_query_is_answered_as_the_json_with_the_same_members() {
+async fn a_query_is_answered_like_the_json_with_the_same_members() {
     let app = TestApp::start().await;
     for path in SINGLES {
         let vectors = json!({"normal": [-0.64, 0, 0.77], "feed": [1, 0, 0.84], "tool_axis": [0.1, 0, 0.99]});
@@ -119,7 +119,7 @@ async fn faults_point_to_the_parameters() {
 }
 
 #[tokio::test]
-async fn the_documented_parameters_are_those_that_are_known() {
+async fn the_documented_parameters_are_those_that_the_service_accepts() {
     let app = TestApp::start().await;
     let document: Value = serde_json::from_str(&scallopd::http::openapi_json()).unwrap();
     for path in SINGLES {
