@@ -98,8 +98,9 @@ fn unite_problems(document: &mut Value) {
     remove_schemas(document, &replaced);
     for response in operations_mut(document).flat_map(|operation| members_mut(&mut operation["responses"])) {
         if response["content"].get(PROBLEM_JSON).is_some() {
-            let body = json!({"schema": {"$ref": format!("{REFERENCE}{PROBLEM}")}});
-            response["content"] = json!({PROBLEM_JSON: body, "application/json": body});
+            let schema = json!({"$ref": format!("{REFERENCE}{PROBLEM}")});
+            response["content"][PROBLEM_JSON]["schema"] = schema.clone();
+            response["content"]["application/json"] = json!({"schema": schema});
         }
     }
 }
