@@ -51,14 +51,21 @@ export class PartView {
   #answer = el('div', {});
   #ranking = el('div', {});
   #surface = el('div', {});
-  #passesButton = el('button', { type: 'button', onclick: () => save('passes.csv', csvOf(...passRows(this.#last.passes)), 'text/csv') }, 'Download passes as CSV');
+  #passesButtons = el('span', { class: 'buttons' },
+    el('button', { type: 'button', onclick: () => save('passes.csv', csvOf(...passRows(this.#last.passes)), 'text/csv') }, 'Download passes as CSV'),
+    el('button', { type: 'button', onclick: () => this.#openPasses() }, 'Open passes as a tool path'));
   #map = new PartMap((box) => this.#selectBox(box));
-  #times = new LineChart('Machining time over direction', { height: 290 });
+  #times = new LineChart('Machining time over direction', { height: 290, onPick: (index) => this.#takeDirection(index) });
+  // The directions of the chart's points.
+  #directions = [];
+  #showPath;
   // The cards of the results.
   #cards;
   #groups = {};
 
-  constructor(onChange) {
+  /** `showPath(text, cutter)` shows a table of contacts in the tool path view. */
+  constructor(onChange, showPath) {
+    this.#showPath = showPath;
     const changed = () => {
       this.#stale.hidden = this.#last === null;
       onChange();
@@ -121,13 +128,13 @@ export class PartView {
     const downloads = el('div', { class: 'actions' },
       el('button', { type: 'button', onclick: () => save('recommendation.json', `${JSON.stringify(this.#last, null, 1)}\n`, 'application/json') }, 'Download JSON'),
       el('button', { type: 'button', onclick: () => save('ranking.csv', csvOf(...rankingRows(this.#last)), 'text/csv') }, 'Download CSV'),
-      this.#passesButton);
+      this.#passesButtons);
     this.#hint.append(el('h2', {}, 'What comes out'), el('p', {}, 'The fastest cutter and direction for the part, the other cutters ranked behind it with what each leaves, the machining time over every direction, and the part from above with its scallops.'), el('p', { class: 'muted' }, 'Choose a surface, or stay with the example, and find the cutter.'));
     const card = (label, ...children) => el('section', { class: 'card', 'aria-label': label, hidden: true }, ...children);
     this.#cards = {
       ranking: card('Recommendation', this.#answer, this.#ranking, downloads),
       map: card('Map', el('h2', {}, 'The part from above'), this.#map.element),
-      times: card('Times', this.#times.element),
+      times: card('Times', this.#times.element, el('p', { class: 'muted' }, 'Click a direction to plan in it alone.')),
       surface: card('Surface', el('h2', {}, 'Surface'), this.#surface),
     };
     const { ranking, map, times, surface } = this.#cards;
@@ -191,6 +198,23 @@ export class PartView {
     this.#groups.selection.open = true;
     this.#arrange();
     this.#stale.hidden = this.#last === null;
+  }
+
+  // A direction that was clicked in the chart becomes the only one to try.
+  #takeDirection(index) {
+    this.#form.field('directions_deg').set(String(this.#directions[index]));
+    this.#groups.method.open = true;
+    this.#arrange();
+    this.#stale.hidden = false;
+  }
+
+  // The recommended cutter goes with its passes, as far as the page knows it.
+  #openPasses() {
+    const { recommended, passes } = this.#last;
+    const { cutters, scallop_height_mm: tolerance } = this.#request.parameters;
+    const { type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm } = cutters?.[recommended.cutter] ?? {};
+    const known = Object.entries({ type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, scallop_tolerance_mm: tolerance }).filter(([, value]) => value !== undefined);
+    return this.#showPath(csvOf(...passRows(passes)), Object.fromEntries(known));
   }
 
   // The values of the preset stand in the fields as hints; a stated value overrides one.
@@ -364,7 +388,7 @@ export class PartView {
       this.#answer.replaceChildren(headline(answer));
       this.#ranking.replaceChildren(rankingTable(answer, this.#mapped, mapFor), unranked ?? '');
       this.#surface.replaceChildren(surfaceFigures(answer));
-      this.#passesButton.hidden = !answer.passes;
+      this.#passesButtons.hidden = !answer.passes;
       this.#drawTimes();
     } else if (unranked) {
       this.#message.replaceChildren(this.#message.firstChild, unranked);
@@ -413,8 +437,9 @@ export class PartView {
     const listed = this.#last.candidates.filter(({ by_direction: found }) => found).slice(0, CHARTED);
     this.#cards.times.hidden = listed.length === 0;
     if (listed.length === 0) return this.#times.clear();
+    this.#directions = [...new Set(listed.flatMap(({ by_direction: found }) => found.direction_deg))].sort((a, b) => a - b);
     return this.#times.show(() => {
-      const x = [...new Set(listed.flatMap(({ by_direction: found }) => found.direction_deg))].sort((a, b) => a - b);
+      const x = this.#directions;
       const series = listed.map((candidate, i) => {
         const times = new Map(candidate.by_direction.direction_deg.map((angle, at) => [angle, candidate.by_direction.machining_time_s[at]]));
         return { label: nameOf(candidate), colour: SERIES[i], values: x.map((angle) => times.get(angle) ?? null), gaps: true };
