@@ -64,7 +64,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (interval, length) = (Duration::from_secs_f64(1.0 / rate.parse::<f64>()?), Duration::from_secs_f64(seconds.parse()?));
     let mut body = String::new();
     std::io::stdin().read_to_string(&mut body)?;
-    let head = format!("POST {path} HTTP/1.1\r\nhost: {address}\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n", body.len());
+    let head =
+        format!("POST {path} HTTP/1.1\r\nhost: {address}\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n", body.len());
     let request = [head.as_bytes(), body.as_bytes()].concat();
     let mut connections = (0..connections.parse()?).map(|_| Connection::open(address)).collect::<Result<Vec<_>, _>>()?;
 

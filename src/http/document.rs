@@ -5,7 +5,7 @@ use super::query::parameters_of;
 use serde_json::{Value, json};
 use utoipa::openapi::{Components, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
 
-/// Declares a type that stands for a request or an answer in the document, described by the function `$describe`.
+/// Declares a type that represents a request or an answer in the document; `$describe` returns its schema.
 macro_rules! described {
     ($name:ident, $describe:expr) => {
         pub(crate) struct $name;
@@ -43,8 +43,8 @@ pub(super) fn outline() -> OpenApi {
         .servers(Some([ServerBuilder::new().url("/").description(Some("this server")).build()]))
         .tags(Some([
             tag("calculations", "scallop height, largest feed, largest step-over and fastest cutting parameters at contacts"),
-            tag("planning", "which cutter in which direction"),
-            tag("service", "for operators and for people"),
+            tag("planning", "which cutter finishes a surface soonest, in which direction, with which step-over and feed"),
+            tag("service", "probes, metrics and documentation"),
         ]))
         .build()
 }
@@ -52,7 +52,7 @@ pub(super) fn outline() -> OpenApi {
 /// The example of an operation.
 struct Example {
     operation: &'static str,
-    /// The body to send; none for an operation that takes none.
+    /// The body to send; `None` for an operation without a body.
     request: Option<&'static str>,
     answer: &'static str,
 }
@@ -131,7 +131,7 @@ pub(super) fn with_examples(document: &OpenApi) -> Value {
                 }
             }
         } else if let Some(request) = example.request {
-            // JSON or a form: an operation takes one of them.
+            // An operation takes JSON or a form.
             let contents = operation["requestBody"]["content"].as_object_mut().into_iter().flat_map(|contents| contents.values_mut());
             contents.for_each(|content| content["example"] = parse(request));
         }

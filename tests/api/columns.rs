@@ -14,7 +14,7 @@ fn with_contacts(path: &str, contacts: Value) -> Value {
     with(batch_of(shortest(path)), "/contacts", contacts)
 }
 
-/// An answer without the places of its faults, in which rows and columns differ.
+/// An answer without the pointers of its faults, in which rows and columns differ.
 fn without_pointers(mut answer: Value) -> Value {
     for failure in answer["failures"].as_array_mut().unwrap() {
         failure["pointer"].take();
@@ -212,7 +212,7 @@ async fn numbers_are_rounded_to_significant_digits() {
 }
 
 #[tokio::test]
-async fn a_number_that_is_not_finite_costs_only_its_contact() {
+async fn a_number_that_is_not_finite_fails_only_its_contact() {
     let app = TestApp::start().await;
     for token in ["NaN", "Infinity", "-Infinity"] {
         let text = with_literal(

@@ -1,4 +1,4 @@
-//! The HTTP contract, as a client meets it: the whole service in-process on a free port, asked with a client of its own.
+//! The HTTP contract as a client sees it: the whole service runs in-process on a free port and is called by an HTTP client.
 
 mod batch;
 mod columns;
