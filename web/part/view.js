@@ -321,6 +321,9 @@ export class PartView {
       this.#keepMap(result.answer.recommended.cutter, result.answer);
     }
     this.#showAnswer();
+    // On a narrow screen the answer is far below the button.
+    const shown = this.#last ? this.#cards.ranking : this.#message;
+    if (shown.getBoundingClientRect().top > innerHeight - 120) shown.scrollIntoView();
   }
 
   // Runs a request with the progress shown and the button off.
@@ -373,6 +376,7 @@ export class PartView {
     }
     if (problem.errors?.length && rest.length === 0) return undefined;
     const elsewhere = placeFaults({ ...problem, errors: rest }, (pointer) => this.#cutters.field(pointer) ?? this.#form.field(fieldNameOf(pointer)));
+    this.element.querySelector('[aria-invalid]')?.focus();
     if (elsewhere.length > 0) this.#tell(`${problem.title}.`, ...elsewhere);
     return undefined;
   }

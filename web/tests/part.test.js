@@ -241,6 +241,7 @@ test('a wrong cutter is marked in its row', async () => {
   const fault = page.locator('.cutter-row').nth(1).locator('[data-field="corner_radius_mm"] .fault');
   await fault.waitFor();
   assert.match(await fault.textContent(), /corner radius/);
+  assert.ok(await page.locator('.cutter-row').nth(1).locator('[data-field="corner_radius_mm"] input').evaluate((input) => input === document.activeElement));
 });
 
 test('a fault of a field in a closed group opens the group', async () => {
