@@ -42,7 +42,7 @@ export class PartView {
   #fileFault = el('p', { class: 'fault', id: 'file-fault', role: 'alert', hidden: true });
   #libraryFault = el('p', { class: 'fault', role: 'alert', hidden: true });
   #message = el('div', { class: 'problem', role: 'alert', hidden: true });
-  #stale = el('p', { class: 'stale', role: 'status', hidden: true });
+  #stale = el('p', { class: 'stale', role: 'status', hidden: true }, 'Something was changed since. The answer below is to the earlier question.');
   #progress = el('progress', { max: '1', value: '0', 'aria-label': 'Upload' });
   #progressText = el('span', { role: 'status' });
   #progressBox = el('div', { class: 'progress', hidden: true });
@@ -58,6 +58,7 @@ export class PartView {
   #times = new LineChart('Machining time over direction', { height: 290, onPick: (index) => this.#takeDirection(index) });
   // The directions of the chart's points.
   #directions = [];
+  #onChange;
   #showPath;
   // The cards of the results.
   #cards;
@@ -66,16 +67,13 @@ export class PartView {
   /** `showPath(text, cutter)` shows a table of contacts in the tool path view. */
   constructor(onChange, showPath) {
     this.#showPath = showPath;
-    const changed = () => {
-      this.#stale.hidden = this.#last === null;
-      onChange();
-    };
+    this.#onChange = onChange;
     this.#form = new Form(FIELDS, (field) => {
       if (field.name === 'machine') this.#showPreset();
       this.#arrange();
-      changed();
+      this.#changed();
     });
-    this.#cutters = new CutterTable(changed, () => this.ask());
+    this.#cutters = new CutterTable(() => this.#changed(), () => this.ask());
     this.#cutters.take(CUTTERS);
     this.element = el('section', { class: 'view', id: 'view-part', 'aria-label': 'Part' }, this.#panel(), this.#output());
     this.#fileInput.addEventListener('change', () => this.#choose(this.#fileInput.files[0]));
@@ -148,6 +146,12 @@ export class PartView {
     );
   }
 
+  // The answer that is shown is no longer that of the fields.
+  #changed() {
+    this.#stale.hidden = this.#last === null;
+    this.#onChange();
+  }
+
   #acceptDrops() {
     this.#drop.append(el('b', {}, 'Choose a file'), ' or drop it here', el('span', { class: 'muted', 'data-file': '' }, FORMATS));
     this.element.addEventListener('dragover', (event) => {
@@ -171,16 +175,17 @@ export class PartView {
     this.#fileFault.hidden = true;
     if (file) this.#form.field('example').set('file');
     this.#drop.querySelector('[data-file]').textContent = file ? `${file.name}, ${(file.size / 1e6).toPrecision(3)} MB` : FORMATS;
-    this.#stale.hidden = this.#last === null;
+    this.#changed();
     this.#arrange();
   }
 
   #addLibraries(files) {
     this.#libraries.push(...files);
     this.#libraryFault.hidden = true;
-    if (files.length > 0) this.#stale.hidden = this.#last === null;
+    if (files.length > 0) this.#changed();
     const remove = (index) => {
       this.#libraries.splice(index, 1);
+      this.#changed();
       this.#addLibraries([]);
     };
     const chips = this.#libraries.map((file, i) => el('span', { class: 'chip' }, file.name, el('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${file.name}`, onclick: () => remove(i) }, '×')));
@@ -197,7 +202,7 @@ export class PartView {
     }
     this.#groups.selection.open = true;
     this.#arrange();
-    this.#stale.hidden = this.#last === null;
+    this.#changed();
   }
 
   // A direction that was clicked in the chart becomes the only one to try.
@@ -205,7 +210,7 @@ export class PartView {
     this.#form.field('directions_deg').set(String(this.#directions[index]));
     this.#groups.method.open = true;
     this.#arrange();
-    this.#stale.hidden = false;
+    this.#changed();
   }
 
   // The recommended cutter goes with its passes, as far as the page knows it.
@@ -360,13 +365,16 @@ export class PartView {
   }
 
   #tell(...lines) {
-    this.#message.replaceChildren(...lines.map((line) => (typeof line === 'string' ? el('p', {}, line) : line)));
+    this.#message.replaceChildren(...lines.map((line) => el('p', {}, line)));
     this.#message.hidden = false;
   }
 
   #showProblem(problem) {
-    // The list of reasons follows.
-    if (problem.not_ranked) return this.#tell(`${problem.title}.`);
+    if (problem.not_ranked) {
+      // The list of reasons follows.
+      this.#tell(`${problem.title}.`);
+      return;
+    }
     const inFiles = (pointer) => (/^\/surface/.test(pointer) ? this.#fileFault : /^\/library/.test(pointer) ? this.#libraryFault : null);
     const rest = [];
     for (const error of problem.errors ?? []) {
@@ -374,11 +382,10 @@ export class PartView {
       if (place) this.#fault(place, error.detail);
       else rest.push(error);
     }
-    if (problem.errors?.length && rest.length === 0) return undefined;
+    if (problem.errors?.length && rest.length === 0) return;
     const elsewhere = placeFaults({ ...problem, errors: rest }, (pointer) => this.#cutters.field(pointer) ?? this.#form.field(fieldNameOf(pointer)));
     this.element.querySelector('[aria-invalid]')?.focus();
     if (elsewhere.length > 0) this.#tell(`${problem.title}.`, ...elsewhere);
-    return undefined;
   }
 
   #showAnswer() {
@@ -397,7 +404,6 @@ export class PartView {
     } else if (unranked) {
       this.#message.replaceChildren(this.#message.firstChild, unranked);
     }
-    this.#stale.textContent = 'Something was changed since. The answer below is to the earlier question.';
     if (this.#mapped !== null) this.#map.draw();
   }
 
@@ -440,9 +446,9 @@ export class PartView {
   #drawTimes() {
     const listed = this.#last.candidates.filter(({ by_direction: found }) => found).slice(0, CHARTED);
     this.#cards.times.hidden = listed.length === 0;
-    if (listed.length === 0) return this.#times.clear();
+    if (listed.length === 0) return;
     this.#directions = [...new Set(listed.flatMap(({ by_direction: found }) => found.direction_deg))].sort((a, b) => a - b);
-    return this.#times.show(() => {
+    this.#times.show(() => {
       const x = this.#directions;
       const series = listed.map((candidate, i) => {
         const times = new Map(candidate.by_direction.direction_deg.map((angle, at) => [angle, candidate.by_direction.machining_time_s[at]]));

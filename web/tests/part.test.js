@@ -200,6 +200,8 @@ test('the passes are drawn, downloaded, and read by the tool path view', async (
   const { page, watch } = await visit('#part');
   await choose(page, 'surface_2');
   await keepCutters(page, 2);
+  // Few passes: each point has its own step-over and height.
+  await field(page, 'tolerance_of_plan').fill('200');
   await page.locator('#view-part').getByText('Point by point').click();
   const { passes } = (await find(page)).answer;
   const text = await downloaded(page, () => page.getByRole('button', { name: 'Download passes as CSV' }).click());
