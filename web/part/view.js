@@ -213,13 +213,15 @@ export class PartView {
     this.#changed();
   }
 
-  // The recommended cutter goes with its passes, as far as the page knows it.
+  // The recommended cutter goes with its passes, as far as the page knows it. Without teeth and speed the step-over takes up the whole
+  // scallop height, so that heights without feed are of interest; with them the largest feed is.
   #openPasses() {
-    const { recommended, passes } = this.#last;
+    const { recommended, passes, model } = this.#last;
     const { cutters, scallop_height_mm: tolerance } = this.#request.parameters;
     const { type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm } = cutters?.[recommended.cutter] ?? {};
-    const known = Object.entries({ type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, scallop_tolerance_mm: tolerance }).filter(([, value]) => value !== undefined);
-    return this.#showPath(csvOf(...passRows(passes)), Object.fromEntries(known));
+    const question = passes.feed_per_tooth_mm ? { question: 'feed' } : { question: 'height', feed_per_tooth_mm: 0 };
+    const known = Object.entries({ type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, scallop_tolerance_mm: tolerance, model, ...question });
+    return this.#showPath(csvOf(...passRows(passes)), Object.fromEntries(known.filter(([, value]) => value !== undefined)));
   }
 
   // The values of the preset stand in the fields as hints; a stated value overrides one.

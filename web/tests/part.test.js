@@ -215,6 +215,7 @@ test('the passes are drawn, downloaded, and read by the tool path view', async (
   // The cutter came along: B10.
   assert.ok(await page.locator('#view-path [data-field="type"] input[value="ball_end"]').isChecked());
   assert.equal(await field(page, 'diameter_mm').inputValue(), '10');
+  assert.ok(await page.locator('#view-path [data-field="question"] input[value="height"]').isChecked());
   clean(watch);
 });
 
