@@ -45,8 +45,6 @@ BACKENDS = ("single", "long")
 # Each kind of request is sent by a process of its own. The proxy holds single requests whole and may repeat them, batches of
 # this size not.
 SINGLE, SHORT, LONG = "single", "batch of 1000", "batch of 50 000, envelope"
-# As the manifests have it: longer than the proxy takes to notice.
-DRAIN_DELAY_S = 5
 STALL_S = 8
 KILLS = 6
 ATTEMPTS = 5
@@ -126,13 +124,13 @@ class Share:
 class Replica:
     """One server, started again on the same port."""
 
-    def __init__(self, program, number, cores=None):
-        self.program, self.port, self.process = program, free_port(), None
+    def __init__(self, program, number, drain_delay_s, cores=None):
+        self.program, self.drain_delay_s, self.port, self.process = program, drain_delay_s, free_port(), None
         self.share = Share(f"scallopd-replicas-{os.getpid()}-{number}", cores) if cores else None
 
     def start(self):
         # The shell joins the group before it becomes the server, which sets its number of threads by it.
-        command = [self.program, "--listen", f"127.0.0.1:{self.port}", "--drain-delay-s", str(DRAIN_DELAY_S), "--log-format", "json"]
+        command = [self.program, "--listen", f"127.0.0.1:{self.port}", "--drain-delay-s", str(self.drain_delay_s), "--log-format", "json"]
         if self.share and self.share.folder:
             command = ["sh", "-c", f'echo $$ > {self.share.folder}/cgroup.procs && exec "$@"', "sh", *command]
         self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
@@ -359,7 +357,7 @@ def failures(options, haproxy, folder):
     faults = []
     for name, disturb in DISTURBANCES.items():
         with contextlib.ExitStack() as stack:
-            replicas = [stack.enter_context(contextlib.closing(Replica(options.program, number))) for number in (1, 2)]
+            replicas = [stack.enter_context(contextlib.closing(Replica(options.program, number, options.drain_delay_s))) for number in (1, 2)]
             for replica in replicas:
                 replica.start()
             proxy = stack.enter_context(contextlib.closing(Proxy(haproxy, replicas, folder)))
@@ -405,7 +403,7 @@ def certificate(folder):
 
 def throughput(options, haproxy, wrk, folder):
     with contextlib.ExitStack() as stack:
-        replicas = [stack.enter_context(contextlib.closing(Replica(options.program, number, options.cores_each))) for number in (1, 2)]
+        replicas = [stack.enter_context(contextlib.closing(Replica(options.program, number, 0, options.cores_each))) for number in (1, 2)]
         for replica in replicas:
             replica.start()
         proxies = {"proxy": stack.enter_context(contextlib.closing(Proxy(haproxy, replicas, folder)))}
@@ -450,9 +448,10 @@ def main():
     arguments.add_argument("--only", choices=("throughput", "failures"))
     arguments.add_argument("--seconds", type=int, default=3, help="length of a run of wrk")
     arguments.add_argument("--rounds", type=int, default=3, help="runs of wrk a row; the median counts")
-    arguments.add_argument("--cores-each", type=float, default=0.25, help="of a core for each replica while throughput is measured; 0 for no limit")
+    arguments.add_argument("--cores-each", type=float, default=0.15, help="of a core for each replica while throughput is measured; 0 for no limit")
     arguments.add_argument("--rate", type=float, default=400, help="single requests a second while replicas fail")
     arguments.add_argument("--batch-rate", type=float, default=10, help="batches of 1000 a second, and a fifth of it of 50 000")
+    arguments.add_argument("--drain-delay-s", type=int, default=5, help="after SIGTERM; the default is that of the manifests")
     options = arguments.parse_args()
     haproxy = need("haproxy", "haproxy")
     # SIGTERM ends this program as an exception does: with all that it started.
