@@ -64,7 +64,7 @@ pub(super) struct Reached {
     pub(super) low: f64,
     pub(super) high: f64,
     /// The spacing that it allows.
-    pub(super) allowed: f64,
+    allowed: f64,
     /// Its area over its width across the passes.
     density: f64,
 }
@@ -223,8 +223,10 @@ impl Walk<'_> {
                 continue;
             }
             // A strip that ends before the facet begins is not bound by it.
-            let bound = (reached.allowed * factor).max(reached.low - at);
-            area += reached.density * (reached.high.min(end) - reached.low.max(at)).max(0.0);
+            let (own, begins) = (reached.allowed * factor, reached.low - at);
+            let bound = if own > begins { own } else { begins };
+            let (from, to) = (if reached.low > at { reached.low } else { at }, if reached.high < end { reached.high } else { end });
+            area += reached.density * if to > from { to - from } else { 0.0 };
             if bound < limit {
                 if self.tightest.len() == TIGHTEST {
                     self.tightest.pop();

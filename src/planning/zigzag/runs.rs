@@ -31,6 +31,8 @@ const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]
 #[derive(Debug)]
 pub(super) struct RunFinder {
     cells: Vec<Cell>,
+    /// Room for the places of the facets that a plane cuts.
+    cut: Vec<u32>,
     origin: f64,
     gap: f64,
     pub(super) runs: Vec<Run>,
@@ -44,7 +46,7 @@ impl RunFinder {
         let gap = gap.max((high - low) / 100_000.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 1e5")]
         let count = ((high - low) / gap) as usize + 2;
-        Self { cells: vec![EMPTY; count], origin: low, gap, runs: Vec::new() }
+        Self { cells: vec![EMPTY; count], cut: Vec::new(), origin: low, gap, runs: Vec::new() }
     }
 
     /// Adds the runs of the plane with this number, and drops the facets that do not reach beyond it.
@@ -53,20 +55,25 @@ impl RunFinder {
         let (at, spacing) = (plane.at, plane.spacing());
         let constant_pace = if let FeedLaw::Constant { rate } = feeds { Some(rate.recip()) } else { None };
         let per_gap = self.gap.recip();
-        reached.retain(|reached| {
-            if at >= reached.high {
-                return false;
-            }
-            if at < reached.low {
-                return true;
-            }
-            let place = reached.place as usize;
+        // Whether a facet is cut and whether it is kept are as good as random: both lists grow without branches.
+        self.cut.resize(reached.len(), 0);
+        let (mut kept, mut count) = (0, 0);
+        for index in 0..reached.len() {
+            let one = reached[index];
+            reached[kept] = one;
+            self.cut[count] = one.place;
+            kept += usize::from(at < one.high);
+            count += usize::from((at < one.high) & (at >= one.low));
+        }
+        reached.truncate(kept);
+        for &place in &self.cut[..count] {
+            let place = place as usize;
             let slice = &spaced.sweep.slices[place];
             let [from, to] = slice.cut(at);
             let length = (to - from) * slice.stretch();
             let pace = constant_pace.unwrap_or_else(|| {
                 let tangent = &workpiece.tangents[spaced.sweep.covered[place].facet as usize];
-                let taken = (spacing / reached.allowed).powi(2);
+                let taken = (spacing / f64::from(spaced.allowed[place])).powi(2);
                 feeds.rate(tangent, tangent.alpha(spaced.sweep.heading.e).0, taken).recip()
             });
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the cells")]
@@ -81,8 +88,7 @@ impl RunFinder {
             }
             cell.length += length;
             cell.seconds += length * pace;
-            true
-        });
+        }
         self.join(number, at);
     }
 
