@@ -1,38 +1,142 @@
-//! The least that a JSON service on this framework can do: one route that reads a body and answers a constant. What scallopd's own
-//! layers and calculations cost is measured against it by `benches/requests`.
+//! Two servers with which `benches/requests` compares the service. Both have the service's allocator and runtime, and the framework's own
+//! accept loop, without time-outs, limits, logs or metrics.
 //!
-//! `baseline LENGTH` listens on a free port of 127.0.0.1, prints its address, and answers every POST of `/` with LENGTH bytes, once the
-//! whole body is in memory. It has the program's allocator and runtime, and the framework's own accept loop: time-outs and the like are
-//! part of what is measured.
+//! `baseline LENGTH` is the least work for a JSON service on this framework: it answers every POST of `/` with LENGTH bytes, once the
+//! whole body is in memory. `baseline job` does the job of `/v1/scallop-height` and nothing else: the body by serde's derived code,
+//! the library's formulas, the answer by serde's derived code. Each listens on a free port of 127.0.0.1 and prints its address.
 
-use axum::Router;
 use axum::body::Bytes;
-use axum::http::header;
+use axum::http::{StatusCode, header};
 use axum::routing::post;
 use axum::serve::ListenerExt;
-use std::io::{Error, Write};
+use axum::{Json, Router};
+use scallopd::milling::{Contact, Cutter, Envelope, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::quantity::Length;
+use serde::{Deserialize, Serialize};
+use std::error::Error;
+use std::io::Write;
+use std::num::NonZeroU32;
 
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const JSON: [(header::HeaderName, &str); 1] = [(header::CONTENT_TYPE, "application/json")];
+/// The deviation below which the service warns.
+const OUTSIDE_RANGE: f64 = -0.05;
 
-fn main() -> std::io::Result<()> {
-    let length = std::env::args().nth(1).and_then(|length| length.parse().ok());
-    let length = length.ok_or_else(|| Error::other("the answer's length is missing"))?;
-    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(serve(length))
+fn main() -> Result<(), Box<dyn Error>> {
+    let what = std::env::args().nth(1).ok_or("the answer's length is missing, or the word job")?;
+    let app = if what == "job" { Router::new().route("/v1/scallop-height", post(scallop_height)) } else { constant(what.parse()?) };
+    Ok(tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(serve(app))?)
 }
 
-async fn serve(length: usize) -> std::io::Result<()> {
+fn constant(length: usize) -> Router {
     let answer = Bytes::from(vec![b'0'; length]);
     let read = async move |body: Bytes| {
         std::hint::black_box(body);
         (JSON, answer)
     };
-    let app = Router::new().route("/", post(read));
+    Router::new().route("/", post(read))
+}
+
+async fn serve(app: Router) -> std::io::Result<()> {
     let listener = tokio::net::TcpListener::bind(("127.0.0.1", 0)).await?;
     let address = listener.local_addr()?;
     writeln!(std::io::stdout(), "listening on {address}")?;
     let listener = listener.tap_io(|stream| _ = stream.set_nodelay(true));
     axum::serve(listener, app).await
+}
+
+#[derive(Deserialize)]
+struct Request {
+    cutter: ToroidalCutter,
+    contact: Angles,
+    step_over_mm: f64,
+    feed_per_tooth_mm: f64,
+}
+
+#[derive(Deserialize)]
+struct ToroidalCutter {
+    #[serde(rename = "type")]
+    shape: Shape,
+    diameter_mm: f64,
+    corner_radius_mm: f64,
+    teeth: Option<NonZeroU32>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Shape {
+    Toroidal,
+}
+
+#[derive(Deserialize)]
+struct Angles {
+    slope_deg: f64,
+    feed_angle_deg: f64,
+}
+
+#[derive(Serialize)]
+struct Answer {
+    model: &'static str,
+    scallop_height_mm: f64,
+    step_over_height_mm: f64,
+    feed_height_mm: f64,
+    feed_share: Option<f64>,
+    effective_radius_mm: Option<f64>,
+    transverse_effective_radius_mm: Option<f64>,
+    step_over_mm: f64,
+    step_over_xy_mm: f64,
+    check: Check,
+    warnings: Vec<Warning>,
+}
+
+#[derive(Serialize)]
+struct Check {
+    envelope_scallop_height_mm: f64,
+    deviation: f64,
+}
+
+#[derive(Serialize)]
+struct Warning {
+    code: &'static str,
+    detail: String,
+}
+
+async fn scallop_height(Json(request): Json<Request>) -> Result<Json<Answer>, StatusCode> {
+    read(&request).and_then(|pass| work_out(&request, pass)).map(Json).map_err(|_| StatusCode::UNPROCESSABLE_ENTITY)
+}
+
+fn read(request: &Request) -> Result<Pass, Box<dyn Error>> {
+    let ToroidalCutter { shape: Shape::Toroidal, diameter_mm, corner_radius_mm, teeth } = request.cutter;
+    Ok(Pass {
+        cutter: Cutter::toroidal(Length::from_mm(diameter_mm)?, Length::from_mm(corner_radius_mm)?)?,
+        contact: Contact::from_degrees(request.contact.slope_deg, request.contact.feed_angle_deg)?,
+        surface: SurfaceCurvature::PLANE,
+        runout: Runout::NONE,
+        teeth,
+    })
+}
+
+fn work_out(request: &Request, pass: Pass) -> Result<Answer, Box<dyn Error>> {
+    let (step_over, feed) = (Length::from_mm(request.step_over_mm)?, Some(Length::from_mm(request.feed_per_tooth_mm)?));
+    let judged = JudgedPass::new(Model::Analytic, pass)?;
+    let height = judged.scallop_height(step_over, feed)?;
+    let envelope = Envelope::new(pass)?.scallop_height(step_over, feed)?.total().mm();
+    let deviation = height.total().mm() / envelope - 1.0;
+    let detail = || format!("the analytic height is {:.1} % under the {envelope:.6} mm of the cutter's exact shape", -deviation * 100.0);
+    let warning = (deviation < OUTSIDE_RANGE).then(|| Warning { code: "outside-analytic-range", detail: detail() });
+    Ok(Answer {
+        model: "analytic",
+        scallop_height_mm: height.total().mm(),
+        step_over_height_mm: height.step_over.mm(),
+        feed_height_mm: height.feed.mm(),
+        feed_share: height.feed_share(),
+        effective_radius_mm: judged.effective_radius().map(Length::mm),
+        transverse_effective_radius_mm: judged.transverse_effective_radius().map(Length::mm),
+        step_over_mm: step_over.mm(),
+        step_over_xy_mm: step_over.mm() * pass.contact.spacing_ratio(),
+        check: Check { envelope_scallop_height_mm: envelope, deviation },
+        warnings: warning.into_iter().collect(),
+    })
 }

@@ -1,7 +1,7 @@
 //! Batches for numerical callers: contacts as columns, a choice of the answer's columns, rounding, and numbers that are not finite.
 
-use crate::api::app::{TestApp, faults, figure};
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest, with, with_literal, without};
+use crate::app::{Answer, TestApp, faults, figure};
 use serde_json::{Value, json};
 
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
@@ -14,7 +14,7 @@ fn with_contacts(path: &str, contacts: Value) -> Value {
     with(batch_of(shortest(path)), "/contacts", contacts)
 }
 
-/// An answer without the places of its faults, in which rows and columns differ.
+/// An answer without the pointers of its faults, in which rows and columns differ.
 fn without_pointers(mut answer: Value) -> Value {
     for failure in answer["failures"].as_array_mut().unwrap() {
         failure["pointer"].take();
@@ -162,7 +162,7 @@ async fn deviations_are_those_of_single_answers_and_the_summary_counts_those_out
         for name in ["envelope_scallop_height_mm", "deviation"] {
             assert_eq!(answer[name][index], single["check"][name], "{index}");
         }
-        outside += usize::from(crate::api::app::warnings(&single).contains(&"outside-analytic-range"));
+        outside += usize::from(crate::app::warnings(&single).contains(&"outside-analytic-range"));
     }
     assert_eq!(answer["summary"]["outside_analytic_range"], json!(outside));
     assert!(outside > 0);
@@ -212,7 +212,7 @@ async fn numbers_are_rounded_to_significant_digits() {
 }
 
 #[tokio::test]
-async fn a_number_that_is_not_finite_costs_only_its_contact() {
+async fn a_number_that_is_not_finite_fails_only_its_contact() {
     let app = TestApp::start().await;
     for token in ["NaN", "Infinity", "-Infinity"] {
         let text = with_literal(
@@ -220,11 +220,11 @@ async fn a_number_that_is_not_finite_costs_only_its_contact() {
             "/contacts/slope_deg",
             &format!("[40, {token}]"),
         );
-        let (status, of_columns) = app.post_text(&batch(SCALLOP_HEIGHT), text).await;
+        let Answer { status, body: of_columns } = app.post_text(&batch(SCALLOP_HEIGHT), text).await;
         assert_eq!(status, 200, "{of_columns}");
         let rows = json!([{"slope_deg": 40, "feed_angle_deg": 30}, {"slope_deg": "x", "feed_angle_deg": 30}]);
         let text = with_contacts(SCALLOP_HEIGHT, rows).to_string().replace("\"x\"", token);
-        let (status, of_rows) = app.post_text(&batch(SCALLOP_HEIGHT), text).await;
+        let Answer { status, body: of_rows } = app.post_text(&batch(SCALLOP_HEIGHT), text).await;
         assert_eq!(status, 200, "{of_rows}");
         for (answer, pointer) in [(&of_columns, "/contacts/slope_deg/1"), (&of_rows, "/contacts/1/slope_deg")] {
             let failure = &answer["failures"][0];

@@ -1,8 +1,8 @@
-//! Requests with floods of faulty contacts, members and parts: answers list a bounded number of faults and count the rest.
+//! Requests with very many faulty contacts, members and parts: answers list a bounded number of faults and count the rest.
 
 use serde_json::{Value, json};
 
-use crate::api::app::TestApp;
+use crate::app::TestApp;
 
 const PATH: &str = "/v1/scallop-height/batch";
 

@@ -1,8 +1,8 @@
 //! The examples of README.md and docs/tour.md: each `curl` command gives the JSON that follows it.
 //!
-//! After a change that is meant, `docs/renew-examples` writes the answers anew.
+//! After an intended change, `docs/renew-examples` updates the answers.
 
-use crate::api::app::TestApp;
+use crate::app::TestApp;
 use reqwest::multipart::{Form, Part};
 use serde_json::Value;
 
@@ -28,7 +28,7 @@ fn examples(page: &'static str) -> Vec<Example<'static>> {
     examples
 }
 
-/// What follows `flag` in a command: the text in quotation marks, or up to the next blank.
+/// The arguments of `flag` in a command: texts in quotation marks, or up to the next blank.
 fn arguments<'a>(command: &'a str, flag: &str) -> Vec<&'a str> {
     let values = command.match_indices(flag).map(|(at, _)| command[at + flag.len()..].trim_start());
     values
@@ -64,7 +64,7 @@ async fn run(app: &TestApp, command: &str) -> Value {
     request.send().await.unwrap().json().await.unwrap()
 }
 
-/// Whether `found` is what is shown, whose numbers are rounded to six digits.
+/// Whether `found` is the answer shown, whose numbers are rounded to six digits.
 fn is_shown(shown: &Value, found: &Value) -> bool {
     match (shown, found) {
         (Value::Number(shown), Value::Number(found)) => {

@@ -1,7 +1,7 @@
 //! `GET` on the single calculations: the same members as a query, the same answers, and faults that point to the query's parameters.
 
-use crate::api::app::TestApp;
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, longest, shortest, with, without};
+use crate::app::{Answer, TestApp};
 use serde_json::{Value, json};
 
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
@@ -38,7 +38,7 @@ async fn get(app: &TestApp, path: &str, query: &str) -> (u16, Value) {
 }
 
 #[tokio::test]
-async fn a_query_is_answered_as_the_json_with_the_same_members() {
+async fn a_query_is_answered_like_the_json_with_the_same_members() {
     let app = TestApp::start().await;
     for path in SINGLES {
         let vectors = json!({"normal": [-0.64, 0, 0.77], "feed": [1, 0, 0.84], "tool_axis": [0.1, 0, 0.99]});
@@ -57,6 +57,22 @@ async fn a_query_is_answered_as_the_json_with_the_same_members() {
     }
     let (status, _) = get(&app, SCALLOP_HEIGHT, &format!("{CONTACT}&step_over_mm=6.87e%2D1")).await;
     assert_eq!(status, 200);
+}
+
+#[tokio::test]
+async fn numbers_stand_with_commas_or_under_a_repeated_name() {
+    let app = TestApp::start().await;
+    let get =
+        async |normal: &str| get(&app, SCALLOP_HEIGHT, &format!("cutter=ball_end&diameter_mm=6&step_over_mm=1&feed=1,0,0&{normal}")).await;
+    let (status, answer) = get("normal=-0.64,0,0.77").await;
+    assert_eq!(status, 200, "{answer}");
+    assert_eq!(get("normal=-0.64&normal=0&normal=0.77").await, (200, answer));
+    for (normal, pointer) in
+        [("normal=0&normal=1", "/normal"), ("normal=0&normal=x&normal=1", "/normal/1"), ("normal=0&normal=&normal=1", "/normal")]
+    {
+        let (status, problem) = get(normal).await;
+        assert_eq!((status, &problem["errors"][0]["pointer"]), (422, &json!(pointer)), "{normal}: {problem}");
+    }
 }
 
 #[tokio::test]
@@ -103,7 +119,7 @@ async fn faults_point_to_the_parameters() {
 }
 
 #[tokio::test]
-async fn the_documented_parameters_are_those_that_are_known() {
+async fn the_documented_parameters_are_those_that_the_service_accepts() {
     let app = TestApp::start().await;
     let document: Value = serde_json::from_str(&scallopd::http::openapi_json()).unwrap();
     for path in SINGLES {
@@ -138,7 +154,8 @@ async fn the_documented_example_of_each_query_gives_its_answer() {
             .filter_map(|parameter| Some((parameter["name"].as_str()?.to_owned(), parameter.get("example")?.clone())))
             .collect();
         let (status, answer) = get(&app, path, &query_of(&examples.into())).await;
-        let (_, expected) = app.post(path, &document["paths"][path]["post"]["requestBody"]["content"]["application/json"]["example"]).await;
+        let Answer { body: expected, .. } =
+            app.post(path, &document["paths"][path]["post"]["requestBody"]["content"]["application/json"]["example"]).await;
         assert_eq!((status, &answer), (200, &expected), "{path}");
         let shown = &operation["responses"]["200"]["content"]["application/json"]["example"];
         assert_eq!(shown["model"], answer["model"], "{path}");

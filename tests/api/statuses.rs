@@ -1,17 +1,17 @@
-//! Every status that the document says an operation can answer with is obtained from it, and is a problem where it is an error.
+//! Every status that the document lists for an operation is obtained from it, and is a problem where it is an error.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use crate::api::app::{PATIENCE, TestApp};
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
+use crate::app::{PATIENCE, TestApp, defaults};
 use axum::routing::{get, post};
-use scallopd::http::{self, RouteClass, Routes};
+use scallopd::http::{RouteClass, Routes};
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
-/// A request whose body does not come.
+/// A request whose body does not arrive.
 async fn half_a_request(app: &TestApp, path: &str) -> TcpStream {
     let mut stream = TcpStream::connect(app.address).await.unwrap();
     let head = format!("POST {path} HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\ncontent-length: 1000\r\n\r\n{{");
@@ -24,29 +24,29 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
     let single = path.trim_end_matches("/batch");
     let body = if single == path { shortest(single) } else { batch_of(shortest(single)) };
     match wanted {
-        200 => TestApp::start().await.post(path, &body).await.0,
-        400 => TestApp::start().await.post_text(path, "{").await.0,
+        200 => TestApp::start().await.post(path, &body).await.status,
+        400 => TestApp::start().await.post_text(path, "{").await.status,
         408 => {
-            let app = TestApp::start_with(|settings| settings.http.body_idle_timeout = Duration::from_millis(50), http::routes()).await;
+            let app = TestApp::start_with(|settings| settings.http.body_idle_timeout = Duration::from_millis(50)).await;
             status_of(half_a_request(&app, path).await).await
         }
         413 => {
-            let app = TestApp::start_with(|settings| settings.http.max_json_bytes = 64 * 1024, http::routes()).await;
-            app.post_text(path, format!("{body}{}", " ".repeat(64 * 1024))).await.0
+            let app = TestApp::start_with(|settings| settings.http.max_json_bytes = 64 * 1024).await;
+            app.post_text(path, format!("{body}{}", " ".repeat(64 * 1024))).await.status
         }
         415 => {
             let app = TestApp::start().await;
             app.client.post(app.url(path)).body(body.to_string()).send().await.unwrap().status().as_u16()
         }
-        422 => TestApp::start().await.post_text(path, "{}").await.0,
+        422 => TestApp::start().await.post_text(path, "{}").await.status,
         500 => {
-            // No request causes this; a fault of a handler does, so that one with a fault takes the operation's place.
+            // No request causes this, but a panic in a handler does; a handler that panics takes the operation's place.
             let failing = post(async || -> &'static str { panic!("a fault, on purpose") });
-            let app = TestApp::start_with(|_| {}, Routes::new().undocumented(RouteClass::Single, path, failing)).await;
-            app.post(path, &body).await.0
+            let app = TestApp::serve(defaults(), Routes::new().undocumented(RouteClass::Single, path, failing)).await;
+            app.send(path, body.to_string()).await.status().as_u16()
         }
         503 => {
-            let app = TestApp::start_with(|settings| settings.http.max_in_flight = 1, http::routes()).await;
+            let app = TestApp::start_with(|settings| settings.http.max_in_flight = 1).await;
             let _occupies_the_only_place = half_a_request(&app, path).await;
             let deadline = tokio::time::Instant::now() + PATIENCE;
             loop {
@@ -54,13 +54,13 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
                 if answer.status() == 503 {
                     assert!(answer.headers().contains_key("retry-after"));
                 }
-                // Until the half request has arrived, this one has the place.
+                // Until the half request has arrived, this one may take its place.
                 if answer.status() == 503 || tokio::time::Instant::now() > deadline {
                     return answer.status().as_u16();
                 }
             }
         }
-        other => panic!("nobody knows how to obtain {other} from {path}"),
+        other => panic!("the test cannot obtain {other} from {path}"),
     }
 }
 
@@ -105,7 +105,7 @@ async fn every_documented_status_of_the_service_operations_is_obtained() {
     assert_eq!(documented(&document["paths"]["/readyz"]["get"]), readyz);
 }
 
-/// The query of an answer, and one without.
+/// A query that is answered, and one without an answer.
 const QUERY: &str = "cutter=toroidal&diameter_mm=10&corner_radius_mm=2&slope_deg=40&feed_angle_deg=30";
 
 #[tokio::test]
@@ -113,7 +113,7 @@ async fn every_documented_status_of_the_queries_is_obtained() {
     let document = document();
     for path in [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS] {
         assert_eq!(documented(&document["paths"][path]["get"]), BTreeSet::from([200, 422, 500, 503]), "{path}");
-        let app = TestApp::start_with(|settings| settings.http.max_in_flight = 2, http::routes()).await;
+        let app = TestApp::start_with(|settings| settings.http.max_in_flight = 2).await;
         let parameters = match path {
             SCALLOP_HEIGHT => "step_over_mm=0.687",
             MAX_FEED => "step_over_mm=0.687&scallop_tolerance_mm=0.013",
@@ -125,11 +125,11 @@ async fn every_documented_status_of_the_queries_is_obtained() {
         let _occupy_both_places = (half_a_request(&app, path).await, half_a_request(&app, path).await);
         let deadline = tokio::time::Instant::now() + PATIENCE;
         while obtained("").await != 503 {
-            // Until the half requests have arrived, this one has a place.
+            // Until the half requests have arrived, this one may take a place.
             assert!(tokio::time::Instant::now() < deadline, "{path}");
         }
         let failing = get(async || -> &'static str { panic!("a fault, on purpose") });
-        let app = TestApp::start_with(|_| {}, Routes::new().undocumented(RouteClass::Single, path, failing)).await;
+        let app = TestApp::serve(defaults(), Routes::new().undocumented(RouteClass::Single, path, failing)).await;
         assert_eq!(app.get(path).await.status(), 500, "{path}");
     }
 }

@@ -1,6 +1,6 @@
 //! `POST /v1/critical-slope` and `GET /v1/machines`.
 
-use crate::planning::app::{TestApp, figure, warnings};
+use crate::app::{Answer, TestApp, figure, warnings};
 use crate::planning::{pair, with};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use serde_json::{Value, json};
@@ -134,7 +134,7 @@ async fn machines_are_presets_values_or_both() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_listed_machines_are_those_that_can_be_named() {
     let app = TestApp::start().await;
-    let listed = app.get("/v1/machines").await.ok();
+    let listed = Answer::of(app.get("/v1/machines").await).await.ok();
     let machines = listed["machines"].as_array().unwrap();
     assert!(machines.len() >= 4);
     for machine in machines {

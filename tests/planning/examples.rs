@@ -1,6 +1,6 @@
 //! The examples that ship with the document and the repository are what the service takes and answers.
 
-use crate::planning::app::{TestApp, figure};
+use crate::app::{Answer, TestApp, figure};
 use reqwest::multipart::{Form, Part};
 use serde_json::Value;
 
@@ -32,7 +32,7 @@ fn assert_alike(answer: &Value, example: &Value, place: &str) {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn every_example_of_the_document_is_answered_as_it_says() {
     let app = TestApp::start().await;
-    let document = app.get("/openapi.json").await.ok();
+    let document = Answer::of(app.get("/openapi.json").await).await.ok();
     for (path, id) in [("/v1/critical-slope", "critical_slope"), ("/v1/cutter-recommendation", "cutter_recommendation")] {
         let operation = &document["paths"][path]["post"];
         assert_eq!(operation["operationId"], id);
@@ -40,7 +40,7 @@ async fn every_example_of_the_document_is_answered_as_it_says() {
         assert_alike(&answer, &operation["responses"]["200"]["content"]["application/json"]["example"], id);
     }
     let operation = &document["paths"]["/v1/machines"]["get"];
-    let answer = app.get("/v1/machines").await.ok();
+    let answer = Answer::of(app.get("/v1/machines").await).await.ok();
     assert_alike(&answer, &operation["responses"]["200"]["content"]["application/json"]["example"], "machines");
 
     let operation = &document["paths"]["/v1/cutter-recommendation/upload"]["post"];
@@ -52,7 +52,7 @@ async fn every_example_of_the_document_is_answered_as_it_says() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn answers_and_requests_are_valid_by_the_document() {
     let app = TestApp::start().await;
-    let document = app.get("/openapi.json").await.ok();
+    let document = Answer::of(app.get("/openapi.json").await).await.ok();
     let schema = |name: &str| {
         let mut schema = document["components"]["schemas"][name].clone();
         schema["components"] = document["components"].clone();
@@ -63,7 +63,7 @@ async fn answers_and_requests_are_valid_by_the_document() {
     for (name, answer) in [
         ("RecommendationAnswer", app.recommend(&surface_1).await.ok()),
         ("CriticalSlopeAnswer", parse(include_str!("../../openapi/examples/critical_slope.answer.json"))),
-        ("Machines", app.get("/v1/machines").await.ok()),
+        ("Machines", Answer::of(app.get("/v1/machines").await).await.ok()),
         ("UploadRequest", parse(include_str!("../../openapi/examples/cutter_recommendation_upload.request.json"))),
     ] {
         let faults: Vec<_> = schema(name).iter_errors(&answer).map(|error| format!("{}: {error}", error.instance_path())).collect();

@@ -1,6 +1,6 @@
 //! What a JSON recommendation refuses, with the place of every fault.
 
-use crate::planning::app::{Answer, TestApp};
+use crate::app::{Answer, TestApp};
 use crate::planning::{job, with};
 use serde_json::{Value, json};
 
@@ -147,12 +147,12 @@ async fn a_flood_of_faulty_points_is_listed_in_part() {
 async fn bodies_that_are_not_json_are_refused() {
     let app = TestApp::start().await;
     let path = "/v1/cutter-recommendation";
-    assert_eq!(app.post_text(path, "application/json", "{\"surface\": {\"points\": [[1, 2, NaN]]}}").await.status, 422);
-    assert_eq!(app.post_text(path, "application/json", "").await.status, 400);
-    assert_eq!(app.post_text(path, "application/json", "[".repeat(100_000)).await.status, 400);
-    assert_eq!(app.post_text(path, "text/csv", "1,2,3").await.status, 415);
+    assert_eq!(app.post_text(path, "{\"surface\": {\"points\": [[1, 2, NaN]]}}").await.status, 422);
+    assert_eq!(app.post_text(path, "").await.status, 400);
+    assert_eq!(app.post_text(path, "[".repeat(100_000)).await.status, 400);
+    assert_eq!(app.post_as(path, "text/csv", "1,2,3").await.status, 415);
     let huge_number = format!("{{\"surface\": {{\"points\": [[0, 0, 1e999], [{}, 0, 0]]}}}}", "9".repeat(1000));
-    let answer = app.post_text(path, "application/json", huge_number).await;
+    let answer = app.post_text(path, huge_number).await;
     let (status, faults) = answer.faults();
     assert_eq!(status, 422);
     assert!(faults.contains(&("/surface/points/0/2", "out-of-range")) && faults.contains(&("/surface/points/1/0", "out-of-range")));

@@ -1,6 +1,6 @@
 //! One surface in every form in which it can be sent gives one answer.
 
-use crate::planning::app::{TestApp, figure, warnings};
+use crate::app::{TestApp, figure, warnings};
 use crate::planning::{job, with};
 use crate::writers::{ascii_stl, binary_stl, exact, facets_of, obj, ply, words};
 use approx::assert_relative_eq;

@@ -1,6 +1,5 @@
 //! Critical slope, machines and cutter recommendation as callers meet them, over HTTP to the whole service.
 
-mod app;
 mod critical_slope;
 mod examples;
 mod faults;

@@ -1,6 +1,6 @@
 //! `POST /v1/cutter-recommendation`: the published surfaces, and laws that any surface obeys.
 
-use crate::planning::app::{TestApp, figure, warnings};
+use crate::app::{TestApp, figure, warnings};
 use crate::planning::{job, with};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use serde_json::{Value, json};

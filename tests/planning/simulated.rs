@@ -1,6 +1,6 @@
 //! `POST /v1/cutter-recommendation` by its default method: passes simulated on the surface itself.
 
-use crate::planning::app::{TestApp, figure, warnings};
+use crate::app::{TestApp, figure, warnings};
 use crate::planning::{job, with};
 use crate::writers::{binary_stl, exact, facets_of, obj, ply, three_mf};
 use approx::assert_relative_eq;

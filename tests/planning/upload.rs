@@ -1,6 +1,6 @@
 //! `POST /v1/cutter-recommendation/upload`: the form around the file, and files that are hostile or wrong.
 
-use crate::planning::app::{TestApp, figure, gzip};
+use crate::app::{TestApp, figure, gzip};
 use crate::planning::{job, with};
 use reqwest::multipart::{Form, Part};
 use serde_json::{Value, json};
@@ -51,7 +51,7 @@ async fn compressed_forms_are_unfolded_and_counted() {
     let compressed = app.upload_raw(gzip(&body), true).await.ok();
     assert_eq!(plain, compressed);
     assert!((figure(&plain, "/surface/points") - 300_000.0).abs() < 0.5);
-    let metrics = app.get_text("/metrics").await;
+    let metrics = app.metrics().await;
     assert!(metrics.contains(&format!("scallopd_upload_bytes_total {}\n", 2 * points.len())), "{metrics}");
     assert!(metrics.contains("scallopd_upload_facets_total{format=\"text\"} 600000\n"), "{metrics}");
 }
@@ -88,7 +88,7 @@ async fn forms_that_are_none_are_refused() {
         ("application/json", 415),
         ("text/csv", 415),
     ] {
-        assert_eq!(app.post_text(PATH, media_type, CSV).await.status, status, "{media_type}");
+        assert_eq!(app.post_as(PATH, media_type, CSV).await.status, status, "{media_type}");
     }
     let whole = written(&[("surface", CSV.as_bytes()), ("parameters", job().to_string().as_bytes())]);
     for body in [
@@ -163,11 +163,7 @@ async fn files_that_span_no_surface_are_refused() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_gzip_bomb_ends_at_the_limit() {
-    let Ok(scallopd::settings::Command::Serve(mut settings)) = scallopd::settings::Command::read(["scallopd"]) else {
-        panic!("the defaults cannot be used")
-    };
-    settings.http.max_upload_bytes = 8 << 20;
-    let app = TestApp::start_with(*settings).await;
+    let app = TestApp::start_with(|settings| settings.http.max_upload_bytes = 8 << 20).await;
     // 64 MiB of one line, in 64 kB.
     let bomb = gzip(&written(&[("surface", &vec![b'1'; 64 << 20])]));
     let answer = app.upload_raw(bomb, true).await;

@@ -4,18 +4,19 @@ use axum::body::Bytes;
 use axum::routing::post;
 use scallopd::http::{RouteClass, Routes};
 
-use crate::service::server::{TestServer, defaults, until};
+use crate::app::{TestApp, defaults};
+use crate::service::server::{self, until};
 
 const KIB: u64 = 1024;
 
-async fn start() -> TestServer {
+async fn start() -> TestApp {
     let length = |body: Bytes| async move {
         tokio::time::sleep(std::time::Duration::from_millis(300)).await;
         body.len().to_string()
     };
     let mut settings = defaults();
     settings.http.memory_budget_bytes = 256 * KIB;
-    TestServer::start(settings, Routes::new().undocumented(RouteClass::Batch, "/length", post(length))).await
+    server::start(settings, Routes::new().undocumented(RouteClass::Batch, "/length", post(length))).await
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

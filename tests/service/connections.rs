@@ -11,7 +11,8 @@ use scallopd::http::{RouteClass, Routes};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
-use crate::service::server::{TestServer, defaults, read_all, send, until};
+use crate::app::{TestApp, defaults};
+use crate::service::server::{self, read_all, send, until};
 
 /// A route that works until it is cancelled, and whether it has begun and been cancelled.
 #[derive(Clone, Default)]
@@ -59,7 +60,7 @@ fn routes() -> Routes {
         .undocumented(RouteClass::Single, "/never", get(std::future::pending::<()>))
 }
 
-async fn answer_to(server: &TestServer, request: &str) -> String {
+async fn answer_to(server: &TestApp, request: &str) -> String {
     let mut stream = server.connect().await;
     send(&mut stream, request).await;
     read_all(&mut stream).await
@@ -79,7 +80,7 @@ fn assert_problem(answer: &str, status: u16) {
 async fn heads_that_are_no_requests_are_problems_with_an_id_and_are_counted() {
     let mut settings = defaults();
     settings.server.header_timeout = Duration::from_secs(1);
-    let server = TestServer::start(settings, routes()).await;
+    let server = server::start(settings, routes()).await;
     let long = "x".repeat(20_000);
     for (status, head) in [
         (400, "no request at all\r\n\r\n".to_owned()),
@@ -101,7 +102,7 @@ async fn heads_that_are_no_requests_are_problems_with_an_id_and_are_counted() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_malformed_head_after_a_request_is_a_problem_too() {
-    let server = TestServer::start(defaults(), routes()).await;
+    let server = server::start(defaults(), routes()).await;
     let mut stream = server.connect().await;
     send(&mut stream, "GET /nothing HTTP/1.1\r\nhost: test\r\n\r\n").await;
     let mut first = vec![0; 4096];
@@ -115,7 +116,7 @@ async fn a_malformed_head_after_a_request_is_a_problem_too() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_request_names_its_host_once() {
-    let server = TestServer::start(defaults(), routes()).await;
+    let server = server::start(defaults(), routes()).await;
     for hosts in ["", "host: a\r\nhost: b\r\n"] {
         assert_problem(&answer_to(&server, &format!("GET /headers HTTP/1.1\r\n{hosts}connection: close\r\n\r\n")).await, 400);
     }
@@ -124,7 +125,7 @@ async fn a_request_names_its_host_once() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_client_that_closes_its_sending_side_gets_its_answer() {
-    let server = TestServer::start(defaults(), routes()).await;
+    let server = server::start(defaults(), routes()).await;
     for request in ["POST /length HTTP/1.1\r\nhost: test\r\ncontent-length: 4\r\n\r\n1234", "GET /slow HTTP/1.1\r\nhost: test\r\n\r\n"] {
         let mut stream = server.connect().await;
         send(&mut stream, request).await;
@@ -137,7 +138,7 @@ async fn a_client_that_closes_its_sending_side_gets_its_answer() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn work_for_a_client_that_stays_half_closed_ends_after_a_second() {
     let endless = Endless::default();
-    let server = TestServer::start(defaults(), endless.routes()).await;
+    let server = server::start(defaults(), endless.routes()).await;
     for extra in ["", "bytes after the request"] {
         let endless = endless.clone();
         let mut stream = server.connect().await;
@@ -156,7 +157,7 @@ async fn work_ends_at_once_where_the_client_resets_and_where_the_time_is_over() 
     let endless = Endless::default();
     let mut settings = defaults();
     settings.http.request_timeout = Duration::from_secs(1);
-    let server = TestServer::start(settings, endless.routes()).await;
+    let server = server::start(settings, endless.routes()).await;
     let request = "POST /endless HTTP/1.1\r\nhost: test\r\ncontent-length: 2\r\n\r\n{}";
     let mut stream = server.connect().await;
     send(&mut stream, request).await;
@@ -181,7 +182,7 @@ async fn connections_idle_longer_between_requests_than_before_the_first() {
     let mut settings = defaults();
     settings.server.header_timeout = Duration::from_secs(1);
     settings.server.idle_timeout = Duration::from_secs(3);
-    let server = TestServer::start(settings, routes()).await;
+    let server = server::start(settings, routes()).await;
     let request = "GET /headers HTTP/1.1\r\nhost: test\r\n\r\n";
     let (mut used, mut unused) = (server.connect().await, server.connect().await);
     let began = Instant::now();
@@ -203,7 +204,7 @@ async fn connections_idle_longer_between_requests_than_before_the_first() {
 async fn a_connection_past_the_limit_closes_the_one_that_idles_longest() {
     let mut settings = defaults();
     settings.server.max_connections = 2;
-    let server = TestServer::start(settings, routes()).await;
+    let server = server::start(settings, routes()).await;
     let mut first = server.connect().await;
     tokio::time::sleep(Duration::from_millis(20)).await;
     let mut second = server.connect().await;
@@ -219,7 +220,7 @@ async fn a_connection_past_the_limit_closes_the_one_that_idles_longest() {
 async fn probes_are_answered_where_every_connection_has_a_request() {
     let mut settings = defaults();
     settings.server.max_connections = 2;
-    let server = TestServer::start(settings, routes()).await;
+    let server = server::start(settings, routes()).await;
     let mut busy = Vec::new();
     for _ in 0..2 {
         let mut stream = server.connect().await;

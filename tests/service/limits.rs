@@ -1,18 +1,16 @@
 //! Bodies that are larger than is accepted, as they come or once unfolded.
 
-use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use axum::body::{Body, Bytes};
 use axum::routing::post;
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use http_body_util::BodyExt;
 use scallopd::http::{RouteClass, Routes};
 use tokio::io::AsyncWriteExt;
 
-use crate::service::server::{TestServer, defaults, read_all, send};
+use crate::app::{PATIENCE, TestApp, defaults, gzip};
+use crate::service::server::{self, read_all, send};
 
 const LIMIT: usize = 1 << 20;
 
@@ -30,20 +28,14 @@ fn counting() -> (Routes, Arc<AtomicUsize>) {
     (routes.undocumented(RouteClass::Single, "/read", post(read)), count)
 }
 
-async fn start() -> (TestServer, Arc<AtomicUsize>) {
+async fn start() -> (TestApp, Arc<AtomicUsize>) {
     let (routes, count) = counting();
     let mut settings = defaults();
     settings.http.max_json_bytes = LIMIT as u64;
-    (TestServer::start(settings, routes).await, count)
+    (server::start(settings, routes).await, count)
 }
 
-fn gzip(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(bytes).unwrap();
-    encoder.finish().unwrap()
-}
-
-async fn post_gzip(server: &TestServer, path: &str, body: Vec<u8>) -> reqwest::Response {
+async fn post_gzip(server: &TestApp, path: &str, body: Vec<u8>) -> reqwest::Response {
     server.client.post(server.url(path)).header("content-encoding", "gzip").body(body).send().await.unwrap()
 }
 
@@ -78,7 +70,7 @@ async fn an_endless_body_is_read_up_to_the_limit_and_refused() {
     let read = count.load(Ordering::SeqCst);
     assert!(read > 0 && read <= LIMIT, "{read}");
     // The server stops listening, not only reading: the client cannot send for ever.
-    tokio::time::timeout(crate::service::server::PATIENCE, sending).await.expect("the connection ends").unwrap();
+    tokio::time::timeout(PATIENCE, sending).await.expect("the connection ends").unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

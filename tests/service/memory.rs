@@ -3,8 +3,8 @@
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 
+use crate::app::PATIENCE;
 use crate::service::launch::Program;
-use crate::service::server::PATIENCE;
 
 const UPLOADS: usize = 4;
 const FACETS: u32 = 2_000_000;

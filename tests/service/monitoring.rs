@@ -6,7 +6,8 @@ use std::path::Path;
 use scallopd::http::Routes;
 use scallopd::http::overload::Overload;
 
-use crate::service::server::{TestServer, defaults};
+use crate::app::defaults;
+use crate::service::server;
 
 /// The metrics of this server that a text names.
 fn named(text: &str) -> BTreeSet<&str> {
@@ -17,7 +18,7 @@ fn named(text: &str) -> BTreeSet<&str> {
 
 #[tokio::test]
 async fn rules_and_dashboard_name_metrics_that_there_are() {
-    let server = TestServer::start(defaults(), Routes::new()).await;
+    let server = server::start(defaults(), Routes::new()).await;
     server.state.metrics.upload_facets("stl", 2);
     server.state.metrics.shed(Overload::Workers);
     assert_eq!(server.get("/livez").await.status(), 200);

@@ -6,7 +6,8 @@ use axum::routing::get;
 use scallopd::http::{RouteClass, Routes};
 use scallopd::settings::CorsOrigins;
 
-use crate::service::server::{TestServer, defaults};
+use crate::app::defaults;
+use crate::service::server;
 
 fn routes() -> Routes {
     Routes::new()
@@ -17,7 +18,7 @@ fn routes() -> Routes {
 
 #[tokio::test]
 async fn requests_are_counted_by_route_not_by_path() {
-    let server = TestServer::start(defaults(), routes()).await;
+    let server = server::start(defaults(), routes()).await;
     for path in ["/items/a", "/items/b", "/nothing", "/nothing/else"] {
         server.get(path).await.text().await.unwrap();
     }
@@ -37,7 +38,7 @@ async fn requests_are_counted_by_route_not_by_path() {
 
 #[tokio::test]
 async fn the_callers_request_id_comes_back_and_one_is_made_where_it_sent_none() {
-    let server = TestServer::start(defaults(), routes()).await;
+    let server = server::start(defaults(), routes()).await;
     let named = server.client.get(server.url("/nothing")).header("x-request-id", "order-66").send().await.unwrap();
     assert_eq!(named.headers()["x-request-id"], "order-66");
     let first = server.get("/livez").await.headers()["x-request-id"].clone();
@@ -46,7 +47,7 @@ async fn the_callers_request_id_comes_back_and_one_is_made_where_it_sent_none() 
 
 #[tokio::test]
 async fn pages_carry_a_policy_and_nothing_is_sniffed() {
-    let server = TestServer::start(defaults(), routes()).await;
+    let server = server::start(defaults(), routes()).await;
     let page = server.get("/page").await;
     assert!(page.headers()["content-security-policy"].to_str().unwrap().contains("frame-ancestors 'none'"));
     let text = server.get("/items/a").await;
@@ -56,7 +57,7 @@ async fn pages_carry_a_policy_and_nothing_is_sniffed() {
 
 #[tokio::test]
 async fn long_answers_are_compressed_when_asked() {
-    let server = TestServer::start(defaults(), routes()).await;
+    let server = server::start(defaults(), routes()).await;
     let asked = server.client.get(server.url("/long")).header("accept-encoding", "gzip").send().await.unwrap();
     assert_eq!(asked.headers()["content-encoding"], "gzip");
     assert!(asked.bytes().await.unwrap().len() < 1000);
@@ -68,7 +69,7 @@ async fn long_answers_are_compressed_when_asked() {
 async fn only_listed_origins_may_call() {
     let mut settings = defaults();
     settings.http.cors_origins = CorsOrigins::Listed(vec!["https://panel.example".parse().unwrap()]);
-    let server = TestServer::start(settings, routes()).await;
+    let server = server::start(settings, routes()).await;
     let ask = |origin: &'static str| server.client.get(server.url("/items/a")).header("origin", origin).send();
     assert_eq!(ask("https://panel.example").await.unwrap().headers()["access-control-allow-origin"], "https://panel.example");
     assert!(!ask("https://other.example").await.unwrap().headers().contains_key("access-control-allow-origin"));

@@ -5,7 +5,8 @@ use scallopd::http::overload::Overload;
 use scallopd::http::worker_pool::Work;
 use scallopd::http::{RouteClass, Routes};
 
-use crate::service::server::{TestServer, defaults};
+use crate::app::defaults;
+use crate::service::server;
 
 async fn fail() -> &'static str {
     panic!("on purpose: a secret of the server")
@@ -25,7 +26,7 @@ async fn a_panic_is_a_500_that_tells_nothing_and_the_server_goes_on() {
     let mut settings = defaults();
     settings.http.max_in_flight = 1;
     settings.http.max_concurrent_work = 1;
-    let server = TestServer::start(settings, routes).await;
+    let server = server::start(settings, routes).await;
     for _ in 0..5 {
         for path in ["/fail", "/fail/batch"] {
             let answer = server.get(path).await;

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use crate::app::PATIENCE;
 use crate::service::launch::{Program, scallopd, text};
-use crate::service::server::PATIENCE;
 
 /// The answer to one request on a connection of its own; `None` where the server does not listen any more or takes no request.
 fn ask(address: SocketAddr) -> Option<String> {

@@ -1,82 +1,22 @@
-//! A server in-process, on a free port, with routes of a test's own.
+//! A service with the probes and routes of a test's own, and streams to it.
 
-use std::net::SocketAddr;
 use std::time::Duration;
 
 use axum::routing::get;
-use scallopd::http::{self, AppState, RouteClass, Routes, metrics, readiness};
-use scallopd::server::{self, App};
-use scallopd::settings::{Command, Settings};
+use scallopd::http::{RouteClass, Routes, metrics, readiness};
+use scallopd::settings::Settings;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::oneshot;
-use tokio::task::JoinHandle;
+use tokio::net::TcpStream;
 
-/// Longer than anything here takes on a slow machine.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
+use crate::app::{PATIENCE, TestApp};
 
-pub(crate) fn defaults() -> Settings {
-    let Ok(Command::Serve(settings)) = Command::read(["scallopd"]) else { panic!("the defaults cannot be used") };
-    *settings
-}
-
-pub(crate) struct TestServer {
-    pub(crate) address: SocketAddr,
-    pub(crate) state: AppState,
-    pub(crate) client: reqwest::Client,
-    stop: Option<oneshot::Sender<()>>,
-    served: JoinHandle<std::io::Result<()>>,
-}
-
-impl TestServer {
-    /// Serves `routes` and the probes.
-    pub(crate) async fn start(settings: Settings, routes: Routes) -> Self {
-        let state = AppState::start(&settings.http).unwrap();
-        let routes = routes
-            .undocumented(RouteClass::Probe, "/livez", get(readiness::livez))
-            .undocumented(RouteClass::Probe, "/readyz", get(readiness::readyz))
-            .undocumented(RouteClass::Probe, "/metrics", get(metrics::show));
-        let app =
-            App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
-        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
-        let address = listener.local_addr().unwrap();
-        let (stop, stopped) = oneshot::channel();
-        let served = tokio::spawn(async move {
-            let stop = async {
-                let _ = stopped.await;
-            };
-            server::serve(listener, app, &settings.server, stop).await
-        });
-        let client = reqwest::Client::builder().no_gzip().timeout(PATIENCE).build().unwrap();
-        Self { address, state, client, stop: Some(stop), served }
-    }
-
-    pub(crate) fn url(&self, path: &str) -> String {
-        format!("http://{}{path}", self.address)
-    }
-
-    pub(crate) async fn get(&self, path: &str) -> reqwest::Response {
-        self.client.get(self.url(path)).send().await.unwrap()
-    }
-
-    pub(crate) async fn metrics(&self) -> String {
-        self.get("/metrics").await.text().await.unwrap()
-    }
-
-    /// A connection of the test's own.
-    pub(crate) async fn connect(&self) -> TcpStream {
-        TcpStream::connect(self.address).await.unwrap()
-    }
-
-    /// Asks the server to stop.
-    pub(crate) fn stop(&mut self) {
-        self.stop.take().expect("stopped once").send(()).unwrap();
-    }
-
-    /// Waits until it has.
-    pub(crate) async fn stopped(self) {
-        tokio::time::timeout(PATIENCE, self.served).await.expect("the server stops").unwrap().unwrap();
-    }
+/// Serves `routes` and the probes.
+pub(crate) async fn start(settings: Settings, routes: Routes) -> TestApp {
+    let routes = routes
+        .undocumented(RouteClass::Probe, "/livez", get(readiness::livez))
+        .undocumented(RouteClass::Probe, "/readyz", get(readiness::readyz))
+        .undocumented(RouteClass::Probe, "/metrics", get(metrics::show));
+    TestApp::serve(settings, routes).await
 }
 
 pub(crate) async fn send(stream: &mut TcpStream, text: &str) {

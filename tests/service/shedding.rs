@@ -7,7 +7,8 @@ use scallopd::http::worker_pool::Work;
 use scallopd::http::{RouteClass, Routes};
 use tokio::sync::Semaphore;
 
-use crate::service::server::{TestServer, defaults, until};
+use crate::app::defaults;
+use crate::service::server::{self, until};
 
 /// Routes that answer once the test lets them.
 fn waiting(release: &Arc<Semaphore>) -> Routes {
@@ -30,7 +31,7 @@ async fn requests_past_the_limit_are_shed_while_probes_answer() {
     let release = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
     settings.http.max_in_flight = 3;
-    let server = TestServer::start(settings, waiting(&release)).await;
+    let server = server::start(settings, waiting(&release)).await;
     let held: Vec<_> = (0..3).map(|_| tokio::spawn(server.client.get(server.url("/single")).send())).collect();
     // The three, and the scrape that asks.
     until("three in flight", async || server.metrics().await.contains("scallopd_http_requests_in_flight 4\n")).await;
@@ -57,7 +58,7 @@ async fn batches_past_their_limit_are_shed_while_single_requests_answer() {
     let release = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
     settings.http.max_concurrent_work = 2;
-    let server = TestServer::start(settings, waiting(&release)).await;
+    let server = server::start(settings, waiting(&release)).await;
     let batch = || server.client.post(server.url("/batch")).body("{}").send();
     let held: Vec<_> = (0..2).map(|_| tokio::spawn(batch())).collect();
     until("two at work", async || server.metrics().await.contains("scallopd_http_requests_in_flight 3\n")).await;
@@ -80,7 +81,7 @@ async fn only_routes_of_a_class_with_workers_get_a_permit() {
     let work = |work: Work| async move { work.run(|_| "done").await };
     let routes =
         Routes::new().undocumented(RouteClass::Single, "/single", get(work)).undocumented(RouteClass::Upload, "/upload", get(work));
-    let server = TestServer::start(defaults(), routes).await;
+    let server = server::start(defaults(), routes).await;
     assert_eq!(server.get("/single").await.status(), 500);
     assert_eq!(server.get("/upload").await.status(), 200);
 }

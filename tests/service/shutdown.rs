@@ -9,7 +9,8 @@ use tokio::io::AsyncReadExt;
 use tokio::net::TcpStream;
 use tokio::sync::Semaphore;
 
-use crate::service::server::{TestServer, defaults, read_all, send, until};
+use crate::app::defaults;
+use crate::service::server::{self, read_all, send, until};
 
 fn waiting(release: &Arc<Semaphore>) -> Routes {
     let release = Arc::clone(release);
@@ -19,7 +20,7 @@ fn waiting(release: &Arc<Semaphore>) -> Routes {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn requests_in_flight_finish_and_new_connections_are_refused() {
     let release = Arc::new(Semaphore::new(0));
-    let mut server = TestServer::start(defaults(), waiting(&release)).await;
+    let mut server = server::start(defaults(), waiting(&release)).await;
     let held: Vec<_> = (0..20).map(|_| tokio::spawn(server.client.get(server.url("/wait")).send())).collect();
     until("all in flight", async || server.metrics().await.contains("scallopd_http_requests_in_flight 21\n")).await;
     server.stop();
@@ -34,7 +35,7 @@ async fn requests_in_flight_finish_and_new_connections_are_refused() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_draining_server_says_that_it_is_not_ready_and_ends_connections_politely() {
-    let server = TestServer::start(defaults(), Routes::new()).await;
+    let server = server::start(defaults(), Routes::new()).await;
     assert_eq!(server.get("/readyz").await.status(), 200);
     server.state.readiness.drain();
     let answer = server.get("/readyz").await;
@@ -45,7 +46,7 @@ async fn a_draining_server_says_that_it_is_not_ready_and_ends_connections_polite
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_a_client_sent_right_before_the_stop_is_answered() {
-    let mut server = TestServer::start(defaults(), Routes::new()).await;
+    let mut server = server::start(defaults(), Routes::new()).await;
     let mut streams = Vec::new();
     for _ in 0..50 {
         let mut stream = server.connect().await;
@@ -65,7 +66,7 @@ async fn the_grace_bounds_the_wait() {
     let never = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
     settings.server.shutdown_grace = Duration::from_secs(1);
-    let mut server = TestServer::start(settings, waiting(&never)).await;
+    let mut server = server::start(settings, waiting(&never)).await;
     let held = tokio::spawn(server.client.get(server.url("/wait")).send());
     until("in flight", async || server.metrics().await.contains("scallopd_http_requests_in_flight 2\n")).await;
     let began = Instant::now();
@@ -80,7 +81,7 @@ async fn the_grace_bounds_the_wait() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_request_whose_body_is_still_coming_is_finished() {
     let length = axum::routing::post(|body: axum::body::Bytes| async move { body.len().to_string() });
-    let mut server = TestServer::start(defaults(), Routes::new().undocumented(RouteClass::Single, "/length", length)).await;
+    let mut server = server::start(defaults(), Routes::new().undocumented(RouteClass::Single, "/length", length)).await;
     let mut streams = Vec::new();
     for _ in 0..20 {
         let mut stream = server.connect().await;

@@ -6,7 +6,8 @@ use axum::routing::{get, post};
 use scallopd::http::{RouteClass, Routes};
 use tokio::io::AsyncWriteExt;
 
-use crate::service::server::{PATIENCE, TestServer, defaults, read_all, send};
+use crate::app::{PATIENCE, defaults};
+use crate::service::server::{self, read_all, send};
 
 fn routes() -> Routes {
     Routes::new()
@@ -17,7 +18,7 @@ fn routes() -> Routes {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn idle_and_trickling_connections_do_not_stop_a_request() {
-    let server = TestServer::start(defaults(), routes()).await;
+    let server = server::start(defaults(), routes()).await;
     let mut idle = Vec::new();
     for _ in 0..500 {
         idle.push(server.connect().await);
@@ -47,7 +48,7 @@ async fn idle_and_trickling_connections_do_not_stop_a_request() {
 async fn silent_connections_and_unfinished_heads_are_closed() {
     let mut settings = defaults();
     settings.server.header_timeout = Duration::from_secs(1);
-    let server = TestServer::start(settings, routes()).await;
+    let server = server::start(settings, routes()).await;
     for begin in ["", "GET /length HTTP/1.1\r\nhost"] {
         let mut stream = server.connect().await;
         send(&mut stream, begin).await;
@@ -60,7 +61,7 @@ async fn silent_connections_and_unfinished_heads_are_closed() {
 async fn a_stalled_body_is_answered_with_408() {
     let mut settings = defaults();
     settings.http.body_idle_timeout = Duration::from_secs(1);
-    let server = TestServer::start(settings, routes()).await;
+    let server = server::start(settings, routes()).await;
     let mut stream = server.connect().await;
     send(&mut stream, "POST /length HTTP/1.1\r\nhost: test\r\ncontent-length: 1000\r\n\r\n0123").await;
     let answer = read_all(&mut stream).await;
@@ -72,7 +73,7 @@ async fn a_stalled_body_is_answered_with_408() {
 async fn a_handler_that_takes_too_long_is_answered_with_408() {
     let mut settings = defaults();
     settings.http.request_timeout = Duration::from_secs(1);
-    let server = TestServer::start(settings, routes()).await;
+    let server = server::start(settings, routes()).await;
     let answer = server.get("/never").await;
     assert_eq!(answer.status(), 408);
     assert_eq!(answer.headers()["content-type"], "application/problem+json");
@@ -82,7 +83,7 @@ async fn a_handler_that_takes_too_long_is_answered_with_408() {
 async fn a_client_that_leaves_its_answer_unread_is_dropped() {
     let mut settings = defaults();
     settings.server.write_timeout = Duration::from_secs(1);
-    let mut server = TestServer::start(settings, routes()).await;
+    let mut server = server::start(settings, routes()).await;
     let mut stream = server.connect().await;
     // 64 MB do not fit the system's buffers: the server waits for the client.
     send(&mut stream, "GET /large HTTP/1.1\r\nhost: test\r\n\r\n").await;

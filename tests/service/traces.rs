@@ -3,8 +3,8 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 
+use crate::app::PATIENCE;
 use crate::service::launch::Program;
-use crate::service::server::PATIENCE;
 
 /// Receives one export and accepts it; its request line and its body.
 fn collect(listener: &TcpListener) -> (String, Vec<u8>) {

@@ -1,4 +1,4 @@
-//! Reads JSON arrays item by item, without building them up.
+//! Reads JSON arrays item by item, without holding them as a tree.
 
 use super::object::describe;
 use super::{Faulted, Faults, JsonPath};
@@ -8,7 +8,7 @@ use serde_json::value::RawValue;
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Passes every item of the array `raw` to `take`, until one is no `T`.
+/// Passes every item of the array `raw` to `take`, until one is not a `T`.
 pub(crate) fn each<'a, T: Deserialize<'a>>(raw: &'a RawValue, take: impl FnMut(T)) -> serde_json::Result<()> {
     struct Each<T, F>(F, PhantomData<T>);
     impl<'de, T: Deserialize<'de>, F: FnMut(T)> Visitor<'de> for Each<T, F> {
@@ -44,8 +44,8 @@ pub(crate) fn items<'a>(raw: &'a RawValue, most: usize, path: JsonPath<'_>, faul
     Ok(all)
 }
 
-/// Passes the items of an array to `take` in runs of `run`, each with the index of its first item, and returns the number of items. That
-/// there are more than `most`, or that `raw` is no array, may be found after some were passed.
+/// Passes the items of an array to `take` in runs of `run`, each with the index of its first item, and returns the number of items. Some
+/// may be passed before the fault is found that there are more than `most` or that `raw` is not an array.
 pub(crate) fn for_runs_of_items<'a>(
     raw: &'a RawValue,
     most: usize,

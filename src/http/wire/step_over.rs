@@ -30,7 +30,7 @@ impl StepOverMembers {
     }
 }
 
-/// The fault that a step-over is needed and not given.
+/// Records the fault of a missing step-over.
 pub(super) fn missing(path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
     let detail = "give step_over_mm (along the surface) or step_over_xy_mm (seen from above)";
     faults.add(&path.member(STEP_OVER.name), RequestFault::MissingField, detail)

@@ -3,12 +3,14 @@
 //! A fan from the first corner covers every convex polygon and many others. Where a triangle of the fan would have the opposite
 //! orientation, ear clipping is used instead [Meisters 1975, two ears theorem].
 
+use nalgebra::Vector3;
+
 use super::fault::{FaultKind, Flaw};
 
-/// The most corners of a polygon.
+/// The largest number of corners of a polygon.
 const MOST_CORNERS: usize = 1 << 16;
 
-/// The most corners of a polygon that no fan covers: the time of ear clipping grows with their square.
+/// The largest number of corners of a polygon that no fan covers: the time of ear clipping grows with its square.
 const MOST_CORNERS_BY_EARS: usize = 512;
 
 /// The share of a polygon's area by which a triangle may have the opposite orientation: corners in single precision are rounded by 6e-8
@@ -18,7 +20,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// How well the triangles represent the polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cut {
-    /// The triangles are the polygon.
+    /// The triangles cover the polygon exactly.
     Exact,
     /// The outline crosses itself: the triangles have its area vector, but some have the opposite orientation.
     Crossed,
@@ -77,30 +79,30 @@ impl Polygon {
 enum Fan {
     Fits,
     /// Some triangles have the opposite orientation; with the polygon's area vector, doubled.
-    TurnsOver([f64; 3]),
+    TurnsOver(Vector3<f64>),
     /// The triangles cancel each other.
     Crosses,
 }
 
 fn judge(corners: &[[f64; 3]]) -> Fan {
     let first = corners[0];
-    let triangles = || corners[1..].windows(2).map(|pair| cross(minus(pair[0], first), minus(pair[1], first)));
-    let extent = corners.iter().map(|corner| minus(*corner, first)).map(|edge| dot(edge, edge)).fold(0.0, f64::max);
-    let mut area = [0.0; 3];
+    let triangles = || corners[1..].windows(2).map(|pair| edge(first, pair[0]).cross(&edge(first, pair[1])));
+    let extent = corners.iter().map(|corner| edge(first, *corner).norm_squared()).fold(0.0, f64::max);
+    let mut area = Vector3::zeros();
     let mut sizes = 0.0;
     for triangle in triangles() {
-        area = [area[0] + triangle[0], area[1] + triangle[1], area[2] + triangle[2]];
-        sizes += dot(triangle, triangle).sqrt();
+        area += triangle;
+        sizes += triangle.norm();
     }
     // A line rather than a polygon: its triangles have no area, whatever their orientation.
     if sizes <= NEGLIGIBLE * extent {
         return Fan::Fits;
     }
-    let square = dot(area, area);
+    let square = area.norm_squared();
     if square.sqrt() <= NEGLIGIBLE * sizes {
         return Fan::Crosses;
     }
-    if triangles().all(|triangle| dot(triangle, area) >= -NEGLIGIBLE * square) { Fan::Fits } else { Fan::TurnsOver(area) }
+    if triangles().all(|triangle| triangle.dot(&area) >= -NEGLIGIBLE * square) { Fan::Fits } else { Fan::TurnsOver(area) }
 }
 
 /// The remaining outline during ear clipping, projected along the polygon's normal, counter-clockwise.
@@ -114,7 +116,7 @@ struct Ring {
 }
 
 impl Ring {
-    fn cut(&mut self, corners: &[[f64; 3]], area: [f64; 3], mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
+    fn cut(&mut self, corners: &[[f64; 3]], area: Vector3<f64>, mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
         self.lay_out(corners, area);
         let mut left = corners.len();
         let mut at = 0;
@@ -148,14 +150,14 @@ impl Ring {
         self.fan(at, corners, area, emit)
     }
 
-    /// The remaining corners as a fan: one triangle, if all went well.
-    fn fan(&self, first: usize, corners: &[[f64; 3]], area: [f64; 3], mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
+    /// The remaining corners as a fan: a single triangle, unless clipping stopped early.
+    fn fan(&self, first: usize, corners: &[[f64; 3]], area: Vector3<f64>, mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
         let mut cut = Cut::Exact;
         let mut second = self.next[first];
         while self.next[second] != first {
             let third = self.next[second];
             let [a, b, c] = [first, second, third].map(|corner| corners[corner]);
-            if dot(cross(minus(b, a), minus(c, a)), area) < -NEGLIGIBLE * dot(area, area) {
+            if edge(a, b).cross(&edge(a, c)).dot(&area) < -NEGLIGIBLE * area.norm_squared() {
                 cut = Cut::Crossed;
             }
             emit([a, b, c]);
@@ -164,7 +166,7 @@ impl Ring {
         cut
     }
 
-    fn lay_out(&mut self, corners: &[[f64; 3]], area: [f64; 3]) {
+    fn lay_out(&mut self, corners: &[[f64; 3]], area: Vector3<f64>) {
         let largest = (0..3).max_by(|a, b| area[*a].abs().total_cmp(&area[*b].abs())).unwrap_or(2);
         let (mut u, mut v) = ((largest + 1) % 3, (largest + 2) % 3);
         if area[largest] < 0.0 {
@@ -172,7 +174,7 @@ impl Ring {
         }
         let count = corners.len();
         self.flat.clear();
-        // From the first corner, so that polygons far from the origin lose nothing.
+        // Relative to the first corner, so that polygons far from the origin keep their precision.
         self.flat.extend(corners.iter().map(|corner| [corner[u] - corners[0][u], corner[v] - corners[0][v]]));
         self.next.clear();
         self.next.extend((1..count).chain([0]));
@@ -230,16 +232,8 @@ fn side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+fn edge(from: [f64; 3], to: [f64; 3]) -> Vector3<f64> {
+    Vector3::from(to) - Vector3::from(from)
 }
 
 #[cfg(test)]
@@ -251,7 +245,7 @@ mod tests {
     fn cut(outline: &[[f64; 2]]) -> (Cut, Vec<[[f64; 3]; 3]>) {
         let mut polygon = Polygon::default();
         for [u, v] in outline {
-            // An orthonormal pair, so that areas stay.
+            // An orthonormal pair, so that areas are preserved.
             polygon.add([0.6 * u + 7.0, *v - 3.0, 0.8 * u + 1.0]).unwrap();
         }
         let mut triangles = Vec::new();
@@ -260,7 +254,7 @@ mod tests {
     }
 
     fn along_normal([a, b, c]: [[f64; 3]; 3]) -> f64 {
-        dot(cross(minus(b, a), minus(c, a)), [-0.8, 0.0, 0.6]) / 2.0
+        edge(a, b).cross(&edge(a, c)).dot(&Vector3::new(-0.8, 0.0, 0.6)) / 2.0
     }
 
     fn shoelace(outline: &[[f64; 2]]) -> f64 {
@@ -278,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arrow_is_cut_where_it_is_hollow() {
+    fn an_arrow_is_cut_at_its_reflex_corner() {
         let arrow = [[0.0, 0.0], [4.0, -2.0], [1.0, 0.0], [4.0, 2.0]];
         for first in 0..4 {
             let mut turned = arrow;
@@ -327,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_passes_as_it_is() {
+    fn a_polygon_without_area_is_passed_as_a_fan() {
         let (cut, triangles) = cut(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [3.0, 0.0]]);
         assert_eq!((cut, triangles.len()), (Cut::Exact, 2));
     }
@@ -364,7 +358,7 @@ mod tests {
         }
 
         #[test]
-        fn whatever_the_outline_the_area_vector_is_its_own(outline in proptest::collection::vec([-10.0_f64..10.0, -10.0..10.0], 3..30)) {
+        fn the_triangles_of_any_outline_have_its_area_vector(outline in proptest::collection::vec([-10.0_f64..10.0, -10.0..10.0], 3..30)) {
             let (_, triangles) = cut(&outline);
             prop_assert_eq!(triangles.len(), outline.len() - 2);
             // 30 triangles of up to 200 mm2, each rounded to 1e-16 of that.
