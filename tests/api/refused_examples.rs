@@ -2,8 +2,8 @@
 //!
 //! After a change that is meant, `docs/renew-examples` writes the problems anew.
 
-use crate::app::TestApp;
 use crate::api::document::{assert_same, assert_valid, document, problem_of, validator};
+use crate::app::TestApp;
 use reqwest::RequestBuilder;
 use reqwest::multipart::{Form, Part};
 use serde_json::Value;

@@ -130,11 +130,8 @@ impl Body {
             return None;
         }
         let (gradient, length) = ((self.slope.sin() * bend, self.slope.sin() * twist), self.slope.sin() * bend.hypot(twist));
-        let (value, (by_steep, by_level)) = if excess / length < -steep {
-            (excess / length, (gradient.0 / length, gradient.1 / length))
-        } else {
-            (-steep, (-1.0, 0.0))
-        };
+        let (value, (by_steep, by_level)) =
+            if excess / length < -steep { (excess / length, (gradient.0 / length, gradient.1 / length)) } else { (-steep, (-1.0, 0.0)) };
         Some(Distance {
             value,
             by_feed: by_steep * self.along_steepest + by_level * self.along_level,

@@ -3,6 +3,7 @@
 mod laws;
 mod passes;
 mod published;
+mod random_patches;
 mod ranking;
 mod solid;
 mod surfaces;
