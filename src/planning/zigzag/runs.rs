@@ -31,6 +31,8 @@ const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]
 #[derive(Debug)]
 pub(super) struct RunFinder {
     cells: Vec<Cell>,
+    /// The cells that hold something. A part of a kilometre has 1e5 cells, and most planes few cuts.
+    filled: Vec<usize>,
     /// Room for the places of the facets that a plane cuts.
     cut: Vec<u32>,
     origin: f64,
@@ -46,7 +48,7 @@ impl RunFinder {
         let gap = gap.max((high - low) / 100_000.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 1e5")]
         let count = ((high - low) / gap) as usize + 2;
-        Self { cells: vec![EMPTY; count], cut: Vec::new(), origin: low, gap, runs: Vec::new() }
+        Self { cells: vec![EMPTY; count], filled: Vec::new(), cut: Vec::new(), origin: low, gap, runs: Vec::new() }
     }
 
     /// Adds the runs of the plane with this number, and drops the facets that do not reach beyond it.
@@ -77,9 +79,11 @@ impl RunFinder {
                 feeds.rate(tangent, tangent.alpha(spaced.sweep.heading.e).0, taken).recip()
             });
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the cells")]
-            let cell = ((from - self.origin) * per_gap) as usize;
-            let last = self.cells.len() - 1;
-            let cell = &mut self.cells[cell.min(last)];
+            let index = (((from - self.origin) * per_gap) as usize).min(self.cells.len() - 1);
+            let cell = &mut self.cells[index];
+            if cell.ends[0][0] > cell.ends[1][0] {
+                self.filled.push(index);
+            }
             if from < cell.ends[0][0] {
                 cell.ends[0] = [from, slice.height(from, at)];
             }
@@ -97,11 +101,12 @@ impl RunFinder {
         let mut run: Option<Cell> = None;
         // Gaps over which a run is joined add nothing to its length.
         let finished = |Cell { ends, length, seconds }: Cell| Run { stretch: Stretch { plane, at, ends }, length, seconds };
-        for cell in &mut self.cells {
+        self.filled.sort_unstable();
+        for index in self.filled.drain(..) {
+            let cell = std::mem::replace(&mut self.cells[index], EMPTY);
             if cell.length <= 0.0 {
                 continue;
             }
-            let cell = std::mem::replace(cell, EMPTY);
             match &mut run {
                 Some(run) if cell.ends[0][0] - run.ends[1][0] <= self.gap => {
                     if cell.ends[1][0] > run.ends[1][0] {
