@@ -84,7 +84,7 @@ impl<P: for<'de> Deserialize<'de> + Serialize + Copy> PlainColumn for Cells<P> {
     fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let mut cells = Self::default();
         let mut count = 0;
-        let read = each(raw, |value: Option<P>| {
+        let read = each(raw, faults, |value: Option<P>| {
             count += 1;
             if count <= most {
                 cells.values.push(value);
@@ -94,7 +94,7 @@ impl<P: for<'de> Deserialize<'de> + Serialize + Copy> PlainColumn for Cells<P> {
             // The pass above stops at the first item of another type; this one finds all of them.
             cells.values.clear();
             count = 0;
-            let read = each(raw, |item: &RawValue| {
+            let read = each(raw, faults, |item: &RawValue| {
                 count += 1;
                 if count > most {
                     return;

@@ -1,6 +1,7 @@
 //! The faults of a request, each with its code and its place.
 
 use super::JsonPath;
+use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, ProblemFigure, RequestFault};
 use std::fmt;
 
@@ -33,6 +34,8 @@ pub(crate) struct Faults {
     most_listed: usize,
     listed: Vec<Fault>,
     unlisted: usize,
+    /// Set when nobody waits for the faults any more.
+    cancel: Option<CancelFlag>,
 }
 
 impl Default for Faults {
@@ -47,7 +50,17 @@ impl Faults {
 
     /// No faults. Beyond `most_listed` they are counted, not listed.
     pub(crate) fn at_most(most_listed: usize) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0 }
+        Self { most_listed, listed: Vec::new(), unlisted: 0, cancel: None }
+    }
+
+    /// No faults of a body that is read until `cancel` is set.
+    pub(crate) fn until(cancel: &CancelFlag) -> Self {
+        Self { cancel: Some(cancel.clone()), ..Self::default() }
+    }
+
+    /// The flag that ends the reading of arrays.
+    pub(super) fn cancel_flag(&self) -> Option<CancelFlag> {
+        self.cancel.clone()
     }
 
     /// Records a fault and returns the proof.
