@@ -5,6 +5,7 @@ use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{PIECES_NAME, SELECT};
 use crate::milling::Model;
+use crate::planning::memory::Parallelism;
 use crate::planning::reach::{ReachMap, Uncut};
 use crate::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
 use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility};
@@ -114,9 +115,10 @@ impl Simulation {
         places: &[usize],
         shape: &Shape,
         model: Model,
+        parallelism: Parallelism,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let settings = parameters.settings(shape, model);
+        let settings = ZigzagSettings { candidates_at_once: parallelism.candidates, ..parameters.settings(shape, model) };
         let reach = ReachMap::new(&workpiece.mesh, &workpiece.view, &workpiece.machined);
         let mut candidates = Vec::with_capacity(places.len());
         // A map of each cutter takes a quarter of a MB, so that only the figures are kept.

@@ -18,7 +18,7 @@ mod view;
 mod visibility;
 mod weld;
 
-pub use builder::MeshBuilder;
+pub use builder::{MeshBuilder, MeshSize};
 pub use curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
 pub use pieces::Pieces;
@@ -136,6 +136,12 @@ impl Mesh {
         let mut bounds = Bounds::NONE;
         triangles.iter().flatten().for_each(|&index| bounds.include(points[index as usize]));
         Self { points, triangles, bounds, degenerate, received, merged_cell, from_points }
+    }
+
+    /// How large the mesh is.
+    #[must_use]
+    pub fn size(&self) -> MeshSize {
+        MeshSize { facets: self.triangles.len(), points: self.points.len() }
     }
 
     /// The points, in mm.
