@@ -54,13 +54,13 @@ const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
 
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    let contacts = MOST_CONTACTS.min(body.len() / SHORTEST_CONTACT);
+    let contacts = MOST_CONTACTS.min(body.json().len() / SHORTEST_CONTACT);
     let memory = work.reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
     work.run(move |cancel| work_out::<C>(&body, cancel)?.holding(memory)).await?
 }
 
 fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
-    body.read(|object, faults| {
+    body.read_until(cancel, |object, faults| {
         let path = object.path();
         let shared = SharedParameters::read(object, faults);
         let defaults = ContactParameters::read(object, C::STATES, faults);

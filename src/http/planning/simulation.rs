@@ -5,9 +5,10 @@ use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{PIECES_NAME, SELECT};
 use crate::milling::Model;
+use crate::planning::memory::Parallelism;
 use crate::planning::reach::{ReachMap, Uncut};
 use crate::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
-use crate::surface::mesh::{FacetClass, ViewFromAbove, Visibility};
+use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility};
 use crate::surface::{FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
 
 /// The side of the raster on which cutters are tried and maps are drawn.
@@ -27,21 +28,46 @@ pub(super) struct Workpiece {
     pub(super) view: ViewFromAbove,
 }
 
+/// Why a surface has no facets to machine.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum NoWorkpiece {
+    Mesh(MeshError),
+    Selection(SelectionError),
+    NothingToMachine,
+}
+
+impl NoWorkpiece {
+    /// Whether the surface as such is sound: it only has no facets that can be seen from above.
+    pub(super) fn is_sound(self) -> bool {
+        match self {
+            Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. }) => true,
+            Self::NothingToMachine => true,
+            Self::Mesh(_) | Self::Selection(_) => false,
+        }
+    }
+
+    /// The fault of a surface that was sent at `path`.
+    pub(super) fn report(self, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
+        match self {
+            Self::Mesh(error) => faults.add(path, mesh_code(error), error),
+            Self::Selection(error) => {
+                let select = JsonPath::Root.member(SELECT.name);
+                faults.add(&select.member(PIECES_NAME), RequestFault::OutOfRange, error)
+            }
+            Self::NothingToMachine => {
+                let detail = "no facet is selected, seen from above and at most as steep as max_slope_deg";
+                faults.add(path, RequestFault::NothingToMachine, detail)
+            }
+        }
+    }
+}
+
 impl Workpiece {
-    /// The facets that a surface at `path` has.
-    pub(super) fn new(
-        mesh: MeshBuilder,
-        unit: Unit,
-        parameters: &Parameters,
-        path: &JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Self, Faulted> {
-        let mesh = mesh.finish(unit, parameters.facing).map_err(|error| faults.add(path, mesh_code(error), error))?;
+    /// The facets that a surface has.
+    pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters) -> Result<Self, NoWorkpiece> {
+        let mesh = mesh.finish(unit, parameters.facing).map_err(NoWorkpiece::Mesh)?;
         let pieces = mesh.pieces();
-        let selected = mesh.selected(&parameters.selection, &pieces).map_err(|error| {
-            let select = JsonPath::Root.member(SELECT.name);
-            faults.add(&select.member(PIECES_NAME), RequestFault::OutOfRange, error)
-        })?;
+        let selected = mesh.selected(&parameters.selection, &pieces).map_err(NoWorkpiece::Selection)?;
         let visibility = mesh.visibility(parameters.max_slope);
         let facets = mesh.facets_for_finishing(&visibility, &selected);
         let mut next = 0;
@@ -54,8 +80,7 @@ impl Workpiece {
             next += u32::from(is_planned);
         }
         if !machined.contains(&true) {
-            let detail = "no facet is selected, seen from above and at most as steep as max_slope_deg";
-            return Err(faults.add(path, RequestFault::NothingToMachine, detail));
+            return Err(NoWorkpiece::NothingToMachine);
         }
         let view = mesh.seen_from_above(SIDE);
         Ok(Self { mesh, visibility, pieces: pieces.count(), machined, facets, places, view })
@@ -83,27 +108,29 @@ pub(super) struct Simulation {
 }
 
 impl Simulation {
-    /// Simulates the candidates; `None` as soon as `stop` says that nobody waits for the result.
+    /// Simulates the candidates in these places among those of the request; `None` as soon as `stop` says that nobody waits for the result.
     pub(super) fn run(
         workpiece: &Workpiece,
         parameters: &Parameters,
+        places: &[usize],
         shape: &Shape,
         model: Model,
+        parallelism: Parallelism,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let settings = parameters.settings(shape, model);
+        let settings = ZigzagSettings { candidates_at_once: parallelism.candidates, ..parameters.settings(shape, model) };
         let reach = ReachMap::new(&workpiece.mesh, &workpiece.view, &workpiece.machined);
-        let cutters: Vec<_> = parameters.candidates.iter().map(|named| named.candidate.cutter).collect();
-        let mut candidates = Vec::with_capacity(cutters.len());
+        let mut candidates = Vec::with_capacity(places.len());
         // A map of each cutter takes a quarter of a MB, so that only the figures are kept.
-        for (named, cutters) in parameters.candidates.chunks(MOST_AT_ONCE).zip(cutters.chunks(MOST_AT_ONCE)) {
+        for places in places.chunks(MOST_AT_ONCE) {
             if stop() {
                 return None;
             }
-            let uncut = reach.uncut_of_each(cutters, parameters.scallop_height);
-            candidates.extend(named.iter().zip(uncut).map(|(named, uncut)| CandidateCutter {
+            let cutters: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate.cutter).collect();
+            let uncut = reach.uncut_of_each(&cutters, parameters.scallop_height);
+            candidates.extend(places.iter().zip(uncut).map(|(&place, uncut)| CandidateCutter {
                 reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }),
-                ..named.candidate
+                ..parameters.candidates[place].candidate
             }));
         }
         if stop() {

@@ -1,6 +1,7 @@
 //! The faults of a request, each with its code and location.
 
 use super::JsonPath;
+use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, ProblemFigure, RequestFault};
 use std::fmt;
 
@@ -34,6 +35,8 @@ pub(crate) struct Faults {
     listed: Vec<Fault>,
     unlisted: usize,
     left_out: usize,
+    /// Ends the reading of arrays when it is set.
+    cancel: Option<CancelFlag>,
 }
 
 impl Default for Faults {
@@ -48,7 +51,17 @@ impl Faults {
 
     /// No faults. Beyond `most_listed` they are counted, not listed.
     pub(crate) fn at_most(most_listed: usize) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0 }
+        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, cancel: None }
+    }
+
+    /// No faults of a body that is read until `cancel` is set.
+    pub(crate) fn until(cancel: &CancelFlag) -> Self {
+        Self { cancel: Some(cancel.clone()), ..Self::default() }
+    }
+
+    /// The flag that ends the reading of arrays.
+    pub(super) fn cancel_flag(&self) -> Option<CancelFlag> {
+        self.cancel.clone()
     }
 
     /// Records a fault and returns the proof.
