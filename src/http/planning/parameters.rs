@@ -108,7 +108,9 @@ impl Parameters {
             let path = object.member(CUTTERS.name);
             match candidates.len() {
                 0 => Err(match left_out {
-                    Some(left_out) => faults.add(&path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}")),
+                    Some(left_out) => {
+                        faults.add(&path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}"))
+                    }
                     None => faults.add(&path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about)),
                 }),
                 1..=MOST_CUTTERS => Ok(candidates),
