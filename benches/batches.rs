@@ -1,5 +1,5 @@
-//! Batches of 100 000 contacts through the service's own routes and middleware, beside reading and writing the same JSON with nothing
-//! computed, and the same contacts as columns with one column of the answer: `cargo bench --bench batches [contacts]`. Writes
+//! Measures batches of 100 000 contacts through the service's routes and middleware, compared with reading and writing the same JSON
+//! without a computation, and the same contacts as columns with one column of the answer: `cargo bench --bench batches [contacts]`. Writes
 //! `target/benches/batches.json`.
 //!
 //! The comparison reads the request into numbers with serde's derived code and writes the same columns from numbers, on one core.
@@ -26,14 +26,14 @@ const ROUNDS: usize = 3;
 /// Thirty ticks, so that a tick is 3 %.
 const LEAST_ROUND: Duration = Duration::from_millis(300);
 
-/// Each calculation with its parameters and the figure that it finds.
+/// Each calculation with its parameters and its result.
 const CALCULATIONS: [(&str, &str, &str); 3] = [
     ("scallop-height", r#""step_over_mm": 0.687, "feed_per_tooth_mm": 0.3"#, "scallop_height_mm"),
     ("max-feed", r#""step_over_mm": 0.687, "scallop_tolerance_mm": 0.03"#, "feed_per_tooth_mm"),
     ("step-over", r#""scallop_tolerance_mm": 0.03, "feed_per_tooth_mm": 0.15"#, "step_over_mm"),
 ];
 
-/// A request as the comparison reads it: the contacts; what is stated once is nothing.
+/// A request as the comparison reads it: the contacts only.
 #[derive(Deserialize)]
 struct Contacts {
     contacts: Vec<Contact>,
@@ -45,7 +45,7 @@ struct Contact {
     feed_angle_deg: f64,
 }
 
-/// An answer's columns, whatever the calculation calls them.
+/// An answer's columns by their names.
 #[derive(Serialize)]
 struct Columns(std::collections::BTreeMap<String, Column>);
 
@@ -64,7 +64,7 @@ impl Columns {
     }
 }
 
-/// Contacts all over slopes and directions, with the digits that a CAM system writes.
+/// Contacts spread over slopes and directions, with the digits that a CAM system writes.
 fn request(contacts: u32, terms: &str, model: &str) -> Bytes {
     let mut json = format!(
         r#"{{"cutter": {{"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}}, {terms}, "model": "{model}", "contacts": ["#
@@ -116,7 +116,7 @@ impl Cost {
 
 /// Processor time of this process so far, in s.
 fn cpu_s() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux tells processes their times");
+    let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux reports the times of a process");
     let after_name = stat.rsplit_once(')').map_or("", |(_, rest)| rest);
     let ticks: f64 = after_name.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum();
     ticks / TICKS_A_SECOND

@@ -20,7 +20,7 @@ fn pass(corner: f64, slope: f64, alpha: f64) -> Pass {
     Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None }
 }
 
-/// Times heights and inverses of one model; `black_box` keeps the compiler from working them out beforehand.
+/// Times heights and inverses of one model; `black_box` keeps the compiler from computing them in advance.
 macro_rules! time_model {
     ($group:expr, $model:ident, $name:literal, $pass:expr) => {
         $group.bench_function(concat!($name, " heights"), |b| {

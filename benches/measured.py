@@ -1,4 +1,4 @@
-"""What the measurements with servers share: builds, servers, their processor time and memory, the machine, tables. Standard library only."""
+"""Shared by the measurements with servers: builds, servers, their processor time and memory, the machine, tables. Standard library only."""
 
 import contextlib
 import json
@@ -16,12 +16,12 @@ TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 
 
 def target() -> Path:
-    """Where cargo puts what it builds."""
+    """The folder of cargo's builds."""
     return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 
 
 def build(*examples: str) -> list[Path]:
-    """The release server and the examples named; without names the baseline."""
+    """Builds the release server and the named examples; without names the baseline."""
     examples = examples or ("baseline",)
     named = [word for example in examples for word in ("--example", example)]
     subprocess.run(["cargo", "build", "--release", "--bin", "scallopd", *named], cwd=ROOT, check=True)
@@ -30,7 +30,7 @@ def build(*examples: str) -> list[Path]:
 
 
 def need(program: str, package: str) -> str:
-    """The path of a program, or the end with the way to get it."""
+    """The path of a program; exits with the way to install it where it is missing."""
     found = shutil.which(program)
     if found is None:
         sys.exit(f"{program} is missing: apt-get install {package}")
@@ -38,7 +38,7 @@ def need(program: str, package: str) -> str:
 
 
 def environment(name: str) -> Path:
-    """The interpreter of a virtual environment with what `benches/NAME-requirements.txt` lists, made where it is missing or another."""
+    """The interpreter of a virtual environment with `benches/NAME-requirements.txt`, created where it is missing or out of date."""
     home, wanted = RESULTS / f"venv-{name}", ROOT / "benches" / f"{name}-requirements.txt"
     python, made = home / "bin" / "python", home / "made-from"
     if not made.exists() or made.read_text() != wanted.read_text():
@@ -49,7 +49,7 @@ def environment(name: str) -> Path:
 
 
 class Server:
-    """A server that runs, with what the system knows of its process."""
+    """A running server, with the system's figures of its process."""
 
     def __init__(self, name: str, process: subprocess.Popen, address: str):
         self.name, self.process, self.address = name, process, address
@@ -60,7 +60,7 @@ class Server:
         return (int(fields[11]) + int(fields[12])) / TICKS_A_SECOND
 
     def peak_mb(self) -> float:
-        """The most memory that the process has held so far, in 10^6 bytes."""
+        """The peak memory of the process so far, in 10^6 bytes."""
         status = Path(f"/proc/{self.process.pid}/status").read_text()
         return int(re.search(r"VmHWM:\s+(\d+) kB", status).group(1)) * 1024 / 1e6
 
@@ -72,7 +72,7 @@ class Server:
 
 @contextlib.contextmanager
 def running(name: str, command: list, cores: str | None = None):
-    """Starts a server that says where it listens, bound to `cores` where given, and ends it. Its log goes nowhere, but is written."""
+    """Starts a server, bound to `cores` where given, yields it with the address that it prints, and ends it. Its log is read and discarded."""
     pinned = ["taskset", "--cpu-list", cores] if cores else []
     with subprocess.Popen([*pinned, *map(str, command)], stdout=subprocess.PIPE, text=True) as process:
         try:
@@ -80,7 +80,7 @@ def running(name: str, command: list, cores: str | None = None):
             address = re.search(r"127\.0\.0\.1:\d+", line)
             if address is None:
                 sys.exit(f"{name} did not start: {line!r}")
-            # A reader that throws away: what a log collector's work costs is not the server's.
+            # A process that discards the log: the cost of a log collector is not the server's.
             with subprocess.Popen(["cat"], stdin=process.stdout, stdout=subprocess.DEVNULL) as reader:
                 yield Server(name, process, address.group())
                 process.terminate()
@@ -91,7 +91,7 @@ def running(name: str, command: list, cores: str | None = None):
 
 
 def machine() -> dict:
-    """What the numbers were measured on."""
+    """The machine on which the numbers were measured."""
     model = re.search(r"model name\s*:\s*(.+)", Path("/proc/cpuinfo").read_text())
     memory = re.search(r"MemTotal:\s+(\d+)", Path("/proc/meminfo").read_text())
     revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False)
@@ -108,7 +108,7 @@ def machine() -> dict:
 def report(name: str, rows: list[dict], **more) -> None:
     """Prints the rows as a table and writes them, with the machine, as JSON."""
     if rows:
-        heads = list(rows[0])
+        heads = list(dict.fromkeys(head for row in rows for head in row))
         cells = [heads, *([shown(row.get(head)) for head in heads] for row in rows)]
         widths = [max(len(line[column]) for line in cells) for column in range(len(heads))]
         for line in cells:

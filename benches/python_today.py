@@ -1,4 +1,4 @@
-"""What a user of Python has today: the principal axes of a surface in a file. Started by benches/uploads in its own environment.
+"""The principal axes of a surface in a file with today's Python libraries. Started by benches/uploads in a separate environment.
 
     python_today.py METHOD FILE
 
@@ -53,7 +53,7 @@ def trimesh(path, **options):
 
 
 def trimesh_unmerged(path):
-    """Without the merging of equal vertices, which is the larger part of its time and changes no moment."""
+    """Without merging equal vertices, which takes the larger part of the time and changes no moment."""
     return trimesh(path, process=False)
 
 

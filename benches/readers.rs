@@ -1,7 +1,7 @@
-//! How fast the readers are, one core, beside the mere summing of the same bytes: `cargo bench --bench readers [facets]`.
+//! Measures the speed of the readers on one core, compared with adding up the same bytes: `cargo bench --bench readers [facets]`.
 //!
-//! Every file holds the same surface, a million facets unless told otherwise (text: their vertices twice), and comes in chunks of
-//! 64 KiB. The best of several readings counts, since what else the machine does only ever slows them down.
+//! Every file holds the same surface, a million facets unless stated otherwise (text: their vertices twice), and arrives in chunks of
+//! 64 KiB. The best of several readings counts, since other work on the machine can only slow them down.
 
 use scallopd::surface::Sink;
 use scallopd::surface::read::{FormatHint, Reader};
@@ -12,7 +12,7 @@ use std::time::Instant;
 const CHUNK: usize = 1 << 16;
 const REPETITIONS: usize = 9;
 
-/// Adds the coordinates up, so that none can be left out.
+/// Adds up the coordinates, so that the compiler cannot omit any.
 #[derive(Default)]
 struct Sum([f64; 3]);
 
@@ -147,7 +147,7 @@ fn read(file: &[u8]) {
     black_box(sum.0);
 }
 
-/// What the machine does at most: every byte is looked at, and nothing made of it.
+/// The upper limit of the machine's speed: reads every byte without parsing.
 fn add_bytes(file: &[u8]) {
     black_box(file.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte)));
 }

@@ -30,6 +30,16 @@ say "compose file, Prometheus, Grafana"
 "$tools/bin/check-jsonschema" --builtin-schema vendor.compose-spec deploy/compose.yaml
 "$tools/bin/python" deploy/validate.py
 
+say "the simulated autoscaler's rule"
+"$tools/bin/python" -m unittest discover --quiet --start-directory deploy
+
+if command -v haproxy > /dev/null; then
+    say "proxy"
+    SCALLOPD_PROXY_SOCKET="$root/target/haproxy.sock" haproxy -c -q -f deploy/haproxy.cfg
+else
+    left_out="$left_out haproxy (its own reading of deploy/haproxy.cfg)"
+fi
+
 if command -v promtool > /dev/null; then
     promtool check config deploy/prometheus/prometheus.yaml
     promtool check rules deploy/prometheus/alerts.yaml

@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 const OUTER_RADIUS: f64 = 5.0;
 const CORNER_RADIUS: f64 = 2.0;
-/// What the step-over leaves by the analytic model, in mm.
+/// The analytic height of the step-over, in mm.
 const STEP_OVER_HEIGHT: f64 = 0.01;
 const FEEDS: [f64; 2] = [0.1, 0.3];
 const SLOPES: [f64; 13] = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0];
@@ -23,15 +23,14 @@ const ALPHAS: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 const INTRODUCTION: &str = "\
 # Where the analytic model falls short
 
-The analytic model puts circles of the effective radii in place of the cutter. This page holds it against a simulation that knows
-only the cutter's solid: teeth print it on an inclined plane, pass beside pass, with every phase between the teeth of neighbouring
-passes in steps, and the highest place left is measured along the surface's normal. A positive figure is a promise that the cutter
-breaks: the scallop is that much higher than the model says. A negative figure is scallop that the model promises and the cutter
-does not leave.
+The analytic model replaces the cutter by circles of its effective radii. This page compares it with a simulation that uses only the
+cutter's solid: the teeth cut an inclined plane pass beside pass, with every phase between the teeth of neighbouring passes in
+steps, and the highest remaining point is measured along the surface's normal. A positive figure is the excess of the simulated
+scallop height over the analytic one; where the figure is negative, the cutter leaves less than the analytic height.
 
-Toroidal cutter, R = 5 mm, r = 2 mm. Each step-over is the one for which the analytic model says h1 = 10 um. Alpha is the feed's
-angle to the steepest slope, seen from above. On the grid of 96 x 320 places the simulation finds a little less than the worst
-case, so the figures are lower bounds of the shortfall. A dash: passes that far apart do not overlap, and the step-over that the
+Toroidal cutter, R = 5 mm, r = 2 mm. Each step-over is the one at which the analytic model has h1 = 10 um. Alpha is the feed's
+angle to the steepest slope, seen from above. On the grid of 96 x 320 points the simulation finds a little less than the worst
+case, so the figures are lower bounds of the shortfall. A dash: passes so far apart do not overlap, and the step-over that the
 model allows leaves uncut material.
 
 The page is written by `cargo run --release --example analytic_shortfall > docs/analytic-shortfall.md`.
@@ -70,7 +69,7 @@ fn compare(slope_deg: f64, alpha_deg: f64, feed: f64) -> Result<Comparison, NoAn
     })
 }
 
-/// One table, a row a slope and a column a direction, and its greatest shortfall.
+/// One table, with a row for each slope and a column for each direction, and its largest shortfall.
 fn table(feed: f64) -> String {
     let mut text = format!("\n## f_z = {feed} mm: simulated height over the analytic one\n\n| slope |");
     for alpha in ALPHAS {
@@ -85,7 +84,7 @@ fn table(feed: f64) -> String {
         for alpha in ALPHAS {
             match compare(slope, alpha, feed) {
                 Ok(Comparison { analytic, envelope, simulated }) => {
-                    // Rounded as it is printed, and 0 without a sign of its own.
+                    // Rounded as it is printed, and 0 without a sign.
                     let shortfall = (1000.0 * (simulated / analytic - 1.0)).round() / 10.0 + 0.0;
                     largest = largest.max(shortfall);
                     least_share = least_share.min(simulated / envelope);

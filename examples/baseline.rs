@@ -1,8 +1,8 @@
-//! Two servers that `benches/requests` holds the service against. Both have the service's allocator and runtime, and the framework's own
+//! Two servers with which `benches/requests` compares the service. Both have the service's allocator and runtime, and the framework's own
 //! accept loop, without time-outs, limits, logs or metrics.
 //!
-//! `baseline LENGTH` is the least that a JSON service on this framework can do: it answers every POST of `/` with LENGTH bytes, once the
-//! whole body is in memory. `baseline job` does the job of `/v1/scallop-height` and nothing beside it: the body by serde's derived code,
+//! `baseline LENGTH` is the least work for a JSON service on this framework: it answers every POST of `/` with LENGTH bytes, once the
+//! whole body is in memory. `baseline job` does the job of `/v1/scallop-height` and nothing else: the body by serde's derived code,
 //! the library's formulas, the answer by serde's derived code. Each listens on a free port of 127.0.0.1 and prints its address.
 
 use axum::body::Bytes;
@@ -21,7 +21,7 @@ use std::num::NonZeroU32;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const JSON: [(header::HeaderName, &str); 1] = [(header::CONTENT_TYPE, "application/json")];
-/// The deviation from which the service warns, too.
+/// The deviation below which the service warns.
 const OUTSIDE_RANGE: f64 = -0.05;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,5 +1,5 @@
 //! The lower bound of an upload's cost: the same server with the same middleware and settings, whose routes for surfaces read the body
-//! and discard it. What reading a surface costs is measured against it by `benches/uploads`.
+//! and discard it. `benches/uploads` compares the cost of reading a surface with it.
 //!
 //! It takes the program's settings and logs its address in the same way.
 
@@ -45,7 +45,7 @@ async fn serve(settings: &Settings) -> Result<()> {
     Ok(())
 }
 
-/// Takes every frame of the body, and answers how many bytes there were.
+/// Reads and discards every frame of the body, and answers the number of bytes.
 async fn drain(request: Request) -> ([(header::HeaderName, &'static str); 1], String) {
     let mut body = request.into_body();
     let mut bytes = 0;

@@ -1,7 +1,7 @@
 //! Writes one wavy surface to a file, in the formats and sizes that `benches/uploads` sends: `surface_file FORMAT COUNT FILE`.
 //!
-//! COUNT is the number of points of `csv` and `json`, of facets else. Coordinates have four decimals (0.1 um) in text, seven digits in
-//! ASCII STL, as CAD systems write it, and single precision in binary files.
+//! COUNT is the number of points for `csv` and `json`, of facets for the others. Coordinates have four decimals (0.1 um) in text,
+//! seven digits in ASCII STL, as CAD systems write it, and single precision in binary files.
 
 use std::fs::File;
 use std::io::{BufWriter, Error, Result, Write};
@@ -30,7 +30,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// With room for `facets` triangles, two to a quad.
+    /// A grid of at least `facets` triangles, two to a quad.
     fn of_facets(facets: u32) -> Self {
         let mut side = 2;
         while u64::from(side - 1) * u64::from(side - 1) * 2 < u64::from(facets) {
@@ -72,7 +72,7 @@ fn csv(file: &mut impl Write, count: u32) -> Result<()> {
     points(count).try_for_each(|[x, y, z]| writeln!(file, "{x:.4},{y:.4},{z:.4}"))
 }
 
-/// The points alone: the job around them is the request's.
+/// The points only, without the other members of a request.
 fn json(file: &mut impl Write, count: u32) -> Result<()> {
     for (index, [x, y, z]) in points(count).enumerate() {
         write!(file, "{}[{x:.4},{y:.4},{z:.4}]", if index == 0 { "[" } else { "," })?;

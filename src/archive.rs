@@ -11,7 +11,7 @@ use std::io::{self, Read};
 /// The longest name of an entry, in bytes.
 const LONGEST_NAME: usize = 1024;
 
-/// What an archive may hold.
+/// The limits of an archive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ArchiveLimits {
     /// The largest number of entries.
@@ -51,7 +51,7 @@ impl fmt::Display for ArchiveFault {
 }
 
 impl ArchiveFault {
-    /// Whether a limit was exceeded, rather than the format violated.
+    /// Whether a limit was exceeded; otherwise the format is violated.
     pub(crate) fn is_limit(&self) -> bool {
         matches!(self, Self::TooManyEntries(_) | Self::LongName | Self::TooLarge(_))
     }
@@ -121,7 +121,7 @@ impl<'a> Archive<'a> {
         self.entries.iter().filter(|entry| !entry.name.ends_with('/'))
     }
 
-    /// The file of this name, in any case, as the names of package parts are compared.
+    /// The file of this name in upper or lower case, as 3MF compares the names of parts.
     pub(crate) fn file(&self, name: &str) -> Option<&ArchiveEntry> {
         let name = name.trim_start_matches('/');
         self.files().find(|entry| entry.name.eq_ignore_ascii_case(name))
@@ -167,8 +167,8 @@ fn damaged(error: impl fmt::Display) -> ArchiveFault {
     ArchiveFault::Damaged(error.to_string())
 }
 
-/// A file of an archive while it is inflated. It fails with [`io::ErrorKind::FileTooLarge`] beyond the archive's limit, and at the end where
-/// size or checksum differ from the directory's.
+/// A file of an archive while it is inflated. It fails with [`io::ErrorKind::FileTooLarge`] beyond the archive's limit, and at
+/// the end where size or checksum differ from the directory's.
 pub(crate) struct Inflating<'a> {
     content: rawzip::ZipSliceVerifier<Content<'a>>,
     left: &'a Cell<u64>,

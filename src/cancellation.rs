@@ -1,10 +1,10 @@
-//! The flag by which long computations learn that nobody waits for their result any more.
+//! A flag that cancels long computations whose result is no longer needed.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A flag that is set once. Clones share it. A computation of more than some 10 ms checks it between steps and returns early with
-/// whatever result is at hand, which is discarded.
+/// any result, which is discarded.
 #[derive(Debug, Clone, Default)]
 pub struct CancelFlag(Arc<AtomicBool>);
 

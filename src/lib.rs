@@ -1,5 +1,5 @@
-//! Scallop heights of ball-end, toroidal and flat-end finish milling: what a pass leaves, which feed or step-over keeps a tolerance,
-//! and which cutter suits a surface.
+//! Scallop heights of ball-end, toroidal and flat-end finish milling: the height that a pass leaves, the largest feed or step-over
+//! within a tolerance, and the fastest cutter for a surface.
 //!
 //! The mathematics is in [`milling`], [`motion`], [`surface`] and [`planning`] and can be called without the service. [`http`] and
 //! [`server`] offer it over HTTP.
@@ -33,7 +33,8 @@
 //!
 //! # The largest feed per tooth
 //!
-//! The same pass, with at most 15 um of scallop. Without an answer the error has the cause and, where there is one, the way out:
+//! The same pass, with at most 15 um of scallop. Where there is no answer, the error has the reason, and figures that help to
+//! correct the request:
 //!
 //! ```
 //! # use scallopd::milling::{Contact, Cutter, Pass, Runout, SurfaceCurvature};

@@ -5,9 +5,9 @@ use std::net::SocketAddr;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use scallopd::http::{self, AppState, openapi_json};
+use scallopd::http::{self, AppState};
 use scallopd::server::App;
-use scallopd::settings::{Command, Refusal, ServerSettings, Settings};
+use scallopd::settings::{Command, OpenApiVersion, Refusal, ServerSettings, Settings};
 use scallopd::telemetry::Telemetry;
 use scallopd::{health, server};
 use tokio::net::{TcpListener, TcpSocket};
@@ -17,10 +17,10 @@ use tokio::sync::oneshot;
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Connections that wait to be accepted, at most; the system may allow fewer.
+/// The largest number of connections that wait to be accepted; the system may allow fewer.
 const BACKLOG: u32 = 4096;
 
-/// Connections to the address for probes: a few probers and scrapers.
+/// The largest number of connections to the address for probes: a few probers and scrapers.
 const HEALTH_CONNECTIONS: usize = 64;
 
 /// The exit code for invalid settings; other failures exit with 1.
@@ -29,7 +29,13 @@ const EXIT_USAGE: u8 = 2;
 fn main() -> ExitCode {
     match Command::read(std::env::args_os()) {
         Ok(Command::Serve(settings)) => exit(run(&settings)),
-        Ok(Command::OpenApi) => exit(std::io::stdout().write_all(openapi_json().as_bytes()).map(|()| true)),
+        Ok(Command::OpenApi(version)) => {
+            let document = match version {
+                OpenApiVersion::V3_1 => http::openapi_json(),
+                OpenApiVersion::V3_0 => http::openapi_3_0_json(),
+            };
+            exit(std::io::stdout().write_all(document.as_bytes()).map(|()| true))
+        }
         Ok(Command::Healthcheck(listen)) => exit(health::is_ready(listen)),
         Err(Refusal::Usage(usage)) => usage.exit(),
         Err(Refusal::Faults(faults)) => {
@@ -78,22 +84,22 @@ async fn serve(settings: &Settings) -> std::io::Result<()> {
         tokio::time::sleep(settings.server.drain_delay).await;
     };
     let served = server::serve(listener, public, &settings.server, stop).await;
-    // Probes are answered until the last request is.
+    // Probes are answered until the last request has been answered.
     drop(health);
     served
 }
 
-/// Listens at `address`. A burst of connections waits in the queue: where it is full, the system drops what a client sends for a second.
+/// Listens at `address`. The queue takes bursts of connections; where it is full, clients must try again after a second.
 fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
     let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
-    // A server that starts again does not wait for the connections of the last one to be forgotten.
+    // A restarted server can listen while old connections of its predecessor are in TIME_WAIT.
     #[cfg(unix)]
     socket.set_reuseaddr(true)?;
     socket.bind(address)?;
     socket.listen(BACKLOG)
 }
 
-/// Serves probes and metrics on a thread of its own until the sender is dropped: whatever the other threads do, it answers.
+/// Serves probes and metrics on a separate thread until the sender is dropped, so that they are answered under any load.
 fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std::io::Result<oneshot::Sender<()>> {
     let settings = ServerSettings { max_connections: HEALTH_CONNECTIONS, shutdown_grace: Duration::ZERO, ..settings.clone() };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -104,7 +110,7 @@ fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std
     let serve = move || {
         runtime.block_on(async {
             let listener = TcpListener::from_std(listener)?;
-            // An error is the sender's drop.
+            // The error means that the sender was dropped.
             server::serve(listener, app, &settings, async { _ = stopped.await }).await
         })
     };

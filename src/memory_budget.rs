@@ -49,8 +49,8 @@ impl MemoryBudget {
         Self(Arc::new(Shared { total, reserved: AtomicU64::new(0), refusals: AtomicU64::new(0), returned: Notify::new() }))
     }
 
-    /// The largest reservation, three quarters of the budget: the rest is for what a request holds besides, such as the end of its body,
-    /// so that one that is too large finds that out and not that the budget is used up.
+    /// The largest reservation, three quarters of the budget: the rest is for the other memory of a request, such as the end of its body,
+    /// so that a request that is too large is refused as such and not because the budget is used up.
     #[must_use]
     pub fn largest(&self) -> u64 {
         self.0.total - self.0.total / 4
@@ -62,7 +62,7 @@ impl MemoryBudget {
         self.0.reserved.load(Ordering::Relaxed)
     }
 
-    /// How often bytes were not reserved.
+    /// The number of refused reservations.
     #[must_use]
     pub fn refusals(&self) -> u64 {
         self.0.refusals.load(Ordering::Relaxed)

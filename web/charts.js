@@ -67,6 +67,8 @@ export class LineChart {
     const options = {
       width,
       height: this.height,
+      // Whole pixels would make steps of slight slopes.
+      pxAlign: 0,
       cursor: { points: { size: 6 }, drag: { x: false, y: false } },
       legend: { live: true },
       scales: { x: { time: false }, y: { range: yRange ?? ((_, low, high) => [Math.min(0, low), high > 0 ? high * 1.06 : 1]) } },

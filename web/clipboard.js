@@ -28,12 +28,20 @@ export async function copy(text, button) {
 /** A text in single quotes for a POSIX shell. */
 const quoted = (text) => `'${text.replaceAll("'", `'\\''`)}'`;
 
+// Linux takes arguments of 128 KiB at most.
+const LONGEST_ARGUMENT = 100_000;
+
 export function curlOfJson(address, body) {
-  return `curl -sS ${quoted(address)} \\\n  -H 'content-type: application/json' \\\n  -d ${quoted(JSON.stringify(body))}`;
+  const text = JSON.stringify(body);
+  const head = `curl -sS ${quoted(address)} \\\n  -H 'content-type: application/json'`;
+  if (text.length > LONGEST_ARGUMENT) return `${head} --data-binary @- <<'JSON'\n${text}\nJSON\n`;
+  return `${head} \\\n  -d ${quoted(text)}`;
 }
 
+/** `parts` are [name, {file} or a text]. */
 export function curlOfForm(address, parts) {
-  return [`curl -sS ${quoted(address)}`, ...parts.map(([name, value]) => `  -F ${quoted(`${name}=${value}`)}`)].join(' \\\n');
+  const option = ([name, value]) => (typeof value === 'string' ? `--form-string ${quoted(`${name}=${value}`)}` : `-F ${quoted(`${name}=@"${value.file}"`)}`);
+  return [`curl -sS ${quoted(address)}`, ...parts.map((part) => `  ${option(part)}`)].join(' \\\n');
 }
 
 /** Offers `text` as a file. */

@@ -22,6 +22,16 @@ export function svg(name, attributes, ...children) {
   return fill(document.createElementNS(SVG, name), attributes, children);
 }
 
+/** A label that opens the hidden file input `id`, with the pointer and with the keyboard. */
+export function fileButton(id, ...children) {
+  const open = (event) => {
+    if (event.key !== 'Enter' && event.key !== ' ') return;
+    event.preventDefault();
+    document.getElementById(id).click();
+  };
+  return el('label', { for: id, class: 'button', tabindex: '0', role: 'button', onkeydown: open }, ...children);
+}
+
 /** Calls `draw(width)` once the element has a width and whenever it changes. */
 export function onWidth(element, draw) {
   let last = 0;

@@ -103,6 +103,8 @@ export class Field {
   fault(text) {
     this.#fault.hidden = !text;
     this.#fault.textContent = text ?? '';
+    // A fault is seen, also in a group that was closed.
+    if (text) this.element.closest('details')?.setAttribute('open', '');
     for (const input of this.#inputs) {
       if (text) {
         input.setAttribute('aria-invalid', 'true');

@@ -1,7 +1,7 @@
 // Figures of an answer: a value with its unit, its full precision in the `value` of a data element, and a tooltip from the glossary.
 
 import { el } from './dom.js';
-import { TERMS } from './terms.js';
+import { TERMS, inWords } from './terms.js';
 import { format, unitOf } from './units.js';
 
 /** The value alone, as `<data value="full precision" data-figure="name">`. */
@@ -29,12 +29,20 @@ export function figureList(entries) {
   );
 }
 
+const capitalized = (text) => text[0].toUpperCase() + text.slice(1);
+
+/** The reasons of a confidence: what each is about, and what was found. */
+export function reasonList(reasons) {
+  if (!reasons?.length) return null;
+  return el('ul', { class: 'reasons' }, reasons.map(({ code, level, detail }) => el('li', { class: level }, el('b', {}, `${capitalized(inWords(code))}.`), ` ${capitalized(detail)}.`)));
+}
+
 /** The warnings of an answer; nothing where there are none. */
 export function warningList(warnings) {
   if (!warnings?.length) return null;
   return el(
     'ul',
     { class: 'warnings' },
-    warnings.map(({ code, detail, contacts }) => el('li', {}, el('b', {}, code.replaceAll('-', ' ')), ` ${detail}${contacts > 1 ? ` (${contacts} contacts)` : ''}`)),
+    warnings.map(({ code, detail, contacts }) => el('li', {}, el('b', {}, `${capitalized(inWords(code))}.`), ` ${capitalized(detail)}${contacts > 1 ? ` (${contacts} contacts)` : ''}.`)),
   );
 }

@@ -1,10 +1,9 @@
 // The glossary page: the names of requests and answers, and the codes with their meanings from docs/codes.md.
 
 import { el } from './dom.js';
-import { OF_THE_PAGE, TERMS } from './terms.js';
+import { NAMES } from './terms.js';
 
-const names = Object.entries(TERMS).filter(([name]) => !OF_THE_PAGE.has(name));
-document.getElementById('terms').append(el('tbody', {}, names.map(([name, { label, help }]) => el('tr', { id: name }, el('th', { scope: 'row' }, el('code', {}, name)), el('td', {}, label), el('td', {}, help)))));
+document.getElementById('terms').append(el('tbody', {}, Object.entries(NAMES).map(([name, { label, help }]) => el('tr', { id: name }, el('th', { scope: 'row' }, el('code', {}, name)), el('td', {}, label), el('td', {}, help)))));
 
 // Text with `code` in it.
 const inline = (text) => text.split('`').map((part, i) => (i % 2 ? el('code', {}, part) : part));

@@ -1,7 +1,8 @@
 // The page's glossary: for each name of the service its label, the kind of its quantity, and what it is. Fields, figures, charts
 // and tables take their labels and tooltips from here.
 
-export const TERMS = {
+/** Names of requests and answers. */
+export const NAMES = {
   // Cutter
   type: { label: 'Shape', help: 'Shape of the cutter’s end: toroidal (bull-nose), ball or flat.' },
   diameter_mm: { label: 'Diameter', kind: 'length', help: 'Outer diameter of the cutter (ISO 13399: DC).' },
@@ -29,7 +30,7 @@ export const TERMS = {
   min_step_over_mm: { label: 'Min step-over', kind: 'length', help: 'Smallest step-over to consider.' },
   max_step_over_mm: { label: 'Max step-over', kind: 'length', help: 'Largest step-over to consider; also the largest that the tolerance allows without feed.' },
   feed_per_tooth_mm: { label: 'Feed per tooth', kind: 'length', help: 'Advance along the feed for each tooth. 0 or empty: no feed marks.' },
-  feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'Feed per tooth × teeth × spindle speed.' },
+  feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'Feed per tooth × teeth × spindle speed; of a plan, the mean over its passes.' },
   area_rate_mm2_min: { label: 'Area rate', kind: 'areaRate', help: 'Surface finished per minute: step-over × feed rate.' },
   scallop_tolerance_mm: { label: 'Tolerance', kind: 'height', help: 'Largest scallop height that is accepted, feed marks included.' },
   // Answers
@@ -45,49 +46,64 @@ export const TERMS = {
   machining_time_s: { label: 'Time', kind: 'time', help: 'Machining time: all passes and links with the machine’s limited acceleration and jerk.' },
   direction_deg: { label: 'Direction', kind: 'angle', help: 'Direction of the passes seen from above, from +X counter-clockwise.' },
   passes: { label: 'Passes', kind: 'count', help: 'Number of passes.' },
-  path_length_mm: { label: 'Path length', kind: 'length', help: 'Length of all passes on the surface.' },
+  path_length_mm: { label: 'Path length', kind: 'length', help: 'Length of all passes and links.' },
   over_tolerance_share: { label: 'Over tolerance', kind: 'share', help: 'Share of the area whose scallops exceed the tolerance.' },
   uncut_share: { label: 'Uncut', kind: 'share', help: 'Share of the area that the cutter cannot reach.' },
   uncut_height_mm: { label: 'Uncut height', kind: 'height', help: 'Largest height of the material that the cutter cannot reach.' },
   least_time_s: { label: 'Least time', kind: 'time', help: 'Bound from below: no zigzag of this cutter is faster on this surface. The gap is what other strategies could gain.' },
-  rectangle_time_s: { label: 'By rectangle', kind: 'time', help: 'Time by the published method, which replaces the surface by an inclined rectangle.' },
-  scallop_p99_mm: { label: 'Scallop p99', kind: 'height', help: 'Scallop height that 99 % of the area does not exceed.' },
-  scallop_max_mm: { label: 'Scallop max', kind: 'height', help: 'Largest scallop height on the surface.' },
-  links_lifts: { label: 'Lifts', kind: 'count', help: 'Links that lift the tool to the clearance height.' },
-  tolerance_of_plan: { label: 'Scallop height', kind: 'height', help: 'Largest scallop height that the plan may leave.' },
-  machine: { label: 'Preset', help: 'A preset of the service; the values below override it.' },
+  machine: { label: 'Preset', help: 'A machine by its name. Limits that are stated override its own.' },
   acceleration_m_s2: { label: 'Acceleration', kind: 'acceleration', help: 'The machine’s acceleration along the path.' },
   jerk_m_s3: { label: 'Jerk', kind: 'jerk', help: 'The machine’s jerk: how fast the acceleration changes.' },
-  machine_feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'The feed rate of the machine for finishing.' },
   rapid_rate_mm_min: { label: 'Rapid rate', kind: 'feedRate', help: 'Rate of moves off the surface. Empty: the feed rate.' },
+  max_spindle_speed_rpm: { label: 'Max speed', kind: 'speed', help: 'The machine’s largest spindle speed. Cutters that state a higher one run at it.' },
   clearance_height_mm: { label: 'Clearance', kind: 'length', help: 'Height over the highest point at which the tool crosses gaps.' },
   pattern: { label: 'Pattern', help: 'Zigzag cuts in both senses; one-way returns at the rapid rate over the clearance height.' },
   method: { label: 'Method', help: 'Surface: the passes are simulated on the surface itself. Rectangle: the published method on an equivalent inclined rectangle.' },
   model: { label: 'Model', help: 'Exact shape: the cutter’s whole body. Published: circles of the effective radii.' },
   max_slope_deg: { label: 'Max slope', kind: 'angle', help: 'Steeper facets set no spacing and count as steep.' },
   max_uncut_share: { label: 'Max uncut', kind: 'share', help: 'A cutter that leaves more of the area uncut is listed, not ranked.' },
-  unit: { label: 'File’s unit', help: 'Unit of length of the coordinates in the file.' },
+  directions_deg: { label: 'Directions', help: 'Directions of the passes to try, in degrees from +X counter-clockwise, with commas between them. Empty: all.' },
+  unit: { label: 'File’s unit', help: 'Unit of length of the coordinates in the file. A 3MF file states its own.' },
   facing: { label: 'Facing', help: 'Which facets count: those that face up, or all.' },
   // Surface
   area_mm2: { label: 'Area', kind: 'area', help: 'Area of the surface.' },
   facets: { label: 'Facets', kind: 'count', help: 'Triangles of the surface.' },
-  points: { label: 'Points', kind: 'count', help: 'Sample points of the surface.' },
+  points: { label: 'Points', kind: 'count', help: 'Points that the shape was taken of; 0 where it was taken of facets.' },
   mean_slope_deg: { label: 'Mean slope', kind: 'angle', help: 'Mean slope over the area.' },
-  form_factor: { label: 'Form factor', kind: 'number', help: 'Ratio of the two principal extents.' },
-  characteristic_size_mm2: { label: 'Characteristic size', kind: 'area', help: 'Area of the equivalent rectangle.' },
+  form_factor: { label: 'Form factor', kind: 'number', help: 'Long side over short side of the rectangle that spreads as much.' },
+  characteristic_size_mm2: { label: 'Characteristic size', kind: 'area', help: 'Area of the rectangle that spreads as much.' },
   principal_direction_deg: { label: 'Principal direction', kind: 'angle', help: 'Direction of the longest extent seen from above.' },
   steepest_direction_deg: { label: 'Steepest direction', kind: 'angle', help: 'Direction of the steepest line of the mean plane, seen from above.' },
   flatness: { label: 'Flatness', kind: 'number', help: 'Extent out of the mean plane over the longest extent: 0 for a plane.' },
   visible_area_share: { label: 'Visible area', kind: 'share', help: 'Share of the area that is visible from above.' },
   steep_area_share: { label: 'Steep area', kind: 'share', help: 'Share of the area steeper than the maximal slope.' },
+  bounds_mm: { label: 'Size', kind: 'length', help: 'Extent along X, Y and Z.' },
   pieces: { label: 'Pieces', kind: 'count', help: 'Connected pieces of the surface.' },
   critical_slope_deg: { label: 'Critical slope', kind: 'angle', help: 'Slope below which the toroidal cutter is faster than the ball-end cutter, by the published method.' },
-  height_over_datum: { label: 'Height', kind: 'length', help: 'Z of the surface.' },
   uncut_mm: { label: 'Uncut', kind: 'height', help: 'Height of the material that the cutter cannot reach.' },
 };
 
-/** Names that the page gives to members of members, and to fields that the service calls otherwise. */
-export const OF_THE_PAGE = new Set(['tolerance_of_plan', 'machine_feed_rate_mm_min', 'scallop_p99_mm', 'scallop_max_mm', 'links_lifts', 'rectangle_time_s', 'height_over_datum']);
+const SIDE_OF_BOX = 'Only facets whose centroid lies in this box are machined. Drag over the map to choose it.';
+
+// Names that the page gives to members of members, and to fields that the service calls otherwise.
+const OF_THE_PAGE = {
+  tolerance_of_plan: { label: 'Scallop height', kind: 'height', help: 'Largest scallop height that the plan may leave.' },
+  machine_feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'The feed rate of the machine for finishing.' },
+  scallop_p99_mm: { label: 'Scallop p99', kind: 'height', help: 'Scallop height that 99 % of the area does not exceed.' },
+  scallop_max_mm: { label: 'Scallop max', kind: 'height', help: 'Largest scallop height on the surface.' },
+  links_lifts: { label: 'Lifts', kind: 'count', help: 'Links that lift the tool to the clearance height.' },
+  rectangle_time_s: { label: 'By rectangle', kind: 'time', help: 'Time by the published method, which replaces the surface by an inclined rectangle.' },
+  contacts: { label: 'Contacts', help: 'Rows of the table.' },
+  failures: { label: 'Without an answer', help: 'Rows for which the service has no answer. They are empty in the download.' },
+  time_at_feeds_s: { label: 'Time at these feeds', kind: 'time', help: 'Distance between the positions over the feed rate, without acceleration and links.' },
+  height_over_datum: { label: 'Height', kind: 'length', help: 'Z of the surface.' },
+  select_slope_from_deg: { label: 'Slope from', kind: 'angle', help: 'Only facets at least as steep are machined.' },
+  select_slope_to_deg: { label: 'Slope to', kind: 'angle', help: 'Only facets at most as steep are machined.' },
+  pieces_selected: { label: 'Pieces', help: 'Numbers of the connected pieces to machine, from 0 in the order in which their first facets come, with commas between them. Empty: all.' },
+  ...Object.fromEntries(['x', 'y', 'z'].flatMap((axis) => [['min', 'from'], ['max', 'to']].map(([end, word]) => [`box_${end}_${axis}_mm`, { label: `${axis.toUpperCase()} ${word}`, kind: 'length', help: SIDE_OF_BOX }]))),
+};
+
+export const TERMS = { ...NAMES, ...OF_THE_PAGE };
 
 // Words of the service's closed sets as the page writes them.
 const WORDS = {

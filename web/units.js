@@ -51,7 +51,10 @@ export function format(value, kind) {
   if (value === null || value === undefined) return '–';
   const { factor, digits } = measure(kind);
   // A count is a whole number, but for the quotients of the rectangle's method.
-  return kind === 'count' ? String(Number(value.toFixed(2))) : plainNumber(value * factor, digits);
+  if (kind === 'count') return String(Number(value.toFixed(2)));
+  // Directions are stated to two decimals at most, and most of them are whole.
+  if (kind === 'angle') return String(Number(value >= 100 ? value.toFixed(2) : value.toPrecision(digits)));
+  return plainNumber(value * factor, digits);
 }
 
 /** The same with its unit. */
@@ -81,15 +84,14 @@ export function parseInput(text, kind) {
   return factor === 1 ? number : Number((number / factor).toPrecision(12));
 }
 
-/** Seconds as minutes and hours where that is easier to read. */
-export function formatTime(seconds) {
+/** Seconds, or minutes and seconds, or hours, minutes and seconds, whichever suits `longest`: the times of a column are alike. */
+export function formatTime(seconds, longest = seconds) {
   if (seconds === null || seconds === undefined) return '–';
-  if (seconds < 120) return `${plainNumber(seconds, 3)} s`;
+  if (longest < 120) return `${plainNumber(seconds, 3)} s`;
   const whole = Math.round(seconds);
-  const parts = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60), whole % 60];
-  return parts[0] > 0
-    ? `${parts[0]} h ${String(parts[1]).padStart(2, '0')} min`
-    : `${parts[1]} min ${String(parts[2]).padStart(2, '0')} s`;
+  const two = (number) => String(number).padStart(2, '0');
+  const [hours, minutes, rest] = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60), whole % 60];
+  return Math.max(longest, seconds) < 3600 ? `${minutes}:${two(rest)} min` : `${hours}:${two(minutes)}:${two(rest)} h`;
 }
 
 /** Ticks at round numbers from `low` to `high`, about `count` of them. */

@@ -35,6 +35,14 @@ def cutters(chosen):
     return cutters_of_job() if chosen == "job" else chosen
 
 
+def cutter_named(chosen, name):
+    """The cutter of that name among the settings' `cutters`."""
+    known = {cutter["name"]: cutter for cutter in cutters(chosen)}
+    if name not in known:
+        raise LookupError(f"there is no cutter {name!r}; known are {', '.join(known)}")
+    return known[name]
+
+
 def cutters_of_job(document=None):
     """The ball-end, bull-nose and flat cutters among the tool controllers of the document's jobs, with the controllers' speeds."""
     found = []
@@ -88,8 +96,16 @@ def selected_faces(names=()):
 
         chosen = [sub for selection in FreeCADGui.Selection.getSelectionEx() for sub in selection.SubObjects]
     else:
-        chosen = [FreeCAD.ActiveDocument.getObject(name.split(".")[0]).Shape.getElement(name.split(".")[1]) for name in names]
+        chosen = [face for face in map(face_named, names) if face is not None]
     return [shape for shape in chosen if isinstance(shape, Part.Face)]
+
+
+def face_named(name):
+    """The face of a name such as "Body.Face3" in the active document; None where there is none."""
+    feature = FreeCAD.ActiveDocument and FreeCAD.ActiveDocument.getObject(name.partition(".")[0])
+    faces = feature.Shape.Faces if hasattr(feature, "Shape") else []
+    number = name.partition(".Face")[2]
+    return faces[int(number) - 1] if number.isdigit() and 0 < int(number) <= len(faces) else None
 
 
 def mesh_of(faces, deviation_mm):
@@ -347,15 +363,19 @@ def contacts_of_path(path, faces, cutter, gap_mm=0.05):
 
 
 def path_with_feeds(client, path, faces, cutter, scallop_tolerance_mm, **parameters):
-    """The path with the largest feeds that keep the tolerance, the number of moves that got one, and the failures by move. `parameters` are
-    those of `Client.max_feed_batch`: a step-over, the spindle speed, limits of the feed.
+    """The path with the largest feeds that keep the tolerance, the number of moves that got one, and the failures by move.
+
+    `cutter` is one of those that are ranked; its spindle speed and largest feed per tooth count unless `parameters` state others.
+    `parameters` are those of `Client.max_feed_batch`: a step-over, limits of the feed.
 
     Moves off the faces, moves along the normal and those without an answer keep their feed.
     """
     moves, columns = contacts_of_path(path, faces, cutter)
     if not moves:
         return path, 0, []
-    answer = client.max_feed_batch(cutter, columns, scallop_tolerance_mm, **{"model": "envelope", **parameters})
+    shape = {name: cutter[name] for name in ("type", "diameter_mm", "corner_radius_mm", "teeth") if name in cutter}
+    limits = {name: cutter[name] for name in ("spindle_speed_rpm", "max_feed_per_tooth_mm") if name in cutter}
+    answer = client.max_feed_batch(shape, columns, scallop_tolerance_mm, **{"model": "envelope", **limits, **parameters})
     rates = dict(zip(moves, answer["feed_rate_mm_min"]))
     commands = path.Commands
     for move, rate in rates.items():

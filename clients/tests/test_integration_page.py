@@ -60,7 +60,7 @@ class IntegrationPage(ServiceCase):
 
     def test_curl(self) -> None:
         found = examples(PAGE, "sh")
-        self.assertEqual(len(found), 4)
+        self.assertEqual(len(found), 5)
         for command, shown in found:
             with self.subTest(command):
                 if '"cutters"' in command and not self.service.offers("cutters"):
@@ -68,8 +68,11 @@ class IntegrationPage(ServiceCase):
                 self.assert_shown(json.loads(shown), json.loads(self.ran("bash", "-c", self.here(command))))
 
     def test_python(self) -> None:
-        ((text, shown),) = examples(PAGE, "python")
-        self.assertEqual(self.ran(sys.executable, "-c", self.here(text)), shown)
+        found = examples(PAGE, "python")
+        self.assertEqual(len(found), 2)
+        for text, shown in found:
+            with self.subTest(text):
+                self.assertEqual(self.ran(sys.executable, "-c", self.here(text)), shown)
 
     def test_the_readme_of_the_python_package(self) -> None:
         text = BLOCK.findall(PYTHON_README.read_text(encoding="utf-8"))[1][1]
@@ -78,20 +81,25 @@ class IntegrationPage(ServiceCase):
     def test_javascript(self) -> None:
         if shutil.which("node") is None:
             self.skipTest("node is not installed")
-        ((text, shown),) = examples(PAGE, "javascript")
-        self.assertEqual(self.ran("node", "--input-type=module", "--eval", self.here(text)), shown)
+        found = examples(PAGE, "javascript")
+        self.assertEqual(len(found), 2)
+        for text, shown in found:
+            with self.subTest(text):
+                self.assertEqual(self.ran("node", "--input-type=module", "--eval", self.here(text)), shown)
 
     def test_csharp(self) -> None:
         if shutil.which("mcs") is None or shutil.which("mono") is None:
             self.skipTest("Mono is not installed")
-        ((text, shown),) = examples(PAGE, "csharp")
-        with tempfile.TemporaryDirectory() as folder:
-            source = Path(folder) / "Example.cs"
-            source.write_text(self.here(text))
-            program = str(source.with_suffix(".exe"))
-            libraries = ("-r:System.Net.Http", "-r:System.Runtime.Serialization")
-            self.ran("mcs", f"-out:{program}", *libraries, "-warnaserror", "-nowarn:0649", str(source))
-            self.assertEqual(self.ran("mono", program), shown)
+        found = examples(PAGE, "csharp")
+        self.assertEqual(len(found), 2)
+        for text, shown in found:
+            with self.subTest(text), tempfile.TemporaryDirectory() as folder:
+                source = Path(folder) / "Example.cs"
+                source.write_text(self.here(text))
+                program = str(source.with_suffix(".exe"))
+                libraries = ("-r:System.Net.Http", "-r:System.Runtime.Serialization")
+                self.ran("mcs", f"-out:{program}", *libraries, "-warnaserror", "-nowarn:0649", str(source))
+                self.assertEqual(self.ran("mono", program), shown)
 
     def test_the_two_ways_to_state_a_curvature_agree(self) -> None:
         blocks = BLOCK.findall(PAGE.read_text(encoding="utf-8"))

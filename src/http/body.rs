@@ -18,7 +18,7 @@ use std::convert::Infallible;
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
-/// A body that says it is JSON, not yet read. The framework's own extractor answers plain text and stops at the first fault.
+/// A body declared as JSON, not parsed yet. The framework's own extractor answers plain text and stops at the first fault.
 pub(crate) struct JsonBody {
     json: Bytes,
     budget: MemoryBudget,
@@ -38,6 +38,9 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
     }
 }
 
+/// The bytes that an answer for one contact hardly exceeds.
+const USUAL_ANSWER: usize = 1024;
+
 /// An answer that was written where it was computed, off the async threads.
 pub(crate) struct WrittenJson {
     pieces: VecDeque<Bytes>,
@@ -47,13 +50,17 @@ pub(crate) struct WrittenJson {
 
 impl WrittenJson {
     pub(crate) fn of(answer: &impl Serialize) -> Result<Self, Problem> {
-        serde_json::to_vec(answer).map(|text| Self::in_pieces([text])).map_err(|error| {
-            tracing::error!(%error, "an answer could not be written");
-            Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
-        })
+        let mut text = Vec::with_capacity(USUAL_ANSWER);
+        match serde_json::to_writer(&mut text, answer) {
+            Ok(()) => Ok(Self::in_pieces([text])),
+            Err(error) => {
+                tracing::error!(%error, "an answer could not be written");
+                Err(Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR))
+            }
+        }
     }
 
-    /// An answer that is sent as it was written, piece by piece: a large one would double in memory if it were put together.
+    /// An answer that is sent as it was written, piece by piece: joining the pieces of a large one would double its memory.
     pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
         Self { pieces: pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect(), reservation: None }
     }
@@ -63,6 +70,17 @@ impl WrittenJson {
         reservation.resize(self.length())?;
         self.reservation = Some(reservation);
         Ok(self)
+    }
+
+    fn into_body(mut self) -> Body {
+        match self.pieces.pop_front() {
+            Some(only) if self.pieces.is_empty() && self.reservation.is_none() => Body::from(only),
+            Some(first) => {
+                self.pieces.push_front(first);
+                Body::new(self)
+            }
+            None => Body::empty(),
+        }
     }
 
     fn length(&self) -> u64 {
@@ -100,7 +118,7 @@ impl HttpBody for WrittenJson {
 
 impl IntoResponse for WrittenJson {
     fn into_response(self) -> Response {
-        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], Body::new(self)).into_response()
+        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], self.into_body()).into_response()
     }
 }
 
@@ -119,8 +137,8 @@ impl JsonBody {
         &self.json
     }
 
-    /// Reads the body, an object, with `read`, which records the faults that it finds. It may find a result and faults; then the
-    /// faults prevail. What it leaves of the object is unknown, which is a fault, too.
+    /// Reads the body, an object, with `read`. Recorded faults take precedence over a result. Members that `read` does not take are
+    /// unknown, which is a fault, too.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
         self.read_until(&CancelFlag::default(), read)
     }
@@ -135,7 +153,7 @@ impl JsonBody {
     }
 }
 
-/// [`JsonBody::read_until`] for JSON that came another way.
+/// [`JsonBody::read_until`] for JSON from another source.
 pub(crate) fn read_text<T>(
     json: &[u8],
     budget: &MemoryBudget,

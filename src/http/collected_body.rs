@@ -1,4 +1,4 @@
-//! A request's body collected into one piece of memory, which is reserved from the budget as it grows.
+//! Collects a request's body into one piece of memory, reserved from the budget as it grows.
 
 use axum::body::{Body, Bytes, HttpBody};
 use http_body_util::BodyExt;
@@ -7,7 +7,7 @@ use super::codes::ServiceProblem;
 use super::problem::Problem;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 
-/// The memory that a body in several pieces takes at first.
+/// The first capacity for a body in several pieces.
 const FIRST_CAPACITY: usize = 64 * 1024;
 
 /// Bytes that are collected in one turn of the task: less than a millisecond of decompression.
@@ -54,11 +54,11 @@ struct Collected {
 }
 
 impl Collected {
-    /// Appends `data`, after which `to_come` bytes come where that is known.
+    /// Appends `data`; `to_come` is the number of bytes that follow, where it is known.
     fn append(&mut self, data: &[u8], to_come: Option<u64>) -> Result<(), BudgetExceeded> {
         let length = self.bytes.len() + data.len();
         if length > self.bytes.capacity() {
-            // A stated length bounds the growth but is not reserved at once: nothing may follow.
+            // A stated length bounds the growth but is not reserved at once: the client may send less.
             let known = to_come.and_then(|to_come| usize::try_from(to_come).ok()).map(|to_come| length.saturating_add(to_come));
             let doubled = (2 * length).max(FIRST_CAPACITY);
             self.move_to(known.map_or(doubled, |known| known.min(doubled)))?;

@@ -2,10 +2,10 @@
 
 use super::problem;
 use super::query::parameters_of;
-use serde_json::Value;
+use serde_json::{Value, json};
 use utoipa::openapi::{Components, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
 
-/// Declares a type that stands for a request or an answer in the document, described by the function `$describe`.
+/// Declares a type that represents a request or an answer in the document; `$describe` returns its schema.
 macro_rules! described {
     ($name:ident, $describe:expr) => {
         pub(crate) struct $name;
@@ -43,8 +43,8 @@ pub(super) fn outline() -> OpenApi {
         .servers(Some([ServerBuilder::new().url("/").description(Some("this server")).build()]))
         .tags(Some([
             tag("calculations", "scallop height, largest feed, largest step-over and fastest cutting parameters at contacts"),
-            tag("planning", "which cutter in which direction"),
-            tag("service", "for operators and for people"),
+            tag("planning", "which cutter finishes a surface soonest, in which direction, with which step-over and feed"),
+            tag("service", "probes, metrics and documentation"),
         ]))
         .build()
 }
@@ -52,7 +52,7 @@ pub(super) fn outline() -> OpenApi {
 /// The example of an operation.
 struct Example {
     operation: &'static str,
-    /// The body to send; none for an operation that takes none.
+    /// The body to send; `None` for an operation without a body.
     request: Option<&'static str>,
     answer: &'static str,
 }
@@ -83,11 +83,41 @@ const EXAMPLES: [Example; 12] = [
     Example { operation: "machines", request: None, answer: include_str!("../../openapi/examples/machines.answer.json") },
 ];
 
+/// Requests of an operation that are refused, by the operation's id.
+macro_rules! refused {
+    ($($operation:literal),* $(,)?) => {
+        [$(($operation, include_str!(concat!("../../openapi/examples/", $operation, ".refused.json")))),*]
+    };
+}
+
+/// For each operation, named requests that are refused with status 422, each with the problem that answers it.
+const REFUSALS: [(&str, &str); 15] = refused![
+    "scallop_height",
+    "scallop_height_query",
+    "scallop_height_batch",
+    "max_feed",
+    "max_feed_query",
+    "max_feed_batch",
+    "step_over",
+    "step_over_query",
+    "step_over_batch",
+    "cutting_parameters",
+    "cutting_parameters_query",
+    "cutting_parameters_batch",
+    "critical_slope",
+    "cutter_recommendation",
+    "cutter_recommendation_upload",
+];
+
 /// The document as JSON, with the examples of its operations.
 pub(super) fn with_examples(document: &OpenApi) -> Value {
     let mut document = serde_json::to_value(document).unwrap_or_else(|error| unreachable!("the document can be written: {error}"));
     let operations = document["paths"].as_object_mut().into_iter().flat_map(|paths| paths.values_mut());
     for operation in operations.filter_map(Value::as_object_mut).flat_map(|path| path.values_mut()) {
+        let id = operation["operationId"].as_str().unwrap_or_default();
+        if let Some((_, examples)) = REFUSALS.iter().find(|(operation, _)| *operation == id) {
+            operation["responses"]["422"]["content"]["application/problem+json"]["examples"] = refusals(examples);
+        }
         let id = operation["operationId"].as_str().unwrap_or_default();
         // A query has the example of the operation with the same members as JSON.
         let (id, is_query) = id.strip_suffix("_query").map_or((id, false), |id| (id, true));
@@ -101,13 +131,30 @@ pub(super) fn with_examples(document: &OpenApi) -> Value {
                 }
             }
         } else if let Some(request) = example.request {
-            // JSON or a form: an operation takes one of them.
+            // An operation takes JSON or a form.
             let contents = operation["requestBody"]["content"].as_object_mut().into_iter().flat_map(|contents| contents.values_mut());
             contents.for_each(|content| content["example"] = parse(request));
         }
         operation["responses"]["200"]["content"]["application/json"]["example"] = parse(example.answer);
     }
     document
+}
+
+/// The examples of a response with status 422 from a file of refused requests. Each description states the request.
+fn refusals(file: &str) -> Value {
+    let mut examples = parse(file);
+    for example in examples.as_object_mut().into_iter().flat_map(|examples| examples.values_mut()) {
+        let request = match &example["request"] {
+            Value::String(query) => query.clone(),
+            body => body.to_string(),
+        };
+        *example = json!({
+            "summary": example["summary"],
+            "description": format!("The answer to `{request}`"),
+            "value": example["problem"],
+        });
+    }
+    examples
 }
 
 fn parse(example: &str) -> Value {

@@ -1,4 +1,4 @@
-//! Counters and their text for Prometheus. Every label has few values: routes are templates, methods and reasons closed sets.
+//! The metrics and their text for Prometheus. Every label has few values: routes are templates, methods and reasons closed sets.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,7 +23,7 @@ use crate::memory_budget::MemoryBudget;
 const DURATIONS: [f64; 18] =
     [0.000_1, 0.000_25, 0.000_5, 0.001, 0.002_5, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 60.0];
 
-/// The label of requests that no route matches, so that invented paths make no new series.
+/// The label of requests that no route matches, so that arbitrary paths create no new series.
 pub(crate) const UNMATCHED: &str = "unmatched";
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -75,7 +75,7 @@ impl Metrics {
         let in_flight = Gauge::default();
         let shed = Family::<ShedLabels, Counter>::default();
         for overload in Overload::ALL {
-            // From the start, so that a first increase shows as one.
+            // Created at the start, so that the first increase is visible as one.
             drop(shed.get_or_create(&ShedLabels { reason: overload.label() }));
         }
         let upload_bytes = Counter::default();
@@ -149,7 +149,7 @@ impl Collector for BudgetMetrics {
     }
 }
 
-/// The label of a method; methods that clients invent make no new series.
+/// The label of a method; unknown methods create no new series.
 pub(crate) fn method_label(method: &Method) -> &'static str {
     match *method {
         Method::GET => "GET",
@@ -165,10 +165,10 @@ pub(crate) fn method_label(method: &Method) -> &'static str {
 
 /// The metrics
 ///
-/// The server's counters as text for Prometheus.
+/// The server's metrics as OpenMetrics text for Prometheus.
 #[utoipa::path(
     get, path = "/metrics", tag = "service", operation_id = "metrics",
-    responses((status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text", example = json!("scallopd_http_requests_in_flight 0\n# EOF\n"))),
+    responses((status = 200, description = "The metrics", body = String, content_type = "application/openmetrics-text", example = json!("scallopd_http_requests_in_flight 0\n# EOF\n"))),
 )]
 pub async fn show(State(metrics): State<Metrics>) -> Response {
     match metrics.text() {
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_text_has_what_was_counted() {
+    fn the_text_contains_the_counts() {
         let metrics = Metrics::new(&MemoryBudget::new(1000));
         let route: Arc<str> = Arc::from("/v1/max-feed");
         metrics.began();
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn invented_methods_share_a_label() {
+    fn unknown_methods_share_a_label() {
         for invented in ["BREW", "get", "PROPFIND"] {
             assert_eq!(method_label(&invented.parse().unwrap()), "other");
         }

@@ -1,5 +1,5 @@
-//! The HTTP interface: a file or folder for each endpoint, and what they share. Nothing here computes: requests are read into checked
-//! values, handed to the mathematics, and the results are written as JSON.
+//! The HTTP interface: a file or folder for each endpoint, and the modules that they share. Nothing here computes: requests are read
+//! into checked values and passed to the mathematics, and the results are written as JSON.
 
 mod app_state;
 mod body;
@@ -9,6 +9,7 @@ mod collected_body;
 mod document;
 pub mod metrics;
 mod middleware;
+mod openapi_3_0;
 pub mod overload;
 mod pages;
 mod planning;
@@ -57,6 +58,7 @@ pub fn routes() -> Routes {
         .documented(Upload, routes!(upload::answer))
         .merge(health_routes())
         .documented(Single, routes!(pages::openapi))
+        .documented(Single, routes!(pages::openapi_3_0))
         .nested(Single, pages::routes())
         .nested(Single, workbench::routes())
 }
@@ -64,10 +66,20 @@ pub fn routes() -> Routes {
 /// The OpenAPI document, as `openapi/openapi.json` holds it.
 #[must_use]
 pub fn openapi_json() -> String {
-    format!("{:#}\n", document::with_examples(&routes().openapi(document::outline())))
+    format!("{:#}\n", described())
 }
 
-/// The routes without `/metrics`, for a service whose probes and metrics have an address of their own.
+/// The OpenAPI document in version 3.0.3, as `/openapi-3.0.json` serves it.
+#[must_use]
+pub fn openapi_3_0_json() -> String {
+    format!("{:#}\n", openapi_3_0::converted(described()))
+}
+
+fn described() -> serde_json::Value {
+    document::with_examples(&routes().openapi(document::outline()))
+}
+
+/// The routes without `/metrics`, for a service with a separate address for probes and metrics.
 #[must_use]
 pub fn public_routes() -> Routes {
     routes().without("/metrics")
@@ -83,7 +95,7 @@ pub fn health_routes() -> Routes {
         .documented(Probe, routes!(metrics::show))
 }
 
-/// Writes the answers to heads that are no requests, for the server.
+/// Writes the server's answers to request heads that cannot be parsed.
 #[must_use]
 pub fn refusals(state: &AppState) -> Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + Sync> {
     let metrics = state.metrics.clone();

@@ -8,7 +8,7 @@ use super::codes::ServiceProblem;
 use super::problem::Problem;
 use crate::memory_budget::BudgetExceeded;
 
-/// Resources come free within milliseconds unless the load lasts.
+/// Resources become free within milliseconds unless the load persists.
 const RETRY_AFTER_S: u32 = 1;
 
 /// The bound that a request would exceed.

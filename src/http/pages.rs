@@ -1,7 +1,7 @@
 //! The interactive documentation and the OpenAPI document.
 
 use super::app_state::AppState;
-use super::openapi_json;
+use super::{openapi_3_0_json, openapi_json};
 use axum::Router;
 use axum::http::header;
 use axum::response::{IntoResponse, Redirect};
@@ -12,7 +12,13 @@ use utoipa_swagger_ui::{Config, SwaggerUi};
 /// The documentation's scripts and styles, under the page that [`super::workbench`] serves. They are left out of the OpenAPI document: no
 /// program calls them.
 pub(super) fn routes() -> Router<AppState> {
-    let documentation = SwaggerUi::new("/docs/ui").config(Config::from("/openapi.json").try_it_out_enabled(true));
+    let documentation = SwaggerUi::new("/docs/ui").config(
+        Config::from("/openapi.json")
+            // A hundred schemas would hide the operations.
+            .default_models_expand_depth(0)
+            .display_request_duration(true)
+            .try_it_out_enabled(true),
+    );
     Router::new().route("/docs", get(async || Redirect::to("/docs/"))).merge(documentation)
 }
 
@@ -25,5 +31,17 @@ pub(super) fn routes() -> Router<AppState> {
 )]
 pub(super) async fn openapi() -> impl IntoResponse {
     static DOCUMENT: LazyLock<String> = LazyLock::new(openapi_json);
+    ([(header::CONTENT_TYPE, "application/json")], DOCUMENT.as_str())
+}
+
+/// The OpenAPI document in version 3.0.3
+///
+/// For generators of clients that do not read 3.1. It leaves out operations that take forms, which many of these generators refuse.
+#[utoipa::path(
+    get, path = "/openapi-3.0.json", tag = "service", operation_id = "openapi_3_0",
+    responses((status = 200, description = "The document", body = serde_json::Value, content_type = "application/json")),
+)]
+pub(super) async fn openapi_3_0() -> impl IntoResponse {
+    static DOCUMENT: LazyLock<String> = LazyLock::new(openapi_3_0_json);
     ([(header::CONTENT_TYPE, "application/json")], DOCUMENT.as_str())
 }

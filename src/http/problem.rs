@@ -1,6 +1,6 @@
 //! Answers to requests that fail: problem details (RFC 9457), the same for every route and every layer.
 //!
-//! A handler or layer that fails returns a [`Problem`], or any response with an error status and no body that matters;
+//! A handler or layer that fails returns a [`Problem`], or any response with an error status and any body;
 //! [`describe_error`] turns both into `application/problem+json` on the way out, where path and request id are known.
 
 use super::codes::{Code, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
@@ -17,7 +17,7 @@ use utoipa::openapi::schema::{ArrayBuilder, Discriminator, ObjectBuilder, OneOfB
 use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder, Schema};
 use utoipa::{IntoResponses, PartialSchema, ToSchema};
 
-/// A request that failed, before it is written. Boxed, because results carry it that nearly always succeed.
+/// The problem of a failed request, before it is written. Boxed, to keep results small that nearly always succeed.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem(Box<Content>);
 
@@ -49,13 +49,17 @@ impl Problem {
         }))
     }
 
-    /// The request is well-formed and cannot be answered, for all the reasons in `faults`. A single reason that is a problem type of its
-    /// own gives the problem its type and figures. A faulty file decides on the status.
+    /// A well-formed request that cannot be answered because of `faults`. A single fault that is also a problem type gives the problem its
+    /// type and figures. A fault of a file determines the status.
     pub(crate) fn faulty_request(faults: Faults) -> Self {
+        let count = faults.count();
         let mut errors = faults.into_listed();
         let (kind, detail, figures) = match errors.as_mut_slice() {
-            [only] => (type_of(only.code), only.detail.clone(), std::mem::take(&mut only.figures)),
-            several => (ServiceProblem::InvalidRequest.into(), format!("{} faults, listed in errors", several.len()), Vec::new()),
+            [only] if count == 1 => (type_of(only.code), only.detail.clone(), std::mem::take(&mut only.figures)),
+            listed => {
+                let which = if count > listed.len() { "the first of them" } else { "listed" };
+                (ServiceProblem::InvalidRequest.into(), format!("{count} faults, {which} in errors"), Vec::new())
+            }
         };
         let of_file = errors.iter().find_map(|fault| match fault.code {
             FaultCode::FileFault(fault) => Some(fault.status()),
@@ -74,17 +78,17 @@ impl Problem {
         problem
     }
 
-    /// The same, for the client to try again after `seconds`.
+    /// The same, with the header `Retry-After`.
     pub(crate) fn retry_after(mut self, seconds: u32) -> Self {
         self.0.retry_after_s = Some(seconds);
         self
     }
 
-    /// The problem that a bare status stands for.
+    /// The problem for an error response that has a status only.
     pub(crate) fn of_status(status: StatusCode) -> Self {
         let (kind, detail) = match status {
             StatusCode::BAD_REQUEST => (ServiceProblem::MalformedRequest, "the request could not be read"),
-            StatusCode::NOT_FOUND => (ServiceProblem::NotFound, "no such path; /docs lists what there is"),
+            StatusCode::NOT_FOUND => (ServiceProblem::NotFound, "no such path; /docs lists all paths"),
             StatusCode::METHOD_NOT_ALLOWED => (ServiceProblem::MethodNotAllowed, "the header Allow lists the methods of this path"),
             StatusCode::REQUEST_TIMEOUT => (ServiceProblem::Timeout, "the request was not complete in time"),
             StatusCode::PAYLOAD_TOO_LARGE => (ServiceProblem::TooLarge, "the body, counted decompressed, exceeds the limit of this server"),
@@ -92,10 +96,10 @@ impl Problem {
                 (ServiceProblem::UnsupportedMediaType, "send application/json, plain or with content-encoding gzip")
             }
             StatusCode::SERVICE_UNAVAILABLE => {
-                (ServiceProblem::Overloaded, "the server is at its limit; try again after the seconds in Retry-After")
+                (ServiceProblem::Overloaded, "the server is at its limit; try again after the time in Retry-After")
             }
             StatusCode::INTERNAL_SERVER_ERROR => {
-                (ServiceProblem::Internal, "the fault is the server's; its log holds the cause under the request id")
+                (ServiceProblem::Internal, "the server failed; its log has the cause under the request id")
             }
             _ => (ServiceProblem::Failed, "the request failed"),
         };
@@ -125,8 +129,8 @@ impl IntoResponse for Problem {
 
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
-/// Writes an error response as a problem and leaves others as they are. Of an error that the framework answers only the status is kept:
-/// its texts are not part of this API.
+/// Writes an error response as a problem and leaves others as they are. Of the framework's own errors only the status is
+/// kept: their texts are not part of this API.
 pub(crate) fn describe_error(mut response: Response, instance: &str, request_id: &RequestId) -> Response {
     let status = response.status();
     if !status.is_client_error() && !status.is_server_error() {
@@ -168,11 +172,11 @@ pub(crate) struct ProblemBody {
     /// The HTTP status.
     #[schema(minimum = 400, maximum = 599)]
     status: u16,
-    /// What went wrong here and what would be right, for a person.
+    /// What went wrong and what is expected, for people.
     detail: String,
     /// The path of the request.
     instance: String,
-    /// The request's id, which the server's log lines carry.
+    /// The request's id, which is in the server's log lines.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     request_id: Option<String>,
@@ -184,7 +188,7 @@ pub(crate) struct ProblemBody {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(ignore)]
     not_ranked: Vec<NotRanked>,
-    /// The figures that the problem's type has, described by the schemas of these types.
+    /// The figures of the problem's type, described by the schema of the type.
     #[serde(flatten)]
     #[schema(ignore)]
     figures: Map<String, Value>,
@@ -194,11 +198,11 @@ pub(crate) struct ProblemBody {
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Fault)]
 struct FaultBody {
-    /// Where: a JSON pointer (RFC 6901) into the request; for an uploaded file the line or byte is in `detail`.
+    /// The location: a JSON pointer (RFC 6901) into the request; for an uploaded file, `detail` has the line or byte.
     #[schema(example = "/cutter/corner_radius_mm")]
     pointer: String,
     code: FaultCode,
-    /// What is wrong and what would be right, for a person.
+    /// What is wrong and what is expected, for people.
     detail: String,
 }
 
@@ -233,8 +237,8 @@ pub(crate) struct UploadProblems;
 impl IntoResponses for UploadProblems {
     fn responses() -> BTreeMap<String, RefOr<utoipa::openapi::Response>> {
         responses(
-            "The form, its parameters or the file is malformed; of the file, `errors` names the line or byte",
-            "The body is no form, or the file is in no format that is read",
+            "The form, its parameters or the file is malformed; for the file, `errors` has the line or byte",
+            "The body is not a form, or the file's format is not supported",
         )
     }
 }
@@ -245,9 +249,9 @@ fn responses(malformed: &str, unsupported: &str) -> BTreeMap<String, RefOr<utoip
         ("408", "The request was not complete in time", PROBLEM),
         ("413", "The body, counted decompressed, exceeds the server's limit", PROBLEM),
         ("415", unsupported, PROBLEM),
-        ("422", "The request is well-formed and cannot be answered; `errors` lists every fault with its place", UNPROCESSABLE),
-        ("500", "The server failed; its log holds the cause under the request id", PROBLEM),
-        ("503", "The server is busy; try again after the seconds in Retry-After", PROBLEM),
+        ("422", "The request is well-formed and cannot be answered; `errors` lists every fault with its location", UNPROCESSABLE),
+        ("500", "The server failed; its log has the cause under the request id", PROBLEM),
+        ("503", "The server is busy; try again after the time in Retry-After", PROBLEM),
     ]
     .into_iter()
     .map(|(status, description, schema)| (status.to_owned(), problem_response(description, schema)))

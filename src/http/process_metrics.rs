@@ -1,5 +1,5 @@
 //! Metrics of the process itself, under the names that Prometheus' client libraries use, read by the crate `procfs` at each scrape.
-//! Figures that the system does not state are left out.
+//! Metrics that the system does not provide are left out.
 
 use procfs::process::{LimitValue, Process};
 use procfs::{ProcResult, WithCurrentSystemInfo};
@@ -14,7 +14,7 @@ use prometheus_client::registry::Unit;
 #[derive(Debug)]
 pub(super) struct ProcessMetrics;
 
-/// What Linux states of the process.
+/// The values that Linux reports for the process.
 #[derive(Debug)]
 struct Figures {
     cpu_s: f64,
@@ -89,7 +89,7 @@ mod tests {
         assert!(figures.resident_bytes > 1_000_000 && figures.virtual_bytes > figures.resident_bytes);
         assert!(figures.open_fds >= 3 && figures.max_fds.is_none_or(|limit| limit >= figures.open_fds));
         let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs_f64();
-        // The boot time is stated in whole seconds.
+        // The boot time is in whole seconds.
         assert!(figures.start_time_s < now + 1.0 && figures.start_time_s > now - 24.0 * 3600.0);
         assert!(figures.cpu_s < now - figures.start_time_s + 1.0);
     }

@@ -1,5 +1,6 @@
-//! Requests of single calculations as a query, `GET` beside `POST`: the parameters are the members of the JSON request, found in its schema, with the
-//! names of nested members joined. A query becomes that JSON and is read by the same readers; faults point to the query's parameters.
+//! Requests of single calculations as a query, `GET` beside `POST`: the parameters are the members of the JSON request, found in
+//! its schema, with the names of nested members joined. A query becomes that JSON and is read by the same readers; faults point
+//! to the query's parameters.
 
 use super::body::{malformed, read_object};
 use super::codes::RequestFault;
@@ -35,7 +36,7 @@ pub(crate) struct Query {
     members: Vec<QueryMember>,
 }
 
-/// A parameter, and the member of the JSON request for which it stands.
+/// A parameter, and the member of the JSON request that it sets.
 struct QueryMember {
     name: String,
     /// The names of the member and of the objects around it, outermost first.
@@ -51,7 +52,7 @@ struct QueryMember {
 enum MemberKind {
     Number,
     Word,
-    /// Numbers with commas between them.
+    /// Numbers with commas between them, or the name repeated for each.
     Numbers,
 }
 
@@ -104,20 +105,27 @@ impl Query {
                 faults.add(&path, RequestFault::UnknownField, format_args!("unknown parameter; known here: {}", known.join(", ")));
                 continue;
             };
-            if given.iter().any(|(known, _)| known.name == member.name) {
-                faults.add(&path, RequestFault::RepeatedField, "the parameter is given more than once");
-            } else {
-                if value.is_empty() {
-                    faults.add(&path, RequestFault::WrongType, "the parameter has no value; leave it out or give one");
+            if value.is_empty() {
+                faults.add(&path, RequestFault::WrongType, "the parameter has no value; leave it out or give one");
+            }
+            match given.iter_mut().find(|(known, _)| known.name == member.name) {
+                None => given.push((member, value)),
+                // Generated clients repeat the name for each number, whatever form the document states.
+                Some((_, numbers)) if member.kind == MemberKind::Numbers => {
+                    let numbers = numbers.to_mut();
+                    numbers.push(',');
+                    numbers.push_str(&value);
                 }
-                given.push((member, value));
+                Some(_) => {
+                    faults.add(&path, RequestFault::RepeatedField, "the parameter is given more than once");
+                }
             }
         }
         let (json, mut of_json) = (json_of(&given), Faults::default());
         let object = Object::open_body(json.as_bytes(), &mut of_json).map_err(|error| malformed(&error))?;
         let result = read_object(object, &mut of_json, read);
         let is_empty = |pointer: &str| given.iter().any(|(member, value)| value.is_empty() && format!("/{}", member.name) == pointer);
-        // An empty parameter has its fault already.
+        // The fault of an empty parameter is recorded already.
         faults.take_in(of_json, |pointer| Some(self.pointer(pointer, &given)).filter(|pointer| !is_empty(pointer)));
         match result {
             Ok(result) if faults.is_empty() => Ok(result),
@@ -138,7 +146,7 @@ impl Query {
         if let Some((member, _)) = given.iter().find(|(member, _)| pointer.len() > 1 && member.pointer().starts_with(&inside)) {
             return format!("/{}", member.name);
         }
-        // An object without parameters in the query has no place there.
+        // An object without parameters has no location in the query.
         let is_object = self.members.iter().any(|member| member.pointer().starts_with(&inside));
         if is_object { String::new() } else { pointer.to_owned() }
     }
@@ -169,7 +177,7 @@ pub(crate) fn parameters_of(request: &Value) -> Vec<(String, &Value)> {
     parameters.collect()
 }
 
-/// The members of a request's schema that are no objects, those of nested objects included, each once.
+/// The members of a request's schema that are not objects, those of nested objects included, each once.
 fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) -> Vec<QueryMember> {
     let schema = resolved(schema, named);
     if let Some(forms) = schema["oneOf"].as_array() {
@@ -180,7 +188,7 @@ fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) 
         for mut member in forms.into_iter().flatten() {
             member.is_required = required.contains(&member.path);
             match members.iter_mut().find(|known| known.path == member.path) {
-                // The word that selects the form differs from form to form.
+                // Each form has its own word for `type`.
                 Some(known) => {
                     if let (Some(words), Some(more)) = (known.schema["enum"].as_array_mut(), member.schema["enum"].as_array()) {
                         words.extend(more.iter().filter(|word| !words.contains(word)).cloned().collect::<Vec<_>>());
@@ -226,7 +234,7 @@ fn value_of(schema: &RefOr<Schema>) -> Value {
     serde_json::to_value(schema).unwrap_or_else(|error| unreachable!("a schema can be written: {error}"))
 }
 
-/// The JSON request for which the given parameters stand. Cutter and contact are there in any case, so that what they miss is found.
+/// The JSON request for the given parameters. It always has a cutter and a contact, so that their missing members are found.
 fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
     let mut objects: BTreeMap<&str, String> = BTreeMap::from([("cutter", String::new()), ("contact", String::new())]);
     let mut json = String::new();
@@ -248,7 +256,7 @@ fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
     format!("{{{}}}", json.trim_end_matches(','))
 }
 
-/// A number as JSON; what is none as a string, which the reader of numbers refuses.
+/// A number as JSON; anything else as a string, which the reader of numbers refuses.
 fn number(value: &str) -> String {
     let token = match value.to_ascii_lowercase().as_str() {
         "nan" => "NaN",

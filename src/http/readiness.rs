@@ -1,5 +1,5 @@
-//! The probes: `/livez` (the process answers) and `/readyz` (the service accepts requests). Neither checks anything else: the service
-//! depends on nothing else.
+//! The probes: `/livez` (the process answers) and `/readyz` (the service accepts requests). The service
+//! depends on no other, so that neither checks anything else.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +9,7 @@ use axum::http::StatusCode;
 
 use super::problem::ProblemBody;
 
-/// Whether the service accepts requests or drains. Clones share it.
+/// Whether the service accepts requests or drains. Clones share the state.
 #[derive(Debug, Clone, Default)]
 pub struct Readiness {
     draining: Arc<AtomicBool>,
@@ -30,7 +30,7 @@ impl Readiness {
 
 /// Whether the server is alive
 ///
-/// 200 as long as the process answers at all.
+/// 200 as long as the process answers.
 #[utoipa::path(
     get, path = "/livez", tag = "service", operation_id = "livez",
     responses((status = 200, description = "Alive", body = String, content_type = "text/plain", example = json!("alive\n"))),
@@ -41,7 +41,7 @@ pub async fn livez() -> &'static str {
 
 /// Whether the server accepts requests
 ///
-/// 503 once it is about to stop.
+/// 200, or 503 once the server is about to stop.
 ///
 /// # Errors
 /// 503 while the server drains.

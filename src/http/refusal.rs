@@ -1,5 +1,5 @@
-//! Answers to heads that are no requests: malformed, too large or too slow. They never reach a route, but get a request id, a problem, a
-//! log line and a count as requests do.
+//! Answers to request heads that cannot be parsed: malformed, too large or too slow. They reach no route, but have a request id, a
+//! problem, a log line and a count like requests.
 
 use std::pin::pin;
 use std::sync::{Arc, LazyLock};
@@ -17,7 +17,7 @@ use super::request_id::RequestId;
 /// The method and the route in log and metrics.
 const UNREAD: &str = "unread";
 
-/// The answer to a head that is no request, as it is sent. The connection closes after it.
+/// The answer to such a head, as it is sent. The connection closes after it.
 pub(super) fn refuse(status: StatusCode, metrics: &Metrics) -> Vec<u8> {
     static ROUTE: LazyLock<Arc<str>> = LazyLock::new(|| Arc::from(UNREAD));
     let id = RequestId::create();

@@ -1,4 +1,4 @@
-//! Request ids: the caller's where it sent a usable one, one made here otherwise.
+//! Request ids: the caller's where it is usable, else one created here.
 
 use std::hash::{BuildHasher, RandomState};
 use std::sync::LazyLock;
@@ -7,11 +7,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
 use axum::response::Response;
+use bytes::{BufMut, BytesMut};
 
 /// The header of the id, in requests and answers.
 pub(super) const HEADER: HeaderName = HeaderName::from_static("x-request-id");
 
-/// Longer ids are replaced: an id is written into every log line.
+const HEXADECIMAL: [u8; 16] = *b"0123456789abcdef";
+
+/// The longest id that is kept: every log line has it.
 const LONGEST: usize = 128;
 
 /// The id of the request that a handler answers, as an extension of the request.
@@ -20,20 +23,24 @@ pub(crate) struct RequestId(HeaderValue);
 
 impl RequestId {
     /// The caller's id where it is usable: letters, digits, `-`, `_`, `.`, `:`, `/`, `+` and `=`, which covers UUIDs and trace
-    /// ids and leaves out what could break a log line or a page.
+    /// ids and excludes characters that could break a log line or a page.
     fn of_caller(headers: &HeaderMap) -> Option<Self> {
         let id = headers.get(HEADER)?;
         let sane = |byte: &u8| byte.is_ascii_alphanumeric() || b"-_.:/+=".contains(byte);
         (!id.is_empty() && id.len() <= LONGEST && id.as_bytes().iter().all(sane)).then(|| Self(id.clone()))
     }
 
-    /// An id that no other request of this or another process has: a random number drawn at the start, and a counter. It is a
-    /// name, not a secret.
+    /// An id unique among the requests of all processes: a random number drawn at the start, and a counter. It is not a secret.
     pub(super) fn create() -> Self {
-        static PROCESS: LazyLock<u64> = LazyLock::new(|| RandomState::new().hash_one(std::process::id()));
+        static PREFIX: LazyLock<String> = LazyLock::new(|| format!("{:016x}-", RandomState::new().hash_one(std::process::id())));
         static COUNT: AtomicU64 = AtomicU64::new(0);
-        let id = format!("{:016x}-{:08x}", *PROCESS, COUNT.fetch_add(1, Ordering::Relaxed));
-        Self(HeaderValue::try_from(id).unwrap_or_else(|_| unreachable!("hexadecimal digits make a header")))
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let mut id = BytesMut::with_capacity(PREFIX.len() + 16);
+        id.put_slice(PREFIX.as_bytes());
+        // Eight digits, or as many as it takes.
+        let digits = (16 - count.leading_zeros() / 4).max(8);
+        id.extend((0..digits).rev().map(|digit| HEXADECIMAL[(count >> (4 * digit) & 0xf) as usize]));
+        Self(HeaderValue::from_maybe_shared(id.freeze()).unwrap_or_else(|_| unreachable!("hexadecimal digits make a header")))
     }
 
     /// The id.

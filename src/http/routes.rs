@@ -1,4 +1,4 @@
-//! Routes and their classes: what a request to a route may cost is declared in the call that adds the route.
+//! Routes and their classes: the call that adds a route declares what its requests may cost.
 
 use axum::Router;
 use axum::routing::MethodRouter;
@@ -15,7 +15,7 @@ pub enum RouteClass {
     Probe,
     /// One calculation or one page: microseconds on an async thread.
     Single,
-    /// A JSON body with many contacts or points, worked out by the worker pool.
+    /// A JSON body with many contacts or points, processed by the worker pool.
     Batch,
     /// A file, read by the worker pool as it arrives.
     Upload,

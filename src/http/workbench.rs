@@ -1,4 +1,4 @@
-//! The workbench: a page for people, its scripts and styles, served whole from the binary.
+//! The workbench: an interactive page with its scripts and styles, embedded in the binary.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -48,9 +48,12 @@ const FILES: &[(&str, &[u8])] = &embedded![
     "part/answer.js",
     "part/cutters.js",
     "part/examples.js",
+    "part/legend.js",
     "part/map.js",
+    "part/overlays.js",
     "part/palette.js",
     "part/relief.js",
+    "part/request.js",
     "part/view.js",
     "path/example.js",
     "path/table.js",
@@ -65,16 +68,16 @@ const FILES: &[(&str, &[u8])] = &embedded![
     "workbench.css",
 ];
 
-/// The page of codes, which the glossary shows.
+/// The table of codes, which the glossary page shows.
 const CODES: (&str, &[u8]) = ("codes.md", include_bytes!("../../docs/codes.md"));
 
-/// Scripts, styles and calls from this server only, nothing inline. The page for the API's documentation has a policy of its own.
+/// Scripts, styles and calls from this server only, nothing inline. The API's documentation has another policy.
 const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; \
      form-action 'none'; frame-ancestors 'none'",
 );
 
-/// Browsers ask each time whether a file changed, so that a page never runs with another version's scripts.
+/// Browsers revalidate files each time, so that a page never runs with another version's scripts.
 const REVALIDATE: HeaderValue = HeaderValue::from_static("no-cache");
 
 /// The workbench at `/`, its files under `/workbench/`, and the page around the API's documentation.
@@ -98,7 +101,7 @@ struct Asset {
     gzip_tag: HeaderValue,
 }
 
-/// Compressed once, when the first file is asked for: that takes some 10 ms.
+/// Compressed once, on the first request for a file, which takes some 10 ms.
 static ASSETS: LazyLock<HashMap<&'static str, Asset>> =
     LazyLock::new(|| FILES.iter().chain([&CODES]).map(|&(path, plain)| (path, Asset::new(path, plain))).collect());
 
@@ -134,7 +137,7 @@ fn media_type(path: &str) -> &'static str {
     }
 }
 
-/// The file, or 304 where the browser has it.
+/// The file, or 304 where the browser has the same version.
 fn serve(path: &str, headers: &HeaderMap) -> Response {
     let Some(asset) = ASSETS.get(path) else { return StatusCode::NOT_FOUND.into_response() };
     let compressed = accepts_gzip(headers);
@@ -217,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn pages_allow_nothing_inline() {
+    fn pages_forbid_inline_scripts_and_styles() {
         for page in ["index.html", "glossary.html"] {
             let policy = asked(&[], page).headers()[header::CONTENT_SECURITY_POLICY].to_str().unwrap().to_owned();
             assert!(!policy.contains("unsafe"), "{policy}");

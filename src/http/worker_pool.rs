@@ -1,8 +1,8 @@
 //! The worker pool: threads for computations of more than about a millisecond, so that probes and single calculations stay fast.
 //!
-//! Whole computations need a permit, of which there are few, and a permit comes with threads of its own: the kernel shares the cores
+//! Whole computations need a permit, of which there are few; each permit has its own threads: the kernel shares the cores
 //! between requests, so that a short batch does not wait for the steps of a long one. Pieces of a few milliseconds, such as a block of
-//! an upload, need none; they take turns on threads that all requests share. Worker threads have a lower priority than those that
+//! an upload, need no permit; they run in turn on threads that all requests share. Worker threads have a lower priority than those that
 //! serve connections.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -22,7 +22,7 @@ use super::overload::Overload;
 use crate::cancellation::CancelFlag;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 
-/// More threads for one request gain little, and there are this many for each permit.
+/// The largest number of threads for each permit; more gain little.
 const MAX_THREADS_PER_REQUEST: usize = 8;
 
 /// The niceness of worker threads: a third of the weight of the threads that serve connections.
@@ -33,7 +33,7 @@ const NICENESS: i32 = 5;
 pub struct WorkerPool(Arc<Shared>);
 
 struct Shared {
-    /// The threads of permits that nobody holds.
+    /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
@@ -167,7 +167,7 @@ where
         let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
         // Before the result is sent: the permit of an answered request must be free.
         drop(held);
-        // Without a receiver there is nobody to answer.
+        // Without a receiver the result is not needed.
         let _ = sender.send(done);
     });
     match receiver.await {
@@ -185,10 +185,10 @@ pub struct Work {
 }
 
 impl Work {
-    /// How long a request whose body has arrived waits for a permit. Permits are held for milliseconds unless the load lasts.
+    /// How long a request whose body has arrived waits for a permit. Permits are held for milliseconds unless the load persists.
     const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
-    /// How long an upload waits: sending the file anew costs its client more.
+    /// How long an upload waits: sending the file again would cost its client more.
     const LONGEST_WAIT_OF_UPLOAD: Duration = Duration::from_secs(20);
 
     pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget) -> Self {
@@ -333,7 +333,7 @@ mod tests {
         task.abort();
         assert!(task.await.unwrap_err().is_cancelled());
         let ended = tokio::task::spawn_blocking(move || ended.recv().unwrap()).await.unwrap();
-        // It takes microseconds; a loaded machine may take its time to schedule the thread.
+        // It takes microseconds; a loaded machine may be late to schedule the thread.
         assert!(ended - dropped < Duration::from_secs(5), "{:?}", ended - dropped);
         assert!(work.workers.admit(Duration::from_secs(10)).await.is_ok());
     }

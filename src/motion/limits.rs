@@ -2,7 +2,7 @@
 
 use crate::quantity::{Acceleration, Jerk, Length, Speed, Time};
 
-/// The limits of a straight move. Every combination of valid values is valid: where one limit is never reached, another decides.
+/// The limits of a straight move. Every combination of valid values is valid: a move need not reach every limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachineLimits {
     /// V, the programmed feed rate, which the machine does not exceed.
@@ -24,8 +24,8 @@ impl MachineLimits {
         (self.feed_rate.mm_s() / self.jerk.mm_s3()).sqrt()
     }
 
-    /// What stopping at both ends costs a move that reaches the feed rate, against passing at full speed: 2 sqrt(V/J) where the
-    /// acceleration is not reached, else A/J + V/A [Herraz et al. 2020, eq. 2 and 3].
+    /// The time that a move which reaches the feed rate loses by starting and stopping, compared with constant speed: 2 sqrt(V/J) where
+    /// the acceleration is not reached, else A/J + V/A [Herraz et al. 2020, eq. 2 and 3].
     #[must_use]
     pub fn time_lost_to_stops(self) -> Time {
         let (t_a, t_v) = (self.time_to_acceleration(), self.time_to_feed_rate());
@@ -33,7 +33,7 @@ impl MachineLimits {
     }
 
     /// The length from which a move reaches the feed rate: 2 V sqrt(V/J) where the acceleration is not reached, else V (A/J + V/A).
-    /// Both are V times what the stops cost.
+    /// Both are V times the time lost to stops.
     #[must_use]
     pub fn shortest_at_feed_rate(self) -> Length {
         Length::computed(self.feed_rate.mm_s() * self.time_lost_to_stops().seconds())

@@ -3,7 +3,7 @@
 use super::MachineLimits;
 use crate::quantity::{Acceleration, Jerk, Speed};
 
-/// A named machine with its limits and where they come from.
+/// A named machine with its limits and their source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preset {
     /// The stable name used in requests.
@@ -12,12 +12,12 @@ pub struct Preset {
     pub description: &'static str,
     /// Feed rate of finishing, acceleration and jerk.
     pub limits: MachineLimits,
-    /// The publication that states the values, or "typical" where they are the usual order of magnitude of the class.
+    /// The publication of the values, or "typical" where they are the usual order of magnitude of the class.
     pub source: &'static str,
 }
 
 impl Preset {
-    /// The preset of that name.
+    /// The preset of that name; `None` where there is none.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         PRESETS.iter().find(|preset| preset.name == name)

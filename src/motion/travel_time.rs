@@ -6,7 +6,7 @@ use crate::quantity::{Length, Time};
 /// Which limits a straight move from rest to rest reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TravelCase {
-    /// Neither the feed rate nor the acceleration: the move is short, and the jerk alone decides.
+    /// Neither the feed rate nor the acceleration: the move is short, and the jerk alone limits it.
     JerkOnly,
     /// The feed rate, but not the acceleration.
     FeedRate,
@@ -19,9 +19,9 @@ pub enum TravelCase {
 impl TravelCase {
     /// The case of a move over `length`.
     ///
-    /// The smallest of t_A = A/J, t_V = sqrt(V/J) and t_L = cbrt(L/2J) decides [Herraz et al. 2020, section 2.2]. Where t_A is the
-    /// smallest, the feed rate is reached only if the move is as long as speeding up and slowing down, L >= V (A/J + V/A); the paper
-    /// leaves the other case out.
+    /// The smallest of t_A = A/J, t_V = sqrt(V/J) and t_L = cbrt(L/2J) determines the case [Herraz et al. 2020, section 2.2].
+    /// Where t_A is the smallest, the feed rate is reached only if the move is as long as speeding up and slowing down, L >= V
+    /// (A/J + V/A); the paper omits the other case.
     #[must_use]
     pub fn of(length: Length, limits: MachineLimits) -> Self {
         let (t_a, t_v, t_l) = (limits.time_to_acceleration(), limits.time_to_feed_rate(), half_time_by_jerk(length, limits));
@@ -43,14 +43,14 @@ impl TravelCase {
     }
 }
 
-/// The time of the fastest straight move over L from rest to rest, with speed up to V, acceleration up to A and jerk up to J:
+/// The time, in s, of the fastest straight move over L from rest to rest, with speed up to V, acceleration up to A and jerk up to J:
 ///
 /// - jerk only: 4 cbrt(L/2J) [Herraz et al. 2020, eq. 4];
 /// - feed rate: L/V + 2 sqrt(V/J) [eq. 3];
 /// - feed rate and acceleration: L/V + A/J + V/A [eq. 2];
-/// - acceleration: 2 (A/J + v/A) with the top speed v = A (sqrt((A/J)^2 + 4L/A) - A/J) / 2, which the paper leaves out.
+/// - acceleration: 2 (A/J + v/A) with the top speed v = A (sqrt((A/J)^2 + 4L/A) - A/J) / 2, which the paper omits.
 ///
-/// At the borders between the cases the neighbours agree. No time for no length.
+/// The formulas agree at the borders between the cases. A length of 0 takes no time.
 #[must_use]
 pub fn travel_time(length: Length, limits: MachineLimits) -> Time {
     Time::computed(match TravelCase::of(length, limits) {
@@ -136,7 +136,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
         #[test]
-        fn the_jerk_profile_of_that_time_covers_the_length((length, v, a, j) in moves()) {
+        fn the_jerk_profile_of_the_time_covers_the_length((length, v, a, j) in moves()) {
             let limits = limits(v, a, j);
             let total = time(length, limits);
             let case = TravelCase::of(Length::from_mm(length).unwrap(), limits);
@@ -151,7 +151,7 @@ mod tests {
                 TravelCase::Acceleration => (total - 4.0 * t_jerk) / 2.0,
             };
             let t_cruise = if case.reaches_feed_rate() { total - 4.0 * t_jerk - 2.0 * t_hold } else { 0.0 };
-            // A border's neighbour may lie a rounding of the total on the wrong side of 0.
+            // At a border, a phase may be negative by a rounding of the total.
             prop_assert!(t_hold >= -1e-12 * total && t_cruise >= -1e-12 * total);
             let (x, end_v, top_v, top_a) = integrate(j, t_jerk, t_hold, t_cruise);
             // The sums of up to seven phases, each rounded to 2e-16, amplified where a short phase is a difference of long ones.
@@ -161,7 +161,7 @@ mod tests {
         }
 
         #[test]
-        fn relaxing_any_limit_never_takes_longer((length, v, a, j) in moves(), factor in 1.0..10.0_f64) {
+        fn raising_a_limit_never_takes_longer((length, v, a, j) in moves(), factor in 1.0..10.0_f64) {
             let stated = time(length, limits(v, a, j));
             // Neighbouring cases may differ by a rounding at their border.
             let bound = stated * (1.0 + 1e-14);
@@ -185,7 +185,7 @@ mod tests {
         #[test]
         fn an_independent_trajectory_solver_finds_the_same_time((length, v, a, j) in moves()) {
             use rsruckig::prelude::*;
-            // In units of the move's own length and jerk the solver's numbers stay near 1; times scale back by cbrt(L/J).
+            // In units of the move's length and jerk the solver's numbers stay near 1; times scale back by cbrt(L/J).
             let unit = (length / j).cbrt();
             // The solver refuses moves of more than 7600 of its units.
             prop_assume!(time(length, limits(v, a, j)) < 7000.0 * unit);

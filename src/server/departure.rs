@@ -1,5 +1,5 @@
 //! Detection of clients that leave before their answer is ready, so that nothing is computed for them. The HTTP library does not read
-//! a connection while it waits for an answer, nor can it know a client that has closed its sending side and waits from one that has left.
+//! a connection while an answer is computed, nor can it distinguish a client that has closed its sending side and waits from one that left.
 
 use std::pin::{Pin, pin};
 use std::sync::Arc;
@@ -73,6 +73,6 @@ enum End {
     Reset,
     /// The client closed its sending side.
     HalfClosed,
-    /// Bytes wait to be read.
+    /// Bytes are there to be read.
     Unknown,
 }

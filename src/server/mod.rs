@@ -37,29 +37,29 @@ use stream::{ClientStream, Patience};
 use table::{ConnectionTable, Entry};
 use tracked::{AnswerBody, RequestBody};
 
-/// After an error of accepting that will not pass by itself, such as too many open files.
+/// The pause after an error of accepting that persists, such as too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Between the last accepted connection and the end of keep-alive: what a client sent right after connecting is read by then.
+/// The time between the last accepted connection and the end of keep-alive, in which requests sent right after connecting are read.
 const SETTLING: Duration = Duration::from_millis(100);
 
-/// The largest head of a request. The largest that browsers send, with cookies of other services, are about half of it.
+/// The largest head of a request: about twice the largest that browsers send, with cookies of other services.
 const MAX_HEAD_BYTES: usize = 16 * 1024;
 
-/// The most bytes that are read or written at once.
+/// The largest number of bytes read or written at once.
 const MAX_BUFFER_BYTES: usize = 64 * 1024;
 
-/// Writes the answer to a head that is no request, for which there is no handler.
+/// Writes the answer to a request head that cannot be parsed, for which there is no handler.
 pub type Refuse = Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + Sync>;
 
-/// What a server serves.
+/// The application that a server serves.
 #[derive(Clone)]
 pub struct App {
     /// The routes.
     pub router: Router,
-    /// The answers to heads that are no requests.
+    /// The answers to heads that cannot be parsed.
     pub refuse: Refuse,
-    /// The memory for heads that come in pieces.
+    /// The memory for heads that arrive in pieces.
     pub budget: MemoryBudget,
 }
 
@@ -69,11 +69,11 @@ impl std::fmt::Debug for App {
     }
 }
 
-/// Serves `app` on `listener` until `stop` is ready; then accepts no more connections and gives those that have a request in flight the
-/// settings' grace to finish it.
+/// Serves `app` on `listener` until `stop` is ready; then accepts no more connections and lets requests in flight finish within the
+/// settings' grace.
 ///
 /// # Errors
-/// None that a client or a shortage of resources can cause; those are logged, and serving continues.
+/// Errors of clients and shortages of resources are logged, and serving continues; only other errors are returned.
 pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, stop: impl Future<Output = ()>) -> io::Result<()> {
     let mut protocol = http1::Builder::new();
     // The stream has its own deadlines for heads, and watches for clients that leave.
@@ -128,7 +128,7 @@ impl Connections {
     }
 
     fn spawn(&self, stream: TcpStream, entry: Entry) {
-        // An answer is written whole: waiting for more of it would only delay it. Without the option it is still an answer.
+        // An answer is written whole: waiting for more data would only delay it. Without the option it is still sent.
         if let Err(error) = stream.set_nodelay(true) {
             tracing::debug!(%error, "TCP_NODELAY could not be set");
         }
@@ -172,7 +172,7 @@ impl Connections {
 
     /// Takes the connections that the system accepted before the listener closes: their clients may have sent a request already.
     async fn sweep(&self, listener: &TcpListener) {
-        // One turn of the scheduler is enough for what is there already.
+        // One turn of the scheduler suffices for connections that are there already.
         while let Ok(Ok((stream, _))) = timeout(Duration::ZERO, listener.accept()).await {
             self.spawn(stream, self.table.enter_beyond_limit());
         }
@@ -183,12 +183,12 @@ impl Connections {
         tracing::info!(connections = self.ending.count(), "no more connections are accepted");
         let open = self.table;
         if timeout(grace, self.ending.shutdown()).await.is_err() {
-            tracing::warn!(connections = open.count(), grace_s = grace.as_secs(), "the grace is over: connections are cut");
+            tracing::warn!(connections = open.count(), grace_s = grace.as_secs(), "the grace is over: connections are closed");
         }
     }
 }
 
-/// Errors of the connection that was about to be accepted, not of accepting.
+/// Whether an error concerns the connection that was about to be accepted, not the listener.
 fn is_of_the_connection(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::ConnectionRefused | io::ErrorKind::ConnectionAborted | io::ErrorKind::ConnectionReset)
 }

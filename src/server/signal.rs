@@ -2,7 +2,7 @@
 
 use std::io;
 
-/// Ready at the first SIGTERM, SIGHUP or Ctrl-C. From then on these signals do nothing: the grace bounds the rest.
+/// Ready at the first SIGTERM, SIGHUP or Ctrl-C. Later signals do nothing: the grace bounds the time to stop.
 ///
 /// # Errors
 /// The system delivers no signals.

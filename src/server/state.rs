@@ -5,28 +5,28 @@ use std::sync::{Mutex, PoisonError};
 use std::task::{Context, Waker};
 use std::time::{Duration, Instant};
 
-/// What a connection does.
+/// The phase of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Phase {
-    /// It waits for a request's head, of which a part may have come.
+    /// It waits for a request's head, of which a part may have arrived.
     AwaitingHead,
-    /// A request's body comes.
+    /// A request's body is arriving.
     Receiving,
-    /// The whole request has come; its answer is not ready.
+    /// The whole request has arrived; its answer is not ready.
     Working,
     /// The answer is being sent.
     Answering,
 }
 
-/// One connection.
+/// The state of one connection.
 #[derive(Debug)]
 pub(super) struct ConnectionState {
     opened: Instant,
     phase: AtomicU8,
-    /// Since when it waits for a head, in ms since it was opened.
+    /// The start of its wait for a head, in ms since it was opened.
     awaiting_since_ms: AtomicU64,
-    /// Requests begun.
+    /// The number of requests begun.
     requests: AtomicU32,
     /// Whether it is to close while it waits for a head.
     evicted: AtomicBool,
@@ -58,7 +58,7 @@ impl ConnectionState {
         self.enter(if has_body { Phase::Receiving } else { Phase::Working });
     }
 
-    /// The body has been read to its end, or is not wanted any more.
+    /// Records that the body was read to its end, or is no longer needed.
     pub(super) fn end_body(&self) {
         // An answer may have begun before.
         let _ = self.phase.compare_exchange(Phase::Receiving as u8, Phase::Working as u8, Ordering::AcqRel, Ordering::Relaxed);
@@ -69,7 +69,7 @@ impl ConnectionState {
     }
 
     pub(super) fn end_answer(&self) {
-        // 2^64 ms are half a billion years.
+        // 2^64 ms are half a billion years: no truncation.
         let now = u64::try_from(self.opened.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.awaiting_since_ms.store(now, Ordering::Relaxed);
         self.enter(Phase::AwaitingHead);
@@ -79,13 +79,13 @@ impl ConnectionState {
         self.phase.store(phase as u8, Ordering::Release);
     }
 
-    /// Since when it waits for a head; `None` while it has a request.
+    /// The start of its wait for a head; `None` while it has a request.
     pub(super) fn awaiting_since(&self) -> Option<Instant> {
         let since = self.opened + Duration::from_millis(self.awaiting_since_ms.load(Ordering::Relaxed));
         self.is_in(Phase::AwaitingHead).then_some(since)
     }
 
-    /// Has the connection close, if it still waits for a head when its task runs.
+    /// Makes the connection close, if it still waits for a head when its task runs.
     pub(super) fn evict(&self) {
         self.evicted.store(true, Ordering::Release);
         if let Some(waker) = self.waker.lock().unwrap_or_else(PoisonError::into_inner).take() {
@@ -104,7 +104,7 @@ impl ConnectionState {
         if waker.as_ref().is_none_or(|waker| !waker.will_wake(context.waker())) {
             *waker = Some(context.waker().clone());
         }
-        // Under the lock, so that no eviction comes between.
+        // Checked under the lock, so that no eviction is missed.
         self.is_evicted()
     }
 }

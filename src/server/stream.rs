@@ -17,7 +17,7 @@ use super::state::{ConnectionState, Phase};
 use crate::memory_budget::Reservation;
 
 /// How long, and for how many bytes, a closed stream is still read. Where bytes are left unread, the system answers a close with a
-/// reset, and the client loses the answer; a client that goes on sending for ever must be reset in the end.
+/// reset, and the client loses the answer; a client that never stops sending must be reset in the end.
 const LINGER: Duration = Duration::from_secs(2);
 const LINGER_BYTES: usize = 1 << 20;
 
@@ -28,7 +28,7 @@ pub(super) fn lock(stream: &SharedStream) -> MutexGuard<'_, TcpStream> {
     stream.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The longest times for a client.
+/// The time-outs of a client.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patience {
     pub(super) header: Duration,
@@ -47,18 +47,18 @@ pub(super) struct ClientStream {
     /// Wakes the task at the deadline of a head, or before.
     alarm: Option<Pin<Box<Sleep>>>,
     write: Option<Pin<Box<Sleep>>>,
-    /// Requests whose answers have been sent whole.
+    /// The number of answers sent completely.
     answered: u32,
     closing: Closing,
 }
 
-/// What has come of a request's head.
+/// The part of a request's head that has arrived.
 struct Head {
-    /// Requests before it.
+    /// The number of requests before it.
     number: u32,
     bytes: usize,
     began: Option<Instant>,
-    /// Of heads that come in several pieces.
+    /// The memory of heads that arrive in several pieces.
     reservation: Reservation,
 }
 
@@ -81,7 +81,7 @@ impl ClientStream {
         Self { stream, state, patience, refuse, opened, head, alarm: None, write: None, answered: 0, closing: Closing::Open }
     }
 
-    /// `polled`, or an error where writing has been waiting for the client too long.
+    /// `polled`, or an error where the client has not read for too long.
     fn bound_write<T>(&mut self, context: &mut Context<'_>, polled: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if polled.is_ready() {
             self.write = None;
@@ -113,7 +113,7 @@ impl ClientStream {
         true
     }
 
-    /// Until when the client may leave the connection waiting for a head, or for the rest of one.
+    /// The deadline for a head, or for the rest of one.
     fn head_deadline(&self) -> Instant {
         match (self.head.began, self.state.awaiting_since()) {
             (Some(began), _) => began + self.patience.header,
@@ -129,7 +129,7 @@ impl ClientStream {
         }
         loop {
             let deadline = self.head_deadline();
-            // An alarm that is too early costs less than one that is set anew with each request.
+            // A timer that fires early costs less than one that is reset with each request.
             let alarm = match &mut self.alarm {
                 Some(alarm) if alarm.deadline() <= deadline && !alarm.is_elapsed() => alarm,
                 Some(alarm) => {
@@ -148,7 +148,7 @@ impl ClientStream {
         }
     }
 
-    /// Answers a head that is no request. The answer fits the system's buffer unless the client reads none of its answers.
+    /// Answers a head that cannot be parsed. The answer fits the system's buffer unless the client reads none of its answers.
     fn refuse(&self, status: StatusCode) {
         let answer = (self.refuse)(status);
         if let Err(error) = lock(&self.stream).try_write(&answer) {
@@ -157,7 +157,7 @@ impl ClientStream {
     }
 
     /// The status with which the HTTP parser answers a malformed head in `bytes`, which are about to be written. Such an answer is empty
-    /// and has no request id, so that another takes its place.
+    /// and has no request id, so it is replaced.
     fn parser_status(&self, bytes: &[u8]) -> Option<StatusCode> {
         let is_between_requests = self.answered == self.state.requests();
         let status = bytes.strip_prefix(b"HTTP/1.1 ").filter(|_| is_between_requests)?.get(..3)?;
@@ -221,7 +221,7 @@ impl AsyncWrite for ClientStream {
                 Closing::Open => {
                     ready!(Pin::new(&mut *lock(&client.stream)).poll_shutdown(context))?;
                     if client.state.is_evicted() {
-                        // No answer can be lost, and a new connection waits for the place.
+                        // No answer can be lost, and a new connection is waiting.
                         client.closing = Closing::Closed;
                         continue;
                     }

@@ -9,13 +9,13 @@ use tokio::time::timeout;
 
 use super::state::ConnectionState;
 
-/// Connections beyond the limit, where none is idle: each is for one request, so that probes are answered.
+/// The number of connections beyond the limit, accepted where none is idle: each for one request, so that probes are answered.
 const RESERVE: usize = 32;
 
-/// How long an evicted connection takes to close at most.
+/// The longest time for an evicted connection to close.
 const EVICTION: Duration = Duration::from_millis(50);
 
-/// The part of the connections that is closed at a time when there are too many: each search looks at all of them.
+/// One of so many connections is closed at a time when there are too many: each search visits all of them.
 const EVICTED_PART: usize = 16;
 
 /// All open connections. Clones share it.
@@ -72,7 +72,7 @@ impl ConnectionTable {
         self.0.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The connections open.
+    /// The number of open connections.
     pub(super) fn count(&self) -> usize {
         self.open().connections.len()
     }
@@ -97,7 +97,7 @@ impl ConnectionTable {
         }
     }
 
-    /// An entry for a connection that was accepted when the server stops: its request must not be lost.
+    /// An entry for a connection accepted while the server stops: its request must not be lost.
     pub(super) fn enter_beyond_limit(&self) -> Entry {
         self.add(None, true)
     }

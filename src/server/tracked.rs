@@ -43,7 +43,7 @@ impl Drop for RequestBody {
     }
 }
 
-/// An answer's body. Its drop, when all of it has been handed to the connection, ends the phase of answering.
+/// An answer's body. Its drop, when the connection has taken all of it, ends the phase of answering.
 pub(super) struct AnswerBody {
     pub(super) body: Body,
     pub(super) state: Arc<ConnectionState>,

@@ -9,21 +9,30 @@ use clap::{Args, Parser};
 use super::fault::{address, optional_address, take};
 use super::{Faults, Settings};
 
-/// What the command line asks for.
+/// The command that the command line selects.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
-    /// Serve.
+    /// Serve requests.
     Serve(Box<Settings>),
     /// Print the OpenAPI document.
-    OpenApi,
+    OpenApi(OpenApiVersion),
     /// Ask the server that listens at this address whether it is ready.
     Healthcheck(SocketAddr),
 }
 
-/// Why there is no [`Command`].
+/// A version of the OpenAPI specification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OpenApiVersion {
+    /// 3.1, the document in full.
+    V3_1,
+    /// 3.0.3, for generators that do not read 3.1.
+    V3_0,
+}
+
+/// Why the command line gives no [`Command`].
 #[derive(Debug)]
 pub enum Refusal {
-    /// Help or the version was asked for, or the flags themselves cannot be understood.
+    /// Help or the version was requested, or a flag is unknown or malformed.
     Usage(clap::Error),
     /// Values that cannot be used.
     Faults(Faults),
@@ -41,7 +50,7 @@ impl fmt::Display for Refusal {
 impl std::error::Error for Refusal {}
 
 impl Command {
-    /// What `arguments` (the program's name first) and the environment ask for.
+    /// The command of `arguments` (the program's name first) and the environment.
     ///
     /// # Errors
     /// [`Refusal`], with every fault of every value.
@@ -49,7 +58,7 @@ impl Command {
         let line = CommandLine::try_parse_from(arguments).map_err(Refusal::Usage)?;
         match line.subcommand {
             None => Settings::read(&line.given).map(Box::new).map(Self::Serve).map_err(Refusal::Faults),
-            Some(Subcommand::Openapi) => Ok(Self::OpenApi),
+            Some(Subcommand::Openapi { is_3_0 }) => Ok(Self::OpenApi(if is_3_0 { OpenApiVersion::V3_0 } else { OpenApiVersion::V3_1 })),
             Some(Subcommand::Healthcheck) => {
                 let mut faults = Vec::new();
                 let listen = take(&mut faults, "SCALLOPD_LISTEN", &line.given.listen, address);
@@ -74,18 +83,22 @@ struct CommandLine {
 #[derive(clap::Subcommand)]
 enum Subcommand {
     /// Print the OpenAPI document
-    Openapi,
+    Openapi {
+        /// In version 3.0.3, for generators that do not read 3.1; without the operations that take forms
+        #[arg(long = "3.0")]
+        is_3_0: bool,
+    },
     /// Ask the running server's /readyz; exit 0 when it is ready, 1 otherwise
     Healthcheck,
 }
 
-/// The settings as given.
+/// The settings as texts, before they are checked.
 #[derive(Args)]
 pub(super) struct Given {
-    /// IP address and port to listen on; port 0 picks a free one, which the log names
+    /// IP address and port to listen on; port 0 picks a free one, which is logged
     #[arg(long, env = "SCALLOPD_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:8080", global = true)]
     pub(super) listen: String,
-    /// IP address and port for probes and metrics alone; empty to serve them on the listening address
+    /// IP address and port for probes and metrics only; empty to serve them on the listening address
     #[arg(long, env = "SCALLOPD_HEALTH_LISTEN", value_name = "ADDR", default_value = "", global = true)]
     pub(super) health_listen: String,
     /// Format of the log lines on standard output: pretty or json
@@ -109,19 +122,19 @@ pub(super) struct Given {
     /// Longest time from a request's last byte to its answer
     #[arg(long, env = "SCALLOPD_REQUEST_TIMEOUT_S", value_name = "SECONDS", default_value = "60")]
     pub(super) request_timeout_s: String,
-    /// Longest stall of a request's body
+    /// Longest pause within a request's body
     #[arg(long, env = "SCALLOPD_BODY_IDLE_TIMEOUT_S", value_name = "SECONDS", default_value = "15")]
     pub(super) body_idle_timeout_s: String,
-    /// Slowest average at which a request's body may arrive, from its first byte; 0 for any
+    /// Least average rate of a request's body in bytes a second, from its first byte; 0 for any
     #[arg(long, env = "SCALLOPD_MIN_BODY_BYTES_S", value_name = "BYTES", default_value = "1024")]
     pub(super) min_body_bytes_s: String,
     /// Longest time that a client may leave an answer unread
     #[arg(long, env = "SCALLOPD_WRITE_TIMEOUT_S", value_name = "SECONDS", default_value = "15")]
     pub(super) write_timeout_s: String,
-    /// Requests in flight at once, probes and metrics aside; more are shed with 503
+    /// Requests in flight at once, without probes and metrics; further ones are shed with 503
     #[arg(long, env = "SCALLOPD_MAX_IN_FLIGHT", value_name = "COUNT", default_value = "1024")]
     pub(super) max_in_flight: String,
-    /// Uploads and batches worked on at once; more are shed with 503
+    /// Uploads and batches processed at once; further ones are shed with 503
     #[arg(long, env = "SCALLOPD_MAX_CONCURRENT_WORK", value_name = "COUNT", default_value = "16")]
     pub(super) max_concurrent_work: String,
     /// Memory for everything whose size clients determine: bodies, vertices, answers not yet sent; requests beyond it get 503
@@ -130,13 +143,13 @@ pub(super) struct Given {
     /// Connections open at once; further ones close idle ones
     #[arg(long, env = "SCALLOPD_MAX_CONNECTIONS", value_name = "COUNT", default_value = "4096")]
     pub(super) max_connections: String,
-    /// After SIGTERM, time of /readyz at 503 before the server stops accepting
+    /// After SIGTERM, time with /readyz at 503 before the server stops accepting connections
     #[arg(long, env = "SCALLOPD_DRAIN_DELAY_S", value_name = "SECONDS", default_value = "0")]
     pub(super) drain_delay_s: String,
     /// After that, time for the requests in flight to finish
     #[arg(long, env = "SCALLOPD_SHUTDOWN_GRACE_S", value_name = "SECONDS", default_value = "30")]
     pub(super) shutdown_grace_s: String,
-    /// Origins of pages that may call the service, with commas between, or * for any
+    /// Origins of pages that may call the service, separated by commas, or * for any
     #[arg(long, env = "SCALLOPD_CORS_ORIGINS", value_name = "ORIGINS", default_value = "")]
     pub(super) cors_origins: String,
     /// Base address of a collector of OTLP traces over HTTP, such as http://collector:4318
@@ -178,6 +191,12 @@ mod tests {
         let Err(Refusal::Faults(faults)) = Command::read(line) else { panic!("faults are accepted") };
         let flags: Vec<_> = faults.0.iter().map(super::super::Fault::flag).collect();
         assert_eq!(flags, ["--listen", "--log-format", "--otlp-endpoint", "--max-in-flight"]);
+    }
+
+    #[test]
+    fn the_document_is_printed_in_version_3_1_unless_3_0_is_asked_for() {
+        assert!(matches!(Command::read(["scallopd", "openapi"]), Ok(Command::OpenApi(OpenApiVersion::V3_1))));
+        assert!(matches!(Command::read(["scallopd", "openapi", "--3.0"]), Ok(Command::OpenApi(OpenApiVersion::V3_0))));
     }
 
     #[test]

@@ -14,9 +14,9 @@ use super::{CorsOrigins, LogFormat};
 pub struct Fault {
     /// The variable's name, `SCALLOPD_*`; the flag's follows from it.
     pub variable: &'static str,
-    /// What was given, by the flag or the variable.
+    /// The value given by the flag or the variable.
     pub given: String,
-    /// What is wrong with it.
+    /// What is wrong with the value.
     pub reason: Reason,
 }
 
@@ -54,9 +54,9 @@ pub enum Reason {
     Address,
     /// Not a whole number within the bounds.
     WholeNumber {
-        /// The smallest that is accepted.
+        /// The smallest number accepted.
         minimum: u64,
-        /// The largest that is accepted.
+        /// The largest number accepted.
         maximum: u64,
     },
     /// Not one of the words.
@@ -65,7 +65,7 @@ pub enum Reason {
     Origin(String),
     /// Not an `http://` address.
     Collector,
-    /// A setting of something that this executable was built without.
+    /// A setting of a feature that this executable was built without.
     NotBuiltIn,
 }
 
@@ -82,7 +82,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The value that `read` makes of `given`; `None` and a new fault where it makes none.
+/// Parses `given` with `read`; `None`, with the fault added, where it fails.
 pub(super) fn take<T>(
     faults: &mut Vec<Fault>,
     variable: &'static str,
@@ -115,7 +115,7 @@ pub(super) fn rate(given: &str) -> Result<u64, Reason> {
     whole(given, 0, 1 << 30)
 }
 
-/// How many at once, up to a million.
+/// A count, from 1 to a million.
 pub(super) fn count(given: &str) -> Result<usize, Reason> {
     // A million fits every usize that this program is built for.
     whole(given, 1, 1_000_000).map(|number| usize::try_from(number).unwrap_or(usize::MAX))
@@ -154,7 +154,7 @@ pub(super) fn origins(given: &str) -> Result<CorsOrigins, Reason> {
     given.split(',').map(str::trim).filter(|item| !item.is_empty()).map(origin).collect::<Result<_, _>>().map(CorsOrigins::Listed)
 }
 
-/// Browsers send scheme, host and port and nothing else: an address with a path would never match one.
+/// An origin as browsers send it: scheme, host and port. An address with a path would never match.
 fn origin(item: &str) -> Result<HeaderValue, Reason> {
     let wrong = || Reason::Origin(item.to_owned());
     let uri: Uri = item.parse().map_err(|_| wrong())?;

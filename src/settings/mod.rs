@@ -1,5 +1,5 @@
 //! The settings: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help (`command_line`). Values are
-//! read leniently and checked together, so that one start reports every fault.
+//! read as text and checked together, so that a start reports every fault.
 
 mod command_line;
 mod fault;
@@ -7,26 +7,26 @@ mod fault;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-pub use command_line::{Command, Refusal};
+pub use command_line::{Command, OpenApiVersion, Refusal};
 pub use fault::{Fault, Faults, Reason};
 use fault::{address, collector, count, level, log_format, optional_address, origins, seconds, take};
 
-/// Everything that can be set.
+/// All settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Where to listen.
+    /// The address to listen on.
     pub listen: SocketAddr,
-    /// Where to listen for probes and scrapes, on a thread of their own; `/metrics` is then served there only.
+    /// The address to listen on for probes and scrapes, on a separate thread; `/metrics` is then served there only.
     pub health_listen: Option<SocketAddr>,
-    /// Logs and traces.
+    /// The settings of logs and traces.
     pub telemetry: TelemetrySettings,
-    /// Connections.
+    /// The settings of connections.
     pub server: ServerSettings,
-    /// Requests.
+    /// The settings of requests.
     pub http: HttpSettings,
 }
 
-/// Logs and traces.
+/// The settings of logs and traces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TelemetrySettings {
     /// The form of a log line.
@@ -40,13 +40,13 @@ pub struct TelemetrySettings {
 /// The form of a log line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogFormat {
-    /// For a person at a terminal.
+    /// For people at a terminal.
     Pretty,
     /// One JSON object a line, for a log collector.
     Json,
 }
 
-/// Connections.
+/// The settings of connections.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServerSettings {
     /// How long a request's head may take from its first byte, and how long a new connection may idle.
@@ -55,15 +55,15 @@ pub struct ServerSettings {
     pub idle_timeout: Duration,
     /// How long a client may leave an answer unread before its connection is dropped.
     pub write_timeout: Duration,
-    /// Connections open at once; further ones close idle ones.
+    /// The largest number of open connections; further ones close idle ones.
     pub max_connections: usize,
-    /// How long the server goes on accepting after a signal, with `/readyz` at 503, so that balancers take note.
+    /// How long the server goes on accepting after a signal, with `/readyz` at 503, so that load balancers notice.
     pub drain_delay: Duration,
     /// How long requests in flight may take to finish once no more are accepted.
     pub shutdown_grace: Duration,
 }
 
-/// Requests.
+/// The settings of requests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HttpSettings {
     /// The largest JSON body of a batch or a recommendation, decompressed.
@@ -72,13 +72,13 @@ pub struct HttpSettings {
     pub max_upload_bytes: u64,
     /// The time from a request's last byte to its answer.
     pub request_timeout: Duration,
-    /// How long a body may stall.
+    /// The longest pause within a body.
     pub body_idle_timeout: Duration,
-    /// The slowest average at which a body may arrive, in bytes a second.
+    /// The least average rate of a body, in bytes a second.
     pub min_body_rate: u64,
-    /// Requests in flight at once, probes aside; more are shed.
+    /// The largest number of requests in flight at once, without probes; further ones are shed.
     pub max_in_flight: usize,
-    /// Uploads and batches worked on at once; more are shed.
+    /// The largest number of uploads and batches processed at once; further ones are shed.
     pub max_concurrent_work: usize,
     /// The memory for everything whose size clients determine.
     pub memory_budget_bytes: u64,

@@ -13,7 +13,7 @@ pub struct Bezier {
     control_points: Vec<[f64; 3]>,
 }
 
-/// Why a net of points does not control a patch.
+/// Why control points do not give a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BezierError {
     /// The number of rows is out of bounds.
@@ -22,18 +22,18 @@ pub enum BezierError {
     Columns(OutOfRange),
     /// A row has another number of points than the first.
     RaggedRow {
-        /// Which row, from 0.
+        /// The row, from 0.
         row: usize,
-        /// How many points the first row has.
+        /// The number of points in the first row.
         expected: usize,
-        /// How many this one has.
+        /// The number of points in this row.
         found: usize,
     },
     /// A coordinate is not finite, or beyond [`LARGEST_COORDINATE`].
     Coordinate {
         /// The point's row, from 0.
         row: usize,
-        /// The point's place in its row, from 0.
+        /// The point's position in its row, from 0.
         column: usize,
     },
 }
@@ -59,15 +59,17 @@ impl std::error::Error for BezierError {}
 type Weights = [f64; Bezier::LARGEST_ORDER];
 
 impl Bezier {
-    /// The largest number of control points either way. Published surfaces have up to a dozen; patches of higher degree are split in practice.
+    /// The largest number of control points along each parameter. Published surfaces have up to a dozen; patches of higher degree
+    /// are split in practice.
     pub const LARGEST_ORDER: usize = 20;
-    /// The largest number of samples either way.
+    /// The largest number of samples along each parameter.
     pub const LARGEST_SAMPLES: usize = 1000;
 
-    /// A patch from its control points, row after row; 2 to [`Bezier::LARGEST_ORDER`] rows of as many points each.
+    /// A patch from its control points, row after row: 2 to [`Bezier::LARGEST_ORDER`] rows with the same number of points, 2 to
+    /// [`Bezier::LARGEST_ORDER`] as well.
     ///
     /// # Errors
-    /// [`BezierError`]
+    /// [`BezierError`] where a number of points or a coordinate is out of bounds, or the rows differ in length.
     pub fn new(net: &[Vec<[f64; 3]>]) -> Result<Self, BezierError> {
         order_in_bounds(net.len()).map_err(BezierError::Rows)?;
         let columns = net[0].len();
@@ -85,8 +87,8 @@ impl Bezier {
         Ok(Self { rows: net.len(), columns, control_points: net.concat() })
     }
 
-    /// The patch at the centres of `samples` x `samples` quads that divide its parameters evenly, each with its element of area
-    /// |P_u x P_v| du dv, from 2 to [`Bezier::LARGEST_SAMPLES`].
+    /// Samples the patch at the centres of `samples` x `samples` equal cells of its parameters, each with its element of area
+    /// |P_u x P_v| du dv; `samples` is from 2 to [`Bezier::LARGEST_SAMPLES`].
     ///
     /// # Errors
     /// [`OutOfRange`] for another number of samples.
@@ -110,7 +112,7 @@ impl Bezier {
         Ok(surface)
     }
 
-    /// Hands the facets of the patch to `sink`: 2 x `samples`^2 of them, with corners at the corners of the quads of [`Bezier::sampled`].
+    /// Passes the facets of the patch to `sink`: 2 x `samples`^2 of them, with corners at the corners of the cells of [`Bezier::sampled`].
     ///
     /// # Errors
     /// [`OutOfRange`] for a number of samples outside 2 to [`Bezier::LARGEST_SAMPLES`].
@@ -179,7 +181,7 @@ fn order_in_bounds(order: usize) -> Result<(), OutOfRange> {
     count_in_bounds(order, 2, Bezier::LARGEST_ORDER)
 }
 
-#[allow(clippy::cast_precision_loss)] // counts far under 2^53, and a rounded one beyond is out of bounds all the same
+#[allow(clippy::cast_precision_loss)] // counts are far below 2^53; a larger one is out of bounds even when rounded
 fn count_in_bounds(count: usize, minimum: usize, maximum: usize) -> Result<(), OutOfRange> {
     OutOfRange::check(count as f64, minimum as f64, maximum as f64).map(|_| ())
 }
@@ -218,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn nets_that_control_no_patch_are_refused() {
+    fn invalid_control_points_are_refused() {
         let point = [0.0; 3];
         let orders = OutOfRange { minimum: 2.0, maximum: 20.0 };
         assert_eq!(Bezier::new(&[]), Err(BezierError::Rows(orders)));

@@ -1,6 +1,6 @@
 //! The box around a set of points.
 
-/// The smallest box with sides along the axes around all points taken in.
+/// The smallest box with sides along the axes around all points that were added.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The smallest x, y and z.
@@ -10,20 +10,20 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box around nothing, which every point enlarges.
+    /// The empty box, which every point enlarges.
     pub(super) const NONE: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
 
-    /// Makes room for a point.
+    /// Enlarges the box to contain a point.
     #[inline]
     pub(super) fn include(&mut self, point: [f64; 3]) {
         for (axis, coordinate) in point.into_iter().enumerate() {
-            // Comparisons are one instruction each, where f64::min also looks for NaN; a tenth of the time of taking in a facet.
+            // Comparisons are one instruction each, where f64::min also checks for NaN; that would be a tenth of the time for a facet.
             self.min[axis] = if coordinate < self.min[axis] { coordinate } else { self.min[axis] };
             self.max[axis] = if coordinate > self.max[axis] { coordinate } else { self.max[axis] };
         }
     }
 
-    /// Makes room for all that the other box holds.
+    /// Enlarges the box to contain the other box.
     pub(super) fn merge(&mut self, other: &Self) {
         for axis in 0..3 {
             self.min[axis] = self.min[axis].min(other.min[axis]);
@@ -31,12 +31,12 @@ impl Bounds {
         }
     }
 
-    /// The box in a unit of which `factor` make one of the present unit.
+    /// The box with its coordinates times `factor`.
     pub(super) fn scaled(self, factor: f64) -> Self {
         Self { min: self.min.map(|c| c * factor), max: self.max.map(|c| c * factor) }
     }
 
-    /// The largest magnitude of a coordinate in the box; 0 for the box around nothing.
+    /// The largest magnitude of a coordinate in the box; 0 for the empty box.
     pub(super) fn largest_magnitude(&self) -> f64 {
         if self.min[0] > self.max[0] {
             return 0.0;

@@ -1,4 +1,4 @@
-//! Facets in blocks, so that their sums are taken several at a time. Where a facet faces decides to which sums it goes.
+//! Sums over facets, taken in blocks of several facets at a time, apart for facets that point up, are level or point down.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
@@ -6,32 +6,32 @@ use super::lanes::{LANES, Lanes};
 use super::piece::Piece;
 use super::slope::slope;
 
-/// Facets that point up, level, and down.
+/// The sides of facets: pointing up, vertical (a level normal), and pointing down.
 pub(super) const UP: usize = 0;
 pub(super) const LEVEL: usize = 1;
 pub(super) const DOWN: usize = 2;
 
-/// Without an area, so that it does not face anywhere.
+/// The side of a facet without an area.
 const NOWHERE: usize = 3;
 
 /// |n_z| of a unit normal up to which a facet counts as a wall: within 0.006 deg of vertical. Files in single precision move the
 /// corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
-/// How many facets are summed at once: 4.6 kB of corners, which stay in the fastest memory.
+/// The number of facets in a block: 4.6 kB of corners, which fit the first-level cache.
 const SIZE: usize = 64;
 
 /// Corner, axis, facet.
 type Corners = [[[f64; SIZE]; 3]; 3];
 
-/// Facets that wait to be summed.
+/// Facets that are still to be summed.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
     corners: Corners,
     count: usize,
 }
 
-/// The facets that there were, by where they face, and how many had no area.
+/// The sums over facets by their side, and the number of facets without area.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Facets {
     pub(super) pieces: [Piece; 3],
@@ -49,7 +49,7 @@ impl Facets {
     }
 }
 
-/// What moments and bounds of a facet do not tell.
+/// Area, slope and side of the facets of a block.
 struct Facing {
     area: [f64; SIZE],
     slope: [f64; SIZE],
@@ -62,7 +62,7 @@ impl Block {
         Self { corners: [[[0.0; SIZE]; 3]; 3], count: 0 }
     }
 
-    /// Takes a facet, and tells whether the block is full; then it must be summed.
+    /// Adds a facet, and returns whether the block is full; then it must be summed.
     #[inline]
     pub(super) fn push(&mut self, corners: [[f64; 3]; 3]) -> bool {
         for (places, corner) in self.corners.iter_mut().zip(corners) {
@@ -74,7 +74,7 @@ impl Block {
         self.count == SIZE
     }
 
-    /// Moves the facets to the sums.
+    /// Adds the facets to the sums and empties the block.
     pub(super) fn sum(&mut self, facets: &mut Facets) {
         let facing = self.facing();
         let sides = &facing.side[..self.count];
@@ -82,7 +82,7 @@ impl Block {
         for (side, piece) in facets.pieces.iter_mut().enumerate() {
             match count_of(sides, side) {
                 0 => {}
-                // As it is with most blocks of most files.
+                // The common case: all facets of the block have one side.
                 all if all == SIZE as u64 => add(piece, &self.corners, &facing.area, &facing.slope, all),
                 some => {
                     let (corners, area, slope) = self.those_of(side, &facing);
@@ -94,7 +94,7 @@ impl Block {
     }
 
     /// Area, slope and side of every facet.
-    #[inline(never)] // Apart from the rest, which has registers enough then.
+    #[inline(never)] // Inlined, it would leave the caller too few registers.
     fn facing(&self) -> Facing {
         let mut facing = Facing { area: [0.0; SIZE], slope: [0.0; SIZE], side: [NOWHERE; SIZE] };
         for at in (0..SIZE).step_by(LANES) {
@@ -110,7 +110,7 @@ impl Block {
             facing.slope[at..at + LANES].copy_from_slice(&slope.0);
             for lane in 0..LANES {
                 let (z, limit) = (normal[2].0[lane], WALL * doubled.0[lane]);
-                // A length that is not a number is no zero: it goes where it is found again.
+                // NaN does not equal 0, so that it gets a side and shows in the sums.
                 let side = LEVEL + usize::from(z < -limit) - usize::from(z > limit);
                 facing.side[at + lane] = if doubled.0[lane] == 0.0 { NOWHERE } else { side };
             }
@@ -118,7 +118,7 @@ impl Block {
         facing
     }
 
-    /// The facets of one side, of which there is one at least. The places left are filled with points, which add nothing, at its corner.
+    /// The facets of one side, of which there is at least one. The other places are filled with its first corner: facets without area.
     fn those_of(&self, side: usize, facing: &Facing) -> (Corners, [f64; SIZE], [f64; SIZE]) {
         let mut chosen = (0..self.count).filter(|at| facing.side[*at] == side).collect::<Vec<_>>();
         let count = chosen.len();
@@ -177,7 +177,7 @@ fn lanes_from(values: &[f64; SIZE], at: usize) -> Lanes {
 
 #[inline(always)]
 fn corners_from(corners: &Corners, at: usize) -> [[Lanes; 3]; 3] {
-    // The library's map over arrays is a call of its own here.
+    // The library's `map` over arrays is not inlined here.
     let corner = |[x, y, z]: &[[f64; SIZE]; 3]| [lanes_from(x, at), lanes_from(y, at), lanes_from(z, at)];
     [corner(&corners[0]), corner(&corners[1]), corner(&corners[2])]
 }
@@ -220,7 +220,7 @@ mod tests {
         sums
     }
 
-    /// One facet after the other, by nalgebra, the library's arc tangent and the moments' own way with a triangle.
+    /// One facet after the other, by nalgebra, the library's arc tangent and [`Moments::add_triangle`].
     fn one_by_one(facets: &[Facet], wanted: usize) -> Piece {
         let mut piece = Piece::about(facets[0][0]);
         for facet in facets {
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn a_facet_that_is_no_number_spoils_the_sums() {
+    fn a_facet_with_nan_makes_the_sums_nan() {
         let sums = summed(&[[[0.0; 3], [1.0, 0.0, 0.0], [0.0, f64::NAN, 0.0]]]);
         assert!(sums.pieces.iter().any(|piece| piece.area.is_nan()));
     }

@@ -1,12 +1,12 @@
-//! Points in rows and columns, whose neighbours are known and span facets.
+//! Points in rows and columns, with facets between neighbours.
 
 use super::{SampledSurface, Sink};
 use std::fmt;
 
-/// Makes facets of the points of a grid as they come, row after row; it holds one row.
+/// Builds facets from the points of a grid as they arrive, row after row; it holds one row.
 ///
-/// Each quad of neighbours is two facets, divided along the diagonal from its first point to its last. The sense in which rows and
-/// columns run is not part of the input, so the side of the grid that shows more of itself from above is its outer side.
+/// Each quad of neighbours is two facets, divided along the diagonal from its first point to its last. The input does not
+/// state in which sense rows and columns run, so the outer side of the grid is the one of which more is seen from above.
 #[derive(Debug, Clone)]
 pub struct Grid<S = SampledSurface> {
     rows: usize,
@@ -30,7 +30,7 @@ pub enum GridError {
     WrongNumberOfPoints {
         /// Rows times columns.
         expected: usize,
-        /// How many points came.
+        /// The number of points received.
         received: usize,
     },
 }
@@ -49,7 +49,7 @@ impl fmt::Display for GridError {
 impl std::error::Error for GridError {}
 
 impl Grid {
-    /// An empty grid of that size, whose facets are summed up.
+    /// An empty grid of that size, whose facets are summed.
     ///
     /// # Errors
     /// [`GridError::TooFewRowsOrColumns`].
@@ -78,7 +78,7 @@ impl<S: Sink> Grid<S> {
             return;
         }
         if row == 0 {
-            // Rows grow with the points that come, so that a grid that promises much costs nothing.
+            // Rows grow with the points that arrive, so that a large stated size by itself takes no memory.
             self.row.push(point);
             return;
         }

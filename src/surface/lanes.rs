@@ -1,15 +1,15 @@
-//! Several numbers on which the same is done at once. Written so that a compiler makes vector instructions of it: the sums over a
-//! million facets are a matter of how many of these run side by side.
+//! Arithmetic on several numbers at once, written so that the compiler uses vector instructions, which determine the time of the sums
+//! over a million facets.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Two vectors of the smallest set of instructions that every 64-bit x86 processor has; with more, the registers do not suffice.
+/// The count of numbers: two vectors of SSE2, which every 64-bit x86 processor has; with more, the registers do not suffice.
 pub(super) const LANES: usize = 4;
 
-/// Numbers side by side.
+/// Several numbers with the same operation on each.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lanes(pub(super) [f64; LANES]);
 
@@ -19,7 +19,7 @@ impl Lanes {
         Self([value; LANES])
     }
 
-    /// `f` of the numbers at each place of two.
+    /// `f` of the numbers at each position of both.
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         Self(from_fn(|lane| f(self.0[lane], other.0[lane])))
@@ -35,7 +35,7 @@ impl Lanes {
         Self(self.0.map(f64::abs))
     }
 
-    /// The smaller of each two; comparisons are one instruction each, where f64::min also looks for NaN.
+    /// The smaller of each two; comparisons are one instruction each, where f64::min also checks for NaN.
     #[inline(always)]
     pub(super) fn lesser(self, other: Self) -> Self {
         self.zip(other, |own, other| if own < other { own } else { other })

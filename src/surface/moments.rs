@@ -1,4 +1,4 @@
-//! Weight, first and second moments of points and triangles: all that the principal axes of a surface depend on.
+//! Weight, first and second moments of points and triangles, from which the principal axes of a surface follow.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -16,7 +16,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// No weight yet, with moments to be taken about `shift`.
+    /// Moments of an empty set, about `shift`.
     #[must_use]
     pub fn about(shift: [f64; 3]) -> Self {
         Self { shift, weight: 0.0, first: [0.0; 3], second: [0.0; 6] }
@@ -38,7 +38,8 @@ impl Moments {
     /// Adds a triangle with corners a, b, c, centroid g and area F: F to the weight, F g to the first moment, and to the second
     /// F/12 (aa' + bb' + cc' + 9 gg'), which is the integral of xx' over the triangle, exactly.
     ///
-    /// With the sides u = b - a, v = c - a it equals F (gg' + ss'/72 + dd'/24), s = u + v, d = u - v, a quarter less to compute.
+    /// With the sides u = b - a, v = c - a it equals F (gg' + ss'/72 + dd'/24), s = u + v, d = u - v, which takes a quarter fewer
+    /// operations.
     #[inline]
     pub fn add_triangle(&mut self, corners: [[f64; 3]; 3], area: f64) {
         let [a, b, c] = corners;
@@ -70,7 +71,7 @@ impl Moments {
         self.shift
     }
 
-    /// Adds all that `other` holds, whatever its shift.
+    /// Adds the moments of `other`, which may have another shift.
     pub fn merge(&mut self, other: &Self) {
         let d = difference(other.shift, self.shift);
         // With x = d + y: sum xx' = sum yy' + d (sum y)' + (sum y) d' + W dd'.
@@ -157,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_covariance() {
+    fn an_empty_set_has_no_covariance() {
         assert_eq!(Moments::about([1.0; 3]).covariance(), None);
         assert_eq!(Moments::about([1.0; 3]).centroid(), None);
     }

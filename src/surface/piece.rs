@@ -1,4 +1,4 @@
-//! What is kept of those elements of a surface that belong together.
+//! Sums over the points or facets of a surface that belong together: moments, bounds and slopes.
 
 use super::{Bounds, Moments};
 
@@ -25,7 +25,7 @@ impl Piece {
         self.bounds.include(point);
     }
 
-    /// Adds a point that stands for an element of area with this normal.
+    /// Adds a point that represents an element of area with this normal.
     pub(super) fn add_sample(&mut self, point: [f64; 3], normal: [f64; 3], area: f64) {
         self.add_point(point);
         self.area += area;

@@ -1,4 +1,4 @@
-//! The shape of a surface as the choice of a cutter sees it: a rectangle of a certain size and elongation, inclined by a certain slope.
+//! The shape of a surface for the choice of a cutter: the size, elongation and slope of an equivalent inclined rectangle.
 
 use super::piece::Piece;
 use super::{Basis, Bounds, LARGEST_COORDINATE, PrincipalAxes, Unit};
@@ -9,17 +9,17 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Shape {
-    /// What was taken of the surface.
+    /// The elements from which the shape was computed.
     pub basis: Basis,
-    /// How many points or facets that is.
+    /// The number of these points or facets.
     pub elements: u64,
     /// The eigenvalues l1 >= l2 >= l3 of the covariance matrix [eq. 16].
     pub eigenvalues: [Area; 3],
-    /// mu = sqrt(l1/l2), the sides' ratio of the rectangle that spreads as much [eq. 17].
+    /// mu = sqrt(l1/l2), the ratio of sides of the rectangle with the same variances [eq. 17].
     pub form_factor: FormFactor,
     /// chi = 12 sqrt(l1 l2), the area of that rectangle [eq. 18].
     pub characteristic_size: Area,
-    /// s, the angle between the plane that fits best and the horizontal, 0 to pi/2: acos(|e3_z|) [eq. 20, misprinted].
+    /// s, the angle between the best-fit plane and the horizontal, 0 to pi/2: acos(|e3_z|) [eq. 20, misprinted].
     pub slope: Angle,
     /// The direction of e1 seen from above, a line in [0, pi) from X; `None` where the surface spreads as much in every direction, or most
     /// along the vertical.
@@ -30,13 +30,13 @@ pub struct Shape {
     pub direction_gap: Option<Angle>,
     /// sqrt(l3/l1): 0 for a plane.
     pub flatness: f64,
-    /// The area, where facets or a patch tell it.
+    /// The area, in mm^2; `None` for points alone.
     pub area: Option<Area>,
     /// The mean of the slopes of all elements, each with its weight in the moments: facets by area, samples of a patch alike [eq. 19].
     pub mean_slope: Option<Angle>,
     /// The centroid, in mm.
     pub centroid: [f64; 3],
-    /// The box around what was taken, in mm.
+    /// The box around these elements, in mm.
     pub bounds: Bounds,
 }
 
@@ -45,12 +45,12 @@ pub struct Shape {
 pub enum ShapeError {
     /// Fewer than three points.
     TooFewPoints {
-        /// How many there are.
+        /// The number of them.
         count: u64,
     },
     /// Facets, but none with an area.
     OnlyDegenerateFacets {
-        /// How many there are.
+        /// The number of them.
         count: u64,
     },
     /// All points are the same.
@@ -79,8 +79,8 @@ impl std::error::Error for ShapeError {}
 /// rounding of about 1e-15 of l1, a thousandth of this.
 const COLLINEAR: f64 = 1e-12;
 
-/// What a direction must stand out by to be one: the horizontal part of a unit vector, and (l1 - l2)/l1. Coordinates in single
-/// precision carry relative errors of 6e-8, so below 1e-6 a direction would be that of their rounding.
+/// The least value with which a direction is defined: of the horizontal part of a unit vector, and of (l1 - l2)/l1. Coordinates in single
+/// precision have relative errors of 6e-8, so below 1e-6 a direction would be that of their rounding.
 const DIRECTIONLESS: f64 = 1e-6;
 
 impl Shape {

@@ -1,4 +1,4 @@
-//! The angle between a normal and the vertical, of several normals at once.
+//! The angle between a normal and the vertical, for several normals at once.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
@@ -27,7 +27,7 @@ const P: [f64; 12] = [
 /// 4e-16, and exact at both ends.
 ///
 /// With the smaller part over the larger as the tangent the angle is up to pi/4; where it exceeds pi/8, pi/4 is taken off by the theorem
-/// of tangents of a difference. The library's atan2 takes one pair at a time and decides by branches, which no vector instruction does.
+/// of tangents of a difference. The library's atan2 takes one pair at a time and decides by branches, which vector instructions cannot.
 #[inline(always)]
 pub(super) fn slope(h: Lanes, z: Lanes) -> Lanes {
     let (low, high) = (h.lesser(z), h.greater(z));
@@ -40,7 +40,7 @@ pub(super) fn slope(h: Lanes, z: Lanes) -> Lanes {
     h.above(z, Lanes::all(FRAC_PI_2) - angle, angle)
 }
 
-/// P(q) in pairs of pairs: the shortest chain of operations that wait for each other.
+/// P(q) in pairs of pairs: the shortest chain of dependent operations.
 #[inline(always)]
 fn polynomial(q: Lanes) -> Lanes {
     let (q2, q4) = (q * q, q * q * (q * q));

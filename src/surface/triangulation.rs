@@ -18,13 +18,13 @@ impl HasPosition for Site {
     }
 }
 
-/// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise seen from above, so they
-/// face up. Of points one above the other the highest is taken. Empty where all points lie in one vertical plane.
+/// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise seen from
+/// above, so they face up. Of points above each other, the highest counts. Empty where all points lie in one vertical plane.
 ///
 /// **Long edges.** A Delaunay triangulation fills the convex hull, notches and holes included. So a triangle is left out when one of its edges is
-/// longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the length of its third shortest edge: scan lines have two
-/// close neighbours along the line and the third on the next line. At an edge the smaller spacing of its ends counts, or half the median of all
-/// points where that is larger, so that two points close together by chance tear no hole.
+/// longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the length of its third shortest edge: scan lines
+/// have two close neighbours along the line and the third on the next line. At an edge the smaller spacing of its ends counts, or
+/// half the median of all points where that is larger, so that two points close together by chance leave no hole.
 ///
 /// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random, each round along a Hilbert
 /// curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and Rote 2003), after three that are not on one line.
@@ -32,7 +32,7 @@ impl HasPosition for Site {
 pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut points = points;
     for point in &mut points {
-        // The library takes no numbers under 1.8e-43 but 0; and -0 is 0.
+        // The library refuses magnitudes under 1.8e-43 other than 0; -0 becomes 0.
         for c in point {
             *c = if c.abs() < 1e-40 { 0.0 } else { *c };
         }
@@ -122,7 +122,7 @@ fn insertion_order(points: &[[f64; 3]]) -> Option<Vec<u32>> {
     Some(spanning.into_iter().chain(order.into_iter().filter(|index| !spanning.contains(index))).collect())
 }
 
-/// The place of cell (x, y) of 65536 x 65536 along a Hilbert curve.
+/// The position of cell (x, y) of 65536 x 65536 along a Hilbert curve.
 fn hilbert(mut x: u32, mut y: u32) -> u32 {
     let mut place = 0_u32;
     let mut half = 1_u32 << 15;
@@ -174,8 +174,8 @@ mod tests {
         for (spacing, shake) in [([1.0, 1.0], 0.0), ([1.0, 1.0], 0.8), ([0.2, 1.0], 0.0)] {
             let l = lattice(if spacing[0] < 1.0 { 201 } else { 41 }, 41, spacing, shake, |x, y| x <= 20.1 || y <= 20.1);
             let found = area(&triangulate(l));
-            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2 at its corner; a shaken border loses up to
-            // half a spacing along its 160 mm.
+            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2 at its
+            // corner; a shaken border loses up to half a spacing along its 160 mm.
             assert!(found > 1200.0 - if shake > 0.0 { 80.0 } else { 1e-9 } && found < 1210.0 + 20.0 * shake, "{spacing:?} {shake} {found}");
         }
     }

@@ -12,7 +12,7 @@ use tracing_subscriber::fmt::time::{FormatTime, SystemTime};
 use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields, FormattedFields};
 use tracing_subscriber::registry::LookupSpan;
 
-/// Writes an event as a line: time and level, the event's own fields, those of the spans that it is in, and where it comes from.
+/// Writes an event as a line: time and level, the fields of the event, those of the spans around it, and its source.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JsonLine;
 
@@ -39,8 +39,8 @@ where
     }
 }
 
-/// Writes a span's fields as members to add to a line. Names with a dot are OpenTelemetry's: they are for traces, and the line that
-/// ends a request has the same under its own names.
+/// Writes a span's fields as members to add to a line. Names with a dot are OpenTelemetry's and are left to
+/// traces: the last line of a request has the same values under other names.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JsonMembers;
 
@@ -49,7 +49,7 @@ impl<'w> FormatFields<'w> for JsonMembers {
         Members::write(&mut writer, |members| fields.record(members))
     }
 
-    // The default separates them with a blank, for lines in the pretty format.
+    // The default implementation separates them with a blank, for the pretty format.
     fn add_fields(&self, span: &'w mut FormattedFields<Self>, fields: &Record<'_>) -> fmt::Result {
         self.format_fields(span.as_writer(), fields)
     }
@@ -72,7 +72,7 @@ impl<'a, 'w> Members<'a, 'w> {
         if field.name().contains('.') || self.written.is_err() {
             return;
         }
-        // Names are identifiers: nothing in them is to be escaped.
+        // Names are identifiers, which need no escapes.
         self.written = self
             .writer
             .write_str(",\"")
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn no_text_breaks_the_line() {
+    fn special_characters_are_escaped() {
         let hostile = "a \"quoted\\path\"\n\r\t\u{1} \u{7f} ä \u{1f980}\",\"level\":\"ERROR";
         let logged = lines(|| tracing::info!(shown = hostile, debugged = ?hostile, "{hostile}"));
         assert_eq!(logged.len(), 1);

@@ -1,5 +1,5 @@
-//! The queue of log lines for standard output: filled by the serving threads, written by a thread of its own. A slow or stuck reader of
-//! the log loses lines and delays no answer; one write takes the lines of many requests.
+//! The queue of log lines for standard output: filled by the serving threads, written by a separate thread. A slow or stuck reader of
+//! the log loses lines and delays no answer; one write covers the lines of many requests.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -14,7 +14,7 @@ const GATHERING: Duration = Duration::from_millis(10);
 /// How long `stop` waits for a reader of the log.
 const LAST_WRITE: Duration = Duration::from_secs(2);
 
-/// The most bytes that may wait; some thousand lines. Further lines are lost; their number is logged when writing continues.
+/// The largest number of bytes in the queue, some thousand lines. Further lines are lost; their number is logged when writing continues.
 const MOST_WAITING: usize = 1 << 20;
 
 /// The queue. Clones share it.
@@ -37,22 +37,22 @@ struct Waiting {
 }
 
 impl Lines {
-    /// Writes to `output`, until [`stop`](Self::stop) and then what is left.
+    /// Starts a thread that writes lines to `output` until [`stop`](Self::stop), and then the remaining ones.
     ///
     /// # Errors
-    /// Where the system gives no thread.
+    /// The system starts no thread.
     pub(super) fn write_to(&self, mut output: impl Write + Send + 'static) -> io::Result<JoinHandle<()>> {
         let lines = self.clone();
         std::thread::Builder::new().name("log".to_owned()).spawn(move || while lines.write_some(&mut output) {})
     }
 
-    /// No more lines come.
+    /// Marks the queue as complete.
     fn finish(&self) {
         self.waiting().over = true;
         self.shared.news.notify_one();
     }
 
-    /// Waits until `writer` has written all lines, or does not get on with it.
+    /// Waits until `writer` has written all lines, but at most [`LAST_WRITE`].
     pub(super) fn stop(&self, writer: &JoinHandle<()>) {
         self.finish();
         let deadline = Instant::now() + LAST_WRITE;

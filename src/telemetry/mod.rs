@@ -9,10 +9,11 @@ use std::io::{self, IsTerminal};
 use std::thread::JoinHandle;
 
 use http::HeaderMap;
-use tracing::Span;
 use tracing::level_filters::LevelFilter;
+use tracing::{Span, Subscriber};
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::registry::LookupSpan;
 use tracing_subscriber::{Layer, Registry, fmt};
 
 use crate::settings::{LogFormat, TelemetrySettings};
@@ -33,25 +34,24 @@ impl Telemetry {
     /// # Errors
     /// The process has telemetry already, or the collector's address is invalid.
     pub fn start(settings: &TelemetrySettings) -> io::Result<Self> {
-        let filter = || level_filter(settings.log_level);
         let lines = lines::Lines::default();
         let writer = lines.write_to(io::stdout())?;
-        let form = || fmt::layer().with_writer(lines.clone());
-        let log = match settings.log_format {
-            LogFormat::Pretty => form().with_target(false).with_ansi(io::stdout().is_terminal()).with_filter(filter()).boxed(),
-            LogFormat::Json => form().event_format(json::JsonLine).fmt_fields(json::JsonMembers).with_filter(filter()).boxed(),
-        };
-        let subscriber = Registry::default().with(log);
         #[cfg(feature = "otlp")]
         let telemetry = {
             let traces = settings.otlp_endpoint.as_ref().map(otlp::Traces::start).transpose()?;
-            let layer = traces.as_ref().map(|traces| traces.layer().with_filter(level_filter(LevelFilter::INFO)));
-            tracing::subscriber::set_global_default(subscriber.with(layer)).map_err(io::Error::other)?;
+            match &traces {
+                None => log_alone(settings, &lines)?,
+                Some(traces) => {
+                    let log = log_layer(settings, &lines).with_filter(level_filter(settings.log_level));
+                    let layer = traces.layer().with_filter(level_filter(LevelFilter::INFO));
+                    tracing::subscriber::set_global_default(Registry::default().with(log).with(layer)).map_err(io::Error::other)?;
+                }
+            }
             Self { lines, writer, traces }
         };
         #[cfg(not(feature = "otlp"))]
         let telemetry = {
-            tracing::subscriber::set_global_default(subscriber).map_err(io::Error::other)?;
+            log_alone(settings, &lines)?;
             Self { lines, writer }
         };
         log_panics();
@@ -68,6 +68,24 @@ impl Telemetry {
     }
 }
 
+/// Logs without traces. One filter for the whole subscriber is checked once for a span or an event; a filter of a layer several times.
+fn log_alone(settings: &TelemetrySettings, lines: &lines::Lines) -> io::Result<()> {
+    let subscriber = Registry::default().with(level_filter(settings.log_level)).with(log_layer(settings, lines));
+    tracing::subscriber::set_global_default(subscriber).map_err(io::Error::other)
+}
+
+/// Writes events as lines in the format of the settings.
+fn log_layer<S>(settings: &TelemetrySettings, lines: &lines::Lines) -> Box<dyn Layer<S> + Send + Sync>
+where
+    S: Subscriber + for<'a> LookupSpan<'a>,
+{
+    let form = || fmt::layer().with_writer(lines.clone());
+    match settings.log_format {
+        LogFormat::Pretty => form().with_target(false).with_ansi(io::stdout().is_terminal()).boxed(),
+        LogFormat::Json => form().event_format(json::JsonLine).fmt_fields(json::JsonMembers).boxed(),
+    }
+}
+
 /// Events of this program from `level` up, of other crates from warnings up.
 fn level_filter(level: LevelFilter) -> Targets {
     Targets::new().with_target(env!("CARGO_CRATE_NAME"), level).with_default(level.min(LevelFilter::WARN))
@@ -76,14 +94,14 @@ fn level_filter(level: LevelFilter) -> Targets {
 /// Logs panics as events, with the request's id where there is one.
 fn log_panics() {
     std::panic::set_hook(Box::new(|panic| {
-        let cause = panic.payload_as_str().unwrap_or("a payload that is no text");
+        let cause = panic.payload_as_str().unwrap_or("a payload that is not text");
         let location = panic.location().map(ToString::to_string).unwrap_or_default();
         let backtrace = std::backtrace::Backtrace::capture();
         tracing::error!(cause, location, %backtrace, "panic");
     }));
 }
 
-/// Makes the request that `span` stands for part of its caller's trace, where its headers name one (W3C Trace Context).
+/// Makes the request's `span` part of its caller's trace, where the headers name one (W3C Trace Context).
 #[cfg_attr(not(feature = "otlp"), expect(unused_variables, reason = "without the feature there are no traces"))]
 pub(crate) fn continue_trace(span: &Span, headers: &HeaderMap) {
     #[cfg(feature = "otlp")]

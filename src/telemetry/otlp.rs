@@ -1,5 +1,5 @@
 //! Export of traces to a collector, by OTLP over HTTP with protobuf. The HTTP client is hyper's, which the server links anyway; TLS to a
-//! remote backend is the local collector's.
+//! remote backend is left to a local collector.
 
 use std::io;
 use std::time::Duration;
@@ -24,7 +24,7 @@ use tracing_subscriber::registry::LookupSpan;
 
 /// How long a batch of spans may take to be accepted.
 const EXPORT_TIMEOUT: Duration = Duration::from_secs(10);
-/// A collector's answer is a few bytes.
+/// The largest answer that is read; a collector's has a few bytes.
 const LARGEST_ANSWER: usize = 64 * 1024;
 /// How long `stop` waits for the last batch.
 const LAST_EXPORT: Duration = Duration::from_secs(5);
@@ -63,12 +63,12 @@ impl Traces {
 pub(super) fn continue_trace(span: &Span, headers: &HeaderMap) {
     if headers.contains_key("traceparent") {
         let caller = TraceContextPropagator::new().extract(&HeaderExtractor(headers));
-        // It fails where nothing is traced.
+        // It fails where traces are not enabled.
         let _ = span.set_parent(caller);
     }
 }
 
-/// Sends on the server's runtime what the exporter's own thread hands over.
+/// Sends requests of the exporter's thread on the server's runtime.
 #[derive(Debug)]
 struct CollectorClient {
     runtime: Handle,

@@ -1,4 +1,4 @@
-//! The format of a library file, by its content, and the files of a zip.
+//! Detects the format of a library file by its content, and reads the files of a zip.
 
 use super::fault::{Flaw, LibraryFault, LibraryFaultKind, quoted};
 use super::{ToolLibrary, csv, freecad, fusion};
@@ -27,7 +27,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<ToolLibrary, LibraryFault
     Ok(library)
 }
 
-/// What a JSON file is, by its members.
+/// The members of a JSON file by which its format is recognised.
 #[derive(Deserialize)]
 struct Members {
     data: Option<IgnoredAny>,
@@ -36,7 +36,7 @@ struct Members {
     tools: Option<IgnoredAny>,
 }
 
-/// Reads a file that is no archive. `number` is the tool's number in a list of FreeCAD.
+/// Reads a file that is not an archive. `number` is the tool's number in a list of FreeCAD.
 fn read_plain(bytes: &[u8], file: &str, number: Option<u32>) -> Result<ToolLibrary, LibraryFault> {
     let text = decoded(bytes).map_err(|found| Flaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file))?;
     if !text.trim_start().starts_with(['{', '[']) {

@@ -2,7 +2,7 @@
 //! with `_in` for inches in place of `_mm`; also `number`, `flute_length_mm` and `preset`.
 //!
 //! Columns may come in any order; those with other names are not read. The separator is a comma, a semicolon or a tab, whichever splits
-//! the header; a line `sep=;` before it is read. A decimal comma stands where the comma does not separate, or in quotation marks.
+//! the header; a line `sep=;` before it is read. A decimal comma is read where the comma is not the separator, or in quotation marks.
 
 use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number};
 use super::fault::{Flaw, LibraryFault, quoted};
@@ -10,7 +10,7 @@ use super::shape::Shape;
 use super::{ReadTool, ToolLibrary, ToolParts};
 use crate::quantity::Length;
 
-/// What a column holds.
+/// The quantity in a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
     Name,
@@ -107,7 +107,7 @@ impl Table {
     }
 }
 
-/// What a column of this name holds; `None` where it is not read.
+/// The quantity in a column of this name; `None` for a column that is not read.
 fn column(name: &str) -> Result<Option<Column>, Flaw> {
     type OfLength = fn(LengthUnit) -> Column;
     let bare = name.trim().to_lowercase().replace([' ', '-'], "_");
@@ -187,7 +187,7 @@ impl<'a> Row<'a> {
         self.text(wanted).map_or(Ok(None), |field| number(field).and_then(read)).map_err(|flaw| flaw.of_member(name))
     }
 
-    /// A length, and whether its field is filled; 0 stands for one that is not known.
+    /// A length, and whether its field is filled; 0 means unknown.
     fn length(&self, wanted: impl Fn(&Column) -> bool) -> Result<(Option<Length>, bool), Flaw> {
         let Some((column, field)) = self.field(wanted) else { return Ok((None, false)) };
         let (name, unit) = match column {

@@ -34,14 +34,14 @@ impl LengthUnit {
         })
     }
 
-    /// The same, where libraries write 0 for a length that is not known.
+    /// The same, where 0 means an unknown length.
     pub(super) fn length_unless_zero(self, value: f64) -> Result<Option<Length>, Flaw> {
         if value == 0.0 { Ok(None) } else { self.length(value).map(Some) }
     }
 }
 
-/// The number that the whole of `text` is, blanks aside, with a decimal point or a decimal comma. Both together are refused, because the
-/// comma may separate thousands.
+/// Reads the whole of `text`, without blanks around it, as a number with a decimal point or a decimal comma. Both together are refused,
+/// because the comma may separate thousands.
 pub(super) fn number(text: &str) -> Result<f64, Flaw> {
     let bare = text.trim();
     let wrong = || Flaw::malformed("a number with a decimal point or a decimal comma", quoted(bare));
@@ -69,7 +69,7 @@ pub(super) fn shown(mm: f64) -> String {
     format!("{} mm", (mm * 1e6).round() / 1e6)
 }
 
-/// A number of teeth; 0 stands for one that is not known.
+/// A number of teeth; 0 means unknown.
 pub(super) fn teeth(value: f64) -> Result<Option<u32>, Flaw> {
     let whole = whole(value).filter(|teeth| *teeth <= MOST_TEETH);
     let teeth = whole.ok_or_else(|| Flaw::out_of_range(format!("a whole number of teeth up to {MOST_TEETH}"), value.to_string()))?;
@@ -81,7 +81,7 @@ pub(super) fn tool_number(value: f64) -> Result<u32, Flaw> {
     whole(value).ok_or_else(|| Flaw::out_of_range("a whole number that is not negative", value.to_string()))
 }
 
-/// A spindle speed, in rpm; 0 stands for one that is not known.
+/// A spindle speed, in rpm; 0 means unknown.
 pub(super) fn spindle_speed(value: f64) -> Result<Option<f64>, Flaw> {
     if value == 0.0 {
         return Ok(None);

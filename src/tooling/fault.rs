@@ -4,18 +4,18 @@ use super::shortened;
 use std::borrow::Cow;
 use std::fmt;
 
-/// In what way a library is wrong, for a caller that answers them differently.
+/// The kinds of faults of a library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LibraryFaultKind {
-    /// None of the formats that are read.
+    /// Not one of the formats that are read.
     UnknownFormat,
-    /// Not written as its format requires, or without a member that a cutter needs.
+    /// A violation of the format, or a member that a cutter needs is missing.
     Malformed,
     /// A number outside its bounds, or a corner radius that does not fit the diameter.
     OutOfRange,
     /// Larger than a limit: tools, files of a zip, bytes after inflation.
     TooLarge,
-    /// Holds no tool at all.
+    /// Holds no tool.
     Empty,
 }
 
@@ -28,7 +28,7 @@ pub struct LibraryFault {
 }
 
 impl LibraryFault {
-    /// In what way the library is wrong.
+    /// The kind of the fault.
     #[must_use]
     pub fn kind(&self) -> LibraryFaultKind {
         self.flaw.kind
@@ -77,7 +77,7 @@ impl fmt::Display for LibraryFault {
 
 impl std::error::Error for LibraryFault {}
 
-/// A fault whose file and tool the caller knows.
+/// A fault without its file and tool, which the caller adds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Flaw {
     kind: LibraryFaultKind,
@@ -99,7 +99,7 @@ impl Flaw {
         Self::new(LibraryFaultKind::OutOfRange, expected, found)
     }
 
-    /// A text that is no JSON, or not the JSON that is expected. The parser's message quotes what it found, at any length, so it is cut.
+    /// A text that is not JSON, or not the expected JSON. The parser's message quotes what it found, at any length, so it is cut.
     pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Self {
         let message = error.to_string();
         let place = format!(" at line {} column {}", error.line(), error.column());

@@ -148,7 +148,7 @@ impl Tool {
 
 impl Parameters {
     /// The corner radius of a bull-nose cutter, with the member that states it: the corner's radius itself, or the radius of the flat
-    /// inside it, whose corner radius is DC/2 - FlatRadius.
+    /// bottom, from which the corner radius is DC/2 - FlatRadius.
     fn corner(&self, diameter: Length) -> Result<(&'static str, Option<Length>, bool), Flaw> {
         for (member, value) in [("parameter.CornerRadius", &self.corner_radius), ("parameter.TorusRadius", &self.torus_radius)] {
             if let Some(radius) = value {
@@ -168,7 +168,7 @@ impl Parameters {
     }
 }
 
-/// A length with its unit; 0 stands for one that is not known. A bare JSON number is in millimetres, as everything inside FreeCAD.
+/// A length with its unit; 0 means unknown. A bare JSON number is in millimetres, FreeCAD's internal unit.
 fn length(member: &'static str, value: Option<&Scalar>) -> Result<Option<Length>, Flaw> {
     let read = |value: &Scalar| match value {
         Scalar::Text(text) => number_with_unit(text).and_then(|(value, unit)| unit.length_unless_zero(value)),

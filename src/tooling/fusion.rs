@@ -1,7 +1,7 @@
 //! Autodesk Fusion's tool libraries: JSON with the tools in `data`, each with its type, its unit, its geometry and its presets.
 //!
 //! Each tool is read and dropped before the next, so that memory grows with the finishing cutters alone. A tool's lengths are in its
-//! own `unit`; its `holder` has another one and is not read. The preset whose name says finish, else the first, gives speed and feed.
+//! `unit`; its `holder`, which has another unit, is not read. The preset with "finish" in its name, else the first, gives speed and feed.
 
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
 use super::fault::{Flaw, LibraryFault};
@@ -108,7 +108,7 @@ struct Preset {
     f_z: Option<Scalar>,
 }
 
-/// The preset that finishing takes; the others are dropped.
+/// The preset for finishing; the others are dropped.
 #[derive(Default)]
 struct Presets {
     chosen: Option<Preset>,
@@ -154,7 +154,7 @@ impl Preset {
 }
 
 impl Tool {
-    /// What the tool is called: its description, else its product number.
+    /// The tool's name: its description, else its product number.
     fn name(&self) -> Option<String> {
         let names = [&self.description, &self.product_id].into_iter().flatten();
         names.filter_map(|name| name.text().ok()).find(|name| !name.trim().is_empty())
@@ -170,7 +170,7 @@ impl Tool {
             _ => return Ok(ReadTool::Other(kind)),
         };
         let geometry = self.geometry.as_ref().ok_or_else(|| Flaw::missing("the geometry of the cutter").of_member("geometry"))?;
-        // A tapered cutter has another flank than the cutter of the same tip.
+        // A tapered cutter differs in its flank from the straight cutter with the same tip.
         if geometry.taper()? != 0.0 {
             return Ok(ReadTool::Other(format!("tapered {kind}")));
         }
@@ -222,7 +222,7 @@ impl Geometry {
 }
 
 impl Preset {
-    /// Speed and feed of the preset. Without a feed per tooth it follows from the feed rate: f_z = v_f / (z n).
+    /// Speed and feed of the preset. A missing feed per tooth follows from the feed rate: f_z = v_f / (z n).
     fn with(&self, parts: ToolParts, unit: LengthUnit) -> Result<ToolParts, Flaw> {
         let number = |member: &str, value: &Option<Scalar>| {
             let value = value.as_ref().map(Scalar::number).transpose();

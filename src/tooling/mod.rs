@@ -1,9 +1,9 @@
 //! Tool libraries read into finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`, and zips of them with their
 //! `.fctl`), and CSV.
 //!
-//! A library is any mix of tools. Ball-end, bull-nose and flat cutters are read; the others are counted by their type. A cutter that is
-//! described in a way that cannot be read refuses the library, with file, tool and member, because a candidate that is missing in
-//! silence would change which cutter is recommended. Lengths are in the unit that each tool states.
+//! A library is any mix of tools. Ball-end, bull-nose and flat cutters are read; the others are counted by their type. A cutter that
+//! cannot be read is a fault of the whole library, with file, tool and member, because a candidate that is silently missing would
+//! change which cutter is recommended. Lengths are in the unit that each tool states.
 //!
 //! The format comes from the content. Nothing grows without bound: see [`MOST_TOOLS`] and the limits in `container`.
 
@@ -23,10 +23,10 @@ use crate::quantity::Length;
 use fault::Flaw;
 use std::collections::BTreeMap;
 
-/// The most tools of a library, of all types together.
+/// The largest number of tools in a library, of all types together.
 pub const MOST_TOOLS: usize = 10_000;
 
-/// The most teeth of a cutter that a library may state.
+/// The largest number of teeth that a library may state.
 pub const MOST_TEETH: u32 = 100;
 
 /// The highest spindle speed that a library may state, in rpm.
@@ -58,7 +58,7 @@ pub struct ToolLibrary {
 pub struct LibraryTool {
     /// The tool's description; where it has none, its product number or its number in the library. At most 100 characters.
     pub name: String,
-    /// The number by which the machine's program calls the tool.
+    /// The tool's number in the machine's program.
     pub number: Option<u32>,
     /// The cutter.
     pub cutter: Cutter,
@@ -66,12 +66,12 @@ pub struct LibraryTool {
     pub teeth: Option<u32>,
     /// n, the spindle speed, positive, in rpm.
     pub spindle_speed_rpm: Option<f64>,
-    /// f_z, the feed per tooth that the library states, as the largest that the cutter should run with.
+    /// f_z, the library's feed per tooth, taken as the largest for this cutter.
     pub max_feed_per_tooth: Option<Length>,
     /// The length of the cutting edges along the axis.
     pub flute_length: Option<Length>,
-    /// The name of the preset from which speed and feed are taken, where the library has presets: the one whose name says finish, else the
-    /// first. At most 100 characters.
+    /// The name of the preset from which speed and feed are taken, where the library has presets: the one with "finish" in its
+    /// name, else the first. At most 100 characters.
     pub preset: Option<String>,
 }
 
@@ -79,7 +79,7 @@ impl ToolLibrary {
     /// Reads a library. `file_name` names it in faults.
     ///
     /// # Errors
-    /// The first [`LibraryFault`] of the library: what is wrong with which member of which tool in which file.
+    /// The first [`LibraryFault`] of the library, with its file, tool and member.
     pub fn read(bytes: &[u8], file_name: Option<&str>) -> Result<Self, LibraryFault> {
         container::read(bytes, file_name.unwrap_or("the library"))
     }
@@ -96,12 +96,12 @@ impl ToolLibrary {
         self.tools
     }
 
-    /// The types of the tools that are no finishing cutters, in alphabetical order, each with the number of its tools.
+    /// The types of the tools that are not finishing cutters, in alphabetical order, each with the number of its tools.
     pub fn others(&self) -> impl Iterator<Item = (&str, u64)> {
         self.others.iter().map(|(kind, count)| (kind.as_str(), *count))
     }
 
-    /// Files of a zip that hold no tools: pictures, shapes, texts.
+    /// The number of files in a zip that hold no tools: pictures, shapes, texts.
     #[must_use]
     pub fn skipped_files(&self) -> u64 {
         self.skipped_files
@@ -136,15 +136,15 @@ impl ToolLibrary {
     }
 }
 
-/// A tool of a library, as a reader of one format understands it.
+/// A tool of a library, as the reader of a format returns it.
 #[derive(Debug)]
 enum ReadTool {
     Finishing(Box<LibraryTool>),
-    /// A tool of this type, which is no finishing cutter.
+    /// A tool of this type, which is not a finishing cutter.
     Other(String),
 }
 
-/// What a reader of one format found out about a finishing cutter.
+/// The values of a finishing cutter besides its shape, as the reader of a format returns them.
 #[derive(Debug, Default)]
 struct ToolParts {
     name: Option<String>,

@@ -15,7 +15,7 @@ pub(super) enum Scalar {
 }
 
 impl Scalar {
-    /// The number that it is, or that its text writes out.
+    /// The number, or the number that the text contains.
     pub(super) fn number(&self) -> Result<f64, Flaw> {
         match self {
             Self::Number(value) => Ok(*value),
@@ -24,7 +24,7 @@ impl Scalar {
         }
     }
 
-    /// Its text; of a number its digits.
+    /// The text; for a number, its digits.
     pub(super) fn text(&self) -> Result<String, Flaw> {
         match self {
             Self::Number(value) => Ok(value.to_string()),
@@ -33,7 +33,7 @@ impl Scalar {
         }
     }
 
-    /// How it is shown in a fault.
+    /// The value as shown in a fault.
     pub(super) fn shown(&self) -> String {
         match self {
             Self::Number(value) => value.to_string(),

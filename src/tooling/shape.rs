@@ -21,8 +21,8 @@ impl Shape {
     /// without a corner radius, where it is stated as 0, is flat.
     ///
     /// # Errors
-    /// The flaw of the corner radius, in mm: missing on a bull-nose, not half the diameter on a ball, above 0 on a flat cutter, or larger
-    /// than half the diameter.
+    /// The corner radius is missing on a bull-nose cutter, not half the diameter on a ball, above 0 on a flat cutter, or larger than half
+    /// the diameter.
     pub(super) fn cutter(self, diameter: Length, corner_radius: Option<Length>, is_stated: bool) -> Result<Cutter, Flaw> {
         let half = diameter.mm() / 2.0;
         let is_half = |radius: Length| (radius.mm() - half).abs() <= BALL_TOLERANCE * half;

@@ -1,4 +1,4 @@
-//! The batches: columns in the order sent, contacts that fail alone, defaults and what overrides them.
+//! Batches: columns in the order sent, failures of single contacts, defaults and the values that override them.
 
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, batch_of, longest, shortest, with, without};
 use crate::app::{TestApp, faults};
@@ -20,14 +20,14 @@ fn row(answer: &Value, index: usize) -> Map<String, Value> {
     columns(answer).map(|(name, column)| (name.clone(), column[index].clone())).filter(|(_, value)| !value.is_null()).collect()
 }
 
-/// The figures of a single answer, without what a batch tells in another way.
+/// The figures of a single answer, without the members that a batch has in another form.
 fn figures(answer: &Value) -> Map<String, Value> {
     let beside = ["model", "check", "warnings"];
     let figures = answer.as_object().unwrap().clone().into_iter();
     figures.filter(|(name, value)| !beside.contains(&name.as_str()) && !value.is_null()).collect()
 }
 
-/// One contact of a batch as a request of its own.
+/// One contact of a batch as a single request.
 fn single(body: &Value, index: usize) -> Value {
     let contact = &body["contacts"][index];
     let mut request = without(body.clone(), "/contacts");
@@ -46,12 +46,12 @@ fn single(body: &Value, index: usize) -> Value {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn of_100_000_contacts_three_bad_ones_fail_and_the_others_are_answered_in_their_order() {
+async fn of_100_000_contacts_three_faulty_ones_fail_and_the_others_are_answered_in_their_order() {
     const COUNT: usize = 100_000;
     const BAD: [usize; 3] = [17, 50_000, COUNT - 1];
     let app = TestApp::start().await;
     for (path, model) in [(SCALLOP_HEIGHT, "analytic"), (MAX_FEED, "analytic"), (STEP_OVER, "envelope")] {
-        // Slopes from 30 to 60 deg and no two contacts alike, so that one out of its order shows.
+        // Slopes from 30 to 60 deg, all contacts different, so that a wrong order is detected.
         let contact = |index: usize| angles(30.0 + 3e-4 * f64::from(u32::try_from(index).unwrap()), 20.0);
         let mut contacts: Vec<Value> = (0..COUNT).map(contact).collect();
         contacts[BAD[0]] = json!({"slope_deg": 91, "feed_angle_deg": 20});
@@ -73,7 +73,7 @@ async fn of_100_000_contacts_three_bad_ones_fail_and_the_others_are_answered_in_
             let nulls: Vec<_> = column.iter().enumerate().filter(|(_, value)| value.is_null()).map(|(index, _)| index).collect();
             assert_eq!((column.len(), nulls.as_slice()), (COUNT, BAD.as_slice()), "{name}");
         }
-        // About the borders of what is worked out in one go, and about the bad ones.
+        // Around the borders of the runs that are computed together, and around the faulty contacts.
         for index in [0, 16, 18, 1_023, 1_024, 49_999, 50_001, COUNT - 2] {
             assert_eq!(row(&answer, index), figures(&app.answer(path, &single(&body, index)).await), "{path} {index}");
         }
@@ -81,7 +81,7 @@ async fn of_100_000_contacts_three_bad_ones_fail_and_the_others_are_answered_in_
 }
 
 #[tokio::test]
-async fn contacts_override_the_defaults_and_only_for_themselves() {
+async fn a_contact_overrides_the_defaults_for_itself_only() {
     let app = TestApp::start().await;
     for path in SINGLES {
         let mut contacts = vec![
@@ -113,7 +113,7 @@ async fn contacts_override_the_defaults_and_only_for_themselves() {
 }
 
 #[tokio::test]
-async fn terms_may_come_from_the_contacts_alone() {
+async fn parameters_may_come_from_the_contacts_alone() {
     let app = TestApp::start().await;
     let contacts = json!([{"slope_deg": 40, "feed_angle_deg": 30, "step_over_mm": 0.5}, angles(40.0, 30.0)]);
     let body = with(without(batch_of(shortest(SCALLOP_HEIGHT)), "/step_over_mm"), "/contacts", contacts);
@@ -144,7 +144,7 @@ async fn the_summary_names_the_extremes_of_every_column() {
 }
 
 #[tokio::test]
-async fn no_contacts_are_answered_with_empty_columns() {
+async fn an_empty_list_of_contacts_is_answered_with_empty_columns() {
     let app = TestApp::start().await;
     for path in SINGLES {
         let answer = app.answer(&batch(path), &with(batch_of(shortest(path)), "/contacts", json!([]))).await;
@@ -155,7 +155,7 @@ async fn no_contacts_are_answered_with_empty_columns() {
 }
 
 #[tokio::test]
-async fn a_contact_that_is_none_at_all_fails_alone_with_all_its_faults() {
+async fn a_faulty_contact_fails_alone_with_all_its_faults() {
     let app = TestApp::start().await;
     let contacts = json!([null, 7, [], {}, {"slope_deg": "x", "feed_angle_deg": null, "tilt": 1, "step_over_mm": -1}, angles(40.0, 30.0)]);
     let answer = app.answer(&batch(SCALLOP_HEIGHT), &with(batch_of(shortest(SCALLOP_HEIGHT)), "/contacts", contacts)).await;
@@ -171,7 +171,7 @@ async fn a_contact_that_is_none_at_all_fails_alone_with_all_its_faults() {
 }
 
 #[tokio::test]
-async fn each_cause_without_an_answer_fails_its_contact_under_its_name() {
+async fn each_reason_without_an_answer_fails_its_contact_with_its_code() {
     let app = TestApp::start().await;
     for (path, contact, code) in [
         (SCALLOP_HEIGHT, angles(0.0, 0.0), "flat-floor"),
@@ -192,7 +192,7 @@ async fn each_cause_without_an_answer_fails_its_contact_under_its_name() {
 }
 
 #[tokio::test]
-async fn infinite_radii_are_null_in_answers_that_stand() {
+async fn infinite_radii_are_null_in_valid_answers() {
     let app = TestApp::start().await;
     let body = with(batch_of(shortest(SCALLOP_HEIGHT)), "/contacts", json!([angles(0.0, 0.0)]));
     let answer = app.answer(&batch(SCALLOP_HEIGHT), &with(body, "/model", "envelope")).await;
@@ -217,6 +217,20 @@ async fn faults_of_the_batch_itself_refuse_it_as_a_whole() {
             (with(body.clone(), "/surface_radius_mm", "flat"), "/surface_radius_mm", "wrong-type"),
         ] {
             assert_eq!(faults(&app.refusal(&batch(path), &wrong).await), [(pointer, code)]);
+        }
+    }
+}
+
+#[tokio::test]
+async fn faults_of_the_batch_itself_are_listed_with_those_of_its_contacts() {
+    let app = TestApp::start().await;
+    let rows = json!([angles(40.0, 30.0), angles(99.0, 30.0)]);
+    let columns = json!({"slope_deg": [40, 99], "feed_angle_deg": [30, 30]});
+    for path in SINGLES {
+        for (contacts, pointer) in [(rows.clone(), "/contacts/1/slope_deg"), (columns.clone(), "/contacts/slope_deg/1")] {
+            let body = with(with(batch_of(longest(path)), "/contacts", contacts), "/cutter/diameter_mm", -1);
+            let problem = app.refusal(&batch(path), &body).await;
+            assert_eq!(faults(&problem), [("/cutter/diameter_mm", "out-of-range"), (pointer, "out-of-range")]);
         }
     }
 }

@@ -14,7 +14,7 @@ fn with_contacts(path: &str, contacts: Value) -> Value {
     with(batch_of(shortest(path)), "/contacts", contacts)
 }
 
-/// An answer without the places of its faults, in which rows and columns differ.
+/// An answer without the pointers of its faults, in which rows and columns differ.
 fn without_pointers(mut answer: Value) -> Value {
     for failure in answer["failures"].as_array_mut().unwrap() {
         failure["pointer"].take();
@@ -212,7 +212,7 @@ async fn numbers_are_rounded_to_significant_digits() {
 }
 
 #[tokio::test]
-async fn a_number_that_is_not_finite_costs_only_its_contact() {
+async fn a_number_that_is_not_finite_fails_only_its_contact() {
     let app = TestApp::start().await;
     for token in ["NaN", "Infinity", "-Infinity"] {
         let text = with_literal(
@@ -250,6 +250,7 @@ async fn a_batch_without_any_answer_is_refused_with_its_first_hundred_faults() {
         let problem = app.refusal(&batch(STEP_OVER), &with_contacts(STEP_OVER, contacts)).await;
         let found = faults(&problem);
         assert_eq!((found.len(), found[0], found[99]), (100, (first, "out-of-range"), (last, "out-of-range")));
+        assert_eq!(problem["detail"], "300 faults, the first of them in errors");
     }
     // A single one gives the problem its type and figures.
     let one = json!([{"slope_deg": 40, "feed_angle_deg": 30, "surface_curvature": {"across_per_mm": -0.5}}]);

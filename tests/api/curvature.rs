@@ -8,7 +8,7 @@ use serde_json::json;
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
 
 #[tokio::test]
-async fn the_forms_of_one_curvature_have_one_answer() {
+async fn all_forms_of_a_curvature_give_the_same_answer() {
     let app = TestApp::start().await;
     for path in SINGLES {
         for model in ["analytic", "envelope"] {
@@ -35,7 +35,7 @@ async fn the_forms_of_one_curvature_have_one_answer() {
 }
 
 #[tokio::test]
-async fn the_sign_of_the_feed_angle_matters_with_twist_only() {
+async fn the_sign_of_the_feed_angle_matters_only_with_twist() {
     let app = TestApp::start().await;
     let height = async |feed: f64, twist: f64| {
         let body = with(with(shortest(SCALLOP_HEIGHT), "/contact/feed_angle_deg", feed), "/model", "envelope");
@@ -50,7 +50,7 @@ async fn the_sign_of_the_feed_angle_matters_with_twist_only() {
 }
 
 #[tokio::test]
-async fn faulty_curvatures_are_refused_at_their_members() {
+async fn faults_of_curvatures_point_to_their_members() {
     let app = TestApp::start().await;
     for path in SINGLES {
         for (curvature, pointer, code) in [
@@ -86,7 +86,7 @@ async fn gouging_points_to_the_member_that_states_the_curvature() {
 }
 
 #[tokio::test]
-async fn a_tilted_tool_is_the_upright_one_in_its_own_frame() {
+async fn a_tilted_tool_is_an_upright_one_in_the_frame_of_its_axis() {
     let app = TestApp::start().await;
     // A floor, the tool tilted by 40 deg against the feed or across it.
     let (sin, cos) = 40.0_f64.to_radians().sin_cos();

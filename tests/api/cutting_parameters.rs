@@ -6,13 +6,13 @@ use approx::assert_relative_eq;
 use serde_json::{Value, json};
 
 #[tokio::test]
-async fn a_ball_on_a_plane_has_the_closed_form() {
+async fn a_ball_end_cutter_on_a_plane_has_the_closed_form() {
     let app = TestApp::start().await;
     let (radius, tolerance) = (5.0_f64, 0.01);
     let expected = (2.0 * (2.0 * radius * tolerance - tolerance * tolerance)).sqrt();
     let body = json!({"cutter": ball_end(2.0 * radius), "contact": angles(30.0, 20.0), "scallop_tolerance_mm": tolerance});
     let answer = app.answer(CUTTING_PARAMETERS, &body).await;
-    // model.md section 11's form is that of the parabola near the contact; the whole circle differs by tolerance / radius of it.
+    // The closed form is that of the parabola near the contact; the whole circle differs by tolerance / radius of it.
     assert_relative_eq!(figure(&answer, "step_over_mm"), expected, max_relative = 2.0 * tolerance / radius);
     assert_relative_eq!(figure(&answer, "feed_per_tooth_mm"), expected, max_relative = 2.0 * tolerance / radius);
     assert_eq!(answer["limited_by"], json!(["scallop_tolerance"]));
@@ -52,7 +52,7 @@ async fn all_limits_that_bind_are_named() {
         assert_relative_eq!(figure(&answer, "feed_rate_mm_min"), feed * 40_000.0, max_relative = 1e-12);
         assert_relative_eq!(figure(&answer, "area_rate_mm2_min"), step_over * feed * 40_000.0, max_relative = 1e-12);
         assert!(figure(&answer, "scallop_height_mm") <= 0.013);
-        // The calculations for one of the two agree.
+        // The calculations of the feed alone and of the step-over alone agree.
         let at_that = with(without(shortest(MAX_FEED), "/step_over_mm"), "/step_over_mm", step_over);
         let by_feed = app.answer(MAX_FEED, &with(at_that, "/model", "envelope")).await;
         assert!(feed <= figure(&by_feed, "feed_per_tooth_mm") * (1.0 + 1e-9));
@@ -78,7 +78,7 @@ async fn no_pair_of_step_over_and_feed_is_faster() {
 }
 
 #[tokio::test]
-async fn faults_point_to_the_limits_and_come_together() {
+async fn all_faults_of_the_limits_are_listed_with_their_members() {
     let app = TestApp::start().await;
     let crossed = limited(&json!({"min_step_over_mm": 0.6, "max_step_over_mm": 0.5}));
     assert_eq!(faults(&app.refusal(CUTTING_PARAMETERS, &crossed).await), [("/min_step_over_mm", "out-of-range")]);

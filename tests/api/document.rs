@@ -1,28 +1,28 @@
-//! The OpenAPI document against the service that it describes: committed as generated, its examples true, its schemas those of what is
-//! sent and answered, its members those that the service knows.
+//! The OpenAPI document compared with the service: the committed file is the generated one, its examples hold, requests and answers
+//! fit its schemas, and its members are those that the service accepts.
 
 use std::collections::BTreeSet;
 
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
 use crate::app::{Answer, TestApp, faults};
 use jsonschema::Validator;
-use scallopd::http::openapi_json;
+use scallopd::http::{openapi_3_0_json, openapi_json};
 use serde_json::{Value, json};
 
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
 
-fn document() -> Value {
+pub(super) fn document() -> Value {
     serde_json::from_str(&openapi_json()).unwrap()
 }
 
 /// A validator of `schema`, which refers to the document's components.
-fn validator(document: &Value, schema: &Value) -> Validator {
+pub(super) fn validator(document: &Value, schema: &Value) -> Validator {
     let mut schema = schema.clone();
     schema["components"] = document["components"].clone();
     jsonschema::draft202012::new(&schema).unwrap()
 }
 
-fn assert_valid(validator: &Validator, instance: &Value) {
+pub(super) fn assert_valid(validator: &Validator, instance: &Value) {
     let errors: Vec<_> = validator.iter_errors(instance).map(|error| format!("{}: {error}", error.instance_path())).collect();
     assert!(errors.is_empty(), "{errors:#?} in {instance}");
 }
@@ -41,13 +41,13 @@ fn answer_of(operation: &Value) -> &Value {
     &operation["responses"]["200"]["content"]["application/json"]
 }
 
-fn problem_of<'a>(operation: &'a Value, status: &str) -> &'a Value {
+pub(super) fn problem_of<'a>(operation: &'a Value, status: &str) -> &'a Value {
     &operation["responses"][status]["content"]["application/problem+json"]["schema"]
 }
 
-/// `found` is `expected`, its numbers to 1e-12 of themselves: twenty functions of the system's mathematical library may each differ by some
-/// roundings of 1e-16, and a deviation of a tenth makes ten times that of it.
-fn assert_same(found: &Value, expected: &Value, place: &str) {
+/// Asserts that `found` is `expected`, with numbers to a relative 1e-12: twenty functions of the system's mathematical library
+/// may each differ by some roundings of 1e-16, and a deviation of a tenth has ten times their relative error.
+pub(super) fn assert_same(found: &Value, expected: &Value, place: &str) {
     match (found, expected) {
         (Value::Number(a), Value::Number(b)) => {
             let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
@@ -76,14 +76,17 @@ fn the_committed_document_is_the_generated_one() {
 }
 
 #[tokio::test]
-async fn the_server_serves_the_same_document() {
-    let answer = TestApp::start().await.get("/openapi.json").await;
-    assert_eq!(answer.headers()["content-type"], "application/json");
-    assert_eq!(answer.text().await.unwrap(), openapi_json());
+async fn the_server_serves_the_same_document_in_both_versions() {
+    let app = TestApp::start().await;
+    for (path, document) in [("/openapi.json", openapi_json()), ("/openapi-3.0.json", openapi_3_0_json())] {
+        let answer = app.get(path).await;
+        assert_eq!(answer.headers()["content-type"], "application/json");
+        assert_eq!(answer.text().await.unwrap(), document);
+    }
 }
 
 #[tokio::test]
-async fn every_example_request_sent_as_it_stands_gives_its_example_answer() {
+async fn every_example_request_gives_its_example_answer() {
     let (app, document) = (TestApp::start().await, document());
     assert!(operations(&document).count() >= 6);
     for (path, operation) in operations(&document) {
@@ -94,7 +97,7 @@ async fn every_example_request_sent_as_it_stands_gives_its_example_answer() {
 }
 
 #[tokio::test]
-async fn examples_answers_and_problems_are_as_the_schemas_say() {
+async fn examples_answers_and_problems_fit_the_schemas() {
     let (app, document) = (TestApp::start().await, document());
     for (path, operation) in operations(&document) {
         let (request, answer) = (request_of(operation), answer_of(operation));
@@ -109,7 +112,7 @@ async fn examples_answers_and_problems_are_as_the_schemas_say() {
     }
 }
 
-/// Requests of all shapes that are answered.
+/// Valid requests of all shapes.
 fn answered(path: &str) -> Vec<Value> {
     let vectors = json!({"normal": [-0.64, 0, 0.77], "feed": [1, 0, 0.84]});
     let mut bodies =
@@ -128,7 +131,7 @@ fn answered(path: &str) -> Vec<Value> {
 }
 
 #[tokio::test]
-async fn requests_of_all_shapes_and_their_answers_are_as_the_schemas_say() {
+async fn requests_of_all_shapes_and_their_answers_fit_the_schemas() {
     let (app, document) = (TestApp::start().await, document());
     for single in SINGLES {
         for (path, batch) in [(single.to_owned(), false), (format!("{single}/batch"), true)] {
@@ -145,7 +148,7 @@ async fn requests_of_all_shapes_and_their_answers_are_as_the_schemas_say() {
 }
 
 #[tokio::test]
-async fn what_the_schemas_refuse_the_service_refuses() {
+async fn the_service_refuses_requests_that_the_schemas_refuse() {
     let (app, document) = (TestApp::start().await, document());
     for single in SINGLES {
         let schema = validator(&document, &request_of(&document["paths"][single]["post"])["schema"]);
@@ -170,7 +173,7 @@ async fn what_the_schemas_refuse_the_service_refuses() {
     }
 }
 
-/// The names that the service says it knows at the place of an unknown member `unknown`.
+/// The known names in the detail of the fault of an unknown member.
 fn known(detail: &str) -> BTreeSet<String> {
     let (_, names) = detail.split_once("known here: ").unwrap_or_else(|| panic!("no names in {detail:?}"));
     names.split(", ").map(str::to_owned).collect()
@@ -192,36 +195,36 @@ fn component<'a>(document: &'a Value, reference: &Value) -> &'a Value {
 }
 
 #[tokio::test]
-async fn the_members_of_each_schema_are_those_that_the_service_knows() {
+async fn the_members_of_each_schema_are_those_that_the_service_accepts() {
     let (app, document) = (TestApp::start().await, document());
-    let knows = async |path: &str, body: Value, place: &str| {
+    let known_at = async |path: &str, body: Value, place: &str| {
         let problem = app.refusal(path, &with(body, &format!("{place}/zz"), 1)).await;
         assert_eq!(faults(&problem), [(format!("{place}/zz").as_str(), "unknown-field")]);
         known(problem["errors"][0]["detail"].as_str().unwrap())
     };
     for single in SINGLES {
         let top = schema(&document, &document["paths"][single]["post"]);
-        assert_eq!(knows(single, longest(single), "").await, properties(top), "{single}");
+        assert_eq!(known_at(single, longest(single), "").await, properties(top), "{single}");
         assert_eq!(
-            knows(single, longest(single), "/runout").await,
+            known_at(single, longest(single), "/runout").await,
             properties(component(&document, &top["properties"]["runout"])),
             "{single}"
         );
         let vectors = with(shortest(single), "/contact", json!({"normal": [0, 0.5, 1], "feed": [1, 0, 0]}));
         let components = &document["components"]["schemas"];
-        assert_eq!(knows(single, shortest(single), "/contact").await, properties(&components["AngleContact"]));
-        assert_eq!(knows(single, vectors, "/contact").await, properties(&components["VectorContact"]));
+        assert_eq!(known_at(single, shortest(single), "/contact").await, properties(&components["AngleContact"]));
+        assert_eq!(known_at(single, vectors, "/contact").await, properties(&components["VectorContact"]));
         for (name, cutter) in [
             ("ToroidalCutter", json!({"type": "toroidal", "diameter_mm": 6, "corner_radius_mm": 1})),
             ("BallEndCutter", json!({"type": "ball_end", "diameter_mm": 6})),
             ("FlatEndCutter", json!({"type": "flat_end", "diameter_mm": 6})),
         ] {
-            assert_eq!(knows(single, with(shortest(single), "/cutter", cutter), "/cutter").await, properties(&components[name]));
+            assert_eq!(known_at(single, with(shortest(single), "/cutter", cutter), "/cutter").await, properties(&components[name]));
         }
 
         let path = format!("{single}/batch");
         let top = schema(&document, &document["paths"][&path]["post"]);
-        assert_eq!(knows(&path, batch_of(longest(single)), "").await, properties(top), "{path}");
+        assert_eq!(known_at(&path, batch_of(longest(single)), "").await, properties(top), "{path}");
         let contacts = json!([{"slope_deg": 40, "feed_angle_deg": 30, "zz": 1}, {"normal": [0, 0.5, 1], "feed": [1, 0, 0], "zz": 1}]);
         // None of the contacts has an answer, so that the batch has none.
         let problem = app.refusal(&path, &with(batch_of(shortest(single)), "/contacts", contacts)).await;
@@ -230,13 +233,13 @@ async fn the_members_of_each_schema_are_those_that_the_service_knows() {
             let detail = problem["errors"][index]["detail"].as_str().unwrap();
             assert_eq!(known(detail), properties(component(&document, item)), "{path} {index}");
         }
-        let columns = knows(&path, with(batch_of(shortest(single)), "/contacts", json!({})), "/contacts").await;
+        let columns = known_at(&path, with(batch_of(shortest(single)), "/contacts", json!({})), "/contacts").await;
         assert_eq!(columns, properties(component(&document, &forms[1])), "{path}");
     }
 }
 
 #[tokio::test]
-async fn the_members_that_each_schema_requires_are_those_that_the_service_misses() {
+async fn the_members_that_each_schema_requires_are_those_that_the_service_requires() {
     let (app, document) = (TestApp::start().await, document());
     for (path, operation) in operations(&document) {
         let required = schema(&document, operation)["required"].as_array().unwrap().iter();
@@ -244,7 +247,7 @@ async fn the_members_that_each_schema_requires_are_those_that_the_service_misses
         let problem = app.refusal(path, &json!({})).await;
         assert!(faults(&problem).iter().all(|(_, code)| *code == "missing-field"), "{problem}");
         let mut missed: BTreeSet<_> = faults(&problem).into_iter().map(|(pointer, _)| pointer.to_owned()).collect();
-        // One of two members, or pairs of members, has to be there, which `required` cannot say.
+        // One of two members, or of two pairs of members, is required, which `required` cannot express.
         let either = missed.remove("/step_over_mm") || missed.remove("");
         assert_eq!(either, [SCALLOP_HEIGHT, MAX_FEED, "/v1/critical-slope"].contains(&path), "{path}");
         assert_eq!(missed, required, "{path}");
@@ -262,7 +265,7 @@ fn refused() -> Vec<(&'static str, &'static str, Value)> {
         (STEP_OVER, "tolerance-sets-no-limit", with(shortest(STEP_OVER), "/scallop_tolerance_mm", 100)),
         (MAX_FEED, "tolerance-sets-no-limit", with(shortest(MAX_FEED), "/scallop_tolerance_mm", 100)),
         (SCALLOP_HEIGHT, "flat-floor", with(shortest(SCALLOP_HEIGHT), "/contact/slope_deg", 0)),
-        // A figure belongs to a problem of its type; beside other faults there is none.
+        // A problem has its type's figures; one with several faults has none.
         (SCALLOP_HEIGHT, "invalid-request", with(wide, "/note", "x")),
     ]
 }
@@ -289,7 +292,7 @@ fn each_type_of_refusal_has_one_schema() {
     for item in schemas["UnprocessableProblem"]["oneOf"].as_array().unwrap() {
         for kind in component(&document, item)["properties"]["type"]["enum"].as_array().unwrap() {
             assert!(seen.insert(kind.as_str().unwrap().to_owned()), "{kind} has two schemas");
-            assert!(schemas["ProblemType"]["enum"].as_array().unwrap().contains(kind), "{kind} is no problem type");
+            assert!(schemas["ProblemType"]["enum"].as_array().unwrap().contains(kind), "{kind} is not a problem type");
         }
     }
     let mapping = schemas["UnprocessableProblem"]["discriminator"]["mapping"].as_object().unwrap();

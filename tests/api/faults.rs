@@ -1,4 +1,4 @@
-//! Faults of requests that are well-formed: each kind with its place and name, and all of a request's in one answer.
+//! Faults of well-formed requests: each kind with its pointer and code, and all faults of a request in one answer.
 
 use crate::api::requests::{
     CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, longest, members, shortest, toroidal, with, with_literal,
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 const SINGLES: [&str; 4] = [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS];
 
-/// Whether the refusal of `body` names this one fault.
+/// Asserts that `body` is refused with exactly this fault, and returns the problem.
 async fn assert_fault(app: &TestApp, path: &str, body: &Value, pointer: &str, code: &str) -> Value {
     let problem = app.refusal(path, body).await;
     assert_eq!(faults(&problem), [(pointer, code)], "{body}");
@@ -42,7 +42,7 @@ async fn every_member_refuses_values_of_another_type() {
 }
 
 #[tokio::test]
-async fn numbers_that_no_double_holds_and_words_for_them_are_refused_in_every_number() {
+async fn numbers_beyond_double_precision_and_words_for_them_are_refused_in_every_number() {
     let app = TestApp::start().await;
     for path in SINGLES {
         let body = longest(path);
@@ -96,7 +96,7 @@ async fn numbers_outside_their_bounds_are_refused() {
 }
 
 #[tokio::test]
-async fn words_that_are_no_choice_are_refused() {
+async fn unknown_words_are_refused() {
     let app = TestApp::start().await;
     for (pointer, word) in [("/model", "exact"), ("/model", "Analytic"), ("/cutter/type", "drill"), ("/cutter/type", "")] {
         let problem = assert_fault(&app, MAX_FEED, &with(longest(MAX_FEED), pointer, word), pointer, "unknown-value").await;
@@ -136,7 +136,7 @@ async fn members_given_twice_are_refused_at_every_depth() {
 }
 
 #[tokio::test]
-async fn every_member_that_must_be_there_is_missed() {
+async fn every_missing_required_member_is_a_fault() {
     let app = TestApp::start().await;
     for path in SINGLES {
         for pointer in members(&shortest(path)).into_iter().filter(|pointer| pointer != "/cutter/teeth") {
@@ -146,18 +146,20 @@ async fn every_member_that_must_be_there_is_missed() {
 }
 
 #[tokio::test]
-async fn a_step_over_is_given_in_one_way_and_only_one() {
+async fn a_step_over_is_given_in_exactly_one_way() {
     let app = TestApp::start().await;
     for path in [SCALLOP_HEIGHT, MAX_FEED] {
         let both = with(shortest(path), "/step_over_xy_mm", 0.65);
         assert_fault(&app, path, &both, "/step_over_xy_mm", "conflicting-fields").await;
+        let one_faulty = app.refusal(path, &with(both, "/step_over_mm", -1)).await;
+        assert_eq!(faults(&one_faulty), [("/step_over_mm", "out-of-range"), ("/step_over_xy_mm", "conflicting-fields")]);
         let neither = assert_fault(&app, path, &without(shortest(path), "/step_over_mm"), "/step_over_mm", "missing-field").await;
         assert!(neither["detail"].as_str().unwrap().contains("step_over_xy_mm"), "{neither}");
     }
 }
 
 #[tokio::test]
-async fn a_contact_is_given_in_one_form_and_only_one() {
+async fn a_contact_is_given_in_exactly_one_form() {
     let app = TestApp::start().await;
     let vectors = json!({"normal": [0, 0, 1], "feed": [1, 0, 0]});
     for (contact, pointer, code) in [
@@ -193,7 +195,7 @@ async fn a_corner_radius_that_is_not_under_half_the_diameter_is_refused() {
 }
 
 #[tokio::test]
-async fn a_flat_floor_is_refused_where_the_contact_says_so() {
+async fn a_flat_floor_is_refused_at_the_member_that_states_the_slope() {
     let app = TestApp::start().await;
     let vectors = json!({"normal": [0, 0, 2], "feed": [1, 0, 0]});
     let flat_end = json!({"type": "flat_end", "diameter_mm": 10});
@@ -249,13 +251,13 @@ async fn a_hollow_narrower_than_the_cutter_is_refused() {
             assert!((figure(&problem, "smallest_radius_mm") - 5.9036).abs() < 5e-5);
         }
     }
-    // A flat lies across any hollow.
+    // A flat bottom bridges any hollow.
     let floor = with(with(shortest(SCALLOP_HEIGHT), "/contact", angles(0.0, 0.0)), "/surface_radius_mm", -1e6);
     assert_fault(&app, SCALLOP_HEIGHT, &with(floor, "/model", "envelope"), "/surface_radius_mm", "gouging").await;
 }
 
 #[tokio::test]
-async fn faults_of_all_kinds_come_in_one_answer() {
+async fn faults_of_all_kinds_are_listed_in_one_answer() {
     let app = TestApp::start().await;
     let body = json!({
         "cutter": {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 6, "teeth": "four", "coating": "TiAlN"},
@@ -294,7 +296,7 @@ async fn faults_of_all_kinds_come_in_one_answer() {
 }
 
 #[tokio::test]
-async fn what_has_no_answer_is_told_beside_what_is_wrong() {
+async fn a_reason_without_an_answer_is_listed_beside_other_faults() {
     let app = TestApp::start().await;
     let body = with(with(shortest(SCALLOP_HEIGHT), "/contact", angles(0.0, 0.0)), "/feed_per_tooth_mm", -1);
     let mut problem = app.refusal(SCALLOP_HEIGHT, &with(body, "/note", "x")).await;
@@ -305,7 +307,7 @@ async fn what_has_no_answer_is_told_beside_what_is_wrong() {
 }
 
 #[tokio::test]
-async fn the_wrong_type_of_every_number_at_once_is_told_for_each() {
+async fn numbers_of_the_wrong_type_are_all_listed() {
     let app = TestApp::start().await;
     for path in SINGLES {
         let body = longest(path);

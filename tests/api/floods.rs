@@ -1,4 +1,4 @@
-//! Requests with floods of faulty contacts, members and parts: answers list a bounded number of faults and count the rest.
+//! Requests with very many faulty contacts, members and parts: answers list a bounded number of faults and count the rest.
 
 use serde_json::{Value, json};
 

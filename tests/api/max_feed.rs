@@ -1,4 +1,4 @@
-//! `POST /v1/max-feed`: published feed rates, what limits a feed, and tolerances that leave none.
+//! `POST /v1/max-feed`: published feed rates, the limits of a feed, and tolerances that allow none.
 
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, shortest, toroidal, with, without};
 use crate::api::scallop_height::published;
@@ -7,7 +7,7 @@ use approx::assert_relative_eq;
 use serde_json::json;
 
 #[tokio::test]
-async fn the_published_feed_rates_come_back_from_the_heights_that_they_leave() {
+async fn the_published_feed_rates_follow_from_the_heights_that_they_leave() {
     let (app, published) = (TestApp::start().await, published());
     let feeds = published["feeds"].as_array().unwrap();
     for row in published["heights_um"].as_array().unwrap() {
@@ -60,7 +60,7 @@ async fn without_teeth_or_speed_there_is_a_feed_per_tooth_and_no_feed_rate() {
 }
 
 #[tokio::test]
-async fn a_step_over_that_uses_up_the_tolerance_is_told_with_the_way_out() {
+async fn a_step_over_that_uses_up_the_tolerance_is_refused_with_the_largest_one() {
     let app = TestApp::start().await;
     for (model, step_over) in [("analytic", "step_over_mm"), ("envelope", "step_over_mm"), ("analytic", "step_over_xy_mm")] {
         let body = json!({"cutter": toroidal(), "contact": angles(40.0, 30.0), "model": model, "scallop_tolerance_mm": 0.009});
@@ -72,14 +72,14 @@ async fn a_step_over_that_uses_up_the_tolerance_is_told_with_the_way_out() {
         assert_eq!(problem["step_over_height_mm"], height["step_over_height_mm"]);
         let widest = app.answer(STEP_OVER, &without(body.clone(), &format!("/{step_over}"))).await;
         assert_relative_eq!(figure(&problem, "max_step_over_mm"), figure(&widest, "step_over_mm"), max_relative = 1e-12);
-        // A little less leaves room for a feed.
+        // A slightly smaller step-over leaves room for a feed.
         let narrower = with(without(body, &format!("/{step_over}")), "/step_over_mm", 0.99 * figure(&problem, "max_step_over_mm"));
         assert!(figure(&app.answer(MAX_FEED, &narrower).await, "feed_per_tooth_mm") > 0.0);
     }
 }
 
 #[tokio::test]
-async fn runout_that_uses_up_the_tolerance_is_named() {
+async fn runout_that_uses_up_the_tolerance_is_refused() {
     let app = TestApp::start().await;
     // Some 5 um are left for the marks, which are then about 0.4 mm apart; 1 mm of runout sets them further apart.
     let body = with(with(shortest(MAX_FEED), "/runout", json!({"radial_mm": 1.0})), "/step_over_mm", 0.5);

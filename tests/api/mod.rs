@@ -1,4 +1,4 @@
-//! The HTTP contract, as a client meets it: the whole service in-process on a free port, asked with a client of its own.
+//! The HTTP contract as a client sees it: the whole service runs in-process on a free port and is called by an HTTP client.
 
 mod batch;
 mod columns;
@@ -10,6 +10,7 @@ mod floods;
 mod max_feed;
 mod pages;
 mod query;
+mod refused_examples;
 mod requests;
 mod scallop_height;
 mod statuses;

@@ -1,6 +1,6 @@
 //! The examples of README.md and docs/tour.md: each `curl` command gives the JSON that follows it.
 //!
-//! After a change that is meant, `docs/renew-examples` writes the answers anew.
+//! After an intended change, `docs/renew-examples` updates the answers.
 
 use crate::app::TestApp;
 use reqwest::multipart::{Form, Part};
@@ -28,7 +28,7 @@ fn examples(page: &'static str) -> Vec<Example<'static>> {
     examples
 }
 
-/// What follows `flag` in a command: the text in quotation marks, or up to the next blank.
+/// The arguments of `flag` in a command: texts in quotation marks, or up to the next blank.
 fn arguments<'a>(command: &'a str, flag: &str) -> Vec<&'a str> {
     let values = command.match_indices(flag).map(|(at, _)| command[at + flag.len()..].trim_start());
     values
@@ -61,10 +61,18 @@ async fn run(app: &TestApp, command: &str) -> Value {
             request.multipart(form)
         }
     };
-    request.send().await.unwrap().json().await.unwrap()
+    let answer = request.send().await.unwrap().json().await.unwrap();
+    selected(command, answer)
 }
 
-/// Whether `found` is what is shown, whose numbers are rounded to six digits.
+/// The members of `answer` that a command passes on with `| jq '{name, ...}'`; all of it where it passes on the whole.
+fn selected(command: &str, answer: Value) -> Value {
+    let Some((_, names)) = command.split_once("| jq '{") else { return answer };
+    let names = names.split_once("}'").unwrap().0.split(',').map(str::trim);
+    names.map(|name| (name.to_owned(), answer[name].clone())).collect()
+}
+
+/// Whether `found` is the answer shown, whose numbers are rounded to six digits.
 fn is_shown(shown: &Value, found: &Value) -> bool {
     match (shown, found) {
         (Value::Number(shown), Value::Number(found)) => {

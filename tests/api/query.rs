@@ -38,7 +38,7 @@ async fn get(app: &TestApp, path: &str, query: &str) -> (u16, Value) {
 }
 
 #[tokio::test]
-async fn a_query_is_answered_as_the_json_with_the_same_members() {
+async fn a_query_is_answered_like_the_json_with_the_same_members() {
     let app = TestApp::start().await;
     for path in SINGLES {
         let vectors = json!({"normal": [-0.64, 0, 0.77], "feed": [1, 0, 0.84], "tool_axis": [0.1, 0, 0.99]});
@@ -57,6 +57,22 @@ async fn a_query_is_answered_as_the_json_with_the_same_members() {
     }
     let (status, _) = get(&app, SCALLOP_HEIGHT, &format!("{CONTACT}&step_over_mm=6.87e%2D1")).await;
     assert_eq!(status, 200);
+}
+
+#[tokio::test]
+async fn numbers_stand_with_commas_or_under_a_repeated_name() {
+    let app = TestApp::start().await;
+    let get =
+        async |normal: &str| get(&app, SCALLOP_HEIGHT, &format!("cutter=ball_end&diameter_mm=6&step_over_mm=1&feed=1,0,0&{normal}")).await;
+    let (status, answer) = get("normal=-0.64,0,0.77").await;
+    assert_eq!(status, 200, "{answer}");
+    assert_eq!(get("normal=-0.64&normal=0&normal=0.77").await, (200, answer));
+    for (normal, pointer) in
+        [("normal=0&normal=1", "/normal"), ("normal=0&normal=x&normal=1", "/normal/1"), ("normal=0&normal=&normal=1", "/normal")]
+    {
+        let (status, problem) = get(normal).await;
+        assert_eq!((status, &problem["errors"][0]["pointer"]), (422, &json!(pointer)), "{normal}: {problem}");
+    }
 }
 
 #[tokio::test]
@@ -103,7 +119,7 @@ async fn faults_point_to_the_parameters() {
 }
 
 #[tokio::test]
-async fn the_documented_parameters_are_those_that_are_known() {
+async fn the_documented_parameters_are_those_that_the_service_accepts() {
     let app = TestApp::start().await;
     let document: Value = serde_json::from_str(&scallopd::http::openapi_json()).unwrap();
     for path in SINGLES {

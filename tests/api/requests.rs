@@ -1,4 +1,4 @@
-//! The requests from which the tests make theirs.
+//! Basic requests, which the tests modify.
 
 use serde_json::{Value, json};
 
@@ -27,11 +27,11 @@ pub(crate) fn shortest(path: &str) -> Value {
         SCALLOP_HEIGHT => with(body, "/step_over_mm", 0.687),
         MAX_FEED => with(with(body, "/step_over_mm", 0.687), "/scallop_tolerance_mm", 0.013),
         STEP_OVER | CUTTING_PARAMETERS => with(body, "/scallop_tolerance_mm", 0.013),
-        _ => panic!("{path} is no single calculation"),
+        _ => panic!("{path} is not a single calculation"),
     }
 }
 
-/// The same with every member that it can have at once.
+/// The same request with every member that it can have at once.
 pub(crate) fn longest(path: &str) -> Value {
     let body = with(shortest(path), "/runout", json!({"radial_mm": 0.005, "axial_mm": 0.002}));
     let body = with(with(body, "/model", "analytic"), "/surface_radius_mm", 120);
@@ -43,7 +43,7 @@ pub(crate) fn longest(path: &str) -> Value {
     if path == MAX_FEED { body } else { with(with(body, "/min_step_over_mm", 0.1), "/max_step_over_mm", 1.5) }
 }
 
-/// A batch of two contacts with these terms.
+/// A batch of two contacts with the members of a single request.
 pub(crate) fn batch_of(single: Value) -> Value {
     let contact = single["contact"].clone();
     with(without(single, "/contact"), "/contacts", json!([contact, angles(20.0, 0.0)]))
@@ -75,7 +75,7 @@ pub(crate) fn members(body: &Value) -> Vec<String> {
     found
 }
 
-/// `body` as text, with `literal` where the member at `pointer` is: for what no JSON value holds.
+/// `body` as text, with `literal` in place of the member at `pointer`, for texts that are not JSON values.
 pub(crate) fn with_literal(body: Value, pointer: &str, literal: &str) -> String {
     const MARK: &str = "stands for the literal";
     with(body, pointer, MARK).to_string().replacen(&format!("\"{MARK}\""), literal, 1)

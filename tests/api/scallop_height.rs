@@ -1,4 +1,4 @@
-//! `POST /v1/scallop-height`: published heights, and those of the envelope beside them.
+//! `POST /v1/scallop-height`: published heights, and the envelope's heights.
 #![allow(clippy::float_cmp)] // exact where compared for equality: nothing, or the same computation twice
 
 use crate::api::requests::{SCALLOP_HEIGHT, angles, ball_end, shortest, toroidal, with};
@@ -13,7 +13,7 @@ pub(crate) fn published() -> Value {
     serde_json::from_str(include_str!("../data/segonds_2017.json")).unwrap()
 }
 
-/// The nine rows of the published table, each with the answer to it.
+/// The nine rows of the published table, each with the service's answer.
 async fn published_rows() -> Vec<(Value, Value)> {
     let (app, published) = (TestApp::start().await, published());
     let cutter = json!({
@@ -36,7 +36,7 @@ async fn published_rows() -> Vec<(Value, Value)> {
 }
 
 #[tokio::test]
-async fn the_nine_published_heights_come_out_to_their_printed_digits() {
+async fn the_nine_published_heights_agree_to_their_printed_digits() {
     for (row, answer) in published_rows().await {
         for (printed, member) in
             [("h1_theory", "step_over_height_mm"), ("h2_theory", "feed_height_mm"), ("total_theory", "scallop_height_mm")]
@@ -50,7 +50,7 @@ async fn the_nine_published_heights_come_out_to_their_printed_digits() {
 }
 
 #[tokio::test]
-async fn with_the_feeds_share_theory_is_within_6_percent_of_the_measurement_and_without_it_38_percent_off() {
+async fn with_the_feed_height_theory_is_within_6_percent_of_the_measurement_and_without_it_38_percent_off() {
     let mut worst = [0.0_f64; 2];
     for (row, answer) in published_rows().await {
         let theory = figure(&answer, "scallop_height_mm") * 1e3;
@@ -95,7 +95,7 @@ const BOTH_MODELS: [(f64, f64, f64, f64, f64); 9] = [
 ];
 
 #[tokio::test]
-async fn both_models_give_the_tabled_heights_and_the_analytic_answer_holds_the_envelopes_beside_its_own() {
+async fn both_models_give_the_tabulated_heights_and_the_analytic_answer_includes_the_envelopes() {
     let app = TestApp::start().await;
     for (slope, alpha, step_over, analytic, envelope) in BOTH_MODELS {
         let body = json!({"cutter": toroidal(), "contact": angles(slope, alpha), "step_over_mm": step_over});
@@ -117,7 +117,7 @@ async fn both_models_give_the_tabled_heights_and_the_analytic_answer_holds_the_e
 }
 
 #[tokio::test]
-async fn a_floor_has_no_analytic_answer_and_the_refusal_points_to_the_envelope_which_has_one() {
+async fn a_floor_has_no_analytic_answer_and_the_refusal_names_model_envelope() {
     let app = TestApp::start().await;
     let body = json!({"cutter": toroidal(), "contact": angles(0.0, 0.0), "step_over_mm": 5.9});
     let problem = app.refusal(SCALLOP_HEIGHT, &body).await;
@@ -157,7 +157,7 @@ async fn a_bull_nose_is_a_toroidal_cutter() {
 }
 
 #[tokio::test]
-async fn a_feed_of_nothing_is_no_feed() {
+async fn a_feed_of_zero_means_no_tooth_marks() {
     let app = TestApp::start().await;
     let body = shortest(SCALLOP_HEIGHT);
     let answer = app.answer(SCALLOP_HEIGHT, &body).await;
@@ -166,7 +166,7 @@ async fn a_feed_of_nothing_is_no_feed() {
 }
 
 #[tokio::test]
-async fn vectors_of_any_length_say_what_angles_say() {
+async fn vectors_of_any_length_are_answered_like_angles() {
     let app = TestApp::start().await;
     let body = shortest(SCALLOP_HEIGHT);
     let expected = app.answer(SCALLOP_HEIGHT, &body).await;
@@ -184,7 +184,7 @@ async fn vectors_of_any_length_say_what_angles_say() {
 }
 
 #[tokio::test]
-async fn a_convex_surface_is_left_rougher_and_a_concave_one_smoother() {
+async fn heights_are_larger_on_a_convex_surface_and_smaller_on_a_concave_one() {
     let app = TestApp::start().await;
     let height = async |body: Value| figure(&app.answer(SCALLOP_HEIGHT, &body).await, "step_over_height_mm");
     let plane = shortest(SCALLOP_HEIGHT);

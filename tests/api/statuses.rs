@@ -1,4 +1,4 @@
-//! Every status that the document says an operation can answer with is obtained from it, and is a problem where it is an error.
+//! Every status that the document lists for an operation is obtained from it, and is a problem where it is an error.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
-/// A request whose body does not come.
+/// A request whose body does not arrive.
 async fn half_a_request(app: &TestApp, path: &str) -> TcpStream {
     let mut stream = TcpStream::connect(app.address).await.unwrap();
     let head = format!("POST {path} HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\ncontent-length: 1000\r\n\r\n{{");
@@ -40,7 +40,7 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
         }
         422 => TestApp::start().await.post_text(path, "{}").await.status,
         500 => {
-            // No request causes this; a fault of a handler does, so that one with a fault takes the operation's place.
+            // No request causes this, but a panic in a handler does; a handler that panics takes the operation's place.
             let failing = post(async || -> &'static str { panic!("a fault, on purpose") });
             let app = TestApp::serve(defaults(), Routes::new().undocumented(RouteClass::Single, path, failing)).await;
             app.send(path, body.to_string()).await.status().as_u16()
@@ -54,13 +54,13 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
                 if answer.status() == 503 {
                     assert!(answer.headers().contains_key("retry-after"));
                 }
-                // Until the half request has arrived, this one has the place.
+                // Until the half request has arrived, this one may take its place.
                 if answer.status() == 503 || tokio::time::Instant::now() > deadline {
                     return answer.status().as_u16();
                 }
             }
         }
-        other => panic!("nobody knows how to obtain {other} from {path}"),
+        other => panic!("the test cannot obtain {other} from {path}"),
     }
 }
 
@@ -105,7 +105,7 @@ async fn every_documented_status_of_the_service_operations_is_obtained() {
     assert_eq!(documented(&document["paths"]["/readyz"]["get"]), readyz);
 }
 
-/// The query of an answer, and one without.
+/// A query that is answered, and one without an answer.
 const QUERY: &str = "cutter=toroidal&diameter_mm=10&corner_radius_mm=2&slope_deg=40&feed_angle_deg=30";
 
 #[tokio::test]
@@ -125,7 +125,7 @@ async fn every_documented_status_of_the_queries_is_obtained() {
         let _occupy_both_places = (half_a_request(&app, path).await, half_a_request(&app, path).await);
         let deadline = tokio::time::Instant::now() + PATIENCE;
         while obtained("").await != 503 {
-            // Until the half requests have arrived, this one has a place.
+            // Until the half requests have arrived, this one may take a place.
             assert!(tokio::time::Instant::now() < deadline, "{path}");
         }
         let failing = get(async || -> &'static str { panic!("a fault, on purpose") });

@@ -1,4 +1,4 @@
-//! `POST /v1/step-over`: published step-overs, and tolerances that leave none.
+//! `POST /v1/step-over`: published step-overs, and tolerances that allow none.
 
 use crate::api::requests::{SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, longest, shortest, toroidal, with, without};
 use crate::app::{TestApp, faults, figure};
@@ -16,14 +16,14 @@ async fn a_tolerance_of_10_um_gives_the_published_step_overs() {
 }
 
 #[tokio::test]
-async fn a_ball_end_gets_its_published_step_over() {
+async fn a_ball_end_has_its_published_step_over() {
     let body = json!({"cutter": ball_end(6.0), "contact": angles(0.0, 0.0), "scallop_tolerance_mm": 0.005});
     // Published to five decimals.
     assert_abs_diff_eq!(figure(&TestApp::start().await.answer(STEP_OVER, &body).await, "step_over_mm"), 0.346_27, epsilon = 5e-6);
 }
 
 #[tokio::test]
-async fn the_step_over_found_leaves_the_tolerance() {
+async fn the_largest_step_over_leaves_the_tolerance() {
     let app = TestApp::start().await;
     for model in ["analytic", "envelope"] {
         let body = with(longest(STEP_OVER), "/model", model);
@@ -35,7 +35,7 @@ async fn the_step_over_found_leaves_the_tolerance() {
 }
 
 #[tokio::test]
-async fn a_feed_that_uses_up_the_tolerance_is_told_with_its_height() {
+async fn a_feed_that_uses_up_the_tolerance_is_refused_with_its_height() {
     let app = TestApp::start().await;
     for model in ["analytic", "envelope"] {
         let body = with(with(shortest(STEP_OVER), "/feed_per_tooth_mm", 0.6), "/model", model);
@@ -52,6 +52,7 @@ async fn a_tolerance_above_every_scallop_sets_no_limit() {
     let app = TestApp::start().await;
     let problem = app.refusal(STEP_OVER, &with(shortest(STEP_OVER), "/scallop_tolerance_mm", 50)).await;
     assert_eq!(faults(&problem), [("/scallop_tolerance_mm", "tolerance-sets-no-limit")]);
-    // Twice the effective radius is 11.807 mm, but seen from above no step-over is wider than the cutter: 10 mm over sqrt(1 - sin^2(40) sin^2(30)).
+    // Twice the effective radius is 11.807 mm, but seen from above no step-over is wider than the cutter: 10 mm over sqrt(1 -
+    // sin^2(40) sin^2(30)).
     assert_abs_diff_eq!(figure(&problem, "largest_step_over_mm"), 10.5603, epsilon = 1e-4);
 }

@@ -1,4 +1,4 @@
-//! What surrounds every request, whatever it asks: syntax, media types, methods, sizes, encodings, request ids.
+//! HTTP itself, for all operations: syntax, media types, methods, sizes, encodings, request ids.
 
 use std::io::Write;
 
@@ -40,7 +40,7 @@ async fn text_that_is_not_json_is_malformed() {
 }
 
 #[tokio::test]
-async fn json_that_is_no_object_is_refused_as_a_whole() {
+async fn json_that_is_not_an_object_is_refused() {
     let app = TestApp::start().await;
     for (path, body) in every_post() {
         for text in [format!("[{body}]"), "null".into(), "7".into(), "\"x\"".into(), "true".into()] {
@@ -50,7 +50,7 @@ async fn json_that_is_no_object_is_refused_as_a_whole() {
 }
 
 #[tokio::test]
-async fn nesting_without_end_is_refused_and_the_server_lives_on() {
+async fn very_deep_nesting_is_refused_and_the_server_continues() {
     let app = TestApp::start().await;
     for (path, body) in every_post() {
         for open in ["[", "{\"a\":"] {
@@ -65,7 +65,7 @@ async fn nesting_without_end_is_refused_and_the_server_lives_on() {
 }
 
 #[tokio::test]
-async fn only_json_is_understood() {
+async fn other_media_types_than_json_are_refused() {
     let app = TestApp::start().await;
     for (path, body) in every_post() {
         for media_type in [None, Some("text/plain"), Some("application/x-www-form-urlencoded"), Some("application/jsonx")] {
@@ -83,7 +83,7 @@ async fn only_json_is_understood() {
 }
 
 #[tokio::test]
-async fn paths_that_are_not_there_are_not_found() {
+async fn unknown_paths_are_not_found() {
     let app = TestApp::start().await;
     for path in ["/v1", "/v1/scallop-heights", "/v2/scallop-height", "/v1/scallop-height/", "/v1/max-feed/batch/1"] {
         let Answer { status, body: problem } = app.post_text(path, "{}").await;
@@ -109,7 +109,7 @@ async fn other_methods_are_refused_with_those_that_are_allowed() {
 }
 
 #[tokio::test]
-async fn compressed_bodies_are_read_as_if_they_were_not() {
+async fn compressed_bodies_are_read_like_plain_ones() {
     let app = TestApp::start().await;
     for (path, body) in every_post() {
         let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
@@ -122,7 +122,7 @@ async fn compressed_bodies_are_read_as_if_they_were_not() {
 }
 
 #[tokio::test]
-async fn a_request_id_is_returned_and_one_is_made_where_none_came() {
+async fn a_request_id_is_returned_and_a_missing_one_is_created() {
     let app = TestApp::start().await;
     for (path, body) in every_post() {
         for (text, status) in [(body.to_string(), 200), ("{}".to_owned(), 422), ("{".to_owned(), 400)] {

@@ -1,4 +1,4 @@
-//! Warnings: where the answer stands and an assumption of the model is near its limit, and nowhere else.
+//! Warnings: present where an assumption of the model is near its limit, and nowhere else.
 
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, batch_of, shortest, toroidal, with};
 use crate::app::{TestApp, warnings};
@@ -18,7 +18,7 @@ async fn warned(app: &TestApp, body: &Value) -> Vec<String> {
 }
 
 #[tokio::test]
-async fn ordinary_requests_have_none() {
+async fn ordinary_requests_have_no_warnings() {
     let app = TestApp::start().await;
     for body in [ordinary(), with(ordinary(), "/cutter", ball_end(10.0))] {
         for model in ["analytic", "envelope"] {
@@ -35,7 +35,7 @@ async fn ordinary_requests_have_none() {
 }
 
 #[tokio::test]
-async fn runout_over_a_fifth_of_the_feed_per_tooth_is_warned_of() {
+async fn runout_over_a_fifth_of_the_feed_per_tooth_gives_a_warning() {
     let app = TestApp::start().await;
     // The magnitude of (0.012, 0.016) is 0.02, a fifth of 0.1.
     for (radial, axial, expected) in [(0.012, 0.0159, false), (0.012, 0.0161, true), (0.0, -0.021, true)] {
@@ -47,7 +47,7 @@ async fn runout_over_a_fifth_of_the_feed_per_tooth_is_warned_of() {
 }
 
 #[tokio::test]
-async fn a_step_over_or_feed_over_a_fifth_of_the_effective_diameter_is_warned_of() {
+async fn a_step_over_or_feed_over_a_fifth_of_the_effective_diameter_gives_a_warning() {
     let app = TestApp::start().await;
     // A fifth of 2 R_eff = 13.334 mm is 2.667 mm, of 2 TR_eff = 4 mm 0.8 mm.
     for (member, under, over, code) in
@@ -61,7 +61,7 @@ async fn a_step_over_or_feed_over_a_fifth_of_the_effective_diameter_is_warned_of
 }
 
 #[tokio::test]
-async fn an_effective_radius_over_the_cutters_diameter_is_warned_of() {
+async fn an_effective_radius_over_the_cutters_diameter_gives_a_warning() {
     let app = TestApp::start().await;
     // R_eff = 3 / sin S + 2 exceeds 10 mm where sin S < 3/8, S < 22.02 deg.
     for (slope, expected) in [(22.1, false), (21.9, true)] {
@@ -71,7 +71,7 @@ async fn an_effective_radius_over_the_cutters_diameter_is_warned_of() {
 }
 
 #[tokio::test]
-async fn a_flat_end_is_warned_of_in_both_models() {
+async fn a_flat_end_gives_a_warning_in_both_models() {
     let app = TestApp::start().await;
     for model in ["analytic", "envelope"] {
         let body = with(with(ordinary(), "/cutter", json!({"type": "flat_end", "diameter_mm": 10})), "/model", model);
@@ -81,7 +81,7 @@ async fn a_flat_end_is_warned_of_in_both_models() {
 }
 
 #[tokio::test]
-async fn the_analytic_model_is_warned_of_where_the_cutter_leaves_5_percent_more() {
+async fn the_analytic_model_gives_a_warning_where_the_cutter_leaves_5_percent_more() {
     let app = TestApp::start().await;
     // By the table of both models: at 1 deg the analytic height is 10 % under the envelope's, at 5 deg 2.4 %.
     let floor = json!({"cutter": toroidal(), "contact": angles(1.0, 0.0), "step_over_mm": 3.7});
@@ -92,7 +92,7 @@ async fn the_analytic_model_is_warned_of_where_the_cutter_leaves_5_percent_more(
 }
 
 #[tokio::test]
-async fn where_the_envelope_has_no_scallop_to_compare_with_there_is_a_warning_and_no_check() {
+async fn a_pass_without_an_envelope_height_has_a_warning_and_no_check() {
     let app = TestApp::start().await;
     // Fed along the level line of 5 deg, TR_eff is 36 mm: marks 12 mm apart overlap as circles, those of the cutter of 10 mm do not.
     let body = json!({"cutter": toroidal(), "contact": angles(5.0, 90.0), "step_over_mm": 0.7, "feed_per_tooth_mm": 12});
@@ -102,7 +102,7 @@ async fn where_the_envelope_has_no_scallop_to_compare_with_there_is_a_warning_an
 }
 
 #[tokio::test]
-async fn curvature_under_10_degrees_and_a_hollow_that_the_cutter_nearly_fills_are_warned_of() {
+async fn curvature_under_10_degrees_and_a_hollow_that_the_cutter_nearly_fills_give_warnings() {
     let app = TestApp::start().await;
     let body = with(with(ordinary(), "/surface_radius_mm", 200), "/model", "envelope");
     for (slope, expected) in [(9.9, vec!["curvature-approximate"]), (10.1, Vec::new())] {
@@ -118,7 +118,7 @@ async fn curvature_under_10_degrees_and_a_hollow_that_the_cutter_nearly_fills_ar
 }
 
 #[tokio::test]
-async fn a_batch_tells_each_warning_once_with_its_count() {
+async fn a_batch_lists_each_warning_once_with_its_count() {
     let app = TestApp::start().await;
     let body = with(batch_of(ordinary()), "/cutter", json!({"type": "flat_end", "diameter_mm": 10}));
     // A fifth of 2 R_eff = 10.66 mm is 2.13 mm.

@@ -26,7 +26,7 @@ async fn pages_find_every_file_that_they_name() {
 }
 
 #[tokio::test]
-async fn the_workbench_may_run_nothing_inline_and_is_asked_for_once() {
+async fn the_workbench_forbids_inline_scripts_and_is_revalidated() {
     let app = TestApp::start().await;
     let page = app.get("/").await;
     let policy = page.headers()["content-security-policy"].to_str().unwrap();

@@ -13,7 +13,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
-/// Longer than anything here takes on a slow machine.
+/// Longer than any request of a test takes on a slow machine.
 pub(crate) const PATIENCE: Duration = Duration::from_mins(1);
 
 /// The settings of a service that is started without arguments.
@@ -69,12 +69,12 @@ impl TestApp {
         Self { address, state, client, stop: Some(stop), served }
     }
 
-    /// Asks the service to stop.
+    /// Tells the service to stop.
     pub(crate) fn stop(&mut self) {
         self.stop.take().expect("stopped once").send(()).unwrap();
     }
 
-    /// Waits until it has.
+    /// Waits until the service has stopped.
     pub(crate) async fn stopped(self) {
         tokio::time::timeout(PATIENCE, self.served).await.expect("the service stops").unwrap().unwrap();
     }
@@ -83,7 +83,7 @@ impl TestApp {
         format!("http://{}{path}", self.address)
     }
 
-    /// A connection of the test's own.
+    /// A separate TCP connection.
     pub(crate) async fn connect(&self) -> TcpStream {
         TcpStream::connect(self.address).await.unwrap()
     }
@@ -96,12 +96,12 @@ impl TestApp {
         self.get("/metrics").await.text().await.unwrap()
     }
 
-    /// Sends `body` as JSON, whether it is or not.
+    /// Sends `body` with JSON's media type, whether it is JSON or not.
     pub(crate) async fn send(&self, path: &str, body: impl Into<reqwest::Body>) -> reqwest::Response {
         self.client.post(self.url(path)).header("content-type", "application/json").body(body).send().await.unwrap()
     }
 
-    /// Sends `body` as JSON, whether it is or not, and reads the answer.
+    /// Sends `body` with JSON's media type, whether it is JSON or not, and reads the answer.
     pub(crate) async fn post_text(&self, path: &str, body: impl Into<reqwest::Body>) -> Answer {
         Answer::of(self.send(path, body).await).await
     }
@@ -152,7 +152,7 @@ impl TestApp {
         Answer::of(request.send().await.unwrap()).await
     }
 
-    /// Uploads a body of the caller's own with the boundary `edge`.
+    /// Uploads a complete multipart body with the boundary `edge`.
     pub(crate) async fn upload_raw(&self, body: Vec<u8>, is_gzip: bool) -> Answer {
         let request = self.client.post(self.url("/v1/cutter-recommendation/upload"));
         let request = request.header("content-type", "multipart/form-data; boundary=edge");
@@ -162,8 +162,8 @@ impl TestApp {
 }
 
 impl Answer {
-    /// Reads an answer. No request of a test may make the service fail, and an error must be a problem that names itself as the status
-    /// line does.
+    /// Reads an answer. No request of a test may make the service fail, and an error must be a problem with the status of the
+    /// status line.
     pub(crate) async fn of(response: reqwest::Response) -> Self {
         let status = response.status().as_u16();
         let path = response.url().path().to_owned();
@@ -192,7 +192,7 @@ impl Answer {
         (self.status, faults(&self.body))
     }
 
-    /// The sentence of the first fault.
+    /// The detail of the first fault.
     pub(crate) fn detail(&self) -> &str {
         self.body["errors"][0]["detail"].as_str().unwrap_or_default()
     }
@@ -211,11 +211,11 @@ pub(crate) fn warnings(answer: &Value) -> Vec<&str> {
     answer["warnings"].as_array().unwrap().iter().map(|warning| warning["code"].as_str().unwrap()).collect()
 }
 
-/// A number of an answer: a member, or the place that a pointer leads to.
+/// A number of an answer, by the name of a member or a JSON pointer.
 #[track_caller]
 pub(crate) fn figure(answer: &Value, place: &str) -> f64 {
     let found = if place.starts_with('/') { answer.pointer(place) } else { answer.get(place) };
-    found.and_then(Value::as_f64).unwrap_or_else(|| panic!("{place} is no number in {answer:#}"))
+    found.and_then(Value::as_f64).unwrap_or_else(|| panic!("{place} is not a number in {answer:#}"))
 }
 
 pub(crate) fn gzip(bytes: &[u8]) -> Vec<u8> {

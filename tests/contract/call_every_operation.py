@@ -68,7 +68,23 @@ def main(document, base_url):
                 # What the client made of the answer, written back, is the answer.
                 alike(expected, response.parsed.to_dict(), f"{path} as parsed")
             called += 1
-    print(f"{called} operations called")
+    refused(client)
+    print(f"{called} operations called, and a problem read")
+
+
+def refused(client):
+    """A problem is read with its figure."""
+    models = importlib.import_module("scallopd_client.models")
+    request = models.MaxFeedRequest(
+        cutter=models.BallEndCutter(type_=models.BallEndCutterType.BALL_END, diameter_mm=10),
+        contact=models.AngleContact(slope_deg=40, feed_angle_deg=30),
+        scallop_tolerance_mm=0.01,
+        step_over_mm=0.8,
+    )
+    problem = importlib.import_module("scallopd_client.api.calculations.max_feed").sync(client=client, body=request)
+    assert problem.type_ == "tolerance-exceeded", problem
+    # sqrt(8 R h) to the leading order.
+    assert math.isclose(problem.max_step_over_mm, math.sqrt(8 * 5 * 0.01), rel_tol=1e-3), problem
 
 
 if __name__ == "__main__":

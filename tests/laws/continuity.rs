@@ -1,6 +1,6 @@
-//! Heights and both inverses do not jump between inputs a rounding apart.
+//! Heights and both inverses are continuous: they do not jump between inputs that differ by roundings.
 //!
-//! The default run takes 4,000 pairs. All 100,000 by one command: `SCALLOPD_PAIRS=100000 cargo test --release --test integration continuity`
+//! The default run has 4,000 pairs. This command runs 100,000: `SCALLOPD_PAIRS=100000 cargo test --release --test integration continuity`
 
 use crate::laws::passes::mm;
 use proptest::test_runner::{Config, TestRunner};
@@ -12,13 +12,13 @@ fn pairs() -> u32 {
     std::env::var("SCALLOPD_PAIRS").map_or(4_000, |count| count.parse().expect("SCALLOPD_PAIRS must be a count"))
 }
 
-/// An angle from 0 to 90 deg, its ends preferred, and next to them by a few roundings.
+/// An angle from 0 to 90 deg, often an end or within a few roundings of one.
 fn quarter_turn() -> impl Strategy<Value = f64> {
     let near = (0..40_i32).prop_map(|power| 10.0_f64.powf(-f64::from(power) / 2.5));
     prop_oneof![1 => Just(0.0), 1 => Just(90.0), 1 => near.clone(), 1 => near.prop_map(|offset| 90.0 - offset), 4 => 0.0..90.0_f64]
 }
 
-/// On a wall all feeds but the level one are the vertical feed, so that alpha says nothing there, and next to it every rounding counts.
+/// Slopes next to a wall are left out: on a wall every alpha but that of the level feed means the vertical feed, so roundings count there.
 fn slopes() -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 1 => (0..40_i32).prop_map(|power| 10.0_f64.powf(-f64::from(power) / 2.5)), 5 => 0.0..89.0_f64]
 }
@@ -47,8 +47,8 @@ fn heights_are_continuous_in_slope_direction_step_over_and_feed() {
             let mut beside = here;
             beside[moved] = if here[moved] > 1.0 { here[moved].next_down() } else { here[moved].next_up() };
             if let (Ok(height), Ok(next)) = (find(here), find(beside)) {
-                // A rounding of an angle of 90 deg, 1.4e-14 deg, moves places 20 mm away by 5e-15 mm, which at 89 deg counts 57 times; searches end
-                // within some roundings of h.
+                // A rounding of an angle of 90 deg, 1.4e-14 deg, moves places 20 mm away by 5e-15 mm, which at 89 deg counts 57
+                // times; searches end within some roundings of h.
                 prop_assert!((height - next).abs() <= 1e-11 * height + 1e-12, "{height} and {next} at {here:?}, {beside:?}, {cutter:?}");
             }
             Ok(())
@@ -56,7 +56,7 @@ fn heights_are_continuous_in_slope_direction_step_over_and_feed() {
         .unwrap();
 }
 
-/// Convex surfaces and runout, heights and inverses, the wall's corner included where the feed runs up the wall or along it.
+/// Heights and inverses on convex surfaces and with runout, including a wall's level and vertical feeds.
 #[test]
 fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
     let ratio = prop_oneof![1 => Just(1.0), 4 => 0.05..0.99_f64];
@@ -76,14 +76,14 @@ fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
             let turn = Angle::from_degrees(turn).unwrap();
             let surface = SurfaceCurvature::from_principal_per_mm([one / outer, other / outer], turn).unwrap();
             let runout = Runout::NONE.with_radial_mm(radial * outer).unwrap().with_axial_mm(axial * outer).unwrap();
-            // On a wall alpha counts at its ends only: every other one is the vertical feed.
+            // On a wall only the ends of alpha differ: every other value means the vertical feed.
             let alpha = if slope >= 90.0 && alpha < 90.0 { 0.0 } else { alpha };
             let find = |input: [f64; 4]| {
                 let contact = Contact::from_degrees(input[0], input[1]).unwrap();
                 let judged = JudgedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout, teeth: None }).ok()?;
                 let (s, f, tolerance) = (mm(input[2]), mm(input[3]), mm(2e-3 * outer));
                 let height = judged.scallop_height(s, Some(f)).ok()?.total().mm();
-                // Jumps of an inverse are those where deep marks alone begin to clear enough; without runout there are none.
+                // An inverse jumps where the deep marks alone begin to suffice; without runout there are no jumps.
                 let inverses = (runout == Runout::NONE).then(|| {
                     (judged.max_step_over(tolerance, Some(f)).map(Length::mm), judged.max_feed_per_tooth(tolerance, s).map(Length::mm))
                 });
@@ -91,14 +91,15 @@ fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
             };
             let here = [slope, alpha, share * outer, marks * outer];
             let mut beside = here;
-            // From the wall's corner only lengths move: beside it, alpha means another feed.
+            // At a wall's level or vertical feed only lengths vary: next to it, alpha means another feed.
             let moved = if slope >= 90.0 { 2 + moved % 2 } else { moved };
             beside[moved] = if here[moved] > 1.0 { here[moved].next_down() } else { here[moved].next_up() };
             if let (Some((height, inverses)), Some((next, next_inverses))) = (find(here), find(beside)) {
                 prop_assert!((height - next).abs() <= 1e-11 * height + 1e-12, "{height} and {next} at {here:?}, {beside:?}, {cutter:?}");
                 for (one, other) in inverses.into_iter().zip(next_inverses).flat_map(|(a, b)| [(a.0, b.0), (a.1, b.1)]) {
                     if let (Ok(one), Ok(other)) = (one, other) {
-                        // Short feeds and step-overs, of which the height hardly depends, are left out. At a largest feed f the height has a slope of the order f/R, so that roundings of 1e-12 of h count as 1e-12 h R/f^2 of f.
+                        // Short feeds and step-overs, on which the height hardly depends, are left out. At a largest feed f the
+                        // height has a slope of the order f/R, so that roundings of 1e-12 of h count as 1e-12 h R/f^2 of f.
                         let room = 1e-9 * one + 1e-11 * outer;
                         prop_assert!(
                             (one - other).abs() <= room || one.min(other) < 0.03 * outer,

@@ -1,4 +1,4 @@
-//! Model `envelope` on curved surfaces: limits, symmetries and order, other formulas where they hold, and which surfaces gouge.
+//! Model `envelope` on curved surfaces: limits, symmetries, monotony, agreement with other formulas, and gouging.
 
 use crate::laws::passes::{at, cutters, feed_angles, height, mm, toroidal};
 use approx::assert_relative_eq;
@@ -32,7 +32,7 @@ fn envelope(pass: Pass) -> Result<JudgedPass, NoAnswer> {
     JudgedPass::new(Model::Envelope, pass)
 }
 
-/// Principal curvatures as shares of 1/R, both signs, and their direction.
+/// Principal curvatures as shares of 1/R, of both signs, and their direction.
 fn bends() -> impl Strategy<Value = ([f64; 2], f64)> {
     ((-0.3..0.5_f64, -0.3..0.5_f64).prop_map(|(one, other)| [one, other]), 0.0..180.0_f64)
 }
@@ -41,7 +41,8 @@ fn bent(cutter: Cutter, (shares, turn): ([f64; 2], f64)) -> SurfaceCurvature {
     SurfaceCurvature::from_principal_per_mm(shares.map(|share| share / cutter.outer_radius().mm()), angle(turn)).unwrap()
 }
 
-/// The curvature of a surface in the axes of a feed that is turned by `degrees` in the tangent plane: both principal directions turn the other way.
+/// The curvature of a surface in the axes of a feed that is turned by `degrees` in the tangent plane: both principal directions
+/// turn the other way.
 fn turned(principal: [f64; 2], direction: f64, degrees: f64) -> SurfaceCurvature {
     SurfaceCurvature::from_principal_per_mm(principal, angle(direction - degrees)).unwrap()
 }
@@ -69,8 +70,8 @@ proptest! {
         }
     }
 
-    /// Neither how the curvature is stated, nor the sense of the feed, nor a mirror image at the plane of normal and steepest line changes the height. Sharp
-    /// edges are left out: see `step_over_and_feed_come_back_from_the_height`.
+    /// The height depends neither on the form of the curvature, nor on the sense of the feed, nor on a reflection in the plane of
+    /// normal and steepest line. Sharp edges are left out: see `the_inverses_leave_the_tolerance`.
     #[test]
     fn curvature_may_be_stated_by_components_or_by_principal_directions(
         cutter in cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.01..0.2_f64,
@@ -92,9 +93,9 @@ proptest! {
         }
     }
 
-    /// A ball distinguishes no direction: with K turned along with the feed the height stays.
+    /// A ball is the same in every direction: with K turned along with the feed, the height does not change.
     #[test]
-    fn a_ball_end_cutter_sees_only_how_the_surface_lies_to_its_feed(
+    fn a_ball_end_cutters_height_depends_only_on_the_curvature_in_the_feeds_axes(
         radius in 0.5..10.0_f64, slope in 0.0..50.0_f64, alpha in feed_angles(), bend in bends(), turn in 0.0..180.0_f64,
         s in 0.02..0.3_f64, f in 0.01..0.2_f64,
     ) {
@@ -106,7 +107,8 @@ proptest! {
         assert_relative_eq!(one, other, max_relative = 1e-10);
     }
 
-    /// The relative curvature lambda belongs to the contact, not to the feed: a feed turned in the tangent plane, with the curvature stated in its axes, has the same.
+    /// The relative curvature lambda belongs to the contact, not to the feed: a feed turned in the tangent plane, with the
+    /// curvature stated in its axes, has the same lambda.
     #[test]
     fn the_relative_curvature_does_not_depend_on_the_feed(
         cutter in all_cutters(), slope in 5.0..85.0_f64, bend in bends(), theta in 0.0..180.0_f64, turn in 0.0..180.0_f64,
@@ -124,7 +126,7 @@ proptest! {
         }
     }
 
-    /// Sharp edges are left out: see `step_over_and_feed_come_back_from_the_height`.
+    /// Sharp edges are left out: see `the_inverses_leave_the_tolerance`.
     #[test]
     fn heights_rise_with_step_over_and_feed(
         cutter in cutters(), slope in 1.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.01..0.4_f64, f in 0.01..0.2_f64,
@@ -138,25 +140,26 @@ proptest! {
         }
     }
 
-    /// Both inverses leave the height that they were asked for. What a share of under a thousandth contributes is not asked for 1e-9 of it. Cutters with a sharp edge are left out: on
-    /// a surface that is concave along the feed their section has two lobes, of which the search finds either.
+    /// The height at both inverses is the tolerance. An inverse whose part of the height is under a thousandth is not compared to
+    /// 1e-9. Cutters with a sharp edge are left out: on a surface that is concave along the feed their section has two lobes, of
+    /// which the search finds either.
     #[test]
-    fn step_over_and_feed_come_back_from_the_height(
+    fn the_inverses_leave_the_tolerance(
         cutter in cutters(), slope in 10.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.02..0.2_f64,
     ) {
         let Ok(judged) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let Ok(found) = judged.scallop_height(mm(s), Some(mm(f))) else { return Ok(()) };
-        // In a close fit (and near the floor, at slopes that are left out) the section has lobes beside the contact, and the step-over found can be that of the
-        // first ridge, which is narrower.
+        // In a close fit (and near the floor, at slopes that are left out) the section has lobes beside the contact, and the
+        // step-over found can be that of the first ridge, which is narrower.
         prop_assume!(judged.relative_curvature() > 0.6);
         prop_assume!(found.feed.mm() > 1e-3 * found.total().mm() && found.step_over.mm() > 1e-3 * found.total().mm());
         assert_relative_eq!(judged.max_step_over(found.total(), Some(mm(f))).unwrap().mm(), s, max_relative = 1e-9);
         assert_relative_eq!(judged.max_feed_per_tooth(found.total(), mm(s)).unwrap().mm(), f, max_relative = 1e-9);
     }
 
-    /// Circles of the radius R placed on a sphere, s apart and f apart, meet over the middle of the rectangle between them; to second order that is where
-    /// model `envelope` says, so that the difference is of the fourth order.
+    /// Circles of the radius R placed on a sphere, s apart and f apart, meet over the middle of the rectangle between them. Model
+    /// `envelope` has the same height to second order, so that the difference is of the fourth order.
     #[test]
     fn a_ball_end_cutter_on_a_sphere_agrees_with_placed_spheres(
         radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, alpha in feed_angles(), share in 0.01..0.1_f64, marks in 0.01..0.1_f64,
@@ -175,8 +178,9 @@ proptest! {
         prop_assert!((found - exact).abs() <= 2.0 * half.powi(4) / smallest.powi(3) + 1e-14 * rho.abs(), "{found} {exact}");
     }
 
-    /// [Segonds 2017, eq. 9-12] is the law of cosines in the plane across the feed. Down the slope or along it, with the surface curved across the feed alone, the groove is
-    /// symmetric, and both agree as long as a circle stands for the cutter: the differences are of the order s^2/R^2.
+    /// [Segonds 2017, eq. 9-12] is the law of cosines in the plane across the feed. Down the slope or along it, with the surface
+    /// curved across the feed alone, the groove is symmetric, and both agree as long as a circle approximates the cutter: the
+    /// differences are of the order s^2/R^2.
     #[test]
     fn a_cylinder_across_the_feed_agrees_with_the_published_formula(
         outer in 1.0..10.0_f64, ratio in 0.1..1.0_f64, slope in 15.0..70.0_f64, across in prop::bool::ANY, share in 1e-3..0.03_f64,
@@ -188,14 +192,14 @@ proptest! {
         let pass = on(cutter, contact, SurfaceCurvature::from_radius_mm(roundness * largest).unwrap());
         let s = share * cutter.corner_radius().mm();
         let [published, found] = [Model::Analytic, Model::Envelope].map(|model| height(&JudgedPass::new(model, pass).unwrap(), s, 0.0).unwrap());
-        // The profile's curvature changes by tan(70 deg) = 2.7 times s/r, whose odd part cancels between the flanks; its square stays, on a relative curvature of
-        // 2/3 of the cutter's or more.
+        // The profile's curvature changes by tan(70 deg) = 2.7 times s/r, whose odd part cancels between the flanks; its square
+        // stays, on a relative curvature of 2/3 of the cutter's or more.
         assert_relative_eq!(found, published, max_relative = 40.0 * share * share + 1e-9);
     }
 
     /// A contact of a tilted tool is the contact of the upright one in the tool's frame. Sharp edges are left out, as above.
     #[test]
-    fn a_tilted_tool_leaves_what_the_upright_one_does(
+    fn a_tilted_tool_leaves_the_height_of_the_upright_one(
         cutter in cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.01..0.2_f64,
         (roll, pitch, yaw) in (-3.0..3.0_f64, -1.5..1.5_f64, -3.0..3.0_f64),
     ) {
@@ -216,7 +220,7 @@ proptest! {
     }
 }
 
-/// The principal radii in mm (positive convex) of a trough along X, a bowl and a saddle, none of which takes the cutter.
+/// The principal radii in mm (positive convex) of a trough along X, a bowl and a saddle, none of which the cutter fits.
 #[test]
 fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
     let cutter = toroidal(6.0, 1.0 / 6.0);
@@ -262,7 +266,7 @@ fn level_troughs_gouge_away_from_the_contact() {
     }
 }
 
-/// A wide step-over on a concave surface is no gouging: a smaller one has an answer, and the fault is the passes' distance.
+/// A wide step-over on a concave surface is not gouging: a smaller one has an answer, and the reason is the distance of the passes.
 #[test]
 fn passes_too_far_apart_on_a_concave_surface_do_not_gouge() {
     let pass = on(toroidal(6.0, 1.0 / 6.0), Contact::from_degrees(80.0, 20.0).unwrap(), SurfaceCurvature::from_radius_mm(-60.0).unwrap());

@@ -1,4 +1,4 @@
-//! The fastest step-over and feed per tooth under a tolerance.
+//! The fastest step-over and feed per tooth within a tolerance.
 
 use crate::laws::passes::{BOTH, height, judged, mm, plane_passes, toroidal};
 use approx::assert_relative_eq;
@@ -23,7 +23,7 @@ fn a_ball_end_cutter_has_its_closed_form() {
 }
 
 #[test]
-fn limits_that_bind_are_named() {
+fn binding_limits_are_named() {
     let pass = judged(Model::Envelope, at_40_deg(toroidal(5.0, 0.4)));
     let limits = |feed, smallest, largest: Option<f64>| CuttingLimits::new(feed, smallest, largest.map(mm)).unwrap();
     let bind = |limits| pass.fastest(mm(0.01), &limits).unwrap().limited_by().collect::<Vec<_>>();

@@ -1,11 +1,11 @@
-//! How heights depend on the pass: symmetry, limits, order, and the curved surface's height by another route.
+//! Laws of heights: symmetry, limits, monotony, and the height on a curved surface by another route.
 
 use crate::laws::passes::{BOTH, at, curved, feed_angles, height, judged, mm, passes, plane_passes, slopes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, StepOver, SurfaceCurvature};
 
-/// Normal and feed of a contact in a frame turned about the tool axis, worked out from what the angles mean: the slope tilts the normal
+/// Normal and feed of a contact in a frame turned about the tool axis, from the definition of the angles: the slope tilts the normal
 /// down-hill, and the feed, seen from above at `alpha` from down-hill, follows the surface.
 fn vectors(slope: f64, alpha: f64, turn: f64) -> ([f64; 3], [f64; 3]) {
     let [s, a, t] = [slope, alpha, turn].map(f64::to_radians);
@@ -15,7 +15,7 @@ fn vectors(slope: f64, alpha: f64, turn: f64) -> ([f64; 3], [f64; 3]) {
     (normal, [seen_from_above[0], seen_from_above[1], rise])
 }
 
-/// Both heights, where there are any, and within `epsilon` of each other.
+/// Asserts that both passes have heights within `epsilon` of each other, or that neither has one.
 fn assert_same_heights(a: Pass, b: Pass, step_over: f64, feed: f64, epsilon: f64) {
     for model in BOTH {
         let find = |pass: Pass| JudgedPass::new(model, pass).and_then(|judged| height(&judged, step_over, feed));
@@ -46,9 +46,9 @@ proptest! {
         assert_same_heights(at(pass, slope, alpha), Pass { contact: by_vectors, ..pass }, step_over, feed, 1e-10);
     }
 
-    /// On a wall the feed's slant in the surface is what counts, which only vectors tell.
+    /// On a wall, heights depend on the feed's inclination in the surface, which vectors state and alpha does not.
     #[test]
-    fn on_walls_vectors_and_the_angles_that_say_something_agree(pass in passes(), turn in 0.0..360.0_f64, step_over in 0.02..0.6_f64, feed in 1e-3..0.2_f64) {
+    fn on_walls_vectors_agree_with_the_angles_of_level_and_vertical_feeds(pass in passes(), turn in 0.0..360.0_f64, step_over in 0.02..0.6_f64, feed in 1e-3..0.2_f64) {
         let t = turn.to_radians();
         let normal = [t.cos(), t.sin(), 0.0];
         for (along, alpha) in [([0.0, 0.0, 1.0], 0.0), ([-t.sin(), t.cos(), 0.0], 90.0)] {
@@ -58,9 +58,9 @@ proptest! {
     }
 
     /// The steps are up to a fifth of the diameter each, together 0.283 of it: half of that is seen from the ball's centre under
-    /// asin(0.283) = 16.4 deg, so that up to 70 deg the cutter's side, of which the envelope knows, leaves nothing.
+    /// asin(0.283) = 16.4 deg, so that up to 70 deg the cutter's side, which the envelope includes, does not matter.
     #[test]
-    fn a_ball_end_is_indifferent_to_slope_and_direction(diameter in 1.0..20.0_f64, slope in 0.0..70.0_f64, wall in slopes(), alpha in feed_angles(), s in 0.01..0.2_f64, f in 0.01..0.2_f64) {
+    fn a_ball_ends_height_does_not_depend_on_slope_and_direction(diameter in 1.0..20.0_f64, slope in 0.0..70.0_f64, wall in slopes(), alpha in feed_angles(), s in 0.01..0.2_f64, f in 0.01..0.2_f64) {
         let contact = Contact::from_degrees(0.0, 0.0).unwrap();
         let floor = Pass { cutter: Cutter::ball_end(mm(diameter)), contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
         let (s, f) = (s * diameter, f * diameter);
@@ -69,8 +69,8 @@ proptest! {
         assert_relative_eq!(analytic(floor), analytic(at(floor, wall, alpha)), max_relative = 1e-14);
     }
 
-    /// The surface falls by at most s^2 / (2 rho) over a step-over, which is by how much the envelope's height can change; with a circle in place of
-    /// the cutter by less.
+    /// The surface falls by at most s^2 / (2 rho) over a step-over, and the envelope's height changes by at most as much; with a
+    /// circle in place of the cutter by less.
     #[test]
     fn a_curved_surface_tends_to_a_plane_as_its_radius_grows(pass in plane_passes(), share in 0.01..1.0_f64, sign in prop_oneof![Just(1.0), Just(-1.0)]) {
         let radius = judged(Model::Analytic, pass).effective_radius().unwrap().mm();
@@ -81,13 +81,13 @@ proptest! {
                 let bent = JudgedPass::new(model, curved(pass, sign * rho)).and_then(|judged| height(&judged, s, 0.0));
                 match bent {
                     Ok(bent) => {
-                        // The roundings of the envelope's search come on top.
+                        // In addition, the roundings of the envelope's search.
                         let most = 1.01 * s * s / (2.0 * rho) + 1e-12 * flat;
                         prop_assert!((bent - flat).abs() <= most, "{model:?} {rho}: {bent} {flat}");
                     }
                     // Into a wall that is concave along its steepest line the cutter's straight side gouges, whatever the radius.
                     Err(NoAnswer::Gouges { smallest_radius: None }) if pass.contact.slope().cos() == 0.0 => prop_assert!(sign < 0.0),
-                    // Where the cutter's side leaves less than the hollow sinks.
+                    // The cutter's side leaves less than the depth of the hollow.
                     Err(_) => prop_assert!(sign < 0.0 && flat <= 1.01 * s * s / (2.0 * rho), "{model:?} {rho}"),
                 }
             }
@@ -105,8 +105,8 @@ proptest! {
                 continue;
             }
             let Ok(low) = height(&judged, s, f) else { continue };
-            // On a wall the cylinder leaves nothing along its axis, and towards it ever less, so that there heights need only not fall, but for
-            // the roundings of the search.
+            // On a wall the cylinder leaves no height along its axis, and little near it, so that heights there must only not
+            // fall, within the roundings of the search.
             let near_wall = pass.contact.slope().degrees() > 85.0;
             let rises = |model, low: f64, high: f64| high > low || (model == Model::Envelope && near_wall && high >= low * (1.0 - 1e-12));
             if let Ok(wider) = height(&judged, s * more, f) {
@@ -119,7 +119,7 @@ proptest! {
         }
     }
 
-    /// The height and the chord of a circle, by Pythagoras and not by the formulas' forms.
+    /// The height and the chord of a circle, by Pythagoras' theorem instead of the formulas.
     #[test]
     fn on_a_plane_the_height_is_that_of_circles(pass in plane_passes(), share in 0.01..0.99_f64) {
         let analytic = judged(Model::Analytic, pass);
@@ -130,13 +130,13 @@ proptest! {
         prop_assert!(((radius - h).powi(2) + (s / 2.0).powi(2) - radius * radius).abs() <= 1e-14 * radius * radius);
         prop_assert!(h <= radius);
         let back = analytic.max_step_over(mm(h), None).unwrap().mm();
-        // h rises with s^2, and near a half circle ever faster, so s is at least as sure as h.
+        // h rises with s^2, and faster near a half circle, so the relative error of s is at most that of h.
         assert_relative_eq!(back, s, max_relative = 1e-13);
     }
 
     #[test]
-    fn seen_from_above_passes_are_nearer_by_the_slope_of_their_spacing(turn in 0.0..360.0_f64, slope in 1.0..89.0_f64, alpha in feed_angles(), d in 0.01..1.0_f64) {
-        // Step from pass to pass: normal to both the surface's normal and the feed; what of it is seen from above, across the feed seen from above.
+    fn the_step_over_seen_from_above_is_the_projection_of_the_one_along_the_surface(turn in 0.0..360.0_f64, slope in 1.0..89.0_f64, alpha in feed_angles(), d in 0.01..1.0_f64) {
+        // The step from pass to pass is perpendicular to the normal and the feed; seen from above, its component across the feed counts.
         let (n, f) = vectors(slope, alpha, turn);
         let step = [n[1] * f[2] - n[2] * f[1], n[2] * f[0] - n[0] * f[2], n[0] * f[1] - n[1] * f[0]];
         let length = step.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -161,14 +161,15 @@ proptest! {
         let centre = rho + effective;
         let (x, y) = (centre * beta.sin(), centre * beta.cos());
         let inside = |h: f64| x.hypot(y - (rho + h)) <= effective;
-        // At the surface the circle is not reached yet, at its centre's height it is passed, or the circles do not meet.
+        // At the surface the point is outside the circle, at its centre's height inside; otherwise the circles do not meet.
         let (mut low, mut high) = (0.0, y - rho);
         prop_assume!(high > 0.0 && !inside(low) && inside(high));
         for _ in 0..200 {
             let middle = f64::midpoint(low, high);
             if inside(middle) { high = middle } else { low = middle }
         }
-        // The distance is rounded to 1e-16 of |rho| + R_eff, and grows with h at a rate of at least 0.01 unless the circles meet at a grazing angle.
+        // The distance is rounded to 1e-16 of |rho| + R_eff, and grows with h at a rate of at least 0.01 unless the circles meet
+        // at a grazing angle.
         let rate = (y - (rho + found)) / effective;
         let epsilon = 8.0 * f64::EPSILON * (rho.abs() + effective) / rate.max(0.01);
         prop_assert!((found - low).abs() <= epsilon, "{found} {low} within {epsilon}");

@@ -1,4 +1,4 @@
-//! What is found is undone by asking the other way round.
+//! Inverses: the height at a largest feed or step-over is the tolerance, and runout's formula and its inverse cancel.
 
 use crate::laws::passes::{BOTH, height, mm, passes};
 use approx::assert_relative_eq;
@@ -6,9 +6,10 @@ use proptest::prelude::*;
 use scallopd::milling::{JudgedPass, NoAnswer, Pass, Runout};
 use scallopd::quantity::Angle;
 
-/// The height at a largest feed or step-over is the tolerance. With runout the height can jump where deep marks alone cease to clear enough;
-/// then it is under the tolerance, and over it at one `more` by 1e-9. On a concave surface near the floor or beside a wall the section has
-/// lobes beside the contact, and a smaller feed or step-over than the largest can be found; the tolerance is never exceeded.
+/// The height at a largest feed or step-over is the tolerance. With runout the height can jump where the deep marks alone cease
+/// to suffice; then it is under the tolerance, and `more`, the height at an input larger by 1e-9, is over it. On a concave
+/// surface near the floor or beside a wall the section has lobes beside the contact, and a smaller feed or step-over than the
+/// largest can be found; the tolerance is never exceeded.
 fn assert_largest(pass: &Pass, height: f64, more: Result<f64, NoAnswer>, tolerance: f64) {
     let slope = pass.contact.slope().degrees();
     let has_lobes = pass.surface.principal_per_mm()[1] < 0.0 && !(10.0..85.0).contains(&slope);
@@ -21,10 +22,10 @@ fn assert_largest(pass: &Pass, height: f64, more: Result<f64, NoAnswer>, toleran
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// The height at the largest feed is the tolerance. Refusals are those of a tolerance that leaves no feed or sets no limit, and of
-    /// surfaces that do not take the cutter or the passes.
+    /// The height at the largest feed is the tolerance. There is no answer where the tolerance allows no feed or sets no limit,
+    /// or where the cutter or the passes do not fit the surface.
     #[test]
-    fn the_largest_feed_leaves_just_the_tolerance(pass in passes(), step_over in 0.02..1.0_f64, tolerance in 0.001..0.05_f64) {
+    fn the_height_at_the_largest_feed_is_the_tolerance(pass in passes(), step_over in 0.02..1.0_f64, tolerance in 0.001..0.05_f64) {
         for model in BOTH {
             let Ok(judged) = JudgedPass::new(model, pass) else { continue };
             match judged.max_feed_per_tooth(mm(tolerance), mm(step_over)) {
@@ -49,7 +50,7 @@ proptest! {
     }
 
     #[test]
-    fn the_largest_step_over_leaves_just_the_tolerance(pass in passes(), feed in prop_oneof![1 => Just(0.0), 3 => 0.01..0.4_f64], tolerance in 0.001..0.05_f64) {
+    fn the_height_at_the_largest_step_over_is_the_tolerance(pass in passes(), feed in prop_oneof![1 => Just(0.0), 3 => 0.01..0.4_f64], tolerance in 0.001..0.05_f64) {
         for model in BOTH {
             let Ok(judged) = JudgedPass::new(model, pass) else { continue };
             match judged.max_step_over(mm(tolerance), (feed > 0.0).then(|| mm(feed))) {
@@ -68,10 +69,11 @@ proptest! {
         }
     }
 
-    /// The step between marks and the feed per tooth undo each other. The feed is the difference of terms of which the largest is the
-    /// runout, up to ten times the feed: 1e-15 of it is 1e-14 of the feed, and its square root's argument cancels once more.
+    /// The distance between tooth marks and the feed per tooth are inverse to each other. The feed is the difference of terms of
+    /// which the largest is the runout, up to ten times the feed: 1e-15 of it is 1e-14 of the feed, and its square root's
+    /// argument cancels once more.
     #[test]
-    fn runout_and_its_inverse_undo_each_other(feed in 0.01..1.0_f64, radial in 0.0..0.1_f64, axial in -0.1..0.1_f64, climb in 0.0..90.0_f64) {
+    fn the_mark_spacing_with_runout_and_its_inverse_cancel(feed in 0.01..1.0_f64, radial in 0.0..0.1_f64, axial in -0.1..0.1_f64, climb in 0.0..90.0_f64) {
         let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
         let climb = Angle::from_degrees(climb).unwrap();
         let spacing = runout.mark_spacing(mm(feed), climb);

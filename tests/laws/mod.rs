@@ -1,4 +1,4 @@
-//! Laws that the mathematics of a pass must obey whatever the figures, over random valid passes; and independent routes to the same numbers.
+//! Laws of the mathematics of a pass, tested on random valid passes, and independent routes to the same numbers.
 
 mod continuity;
 mod curved_surfaces;

@@ -1,4 +1,4 @@
-//! Random passes, and how the laws ask about them.
+//! Random passes for the laws, and functions to build and evaluate them.
 
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
@@ -10,7 +10,7 @@ pub(crate) fn mm(value: f64) -> Length {
     Length::from_mm(value).unwrap()
 }
 
-/// The whole height at a step-over and a feed, in mm; a feed of 0 is none.
+/// The whole height at a step-over and a feed, in mm; a feed of 0 means no tooth marks.
 pub(crate) fn height(judged: &JudgedPass, step_over: f64, feed: f64) -> Result<f64, NoAnswer> {
     judged.scallop_height(mm(step_over), (feed > 0.0).then(|| mm(feed))).map(|height| height.total().mm())
 }
@@ -31,7 +31,8 @@ pub(crate) fn toroidal(outer_radius: f64, share: f64) -> Cutter {
     Cutter::toroidal(mm(2.0 * outer_radius), mm(share * outer_radius)).unwrap()
 }
 
-/// Toroidal and ball-end cutters of 1 to 20 mm; the flat-end has marks without curvature, which the analytic model cannot invert everywhere.
+/// Toroidal and ball-end cutters of 1 to 20 mm; the flat-end has marks without curvature, which the analytic model cannot invert
+/// everywhere.
 pub(crate) fn cutters() -> impl Strategy<Value = Cutter> {
     let toroidal = (0.5..10.0_f64, 0.05..0.95_f64).prop_map(|(outer_radius, share)| toroidal(outer_radius, share));
     prop_oneof![3 => toroidal, 1 => (1.0..20.0_f64).prop_map(|diameter| Cutter::ball_end(mm(diameter)))]
@@ -47,7 +48,7 @@ pub(crate) fn feed_angles() -> impl Strategy<Value = f64> {
     prop_oneof![8 => -180.0..180.0_f64, 1 => Just(0.0), 1 => Just(90.0)]
 }
 
-/// Passes on a plane with a cutter that runs true.
+/// Passes on a plane with a cutter without runout.
 pub(crate) fn plane_passes() -> impl Strategy<Value = Pass> {
     (cutters(), slopes(), feed_angles()).prop_map(|(cutter, slope, alpha)| {
         let contact = Contact::from_degrees(slope, alpha).unwrap();

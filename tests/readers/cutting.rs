@@ -1,4 +1,4 @@
-//! Where a file is cut into chunks makes no difference, and no bytes at all bring a reader down.
+//! The result does not depend on where chunks end, and no bytes make a reader panic.
 
 use super::*;
 use crate::writers::three_mf;
@@ -35,18 +35,18 @@ fn pieces<'a>(file: &'a [u8], cuts: &[usize]) -> Vec<&'a [u8]> {
     edges.windows(2).map(|pair| &file[pair[0]..pair[1]]).collect()
 }
 
-/// Faults of numbers compare by what they say, and so do files with them.
+/// The outcome as text, because NaN in a sink does not equal itself.
 fn outcome(chunks: &[&[u8]]) -> String {
     format!("{:?}", read_in_chunks(chunks, FormatHint::default()))
 }
 
-/// The file after so much comment that its format is known before it begins.
+/// The file after a comment so long that the format is detected before the data begin.
 fn after_the_head(file: &[u8]) -> Vec<u8> {
     [b"# padding\n".repeat(6554).as_slice(), file].concat()
 }
 
 #[test]
-fn a_byte_at_a_time_is_enough() {
+fn files_are_read_from_single_bytes() {
     for file in files() {
         let bytes: Vec<&[u8]> = file.chunks(1).collect();
         assert_eq!(outcome(&bytes), outcome(&[&file]), "{}", String::from_utf8_lossy(&file));
@@ -54,7 +54,7 @@ fn a_byte_at_a_time_is_enough() {
 }
 
 #[test]
-fn a_large_file_is_the_same_byte_by_byte_and_whole() {
+fn a_large_file_gives_the_same_result_byte_by_byte_and_whole() {
     let numbers = |index: u32| format!("{} {} {}", index % 97, f64::from(index) * 0.37, f64::from(index).sqrt());
     let repeat = |count: u32, part: &dyn Fn(u32) -> String| (0..count).map(part).collect::<Vec<_>>().concat();
     let text = repeat(5000, &|index| numbers(index) + "\n");
@@ -85,13 +85,13 @@ fn a_large_file_is_the_same_byte_by_byte_and_whole() {
 
 proptest! {
     #[test]
-    fn cuts_make_no_difference(which in 0_usize..15, cuts in proptest::collection::vec(any::<usize>(), 0..5)) {
+    fn the_result_does_not_depend_on_the_chunks(which in 0_usize..15, cuts in proptest::collection::vec(any::<usize>(), 0..5)) {
         let file = &files()[which];
         prop_assert_eq!(outcome(&pieces(file, &cuts)), outcome(&[file]));
     }
 
     #[test]
-    fn damage_brings_no_reader_down(which in 0_usize..15, damage in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..4), cuts in proptest::collection::vec(any::<usize>(), 0..3)) {
+    fn damaged_files_make_no_reader_panic(which in 0_usize..15, damage in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..4), cuts in proptest::collection::vec(any::<usize>(), 0..3)) {
         let mut file = files()[which].clone();
         for (at, byte) in damage {
             let at = at % file.len();

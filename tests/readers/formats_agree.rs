@@ -54,7 +54,7 @@ fn points_are_the_same_in_every_layout() {
 
 proptest! {
     #[test]
-    fn points_come_back_as_they_were_written(points in proptest::collection::vec([-1e12..1e12, -1.0..1.0, -1e-9..1e-9_f64], 1..20), separator in "[;\t ]", comma: bool) {
+    fn points_are_read_as_they_were_written(points in proptest::collection::vec([-1e12..1e12, -1.0..1.0, -1e-9..1e-9_f64], 1..20), separator in "[;\t ]", comma: bool) {
         let text: String = points.iter().map(|point| words(point, &separator)).collect::<Vec<_>>().join("\n");
         let text = if comma { text.replace('.', ",") } else { text };
         prop_assert_eq!(super::points(text), points);

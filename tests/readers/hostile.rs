@@ -1,8 +1,8 @@
-//! Files that ask for more than they bring.
+//! Files that would take far more memory or time than their size.
 
 use super::*;
 
-/// Pushes `part` until the reader refuses, and tells after how many bytes.
+/// Pushes `part` until the reader refuses; returns the number of bytes pushed and the fault.
 fn refused_after(head: &[u8], part: &[u8], name: &str) -> (usize, Fault) {
     let mut reader = Reader::new(FormatHint::new(None, Some(name)));
     let mut recorder = Recorder::default();
@@ -57,7 +57,7 @@ fn an_endless_face_is_refused() {
 }
 
 #[test]
-fn a_list_of_four_billion_numbers_is_passed_over_as_far_as_it_goes() {
+fn a_list_of_four_billion_numbers_is_skipped_up_to_the_end_of_the_file() {
     let head = "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty list uint double w\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
     let file = [head.as_bytes(), &[0xff; 4], &[0; 5000]].concat();
     let sentence =
@@ -97,7 +97,7 @@ fn counts_take_no_memory() {
     };
     let head = "ply\nformat binary_little_endian 1.0\nelement vertex 20000000\nproperty float x\nproperty float y\nproperty float z\nelement face 4000000000\nproperty list uint int vertex_index\nend_header\n";
     let stl = [&[0; 80][..], &[0xff; 4], &[0; 50]].concat();
-    // More than the 64 KiB that decide upon the format, so that the bodies are being read.
+    // More than the 64 KiB that determine the format, so that the bodies are being read.
     let padding = vec![0; 1 << 16];
     let before = pages();
     let readers: Vec<Reader> = (0..40)

@@ -66,7 +66,7 @@ fn the_finishing_preset_gives_speed_and_feed() {
     let tool = only(fusion(&[bull_nose()]));
     assert_eq!((tool.preset.as_deref(), tool.spindle_speed_rpm), (Some("Aluminum - Finishing"), Some(8000.5)));
     assert_relative_eq!(tool.max_feed_per_tooth.unwrap().mm(), 0.002 * 25.4, max_relative = 1e-15);
-    // Without one that says so, the first.
+    // Without "finish" in a name, the first.
     let tool = only(fusion(&[with(bull_nose(), "/start-values/presets/1/name", json!("Steel"))]));
     assert_eq!((tool.preset.as_deref(), tool.spindle_speed_rpm), (Some("Aluminum - Roughing"), Some(5000.0)));
     // Without a feed per tooth it follows from the feed rate: 80 / (4 5000) = 0.004 in.
@@ -94,7 +94,7 @@ fn a_ball_without_a_corner_radius_is_half_its_diameter() {
 }
 
 #[test]
-fn tools_that_finish_no_surface_are_counted_by_type() {
+fn tools_other_than_finishing_cutters_are_counted_by_type() {
     let other =
         |kind: &str| json!({"type": kind, "unit": "millimeters", "geometry": {"DC": "none", "segments": [1, [2]]}, "description": kind});
     let tapered = with(bull_nose(), "/geometry/TA", json!(3));
@@ -290,7 +290,7 @@ fn faults_of_a_table_name_line_and_column() {
 }
 
 #[test]
-fn files_that_are_no_library_are_refused() {
+fn files_other_than_libraries_are_refused() {
     for (file, kind) in [
         (b"".as_slice(), LibraryFaultKind::Empty),
         (b"solid part\n", LibraryFaultKind::UnknownFormat),

@@ -1,4 +1,4 @@
-//! The readers of surface files, by what reaches the sink and by what is refused: ordinary files, messy ones and hostile ones.
+//! The readers of surface files and tool libraries on ordinary, messy and hostile files.
 
 mod cutting;
 mod formats_agree;
@@ -14,7 +14,7 @@ use crate::writers::binary_stl;
 use scallopd::surface::Sink;
 use scallopd::surface::read::{Fault, FaultKind, Format, FormatHint, Notes, Reader, Summary};
 
-/// Keeps all that a reader hands out.
+/// A sink that keeps all points and facets.
 #[derive(Debug, Default, Clone, PartialEq)]
 struct Recorder {
     points: Vec<[f64; 3]>,
@@ -31,12 +31,12 @@ impl Sink for Recorder {
     }
 }
 
-/// Reads a whole file in one chunk, of which its sender says nothing.
+/// Reads a whole file in one chunk, without a hint about its format.
 fn read(file: impl AsRef<[u8]>) -> Result<(Recorder, Summary), Fault> {
     read_in_chunks(&[file.as_ref()], FormatHint::default()).1
 }
 
-/// What the sink has got, and how reading ended.
+/// The contents of the sink, and the result of reading.
 fn read_in_chunks(chunks: &[&[u8]], hint: FormatHint) -> (Recorder, Result<(Recorder, Summary), Fault>) {
     let mut reader = Reader::new(hint);
     let mut recorder = Recorder::default();
@@ -49,7 +49,7 @@ fn read_in_chunks(chunks: &[&[u8]], hint: FormatHint) -> (Recorder, Result<(Reco
     (recorder.clone(), result.map(|summary| (recorder, summary)))
 }
 
-/// The points of a file without facets, whose summary must say the same.
+/// The points of a file without facets; the summary must agree.
 fn points(file: impl AsRef<[u8]>) -> Vec<[f64; 3]> {
     let (recorder, summary) = read(file).unwrap();
     assert_eq!((summary.points, summary.facets), (recorder.points.len() as u64, 0));
@@ -57,7 +57,7 @@ fn points(file: impl AsRef<[u8]>) -> Vec<[f64; 3]> {
     recorder.points
 }
 
-/// The facets of a file that has them, whose summary must say the same.
+/// The facets of a file that has them; the summary must agree.
 fn facets(file: impl AsRef<[u8]>) -> Vec<[[f64; 3]; 3]> {
     let (recorder, summary) = read(file).unwrap();
     assert_eq!((summary.points, summary.facets), (0, recorder.facets.len() as u64));
@@ -65,7 +65,7 @@ fn facets(file: impl AsRef<[u8]>) -> Vec<[[f64; 3]; 3]> {
     recorder.facets
 }
 
-/// The sentence with which a file is refused.
+/// The text of the fault with which a file is refused.
 fn refusal(file: impl AsRef<[u8]>) -> String {
     read(file).unwrap_err().to_string()
 }

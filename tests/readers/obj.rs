@@ -1,4 +1,4 @@
-//! Wavefront OBJ.
+//! The reader of Wavefront OBJ.
 
 use super::*;
 
@@ -30,7 +30,7 @@ fn polygons_become_triangles() {
     // Numbers need not follow one another.
     let holes = "v 9 9 9\nv 0 0 0\nv 8 8 8\nv 2 0 0\nv 7 7 7\nv 2 2 1\nv 6 6 6\nv 0 2 1\nf 2 4 6 8\n";
     assert_eq!(facets(holes), [[A, B, C], [A, C, D]]);
-    // Hollow at the third corner: no triangle may be turned over.
+    // Reflex at the third corner: no triangle may have the opposite orientation.
     let hollow = facets("v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nf 2 3 4 1\nf 1 2 3 4\nf 4 1 2 3\n");
     let doubled = |[a, b, c]: [[f64; 3]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     assert!(hollow.iter().all(|facet| doubled(*facet) > 0.0), "{hollow:?}");
@@ -39,7 +39,7 @@ fn polygons_become_triangles() {
 }
 
 #[test]
-fn statements_without_shape_are_passed_over() {
+fn statements_that_do_not_affect_the_shape_are_skipped() {
     let file = format!(
         "# a comment that ends like a folder\\\nmtllib a.mtl\no part\n{}vn 0 0 1\nvt 0 0\ng one\ns 1\nusemtl red\n\nf 1 2 \\\n 3 \\\r\n\ns off\n",
         VERTICES.replace("2 2 1", "2 2 1 0.5 0.5 0.5").replace("2 0 0", "2 0 0 1.0")
@@ -57,7 +57,7 @@ fn without_faces_the_vertices_are_the_surface() {
 }
 
 #[test]
-fn facets_without_area_are_handed_on() {
+fn facets_without_area_are_passed_to_the_sink() {
     assert_eq!(facets(format!("{VERTICES}f 1 1 1\nf 1 2 2\n")), [[A, A, A], [A, B, B]]);
 }
 

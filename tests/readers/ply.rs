@@ -1,4 +1,4 @@
-//! PLY in its three encodings.
+//! The reader of PLY in its three encodings.
 
 use super::*;
 use crate::writers::words;
@@ -23,7 +23,7 @@ macro_rules! put {
     ($to:expr, $($value:expr),*) => { $($to.bytes.extend(if $to.big { $value.to_be_bytes().to_vec() } else { $value.to_le_bytes().to_vec() });)* };
 }
 
-/// The surface of `ASCII` with all types, lists before, between and after what matters, and elements that do not.
+/// The surface of `ASCII` with all types, with lists before, between and after the properties that are read, and with other elements.
 fn rich(big: bool) -> Vec<u8> {
     let header = format!(
         "ply\nformat binary_{}_endian 1.0\nobj_info any\nelement range_grid 2\nproperty list uchar int vertex_indices\nelement nothing 4294967295\n\
@@ -81,7 +81,7 @@ fn all_three_encodings_give_the_same_surface() {
 }
 
 #[test]
-fn ascii_passes_in_any_layout() {
+fn ascii_is_read_in_any_layout() {
     for file in [
         ASCII.replace('\n', "\r\n"),
         ASCII.replace('\n', "\r"),
@@ -104,7 +104,7 @@ fn a_binary_body_may_begin_with_a_line_feed() {
 }
 
 #[test]
-fn elements_and_lists_without_use_are_passed_over_in_text() {
+fn unused_elements_and_lists_are_skipped_in_text() {
     let file = "ply\nformat ascii 1.0\nelement nothing 4000000000\nelement grid 2\nproperty list int int n\nelement vertex 3\nproperty list uchar float w\nproperty int z\n\
         property double y\nproperty float x\nproperty uchar red\nelement face 1\nproperty uchar flag\nproperty list uchar uint vertex_index\nproperty list uchar float t\nend_header\n\
         0\n2 5 6\n0 0 0 0 255\n2 0.5 nan 1 0 1 255\n1 9 0 1 0 0\n7 3 0 1 2 2 0.5 0.5\n";
@@ -126,7 +126,7 @@ fn without_faces_the_vertices_are_the_surface() {
 }
 
 #[test]
-fn what_follows_the_last_row_is_counted() {
+fn bytes_after_the_last_row_are_counted() {
     for (mut file, format) in [(ASCII.as_bytes().to_vec(), Format::PlyAscii), (small(false), Format::PlyLittleEndian)] {
         file.extend(b"more");
         let (recorder, summary) = read(file).unwrap();
@@ -146,14 +146,14 @@ fn a_file_cut_anywhere_is_refused() {
             }
         }
     }
-    // In text only the last number can be cut without being missed, and here nothing is left of it then.
+    // In text, only a cut inside the last number would not be noticed; here it has a single digit.
     for length in 0..ASCII.len() - 1 {
         assert!(read(&ASCII[..length]).is_err(), "{length}");
     }
 }
 
 #[test]
-fn headers_that_describe_no_surface_are_refused() {
+fn headers_without_a_surface_are_refused() {
     for (wrong, right, sentence) in [
         ("ascii 1.0", "ascii 2.0", "line 2: expected version 1.0, found \"2.0\""),
         ("ascii 1.0", "morse 1.0", "line 2: expected ascii, binary_little_endian or binary_big_endian, found \"morse\""),
@@ -191,7 +191,7 @@ fn headers_that_describe_no_surface_are_refused() {
 }
 
 #[test]
-fn rows_that_are_wrong_are_refused_with_their_line() {
+fn faulty_rows_are_refused_with_their_line() {
     for (wrong, right, sentence) in [
         ("1 1 0.75", "1 1", "line 13: expected as many numbers as a row of the element \"vertex\" has, found the end of the line"),
         ("1 1 0.75", "1 1 0.75 1", "line 13: expected the end of a row of the element \"vertex\", found \"1\""),
@@ -215,7 +215,7 @@ fn rows_that_are_wrong_are_refused_with_their_line() {
 }
 
 #[test]
-fn binary_rows_that_are_wrong_are_refused_with_their_byte() {
+fn faulty_binary_rows_are_refused_with_their_byte() {
     let file = small(false);
     let body = file.len() - 4 * 12 - 13 - 17;
     let with = |at: usize, bytes: &[u8]| {

@@ -1,4 +1,4 @@
-//! STL in text and binary.
+//! The readers of STL in text and binary.
 
 use super::*;
 
@@ -7,7 +7,7 @@ const ASCII: &str = "solid part\n facet normal 0 0 1\n  outer loop\n   vertex 0 
 const FACET: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];
 
 #[test]
-fn ascii_passes_in_any_case_and_layout() {
+fn ascii_is_read_in_any_case_and_layout() {
     let facet = ASCII.strip_prefix("solid part\n").and_then(|rest| rest.strip_suffix(" part\n")).unwrap();
     let words: Vec<&str> = facet.split_whitespace().collect();
     for file in [
@@ -40,14 +40,14 @@ fn several_solids_are_one_surface() {
 }
 
 #[test]
-fn normals_are_not_looked_at() {
+fn normals_are_ignored() {
     for normal in ["0 0 0", "nan nan nan", "-nan(ind) 1.#QNAN inf", "1e999 0 0"] {
         assert_eq!(facets(ASCII.replace("0 0 1\n", &format!("{normal}\n"))), [FACET], "{normal}");
     }
 }
 
 #[test]
-fn what_is_not_stl_is_refused_with_its_line() {
+fn text_other_than_stl_is_refused_with_its_line() {
     for (wrong, right, sentence) in [
         ("0 0.5", "0", "line 6: expected a number, three for each vertex, found \"vertex\""),
         ("0 0.5", "0 0.5 7", "line 5: expected \"vertex\", three for each facet, found \"7\""),
@@ -69,7 +69,7 @@ fn what_is_not_stl_is_refused_with_its_line() {
 }
 
 #[test]
-fn ascii_cut_anywhere_ends_well_only_between_facets() {
+fn ascii_that_is_cut_off_is_read_only_between_facets() {
     let file = ASCII.repeat(2);
     for length in 0..file.len() {
         let head = &file[..length];
@@ -93,13 +93,13 @@ fn ascii_cut_anywhere_ends_well_only_between_facets() {
     }
 }
 
-/// A word that is cut off is refused where it stands, in the last line.
+/// The last line of a text, where a word that is cut off is refused.
 fn last_line(text: &str) -> scallopd::surface::read::FileLocation {
     scallopd::surface::read::FileLocation::Line(text.split('\n').count() as u64)
 }
 
 #[test]
-fn binary_passes_with_any_header_and_what_follows_it() {
+fn binary_is_read_with_any_header_and_any_trailing_bytes() {
     for header in ["", "made by nobody", "solid part", "solid part\nfrom afar", "SOLID"] {
         assert_eq!(facets(binary_stl(header, &[TRIANGLE; 3])), [FACET; 3], "{header:?}");
     }
@@ -111,7 +111,7 @@ fn binary_passes_with_any_header_and_what_follows_it() {
 }
 
 #[test]
-fn binary_promising_more_than_it_has_is_refused() {
+fn binary_with_fewer_facets_than_its_count_is_refused() {
     let mut file = binary_stl("", &[TRIANGLE; 2]);
     for (count, sentence) in [
         (3_u32, "byte 184: expected 3 facets, as the count at byte 80 says, found the end of the file after 2"),
@@ -138,7 +138,7 @@ fn binary_cut_anywhere_is_refused() {
 }
 
 #[test]
-fn binary_numbers_that_are_no_coordinates_are_refused_with_their_byte() {
+fn binary_numbers_out_of_range_are_refused_with_their_byte() {
     for (value, found) in [(f32::NAN, "NaN"), (f32::NEG_INFINITY, "-inf"), (2e12_f32, "1999999991808")] {
         let mut wrong = TRIANGLE;
         wrong[2][1] = value;

@@ -1,4 +1,4 @@
-//! Points in text.
+//! The readers of points in text and of ASCII PCD.
 
 use super::*;
 use scallopd::surface::Unit;
@@ -26,7 +26,7 @@ fn decimal_commas_are_read_where_the_comma_does_not_separate() {
     for file in ["1,5;-2;3,25\n4;5,5;-6\n", "1,5\t-2\t3,25\n4\t5,5\t-6\n", "1,5 -2 3,25\n4 5,5 -6\n", "1,5 ; -2,0; 3,25\n4,0;5,5;-6,0\n"] {
         assert_eq!(points(file), TWO, "{file:?}");
     }
-    // The first mark comes late.
+    // The first mark is not in the first line.
     assert_eq!(points("1;2;3\n4;5;6,5\n"), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.5]]);
 }
 
@@ -38,7 +38,7 @@ fn one_file_has_one_decimal_mark() {
 }
 
 #[test]
-fn the_separator_holds_once_it_is_found() {
+fn the_first_line_fixes_the_separator() {
     assert_eq!(refusal("1,2,3\n4;5;6\n"), "line 2: expected a number, found \"4;5;6\"");
     assert_eq!(refusal("1\t2\t3\n4 5 6\n"), "line 2: expected a number, found \"4 5 6\"");
 }
@@ -61,7 +61,7 @@ fn headers_name_columns_in_any_order_and_case() {
 }
 
 #[test]
-fn line_ends_and_marks_of_other_systems_pass() {
+fn line_ends_and_byte_order_marks_of_all_systems_are_read() {
     for file in [
         "\u{feff}1.5,-2,3.25\r\n4,5.5,-6\r\n",
         "1.5,-2,3.25\r4,5.5,-6",
@@ -95,7 +95,7 @@ fn one_point_is_read() {
 }
 
 #[test]
-fn what_is_not_three_numbers_is_refused_with_its_line() {
+fn lines_other_than_three_numbers_are_refused_with_their_number() {
     for (file, sentence) in [
         ("1,2\n", "line 1: expected three numbers, found two"),
         ("6400\n", "line 2: expected three numbers, found the end of the file"),
@@ -121,7 +121,7 @@ fn what_is_not_three_numbers_is_refused_with_its_line() {
 }
 
 #[test]
-fn numbers_that_are_no_coordinates_are_refused() {
+fn numbers_out_of_range_are_refused() {
     for (file, found) in [
         ("1,2,nan\n", "\"nan\""),
         ("1 2 3\n4 -Infinity 6\n", "\"-Infinity\""),
@@ -146,13 +146,13 @@ fn text_in_utf_16_is_read() {
     }
     let stl: Vec<u8> = "\u{feff}solid a\n".encode_utf16().chain(std::iter::repeat_n(0x20, 1 << 17)).flat_map(u16::to_le_bytes).collect();
     assert_eq!(read(stl).unwrap_err().kind(), FaultKind::TooLarge);
-    // A header in Latin-1 is no obstacle.
+    // A header may be in Latin-1.
     let (recorder, summary) = read(b"X [\xb5m];Y [\xb5m];Z [\xb5m]\n1;2;3\n").unwrap();
     assert_eq!((recorder.points, summary.unit), (vec![[1.0, 2.0, 3.0]], Some(Unit::Micrometre)));
 }
 
 #[test]
-fn what_tools_write_around_the_points_is_read() {
+fn comments_and_counts_that_programs_write_are_read() {
     for file in [
         "sep=;\nx;y;z\n1,5;-2;3,25\n4;5,5;-6\n",
         "SEP=,\r\n1.5,-2,3.25\r\n4,5.5,-6\r\n",
@@ -195,7 +195,7 @@ fn the_unit_of_a_header_reaches_the_summary() {
 }
 
 #[test]
-fn text_that_can_be_read_in_two_ways_is_refused_with_both() {
+fn ambiguous_text_is_refused_with_both_readings() {
     for (file, sentence) in [
         (
             "1,5,2,5,3,5\n4,0,5,5,6,5\n",
@@ -240,7 +240,7 @@ fn text_that_can_be_read_in_two_ways_is_refused_with_both() {
     let wide = "0.5 ".repeat(13) + "\n";
     let fault = read(wide.repeat(5)).unwrap_err();
     assert_eq!((fault.kind(), fault.expected()), (FaultKind::Ambiguous, "at most 12 numbers in a line without a header"));
-    // What has a decimal point, a sign or a blank where a fraction cannot have it is read.
+    // A decimal point, sign or blank where a fraction cannot have one resolves the ambiguity.
     for file in ["1,2,3,255,0,0\n1.5,2,3,255,0,0\n", "1,-2,3,4,5,6\n1,2,3,4,5,6\n", "1, 2, 3, 4, 5, 6\n", "1,2,3,4\n5,6,7,8\n"] {
         assert!(read(file).is_ok(), "{file:?}");
     }

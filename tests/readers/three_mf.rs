@@ -1,4 +1,4 @@
-//! 3MF packages: units, components, build items, and packages that ask for more than they bring.
+//! The reader of 3MF packages: units, components, build items, and hostile packages.
 
 use super::*;
 use crate::writers::{RELATIONSHIPS, directory_alone, mesh_object, model, package, zip};
@@ -48,7 +48,7 @@ fn components_and_items_are_placed() {
 }
 
 #[test]
-fn a_reflection_keeps_the_outer_side_out() {
+fn a_reflection_keeps_the_orientation_of_facets() {
     let items = "<item objectid=\"1\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 0\"/>";
     let facet = facets(package(&model("", &triangle_object(1), items)))[0];
     assert_eq!(facet, [[0.0, 0.0, 0.0], [0.0, 1.0, 0.25], [-1.0, 0.0, 0.5]]);
@@ -78,7 +78,7 @@ fn support_is_left_out_and_counted() {
 }
 
 #[test]
-fn what_is_no_surface_is_refused_with_its_file() {
+fn models_without_a_surface_are_refused_with_their_file() {
     let item = "<item objectid=\"1\"/>";
     let place = "3D/3dmodel.model, byte ";
     for (model, sentence) in [
@@ -127,7 +127,7 @@ fn what_is_no_surface_is_refused_with_its_file() {
 }
 
 #[test]
-fn archives_that_are_no_package_are_named() {
+fn archives_other_than_packages_are_named() {
     for (name, found) in
         [("xl/workbook.xml", "an Excel workbook"), ("Document.xml", "a FreeCAD document"), ("part.stl", "a ZIP archive that is no 3MF")]
     {
@@ -139,7 +139,7 @@ fn archives_that_are_no_package_are_named() {
 }
 
 #[test]
-fn components_that_multiply_are_refused() {
+fn components_that_multiply_exponentially_are_refused() {
     let layer = |id: u32| components(id, &format!("<component objectid=\"{}\"/>", id - 1).repeat(10));
     let objects = triangle_object(1) + &(2..12).map(layer).collect::<String>();
     let fault = read(package(&model("", &objects, "<item objectid=\"11\"/>"))).unwrap_err();

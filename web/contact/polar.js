@@ -4,6 +4,9 @@ import { svg } from '../dom.js';
 import { formatWithUnit, factorOf, ticks, unitOf, plainNumber } from '../units.js';
 import { cosineOf, sineOf } from './frame.js';
 
+// The rings' labels stand between two spokes.
+const LABELS_AT_DEG = 345;
+
 /**
  * `angles` in degrees from 0 to under 180 (the period is 180), `series` [{className, values}] in mm with null where there is no answer,
  * `feedAngle` the direction in use.
@@ -51,7 +54,10 @@ export function polarChart({ angles, series, feedAngle, size, onPick }) {
     }),
     svg('path', { class: 'feed', d: `M${bx} ${by}L${fx} ${fy}` }),
     series.toReversed().map(({ className, values }) => svg('path', { class: `curve ${className}`, d: path(values) })),
-    rings.map((ring) => svg('text', { x: middle + 3, y: middle - (ring / factor) * scale - 3 }, plainNumber(ring, 2))),
+    rings.map((ring) => {
+      const [x, y] = place(LABELS_AT_DEG, ring / factor);
+      return svg('text', { x, y: y + 4, 'text-anchor': 'middle' }, plainNumber(ring, 2));
+    }),
     [[0, '0° uphill', 'middle', 0, -6], [90, '90°', 'end', -4, 4], [180, '180°', 'middle', 0, 14], [270, '270°', 'start', 4, 4]].map(([angle, text, anchor, dx, dy]) => {
       const [x, y] = place(angle, rim);
       return svg('text', { x: x + dx, y: y + dy, 'text-anchor': anchor }, text);

@@ -314,7 +314,7 @@ export class ContactView {
 
   #drawPolar() {
     const { geometry, byDirection } = this.#curves;
-    const size = Math.min(this.#sizes.polar, 290);
+    const size = Math.min(this.#sizes.polar, 340);
     if (!size) return;
     const chart = byDirection && polarChart({
       angles: byDirection.angles, feedAngle: geometry.feedAngle, size,

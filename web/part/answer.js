@@ -1,100 +1,140 @@
 // Tables and lists of a recommendation's answer.
 
 import { el } from '../dom.js';
-import { figure, figureList, term, valueOf, warningList } from '../figures.js';
+import { figure, figureList, reasonList, term, valueOf, warningList } from '../figures.js';
 import { TERMS, inWords } from '../terms.js';
 import { formatTime, formatWithUnit, unitOf } from '../units.js';
 
+/** The colours of the fastest cutters. */
 export const SERIES = ['series-1', 'series-2', 'series-3', 'series-4', 'series-5', 'series-6'];
 
 /** How a candidate is called: its name, or its shape and number. */
 export const nameOf = (candidate) => candidate.name ?? `${inWords(candidate.type ?? 'cutter')} ${candidate.cutter + 1}`;
 
-const time = (name, seconds) => el('data', { value: seconds ?? '', 'data-figure': name }, formatTime(seconds));
+// Cutters behind those that the chart shows have no colour.
+const swatch = (i) => el('span', { class: `swatch ${SERIES[i] ?? ''}` });
+const timeOf = (name, seconds, longest) => el('data', { value: seconds ?? '', 'data-figure': name }, formatTime(seconds, longest));
 
-// [term, value of a candidate, header if it differs]
+// [name in the glossary, figure of a candidate]; step-overs are a distribution, of which the median is shown.
 const COLUMNS = [
-  ['direction_deg', (c) => c.direction_deg],
-  ['machining_time_s', (c) => c.machining_time_s],
-  ['passes', (c) => c.passes],
-  ['step_over_xy_mm', (c) => c.step_over_xy_mm?.median],
-  ['feed_rate_mm_min', (c) => c.feed_rate_mm_min],
-  ['scallop_p99_mm', (c) => c.scallop_height_mm?.p99],
-  ['scallop_max_mm', (c) => c.scallop_height_mm?.max],
-  ['over_tolerance_share', (c) => c.over_tolerance_share],
-  ['uncut_share', (c) => c.uncut_share],
-  ['uncut_height_mm', (c) => c.uncut_height_mm],
-  ['links_lifts', (c) => c.links?.lifts],
-  ['least_time_s', (c) => c.least_time_s],
-  ['rectangle_time_s', (c) => c.rectangle?.machining_time_s],
+  ['machining_time_s', (candidate) => candidate.machining_time_s],
+  ['direction_deg', (candidate) => candidate.direction_deg],
+  ['passes', (candidate) => candidate.passes],
+  ['step_over_xy_mm', (candidate) => candidate.step_over_xy_mm.median],
+  ['feed_rate_mm_min', (candidate) => candidate.feed_rate_mm_min],
+  ['scallop_p99_mm', (candidate) => candidate.scallop_height_mm?.p99],
+  ['scallop_max_mm', (candidate) => candidate.scallop_height_mm?.max],
+  ['over_tolerance_share', (candidate) => candidate.over_tolerance_share],
+  ['uncut_share', (candidate) => candidate.uncut_share],
+  ['uncut_height_mm', (candidate) => candidate.uncut_height_mm],
+  ['links_lifts', (candidate) => candidate.links?.lifts],
+  ['least_time_s', (candidate) => candidate.least_time_s],
+  ['rectangle_time_s', (candidate) => candidate.rectangle?.machining_time_s],
 ];
 
-const isTime = (name) => name.endsWith('_time_s') || name === 'least_time_s';
-// Feed rates of a simulated plan are a distribution; of a rectangle's one number.
-const single = (value) => (value !== null && typeof value === 'object' ? value.median : value);
+const isTime = (name) => TERMS[name].kind === 'time';
 
-/** The table of the ranking. `onMap(candidate)` asks for a candidate's map; `mapped` is the cutter whose map is shown. */
-export function rankingTable(answer, mapped, onMap) {
-  const present = COLUMNS.filter(([, read]) => answer.candidates.some((candidate) => single(read(candidate)) !== undefined));
+function timeBar(seconds, longest) {
+  const bar = el('span', { class: 'time-bar', 'aria-hidden': 'true' });
+  bar.style.width = `${(100 * seconds) / longest}%`;
+  return bar;
+}
+
+/** The button that shows a cutter's map, or the word that says that it is shown. `onMap` is null where there can be no map. */
+function mapButton(cutter, isShown, onMap) {
+  if (isShown) return el('span', { class: 'muted' }, 'shown');
+  if (!onMap) return el('span', { class: 'muted', 'data-help': 'Only the recommended cutter of a tool library has a map. Add this one by hand to see its own.' }, '–');
+  return el('button', { type: 'button', class: 'quiet', 'aria-label': `Show the map of ${nameOf(cutter)}`, onclick: () => onMap(cutter) }, 'show');
+}
+
+/** The table of the ranking. `mapped` is the cutter whose map is shown, `mapFor(candidate)` a function that shows a candidate's map, or null. */
+export function rankingTable(answer, mapped, mapFor) {
+  const { candidates, map } = answer;
+  const present = COLUMNS.filter(([, read]) => candidates.some((candidate) => read(candidate) !== undefined));
+  const longest = Math.max(...candidates.map(({ machining_time_s: time }) => time));
+  const cell = (name, value) => (isTime(name) ? timeOf(name, value, longest) : valueOf(name, value));
   return el('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Ranking' }, el(
     'table',
     { class: 'ranking' },
     el('thead', {},
-      el('tr', {}, el('th', { scope: 'col' }, 'Cutter'), answer.map && el('th', { scope: 'col' }, 'Map'), present.map(([name]) => el('th', { scope: 'col' }, term(name)))),
-      el('tr', { class: 'units' }, el('td', {}), answer.map && el('td', {}), present.map(([name]) => el('td', {}, isTime(name) ? '' : unitOf(TERMS[name].kind))))),
-    el('tbody', {}, answer.candidates.map((candidate, i) => el(
+      el('tr', {}, el('th', { scope: 'col' }, 'Cutter'), map && el('th', { scope: 'col' }, 'Map'), present.map(([name]) => el('th', { scope: 'col' }, term(name)))),
+      el('tr', { class: 'units' }, el('td', {}), map && el('td', {}), present.map(([name]) => el('td', {}, isTime(name) ? '' : unitOf(TERMS[name].kind))))),
+    el('tbody', {}, candidates.map((candidate, i) => el(
       'tr',
       { 'data-cutter': candidate.cutter, class: i === 0 ? 'best' : '' },
-      el('th', { scope: 'row' }, el('span', { class: `swatch ${SERIES[i % SERIES.length]}` }), nameOf(candidate)),
-      answer.map && el('td', {}, mapped === candidate.cutter ? el('span', { class: 'muted' }, 'shown') : el('button', { type: 'button', class: 'quiet', 'aria-label': `Show the map of ${nameOf(candidate)}`, onclick: () => onMap(candidate) }, 'show')),
-      present.map(([name, read]) => el('td', {}, isTime(name) ? time(name, read(candidate)) : valueOf(name, single(read(candidate)), TERMS[name].kind))),
+      el('th', { scope: 'row' }, swatch(i), nameOf(candidate)),
+      map && el('td', {}, mapButton(candidate, mapped === candidate.cutter, mapFor(candidate))),
+      present.map(([name, read], at) => el('td', { class: at === 0 ? 'with-bar' : null }, cell(name, read(candidate)), at === 0 && timeBar(candidate.machining_time_s, longest))),
     ))),
   ));
 }
 
-/** The recommendation in one line, with the confidence and its reasons. */
+/** The recommendation: the cutter, its main figures, its lead, and the confidence with its reasons. */
 export function headline(answer) {
-  const { recommended, confidence, candidates } = answer;
-  const second = candidates[1];
+  const { recommended, confidence, candidates, warnings } = answer;
+  const first = candidates.find(({ cutter }) => cutter === recommended.cutter);
+  const second = candidates.find(({ cutter }) => cutter !== recommended.cutter);
   const lead = second && recommended.machining_time_s > 0 ? second.machining_time_s / recommended.machining_time_s - 1 : null;
+  const entry = (name, value) => value !== undefined && el('div', {}, el('dt', {}, term(name)), el('dd', {}, value));
+  const shown = (name, value) => value !== undefined && entry(name, figure(name, value));
   return el(
     'div',
     { class: 'headline' },
-    el('p', { class: 'choice' }, el('b', { 'data-figure': 'recommended' }, nameOf({ ...candidates.find(({ cutter }) => cutter === recommended.cutter), ...recommended })), ' at ', figure('direction_deg', recommended.direction_deg), ' in ', el('b', { 'data-help': TERMS.machining_time_s.help }, time('recommended_time', recommended.machining_time_s))),
-    lead !== null && el('p', { class: 'muted' }, `${nameOf(second)} takes ${formatWithUnit(lead, 'share')} longer.`),
-    confidence && el('div', { class: `confidence ${confidence.level}` }, el('p', {}, 'Confidence: ', el('b', {}, confidence.level)), confidence.reasons.length > 0 && el('ul', {}, confidence.reasons.map((reason) => el('li', {}, typeof reason === 'string' ? reason : (reason.detail ?? inWords(reason.code)))))),
-    warningList(answer.warnings),
+    el('p', { class: 'choice' }, swatch(candidates.indexOf(first)), el('b', { 'data-figure': 'recommended' }, nameOf(first)), el('span', { class: 'muted' }, inWords(first.type))),
+    el('dl', { class: 'figures lead' },
+      entry('machining_time_s', timeOf('recommended_time', recommended.machining_time_s)),
+      shown('direction_deg', recommended.direction_deg),
+      shown('step_over_xy_mm', recommended.step_over_xy_mm),
+      shown('feed_rate_mm_min', recommended.feed_rate_mm_min),
+      shown('scallop_p99_mm', first.scallop_height_mm?.p99),
+      shown('uncut_share', first.uncut_share)),
+    lead !== null && el('p', { class: 'muted' }, `${nameOf(second)} comes next and takes ${formatWithUnit(lead, 'share')} longer.`),
+    el('div', { class: `confidence ${confidence.level}` }, el('p', {}, 'Confidence: ', el('b', {}, confidence.level), confidence.reasons.length === 0 && el('span', { class: 'muted' }, ' – no weakness of the method shows on this surface.')), reasonList(confidence.reasons)),
+    warningList(warnings),
   );
 }
 
-/** Cutters that are listed but not ranked, with their reasons. */
-export function notRanked(entries) {
+/** Cutters that are listed but not ranked, with their reasons. `mapFor` as for the ranking. */
+export function notRanked(entries, mapped, mapFor) {
   if (!entries?.length) return null;
-  return el('div', { class: 'not-ranked' }, el('h3', {}, 'Not ranked'), el('ul', {}, entries.map(({ cutter, name, code, detail, uncut_share: uncut }) => el('li', {}, el('b', {}, name ?? `Cutter ${cutter + 1}`), ` ${inWords(code)}: ${detail}`, uncut !== undefined && uncut !== null ? [' (', figure('uncut_share', uncut), ' uncut)'] : null))));
+  return el('div', { class: 'not-ranked' },
+    el('h3', {}, 'Not ranked'),
+    el('ul', {}, entries.map((entry) => el('li', { 'data-cutter': entry.cutter },
+      el('b', {}, nameOf(entry)), ' ', el('span', { class: 'code' }, inWords(entry.code)), ' ',
+      entry.uncut_share === undefined ? `${entry.detail} ` : ['leaves ', figure('uncut_share', entry.uncut_share), ' of the area uncut, up to ', figure('uncut_height_mm', entry.uncut_height_mm), ' high '],
+      // What a cutter cannot reach can be shown; one that gouges everywhere has no plan to show.
+      entry.code === 'cannot-reach' && mapFor(entry) && mapButton(entry, mapped === entry.cutter, mapFor(entry))))));
 }
+
+const SURFACE_FIGURES = ['area_mm2', 'points', 'facets', 'slope_deg', 'mean_slope_deg', 'principal_direction_deg', 'steepest_direction_deg', 'form_factor', 'characteristic_size_mm2', 'flatness', 'visible_area_share', 'steep_area_share', 'pieces'];
 
 /** The surface's figures. */
 export function surfaceFigures({ surface, critical_slope_deg: criticalSlope }) {
-  const names = ['area_mm2', 'points', 'facets', 'slope_deg', 'mean_slope_deg', 'principal_direction_deg', 'steepest_direction_deg', 'form_factor', 'characteristic_size_mm2', 'flatness', 'visible_area_share', 'steep_area_share', 'pieces'];
-  return figureList([...names.map((name) => [name, surface[name]]), ['critical_slope_deg', criticalSlope]]);
+  const { min, max } = surface.bounds_mm;
+  const size = el('div', {}, el('dt', {}, term('bounds_mm')), el('dd', {}, el('span', { class: 'figure' }, [0, 1, 2].map((axis) => [axis > 0 && ' × ', valueOf(`size_${'xyz'[axis]}`, max[axis] - min[axis], 'length')]), el('span', { class: 'unit' }, unitOf('length')))));
+  const list = figureList([...SURFACE_FIGURES.map((name) => [name, surface[name]]), ['critical_slope_deg', criticalSlope]]);
+  list.prepend(size);
+  return list;
 }
 
-/** The ranking as CSV: header and rows. */
+/** The ranking as CSV: header and rows. Cutters that are not ranked follow with the reason. */
 export function rankingRows(answer) {
-  const header = ['cutter', 'name', 'type', ...COLUMNS.map(([name]) => name)];
-  return [header, answer.candidates.map((candidate) => [candidate.cutter, candidate.name, candidate.type, ...COLUMNS.map(([, read]) => single(read(candidate)))])];
+  const names = COLUMNS.map(([name]) => name);
+  const header = ['cutter', 'name', 'type', ...names, 'not_ranked'];
+  const ranked = answer.candidates.map((candidate) => [candidate.cutter, candidate.name, candidate.type, ...COLUMNS.map(([, read]) => read(candidate)), '']);
+  const others = answer.not_ranked.map((entry) => [entry.cutter, entry.name, '', ...names.map((name) => entry[name]), `${entry.code}: ${entry.detail}`]);
+  return [header, [...ranked, ...others]];
 }
 
 /** The passes as CSV: header and rows, one for each point. */
 export function passRows(passes) {
   const columns = ['step_over_mm', 'feed_per_tooth_mm', 'feed_rate_mm_min', 'scallop_height_mm'].filter((name) => passes[name]);
   const header = ['run', 'x_mm', 'y_mm', 'z_mm', 'nx', 'ny', 'nz', 'tip_x_mm', 'tip_y_mm', 'tip_z_mm', ...columns];
-  const rows = [];
+  const three = (vector) => vector ?? ['', '', ''];
   let run = 0;
-  for (let i = 0; i < passes.tip_mm.length; i += 1) {
+  const rows = passes.tip_mm.map((tip, i) => {
     while (run + 1 < passes.run_starts.length && passes.run_starts[run + 1] <= i) run += 1;
-    const three = (vector) => vector ?? ['', '', ''];
-    rows.push([run, ...three(passes.contact_mm[i]), ...three(passes.normal[i]), ...three(passes.tip_mm[i]), ...columns.map((name) => passes[name][i])]);
-  }
+    return [run, ...three(passes.contact_mm[i]), ...three(passes.normal[i]), ...tip, ...columns.map((name) => passes[name][i])];
+  });
   return [header, rows];
 }

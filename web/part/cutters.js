@@ -18,10 +18,12 @@ export class CutterTable {
   #body = el('div', { class: 'cutter-rows' });
   #onChange;
 
-  constructor(onChange) {
+  /** `onEnter` is called for the Enter key in a field, as a form would submit. */
+  constructor(onChange, onEnter) {
     this.#onChange = onChange;
     const add = el('button', { type: 'button', onclick: () => this.#add({ ...this.#rows.at(-1)?.form.values(), name: `T${this.#rows.length + 1}` }, true) }, 'Add a cutter');
     this.element = el('div', { class: 'cutters', role: 'group', 'aria-label': 'Cutters' }, el('div', { class: 'cutter-head', 'aria-hidden': 'true' }, HEADS.map((head) => el('span', {}, head)), el('span', {})), this.#body, el('div', { class: 'actions' }, add));
+    this.#body.addEventListener('keydown', ({ key, target }) => key === 'Enter' && target.matches('input') && onEnter());
   }
 
   #add(cutter, focus) {

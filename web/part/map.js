@@ -1,23 +1,37 @@
 // The map of the part: the service's raster seen from above or turned, coloured by slope, scallop height, uncut height or Z, with a
-// legend and the values under the pointer or the keyboard's cross.
+// legend and the values under the pointer or the keyboard's cross. Dragging over the map from above selects a box.
 
-import { el, onWidth, svg } from '../dom.js';
+import { el, onWidth } from '../dom.js';
 import { Field } from '../fields.js';
 import { TERMS } from '../terms.js';
-import { factorOf, format, formatWithUnit, roundStep, ticks, unitOf } from '../units.js';
-import { scaleOf } from './palette.js';
+import { format, formatWithUnit, unitOf } from '../units.js';
+import { legendOf } from './legend.js';
+import { Placement, drawBox, drawCross, drawDirection, drawPasses, drawScale } from './overlays.js';
+import { NO_VALUE, scaleOf } from './palette.js';
 import { drawRelief } from './relief.js';
 
-const LAYERS = [['slope_deg', 'Slope', 'slope_deg'], ['scallop_height_mm', 'Scallop height', 'scallop_height_mm'], ['uncut_mm', 'Uncut', 'uncut_mm'], ['z_mm', 'Height', 'height_over_datum']];
-const FLOOR = 300;
+// [member of the map, label, name in the glossary, what a cell without a value is]
+const LAYERS = [
+  ['scallop_height_mm', 'Scallop height', 'scallop_height_mm', 'not machined, or uncut'],
+  ['slope_deg', 'Slope', 'slope_deg', 'no slope'],
+  ['uncut_mm', 'Uncut', 'uncut_mm', 'not machined'],
+  ['z_mm', 'Height', 'height_over_datum', 'no surface'],
+];
+const [LOWEST, TALLEST] = [280, 560];
+// A shorter drag is a click.
+const SHORTEST_DRAG = 6;
 
 export class PartMap {
   #map = null;
-  #tolerance = 0.01;
-  #passes = null;
+  #shown = {};
   #width = 0;
+  #place = null;
   #turn = { yaw: 0.6, pitch: 0.75 };
   #cross = null;
+  #dragFrom = null;
+  #box = null;
+  #isDue = false;
+  #onBox;
   #canvas = el('canvas', { tabindex: '0', role: 'img', 'aria-label': 'Map of the part. Arrow keys move the cross, or turn the part in the turned view.' });
   #legend = el('div', { class: 'map-legend' });
   #readout = el('p', { class: 'readout', 'aria-live': 'polite' });
@@ -25,49 +39,59 @@ export class PartMap {
   #layer = new Field({ name: 'layer', label: 'Colour by', help: 'What the colours of the map show.', choices: LAYERS, segmented: true, value: 'scallop_height_mm' }, () => this.draw());
   #view = new Field({ name: 'view', label: 'View', help: 'The part from above, or turned: drag it, or use the arrow keys.', choices: [['above', 'From above'], ['turned', 'Turned']], segmented: true, value: 'above' }, () => this.draw());
 
-  constructor() {
-    this.element = el('div', { class: 'map' }, el('div', { class: 'map-controls' }, this.#layer.element, this.#view.element), this.#canvas, this.#legend, this.#readout, this.#caption);
+  /** `onBox({min: [x, y], max: [x, y]})` is called, in mm, when a box was dragged over the map. */
+  constructor(onBox) {
+    this.#onBox = onBox;
+    this.element = el('div', { class: 'map' }, el('div', { class: 'map-controls' }, this.#layer.element, this.#view.element), this.#caption, this.#canvas, this.#legend, this.#readout);
     onWidth(this.element, (width) => {
       this.#width = width;
       this.draw();
     });
-    this.#canvas.addEventListener('pointermove', (event) => this.#pointer(event));
-    this.#canvas.addEventListener('pointerleave', () => this.#point(null));
-    this.#canvas.addEventListener('pointerdown', (event) => this.#canvas.setPointerCapture(event.pointerId));
+    this.#canvas.addEventListener('pointermove', (event) => this.#move(event));
+    this.#canvas.addEventListener('pointerleave', () => this.#dragFrom || this.#point(null));
+    this.#canvas.addEventListener('pointerdown', (event) => this.#press(event));
+    this.#canvas.addEventListener('pointerup', () => this.#release());
+    this.#canvas.addEventListener('pointercancel', () => this.#release());
     this.#canvas.addEventListener('keydown', (event) => this.#key(event));
   }
 
-  /** Shows the raster of an answer, `tolerance` in mm, and the passes where the answer has them. */
-  show(map, tolerance, passes, caption) {
-    [this.#map, this.#tolerance, this.#passes, this.#cross] = [map, tolerance, passes, null];
-    this.#caption.textContent = caption;
+  /** Shows the raster `map` with {tolerance in mm, direction in degrees, passes?, caption, layer?}. */
+  show(map, shown) {
+    [this.#map, this.#shown, this.#cross, this.#box] = [map, shown, null, null];
+    if (shown.layer) this.#layer.set(shown.layer);
+    this.#caption.textContent = shown.caption;
     this.draw();
   }
 
-  #place() {
-    const { columns, rows } = this.#map;
-    const height = Math.min(Math.max((this.#width * rows) / columns, FLOOR), 520);
-    const scale = Math.min(this.#width / columns, height / rows);
-    return { height, scale, left: (this.#width - columns * scale) / 2, top: (height - rows * scale) / 2 };
+  // One drawing for all events of a frame.
+  #drawSoon() {
+    if (this.#isDue) return;
+    this.#isDue = true;
+    requestAnimationFrame(() => {
+      this.#isDue = false;
+      this.draw();
+    });
   }
 
   draw() {
     if (!this.#map || !this.#width) return;
-    const map = this.#map;
-    const { height } = this.#place();
+    const { columns, rows, cell_mm: cell } = this.#map;
+    const height = Math.min(Math.max((this.#width * rows) / columns, LOWEST), TALLEST);
+    this.#place = new Placement(this.#map, this.#width, height);
     const ratio = globalThis.devicePixelRatio || 1;
     this.#canvas.width = this.#width * ratio;
     this.#canvas.height = height * ratio;
     this.#canvas.style.height = `${height}px`;
     const context = this.#canvas.getContext('2d');
     context.scale(ratio, ratio);
-    const layer = this.#layer.value;
-    const values = map[layer];
-    const scale = scaleOf(layer, values, this.#tolerance);
+    const [layer, label, term, grey] = LAYERS.find(([name]) => name === this.#layer.value);
+    const values = this.#map[layer];
+    const scale = scaleOf(layer, values, this.#shown.tolerance);
     const shade = this.#shading(values, scale);
-    if (this.#view.value === 'turned') drawRelief(context, map, map.cell_mm, { width: this.#width, height, ...this.#turn }, shade);
+    if (this.#view.value === 'turned') drawRelief(context, this.#map, cell, { width: this.#width, height, ...this.#turn }, shade);
     else this.#drawAbove(context, shade);
-    this.#drawLegend(layer, scale);
+    const hasGrey = values.some((value, index) => value === null && this.#map.z_mm[index] !== null);
+    this.#legend.replaceChildren(...legendOf({ label, kind: TERMS[term].kind, grey }, scale, Math.min(this.#width, 420), hasGrey));
     this.#showReadout();
   }
 
@@ -76,7 +100,6 @@ export class PartMap {
     const { columns, rows, z_mm: z, cell_mm: cell } = this.#map;
     return (index) => {
       const value = values[index];
-      if (value === null) return [150, 155, 160];
       const [column, row] = [index % columns, Math.floor(index / columns)];
       const slopeOf = (a, b, steps) => (z[a] === null || z[b] === null || steps === 0 ? 0 : (z[b] - z[a]) / (steps * cell));
       const [left, right] = [Math.max(column - 1, 0), Math.min(column + 1, columns - 1)];
@@ -84,140 +107,80 @@ export class PartMap {
       const dx = slopeOf(row * columns + left, row * columns + right, right - left);
       const dy = slopeOf(below * columns + column, above * columns + column, above - below);
       const light = (0.45 * dx - 0.45 * dy + 0.77) / Math.hypot(dx, dy, 1);
-      const factor = 0.62 + 0.48 * Math.max(0, Math.min(light, 1));
-      return colourOf(value).map((part) => Math.min(255, part * factor));
+      const factor = 0.7 + 0.38 * Math.max(0, Math.min(light, 1));
+      return (value === null ? NO_VALUE : colourOf(value)).map((part) => Math.min(255, part * factor));
     };
   }
 
   #drawAbove(context, shade) {
     const { columns, rows, z_mm: z } = this.#map;
+    const { passes, direction, box } = this.#shown;
     const image = new ImageData(columns, rows);
     for (let index = 0; index < columns * rows; index += 1) {
       if (z[index] === null) continue;
       // Rows run from the lowest y; the image's from the top.
       const at = 4 * ((rows - 1 - Math.floor(index / columns)) * columns + (index % columns));
-      image.data.set([...shade(index), 255], at);
+      image.data.set(shade(index), at);
+      image.data[at + 3] = 255;
     }
     const raster = new OffscreenCanvas(columns, rows);
     raster.getContext('2d').putImageData(image, 0, 0);
-    const { scale, left, top } = this.#place();
+    const place = this.#place;
     context.imageSmoothingEnabled = false;
-    context.drawImage(raster, left, top, columns * scale, rows * scale);
-    if (this.#passes) this.#drawPasses(context);
-    if (this.#cross) this.#drawCross(context);
-    this.#drawScale(context, scale / this.#map.cell_mm);
+    context.drawImage(raster, place.left, place.top, columns * place.scale, rows * place.scale);
+    const colours = { ink: getComputedStyle(this.#canvas).color, card: getComputedStyle(this.element.parentElement).backgroundColor };
+    if (passes) drawPasses(context, place, passes);
+    if (this.#box ?? box) drawBox(context, place, this.#box ?? box);
+    if (this.#cross) drawCross(context, place, this.#cross);
+    if (typeof direction === 'number') drawDirection(context, place, direction, colours);
+    drawScale(context, place, colours);
   }
 
-  #drawPasses(context) {
-    const { run_starts: starts, contact_mm: contacts } = this.#passes;
-    const stride = Math.max(1, Math.ceil(contacts.length / 100_000));
-    context.strokeStyle = 'rgb(20 30 40 / 0.55)';
-    context.lineWidth = 0.7;
-    context.beginPath();
-    starts.forEach((start, run) => {
-      const end = starts[run + 1] ?? contacts.length;
-      let pen = false;
-      for (let i = start; i < end; i += 1) {
-        if ((i - start) % stride !== 0 && i !== end - 1) continue;
-        if (contacts[i] === null) {
-          pen = false;
-          continue;
-        }
-        const [x, y] = this.#toScreen(contacts[i]);
-        if (pen) context.lineTo(x, y);
-        else context.moveTo(x, y);
-        pen = true;
-      }
-    });
-    context.stroke();
+  #at(event) {
+    const box = this.#canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
   }
 
-  #toScreen([x, y]) {
-    const { origin_mm: origin, cell_mm: cell, rows } = this.#map;
-    const { scale, left, top } = this.#place();
-    return [left + ((x - origin[0]) / cell + 0.5) * scale, top + (rows - 0.5 - (y - origin[1]) / cell) * scale];
+  get #isTurned() {
+    return this.#view.value === 'turned';
   }
 
-  #drawCross(context) {
-    const { scale, left, top } = this.#place();
-    const { rows } = this.#map;
-    const [x, y] = [left + (this.#cross.column + 0.5) * scale, top + (rows - 0.5 - this.#cross.row) * scale];
-    context.strokeStyle = '#111';
-    context.lineWidth = 1;
-    context.beginPath();
-    context.moveTo(x - 9, y);
-    context.lineTo(x + 9, y);
-    context.moveTo(x, y - 9);
-    context.lineTo(x, y + 9);
-    context.stroke();
+  #press(event) {
+    if (event.button !== 0) return;
+    this.#canvas.setPointerCapture(event.pointerId);
+    // A finger scrolls the page.
+    if (!this.#isTurned && event.pointerType !== 'touch') this.#dragFrom = this.#at(event);
   }
 
-  #drawScale(context, perMillimetre) {
-    const factor = factorOf('length');
-    const length = roundStep((this.#width * 0.18 * factor) / perMillimetre) / factor;
-    const { height } = this.#place();
-    const ink = getComputedStyle(this.#canvas).color;
-    const text = `${Number((length * factor).toPrecision(3))} ${unitOf('length')} · X →, Y ↑`;
-    context.font = '11px system-ui, sans-serif';
-    // A plate under the scale keeps it legible over the part.
-    context.fillStyle = getComputedStyle(this.element.parentElement).backgroundColor;
-    context.globalAlpha = 0.85;
-    context.fillRect(4, height - 28, Math.max(length * perMillimetre, context.measureText(text).width + 4) + 8, 24);
-    context.globalAlpha = 1;
-    context.strokeStyle = context.fillStyle = ink;
-    context.lineWidth = 1;
-    context.beginPath();
-    context.moveTo(8, height - 12);
-    context.lineTo(8, height - 8);
-    context.lineTo(8 + length * perMillimetre, height - 8);
-    context.lineTo(8 + length * perMillimetre, height - 12);
-    context.stroke();
-    context.fillText(text, 12, height - 15);
-  }
-
-  #drawLegend(layer, { low, high, tolerance, colourOf }) {
-    const [, label, termName] = LAYERS.find(([name]) => name === layer);
-    const { kind } = TERMS[termName];
-    const factor = factorOf(kind);
-    const width = Math.min(this.#width, 420);
-    const bar = width - 24;
-    const at = (value) => 12 + ((value - low) / (high - low)) * bar;
-    const slices = Array.from({ length: 120 }, (_, i) => {
-      const [red, green, blue] = colourOf(low + ((high - low) * (i + 0.5)) / 120);
-      return svg('rect', { x: 12 + (i * bar) / 120, y: 4, width: bar / 120 + 0.6, height: 10, fill: `rgb(${red | 0} ${green | 0} ${blue | 0})` });
-    });
-    this.#legend.replaceChildren(svg(
-      'svg',
-      { width, height: 36, viewBox: `0 0 ${width} 36`, role: 'img', 'aria-label': `${label} from ${formatWithUnit(low, kind)} to ${formatWithUnit(high, kind)}` },
-      slices,
-      ticks(low * factor, high * factor, 5).map((tick) => svg('text', { x: at(tick / factor), y: 27, 'text-anchor': 'middle' }, String(tick))),
-      tolerance && svg('path', { class: 'tolerance-mark', d: `M${at(tolerance)} 1v16` }),
-    ), el('span', {}, `${label} (${unitOf(kind)})${tolerance ? `, the mark is the tolerance ${formatWithUnit(tolerance, 'height')}` : ''}`));
-  }
-
-  #pointer(event) {
+  #move(event) {
     if (!this.#map) return;
-    if (this.#view.value === 'turned') {
+    if (this.#isTurned) {
       if (event.buttons & 1) {
         this.#turn.yaw += event.movementX / 120;
         this.#turn.pitch = Math.min(1.5, Math.max(0.15, this.#turn.pitch + event.movementY / 150));
-        requestAnimationFrame(() => this.draw());
+        this.#drawSoon();
       }
       return;
     }
-    const box = this.#canvas.getBoundingClientRect();
-    const { scale, left, top } = this.#place();
-    const column = Math.floor((event.clientX - box.left - left) / scale);
-    const row = this.#map.rows - 1 - Math.floor((event.clientY - box.top - top) / scale);
-    const inside = column >= 0 && row >= 0 && column < this.#map.columns && row < this.#map.rows;
-    this.#point(inside ? { column, row } : null);
+    const at = this.#at(event);
+    if (this.#dragFrom && Math.hypot(at[0] - this.#dragFrom[0], at[1] - this.#dragFrom[1]) >= SHORTEST_DRAG) {
+      const [a, b] = [this.#dragFrom, at].map((point) => this.#place.toPart(point));
+      this.#box = { min: [Math.min(a[0], b[0]), Math.min(a[1], b[1])], max: [Math.max(a[0], b[0]), Math.max(a[1], b[1])] };
+      this.#drawSoon();
+    }
+    this.#point(this.#place.cellAt(at));
+  }
+
+  #release() {
+    this.#dragFrom = null;
+    if (this.#box) this.#onBox(this.#box);
   }
 
   #key(event) {
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
     if (!step || !this.#map) return;
     event.preventDefault();
-    if (this.#view.value === 'turned') {
+    if (this.#isTurned) {
       this.#turn.yaw += step[0] * 0.1;
       this.#turn.pitch = Math.min(1.5, Math.max(0.15, this.#turn.pitch + step[1] * 0.08));
       this.draw();
@@ -236,14 +199,14 @@ export class PartMap {
   }
 
   #showReadout() {
-    if (!this.#cross || this.#view.value === 'turned') {
-      this.#readout.textContent = this.#view.value === 'turned' ? 'Drag the part, or use the arrow keys, to turn it.' : 'Point at the part to read its values.';
+    if (!this.#cross || this.#isTurned) {
+      this.#readout.textContent = this.#isTurned ? 'Drag the part, or use the arrow keys, to turn it.' : 'Point at the part to read its values; drag to select a box.';
       return;
     }
     const { columns, cell_mm: cell, origin_mm: origin, z_mm: z, slope_deg: slope, scallop_height_mm: scallop, uncut_mm: uncut } = this.#map;
     const { column, row } = this.#cross;
     const index = row * columns + column;
-    const position = `X ${format(origin[0] + column * cell, 'length')}, Y ${format(origin[1] + row * cell, 'length')}`;
+    const position = `X ${format(origin[0] + (column + 0.5) * cell, 'length')}, Y ${format(origin[1] + (row + 0.5) * cell, 'length')}`;
     if (z[index] === null) {
       this.#readout.textContent = `${position} ${unitOf('length')}: no surface`;
       return;

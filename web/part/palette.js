@@ -2,9 +2,11 @@
 
 const hex = (text) => [1, 3, 5].map((at) => Number.parseInt(text.slice(at, at + 2), 16));
 const SLOPE = ['#f4f1de', '#b9dcc0', '#6bb8ad', '#35859b', '#2b4f81', '#2a2050'].map(hex);
-const WITHIN = ['#eef4f3', '#a9d3d0', '#4f9fa6'].map(hex);
+const WITHIN = ['#f3f8f7', '#c0e0dd', '#78bbbe'].map(hex);
 const OVER = ['#f0a93f', '#d9622b', '#8f1d2c'].map(hex);
 const REACHED = hex('#d5dbde');
+/** The colour of cells without a value. */
+export const NO_VALUE = hex('#a9aeb2');
 const UNCUT = ['#f2cf63', '#dd6f4f', '#a22a6d', '#4b1a6b'].map(hex);
 
 function blend(stops, share) {
@@ -13,17 +15,20 @@ function blend(stops, share) {
   return stops[below].map((part, i) => part + (stops[below + 1][i] - part) * (at - below));
 }
 
-/** The scale of a map's layer: {colourOf(value), high, tolerance?}. */
+// The service counts as over the tolerance what exceeds it by more than the simulation errs.
+const OVER_FROM = 1.0033;
+
+/** The scale of a map's layer: {low, high, colourOf(value), tolerance?, note?}. */
 export function scaleOf(layer, values, tolerance) {
   const most = values.reduce((found, value) => (value !== null && value > found ? value : found), 0);
   const least = values.reduce((found, value) => (value !== null && value < found ? value : found), most);
   if (layer === 'scallop_height_mm') {
     const high = Math.max(most, tolerance * 1.25);
-    return { low: 0, high, tolerance, colourOf: (value) => (value <= tolerance * (1 + 1e-9) ? blend(WITHIN, value / tolerance) : blend(OVER, (value - tolerance) / Math.max(high - tolerance, 1e-12))) };
+    return { low: 0, high, tolerance, colourOf: (value) => (value <= tolerance * OVER_FROM ? blend(WITHIN, value / tolerance) : blend(OVER, (value - tolerance) / Math.max(high - tolerance, 1e-12))) };
   }
   if (layer === 'uncut_mm') {
-    const high = most > 0 ? most : tolerance;
-    return { low: 0, high, colourOf: (value) => (value <= tolerance * 1e-3 ? REACHED : blend(UNCUT, value / high)) };
+    const high = Math.max(most, 2 * tolerance);
+    return { low: 0, high, note: most > tolerance ? undefined : 'The cutter reaches all of it.', colourOf: (value) => (value <= tolerance ? REACHED : blend(UNCUT, value / high)) };
   }
   if (layer === 'slope_deg') {
     const high = Math.max(5, Math.ceil(most / 5) * 5);

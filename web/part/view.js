@@ -2,42 +2,24 @@
 
 import { LineChart } from '../charts.js';
 import { copy, csvOf, curlOfForm, curlOfJson, save } from '../clipboard.js';
-import { el } from '../dom.js';
+import { el, fileButton } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
 import { addressOf, get, post, upload, Unreachable } from '../service.js';
 import { formatInput, formatWithUnit } from '../units.js';
 import { SERIES, headline, nameOf, notRanked, passRows, rankingRows, rankingTable, surfaceFigures } from './answer.js';
 import { CutterTable } from './cutters.js';
-import { EXAMPLES } from './examples.js';
+import { EXAMPLES, fileOfSurface } from './examples.js';
 import { PartMap } from './map.js';
+import { CUTTERS, FIELDS, SELECTION, fieldNameOf, parametersOf } from './request.js';
 
-const CUTTERS = [
-  { name: 'T10', type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2 },
-  { name: 'T16', type: 'toroidal', diameter_mm: 16, corner_radius_mm: 3 },
-  { name: 'B10', type: 'ball_end', diameter_mm: 10 },
-  { name: 'B6', type: 'ball_end', diameter_mm: 6 },
-];
-
-const FIELDS = [
-  { name: 'example', label: 'Surface', help: 'A file of yours, or an example to try the page with.', choices: [['file', 'A file'], ...EXAMPLES.map(([name, label]) => [name, label])], value: 'surface_1' },
-  { name: 'unit', choices: [['mm', 'mm'], ['cm', 'cm'], ['m', 'm'], ['inch', 'inch']], value: 'mm' },
-  { name: 'facing', choices: [['up', 'Up'], ['any', 'Any']], value: 'up' },
-  { name: 'tolerance_of_plan', value: 0.01 },
-  { name: 'pattern', choices: [['zigzag', 'Zigzag'], ['one_way', 'One way']], segmented: true, value: 'zigzag' },
-  { name: 'method', choices: [['surface', 'Surface'], ['rectangle', 'Rectangle']], segmented: true, value: 'surface' },
-  { name: 'model', choices: [['', 'Method’s own'], ['envelope', 'Exact shape'], ['analytic', 'Published']], value: '' },
-  { name: 'max_slope_deg', optional: '85' },
-  { name: 'max_uncut_share', optional: '0.5' },
-  { name: 'machine', choices: [['', 'Own values']], value: 'five_axis_vmc' },
-  { name: 'machine_feed_rate_mm_min' },
-  { name: 'acceleration_m_s2' },
-  { name: 'jerk_m_s3' },
-  { name: 'rapid_rate_mm_min' },
-  { name: 'clearance_height_mm', optional: '5 mm' },
-  { name: 'passes_wanted', label: 'Passes', help: 'Also ask for the passes of the recommended plan, point by point: for the map and for download.', choices: [['no', 'No'], ['yes', 'Point by point']], segmented: true, value: 'no' },
-];
-
-const FIELD_OF = { '/scallop_height_mm': 'tolerance_of_plan', '/machine/preset': 'machine', '/machine/feed_rate_mm_min': 'machine_feed_rate_mm_min' };
+const FORMATS = 'STL, OBJ, PLY, PCD, 3MF, CSV, XYZ; up to 1 GB';
+const LIBRARY_FORMATS = 'Fusion .json or .tools, FreeCAD .fctb or a zip of them, CSV';
+const LIMITS = ['machine_feed_rate_mm_min', 'acceleration_m_s2', 'jerk_m_s3', 'rapid_rate_mm_min', 'max_spindle_speed_rpm', 'clearance_height_mm'];
+const METHOD = ['max_slope_deg', 'max_uncut_share', 'directions_deg', 'model', 'method'];
+// The chart shows the fastest cutters, each in a colour of its own.
+const CHARTED = SERIES.length;
+// Of the rectangle's method these are no parameters.
+const OF_SURFACE_METHOD = ['pattern', 'max_slope_deg', 'max_uncut_share', 'directions_deg', 'passes_wanted'];
 
 export class PartView {
   name = 'part';
@@ -48,7 +30,10 @@ export class PartView {
   #run = null;
   #last = null;
   #request = null;
+  // The maps that were asked for, by the cutter's number: {map, shown}.
+  #maps = new Map();
   #mapped = null;
+  #unranked = [];
   #machines = [];
   #drop = el('label', { class: 'drop', for: 'surface-file' });
   #fileInput = el('input', { type: 'file', id: 'surface-file', class: 'visually-hidden', 'aria-label': 'Surface file' });
@@ -57,30 +42,40 @@ export class PartView {
   #fileFault = el('p', { class: 'fault', id: 'file-fault', role: 'alert', hidden: true });
   #libraryFault = el('p', { class: 'fault', role: 'alert', hidden: true });
   #message = el('div', { class: 'problem', role: 'alert', hidden: true });
+  #stale = el('p', { class: 'stale', role: 'status', hidden: true });
   #progress = el('progress', { max: '1', value: '0', 'aria-label': 'Upload' });
   #progressText = el('span', { role: 'status' });
   #progressBox = el('div', { class: 'progress', hidden: true });
   #go = el('button', { type: 'submit', class: 'primary' }, 'Find the cutter');
+  #hint = el('section', { class: 'card hint' });
   #answer = el('div', {});
   #ranking = el('div', {});
   #surface = el('div', {});
-  #results;
-  #map = new PartMap();
-  #times = new LineChart('Machining time over direction', { height: 250 });
+  #passesButton = el('button', { type: 'button', onclick: () => save('passes.csv', csvOf(...passRows(this.#last.passes)), 'text/csv') }, 'Download passes as CSV');
+  #map = new PartMap((box) => this.#selectBox(box));
+  #times = new LineChart('Machining time over direction', { height: 290 });
+  // The cards of the results.
+  #cards;
+  #groups = {};
 
   constructor(onChange) {
+    const changed = () => {
+      this.#stale.hidden = this.#last === null;
+      onChange();
+    };
     this.#form = new Form(FIELDS, (field) => {
       if (field.name === 'machine') this.#showPreset();
       this.#arrange();
-      onChange();
+      changed();
     });
-    this.#cutters = new CutterTable(onChange);
+    this.#cutters = new CutterTable(changed, () => this.ask());
     this.#cutters.take(CUTTERS);
     this.element = el('section', { class: 'view', id: 'view-part', 'aria-label': 'Part' }, this.#panel(), this.#output());
     this.#fileInput.addEventListener('change', () => this.#choose(this.#fileInput.files[0]));
     this.#libraryInput.addEventListener('change', () => this.#addLibraries(this.#libraryInput.files));
     this.#acceptDrops();
     this.#arrange();
+    this.#addLibraries([]);
   }
 
   /** Asks for what the view needs at first: the machines. */
@@ -102,41 +97,52 @@ export class PartView {
     this.#progressBox.append(this.#progress, this.#progressText, cancel);
     const copyButton = el('button', { type: 'button', onclick: () => this.#copyCurl(copyButton) }, 'Copy as curl');
     const linkButton = el('button', { type: 'button', onclick: () => copy(location.href, linkButton) }, 'Copy link');
+    const group = (name, title, fields) => (this.#groups[name] = el('details', { class: 'group' }, el('summary', {}, title, el('span', { class: 'badge', hidden: true })), el('div', { class: 'grid' }, form.elements(...fields))));
+    const submitted = (event) => {
+      event.preventDefault();
+      this.ask();
+    };
     return el(
       'form',
-      { class: 'panel', 'aria-label': 'Part', onsubmit: (event) => {
-        event.preventDefault();
-        this.ask();
-      } },
+      { class: 'panel', 'aria-label': 'Part', onsubmit: submitted },
       el('h2', {}, 'Part'), form.element('example'), this.#fileInput, this.#drop, this.#fileFault,
       el('div', { class: 'grid' }, form.elements('unit', 'facing')),
-      el('h2', {}, 'Finish'), el('div', { class: 'grid' }, form.elements('tolerance_of_plan', 'max_slope_deg', 'max_uncut_share', 'model', 'pattern', 'method', 'passes_wanted')),
-      el('h2', {}, 'Machine'), form.element('machine'), el('div', { class: 'grid' }, form.elements('machine_feed_rate_mm_min', 'acceleration_m_s2', 'jerk_m_s3', 'rapid_rate_mm_min', 'clearance_height_mm')),
-      el('div', { class: 'actions sticky' }, this.#go, copyButton, linkButton), this.#progressBox,
+      group('selection', 'Machine only a part of it', SELECTION),
+      el('h2', {}, 'Finish'), el('div', { class: 'grid' }, form.elements('tolerance_of_plan', 'pattern', 'passes_wanted')),
+      group('method', 'Method and limits', METHOD),
+      el('h2', {}, 'Machine'), form.element('machine'),
+      group('limits', 'Limits of the machine', LIMITS),
+      el('div', { class: 'actions' }, this.#go, copyButton, linkButton), this.#progressBox,
     );
   }
 
   #output() {
-    const library = el('p', { class: 'library' }, this.#libraryInput, el('label', { for: 'library-file', class: 'button', tabindex: '0', role: 'button', onkeydown: (event) => (event.key === 'Enter' || event.key === ' ') && (event.preventDefault(), this.#libraryInput.click()) }, 'Add a tool library'), ' ', this.#libraryList);
-    this.#results = el(
+    const library = el('p', { class: 'library' }, this.#libraryInput, fileButton('library-file', 'Add a tool library'), ' ', this.#libraryList);
+    const downloads = el('div', { class: 'actions' },
+      el('button', { type: 'button', onclick: () => save('recommendation.json', `${JSON.stringify(this.#last, null, 1)}\n`, 'application/json') }, 'Download JSON'),
+      el('button', { type: 'button', onclick: () => save('ranking.csv', csvOf(...rankingRows(this.#last)), 'text/csv') }, 'Download CSV'),
+      this.#passesButton);
+    this.#hint.append(el('h2', {}, 'What comes out'), el('p', {}, 'The fastest cutter and direction for the part, the other cutters ranked behind it with what each leaves, the machining time over every direction, and the part from above with its scallops.'), el('p', { class: 'muted' }, 'Choose a surface, or stay with the example, and find the cutter.'));
+    const card = (label, ...children) => el('section', { class: 'card', 'aria-label': label, hidden: true }, ...children);
+    this.#cards = {
+      ranking: card('Recommendation', this.#answer, this.#ranking, downloads),
+      map: card('Map', el('h2', {}, 'The part from above'), this.#map.element),
+      times: card('Times', this.#times.element),
+      surface: card('Surface', el('h2', {}, 'Surface'), this.#surface),
+    };
+    const { ranking, map, times, surface } = this.#cards;
+    return el(
       'div',
-      { class: 'part-results', hidden: true },
-      el('section', { class: 'card', 'aria-label': 'Recommendation' }, this.#answer, this.#ranking),
-      el('div', { class: 'columns' },
-        el('section', { class: 'card grow', 'aria-label': 'Map' }, el('h2', {}, 'The part'), this.#map.element),
-        el('div', { class: 'stack' }, el('section', { class: 'card' }, this.#times.element), el('section', { class: 'card', 'aria-label': 'Surface' }, el('h2', {}, 'Surface'), this.#surface))),
-      el('div', { class: 'actions' }, el('button', { type: 'button', onclick: () => save('recommendation.json', `${JSON.stringify(this.#last, null, 1)}\n`, 'application/json') }, 'Download JSON'), el('button', { type: 'button', onclick: () => save('ranking.csv', csvOf(...rankingRows(this.#last)), 'text/csv') }, 'Download CSV'), this.#passesButton()),
+      { class: 'results' },
+      el('section', { class: 'card' }, el('h2', {}, 'Cutters'), this.#cutters.element, library, this.#libraryFault),
+      this.#message,
+      this.#hint,
+      el('div', { class: 'part-results' }, this.#stale, ranking, el('div', { class: 'columns' }, map, el('div', { class: 'stack' }, times, surface))),
     );
-    return el('div', { class: 'results' }, el('section', { class: 'card' }, el('h2', {}, 'Cutters'), this.#cutters.element, library, this.#libraryFault), this.#message, this.#results);
-  }
-
-  #passesButton() {
-    this.passesButton = el('button', { type: 'button', hidden: true, onclick: () => save('passes.csv', csvOf(...passRows(this.#last.passes)), 'text/csv') }, 'Download passes as CSV');
-    return this.passesButton;
   }
 
   #acceptDrops() {
-    this.#drop.append(el('b', {}, 'Choose a file'), ' or drop it here', el('span', { class: 'muted', 'data-file': '' }, 'STL, OBJ, PLY, 3MF, CSV, XYZ'));
+    this.#drop.append(el('b', {}, 'Choose a file'), ' or drop it here', el('span', { class: 'muted', 'data-file': '' }, FORMATS));
     this.element.addEventListener('dragover', (event) => {
       event.preventDefault();
       this.#drop.classList.add('over');
@@ -145,43 +151,73 @@ export class PartView {
     this.element.addEventListener('drop', (event) => {
       event.preventDefault();
       this.#drop.classList.remove('over');
-      if (event.target.closest('.library, .cutters')) this.#addLibraries(event.dataTransfer.files);
-      else if (event.dataTransfer.files[0]) this.#choose(event.dataTransfer.files[0]);
+      const { files } = event.dataTransfer;
+      // A Fusion or FreeCAD library is known by its name; the service reads the other kinds as what they were dropped on.
+      const areLibraries = event.target.closest('.card') || [...files].every(({ name }) => /\.(json|tools|fctb)$/i.test(name));
+      if (areLibraries) this.#addLibraries(files);
+      else if (files[0]) this.#choose(files[0]);
     });
   }
 
   #choose(file) {
     this.#file = file ?? null;
     this.#fileFault.hidden = true;
-    this.#form.field('example').set(file ? 'file' : this.#form.value('example'));
-    this.#drop.querySelector('[data-file]').textContent = file ? `${file.name}, ${(file.size / 1e6).toPrecision(3)} MB` : 'STL, OBJ, PLY, 3MF, CSV, XYZ';
+    if (file) this.#form.field('example').set('file');
+    this.#drop.querySelector('[data-file]').textContent = file ? `${file.name}, ${(file.size / 1e6).toPrecision(3)} MB` : FORMATS;
+    this.#stale.hidden = this.#last === null;
+    this.#arrange();
   }
 
   #addLibraries(files) {
     this.#libraries.push(...files);
     this.#libraryFault.hidden = true;
-    this.#libraryList.replaceChildren(...this.#libraries.map((file, i) => el('span', { class: 'chip' }, file.name, el('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${file.name}`, onclick: () => {
-      this.#libraries.splice(i, 1);
+    if (files.length > 0) this.#stale.hidden = this.#last === null;
+    const remove = (index) => {
+      this.#libraries.splice(index, 1);
       this.#addLibraries([]);
-    } }, '×'))));
-    if (this.#libraries.length === 0) this.#libraryList.textContent = 'Fusion .json or .tools, FreeCAD .fctb, CSV';
+    };
+    const chips = this.#libraries.map((file, i) => el('span', { class: 'chip' }, file.name, el('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${file.name}`, onclick: () => remove(i) }, '×')));
+    this.#libraryList.replaceChildren(...(chips.length > 0 ? chips : [LIBRARY_FORMATS]));
+    // The same file may be chosen again after it was removed.
+    this.#libraryInput.value = '';
+  }
+
+  // A box that was dragged over the map becomes the selection.
+  #selectBox({ min, max }) {
+    for (const [i, axis] of ['x', 'y'].entries()) {
+      this.#form.field(`box_min_${axis}_mm`).set(Number(min[i].toFixed(3)));
+      this.#form.field(`box_max_${axis}_mm`).set(Number(max[i].toFixed(3)));
+    }
+    this.#groups.selection.open = true;
+    this.#arrange();
+    this.#stale.hidden = this.#last === null;
   }
 
   // The values of the preset stand in the fields as hints; a stated value overrides one.
   #showPreset() {
     const preset = this.#machines.find(({ name }) => name === this.#form.value('machine'));
-    for (const [field, member, kind] of [['machine_feed_rate_mm_min', 'feed_rate_mm_min', 'feedRate'], ['acceleration_m_s2', 'acceleration_m_s2', 'acceleration'], ['jerk_m_s3', 'jerk_m_s3', 'jerk'], ['rapid_rate_mm_min', 'rapid_rate_mm_min', 'feedRate']]) {
+    for (const [field, member, kind] of [['machine_feed_rate_mm_min', 'feed_rate_mm_min', 'feedRate'], ['acceleration_m_s2', 'acceleration_m_s2', 'acceleration'], ['jerk_m_s3', 'jerk_m_s3', 'jerk']]) {
       const value = preset?.[member];
-      this.#form.element(field).querySelector('input').placeholder = value === undefined || value === null ? '' : formatInput(value, kind);
+      this.#form.element(field).querySelector('input').placeholder = value === undefined ? '' : formatInput(value, kind);
     }
+    if (!this.#form.value('machine')) this.#groups.limits.open = true;
   }
 
   #arrange() {
-    const file = this.#form.value('example') === 'file';
-    this.#form.element('unit').hidden = !file;
-    this.#form.element('facing').hidden = !file;
-    this.#drop.classList.toggle('unused', !file);
-    this.#addLibraries([]);
+    const values = this.#form.values();
+    const isFile = values.example === 'file';
+    this.#form.element('unit').hidden = !isFile;
+    this.#form.element('facing').hidden = !isFile;
+    this.#drop.classList.toggle('unused', !isFile);
+    for (const name of OF_SURFACE_METHOD) this.#form.element(name).hidden = values.method !== 'surface';
+    // A closed group says how many of its fields have values of the user's.
+    const defaults = Object.fromEntries(FIELDS.map(({ name, value }) => [name, value]));
+    for (const [group, fields] of [['selection', SELECTION], ['method', METHOD], ['limits', LIMITS]]) {
+      const stated = fields.filter((name) => values[name] !== defaults[name]).length;
+      const badge = this.#groups[group].querySelector('.badge');
+      badge.hidden = stated === 0;
+      badge.textContent = `${stated} set`;
+    }
   }
 
   values() {
@@ -199,58 +235,39 @@ export class PartView {
     this.#form.show();
     this.#cutters.show();
     this.#showPreset();
-    if (this.#last) this.#showAnswer();
-  }
-
-  /** The request without its surface. */
-  #parameters() {
-    const values = this.#form.values();
-    const parameters = {
-      cutters: this.#cutters.cutters(),
-      scallop_height_mm: values.tolerance_of_plan,
-      machine: { preset: values.machine || undefined, feed_rate_mm_min: values.machine_feed_rate_mm_min, acceleration_m_s2: values.acceleration_m_s2, jerk_m_s3: values.jerk_m_s3, rapid_rate_mm_min: values.rapid_rate_mm_min, clearance_height_mm: values.clearance_height_mm },
-      pattern: values.pattern,
-      method: values.method,
-      model: values.model || undefined,
-      max_slope_deg: values.max_slope_deg,
-      max_uncut_share: values.max_uncut_share,
-      include: values.passes_wanted === 'yes' ? ['map', 'passes'] : ['map'],
-    };
-    if (values.method === 'rectangle') for (const name of ['include', 'pattern', 'max_slope_deg', 'max_uncut_share']) delete parameters[name];
-    return JSON.parse(JSON.stringify(values.example === 'file' ? { ...parameters, unit: values.unit, facing: values.facing } : parameters));
+    this.#showAnswer();
   }
 
   async #copyCurl(button) {
-    const surface = await this.#exampleSurface();
-    if (surface && this.#libraries.length === 0) return copy(curlOfJson(addressOf('v1/cutter-recommendation'), { surface, ...this.#parameters() }), button);
-    const parts = [['surface', `@${this.#file?.name ?? 'part.stl'}`], ['parameters', JSON.stringify(this.#parameters())], ...this.#libraries.map((file) => ['library', `@${file.name}`])];
+    const { parameters, surface, file, libraries } = await this.#compose();
+    if (surface && libraries.length === 0) return copy(curlOfJson(addressOf('v1/cutter-recommendation'), { surface, ...parameters }), button);
+    const parts = [['surface', { file: file?.name ?? 'part.stl' }], ['parameters', JSON.stringify(parameters)], ...libraries.map(({ name }) => ['library', { file: name }])];
     return copy(curlOfForm(addressOf('v1/cutter-recommendation/upload'), parts), button);
   }
 
-  async #exampleSurface() {
-    const example = EXAMPLES.find(([name]) => name === this.#form.value('example'));
-    return example ? example[2]() : null;
-  }
-
-  // What a request is made of, kept for the maps of other candidates.
+  // What a request is made of, kept for the maps of other cutters.
   async #compose() {
-    return { parameters: this.#parameters(), surface: await this.#exampleSurface(), file: this.#file, libraries: [...this.#libraries] };
+    const values = this.#form.values();
+    const example = EXAMPLES.find(([name]) => name === values.example);
+    const surface = example ? await example[2]() : null;
+    const libraries = [...this.#libraries];
+    const file = surface && libraries.length > 0 ? fileOfSurface(surface, example[0]) : this.#file;
+    return { parameters: parametersOf(values, this.#cutters.cutters()), surface, file, libraries };
   }
 
-  async #send({ parameters, surface, file, libraries }, signal) {
+  #send({ parameters, surface, file, libraries }, signal) {
     if (surface && libraries.length === 0) {
       this.#working('Computing…');
       return post('v1/cutter-recommendation', { surface, ...parameters }, signal);
     }
     const form = new FormData();
-    if (surface) return { problem: { errors: [{ pointer: '/library', detail: 'Tool libraries go with a file: choose a surface file.' }] } };
     form.append('parameters', new Blob([JSON.stringify(parameters)], { type: 'application/json' }));
     for (const library of libraries) form.append('library', library);
     form.append('surface', file);
     return upload('v1/cutter-recommendation/upload', form, (share) => {
       this.#progress.value = share;
-      this.#progressText.textContent = share < 1 ? `${Math.floor(share * 100)} % sent` : 'Computing…';
-      if (share >= 1) this.#progress.removeAttribute('value');
+      if (share < 1) this.#progressText.textContent = `${Math.floor(share * 100)} % sent`;
+      else this.#working('Computing…');
     }, signal);
   }
 
@@ -269,15 +286,17 @@ export class PartView {
     const request = await this.#compose();
     const result = await this.#while((signal) => this.#send(request, signal));
     if (!result) return;
+    [this.#request, this.#last, this.#mapped] = [request, result.answer ?? null, null];
+    this.#maps.clear();
+    this.#stale.hidden = true;
+    this.#hint.hidden = true;
+    this.#unranked = (result.answer ?? result.problem).not_ranked ?? [];
     if (result.problem) {
       this.#showProblem(result.problem);
-      return;
+    } else if (result.answer.map) {
+      this.#keepMap(result.answer.recommended.cutter, result.answer);
     }
-    this.#last = result.answer;
-    this.#request = request;
-    this.#mapped = result.answer.recommended?.cutter ?? null;
     this.#showAnswer();
-    this.#showMap(result.answer);
   }
 
   // Runs a request with the progress shown and the button off.
@@ -291,7 +310,7 @@ export class PartView {
     try {
       return await request(run.signal);
     } catch (error) {
-      if (error instanceof Unreachable) this.#tell(['The service cannot be reached; ask again when it is back.']);
+      if (error instanceof Unreachable) this.#tell('The service cannot be reached; ask again when it is back.');
       else if (error.name !== 'AbortError') throw error;
       return null;
     } finally {
@@ -313,13 +332,14 @@ export class PartView {
     element.hidden = false;
   }
 
-  #tell(lines, entries) {
-    this.#message.replaceChildren(...lines.map((line) => el('p', {}, line)), notRanked(entries) ?? '');
+  #tell(...lines) {
+    this.#message.replaceChildren(...lines.map((line) => (typeof line === 'string' ? el('p', {}, line) : line)));
     this.#message.hidden = false;
   }
 
   #showProblem(problem) {
-    this.#results.hidden = true;
+    // The list of reasons follows.
+    if (problem.not_ranked) return this.#tell(`${problem.title}.`);
     const inFiles = (pointer) => (/^\/surface/.test(pointer) ? this.#fileFault : /^\/library/.test(pointer) ? this.#libraryFault : null);
     const rest = [];
     for (const error of problem.errors ?? []) {
@@ -327,66 +347,81 @@ export class PartView {
       if (place) this.#fault(place, error.detail);
       else rest.push(error);
     }
-    if (problem.errors?.length && rest.length === 0) return;
-    const elsewhere = placeFaults({ ...problem, errors: rest }, (pointer) => this.#cutters.field(pointer) ?? this.#form.field(FIELD_OF[pointer] ?? pointer.split('/').at(-1)));
-    if (elsewhere.length > 0 || problem.not_ranked) this.#tell([problem.title, ...elsewhere].filter(Boolean), problem.not_ranked);
+    if (problem.errors?.length && rest.length === 0) return undefined;
+    const elsewhere = placeFaults({ ...problem, errors: rest }, (pointer) => this.#cutters.field(pointer) ?? this.#form.field(fieldNameOf(pointer)));
+    if (elsewhere.length > 0) this.#tell(`${problem.title}.`, ...elsewhere);
+    return undefined;
   }
 
   #showAnswer() {
     const answer = this.#last;
-    this.#results.hidden = false;
-    this.#answer.replaceChildren(headline(answer));
-    this.#ranking.replaceChildren(rankingTable(answer, this.#mapped, (candidate) => this.#mapOf(candidate)), notRanked(answer.not_ranked) ?? '');
-    this.#surface.replaceChildren(surfaceFigures(answer));
-    this.passesButton.hidden = !answer.passes;
-    this.#drawTimes();
-    this.#map.draw();
+    const { ranking, map, times, surface } = this.#cards;
+    ranking.hidden = times.hidden = surface.hidden = !answer;
+    map.hidden = this.#mapped === null;
+    const mapFor = (cutter) => (this.#canMap(cutter) ? () => this.#mapOf(cutter) : null);
+    const unranked = notRanked(this.#unranked, this.#mapped, mapFor);
+    if (answer) {
+      this.#answer.replaceChildren(headline(answer));
+      this.#ranking.replaceChildren(rankingTable(answer, this.#mapped, mapFor), unranked ?? '');
+      this.#surface.replaceChildren(surfaceFigures(answer));
+      this.#passesButton.hidden = !answer.passes;
+      this.#drawTimes();
+    } else if (unranked) {
+      this.#message.replaceChildren(this.#message.firstChild, unranked);
+    }
+    this.#stale.textContent = 'Something was changed since. The answer below is to the earlier question.';
+    if (this.#mapped !== null) this.#map.draw();
   }
 
-  #showMap(answer) {
-    const candidate = answer.candidates.find(({ cutter }) => cutter === answer.recommended.cutter);
-    this.#map.element.closest('section').hidden = !answer.map;
-    if (answer.map) this.#map.show(answer.map, this.#request.parameters.scallop_height_mm, answer.passes, `${nameOf(candidate)} at ${formatWithUnit(candidate.direction_deg, 'angle')}${answer.passes ? ', with its passes' : ''}.`);
-  }
-
-  // The map of another candidate: the same request with this cutter and its direction alone.
-  async #mapOf(candidate) {
-    const all = this.#last;
+  #keepMap(cutter, answer, layer) {
+    const candidate = answer.candidates[0];
+    const named = { ...candidate, cutter };
+    const direction = formatWithUnit(candidate.direction_deg, 'angle');
+    const uncut = candidate.uncut_share > 0 ? `, ${formatWithUnit(candidate.uncut_share, 'share')} uncut` : '';
     const { parameters } = this.#request;
-    const cutter = parameters.cutters[candidate.cutter];
-    if (!cutter) {
-      this.#tell(['The map of a library’s cutter cannot be asked for alone. Add the cutter by hand to see its map.']);
-      return;
+    const box = parameters.select?.box_mm;
+    const shown = { tolerance: parameters.scallop_height_mm, direction: candidate.direction_deg, passes: answer.passes, box, layer, caption: `${nameOf(named)} at ${direction}${uncut}${answer.passes ? ', with its passes' : ''}.` };
+    this.#maps.set(cutter, { map: answer.map, shown });
+    this.#mapped = cutter;
+    this.#map.show(answer.map, shown);
+  }
+
+  // A cutter of a library cannot be asked for alone: the page does not know its dimensions.
+  #canMap({ cutter }) {
+    return this.#maps.has(cutter) || (this.#request.parameters.method === 'surface' && cutter < (this.#request.parameters.cutters?.length ?? 0));
+  }
+
+  // The map of another cutter: the same request with this cutter alone, in its direction, whatever it leaves uncut.
+  async #mapOf({ cutter, direction_deg: direction, machining_time_s: time }) {
+    const kept = this.#maps.get(cutter);
+    if (kept) {
+      this.#mapped = cutter;
+      this.#map.show(kept.map, kept.shown);
+    } else {
+      const { parameters } = this.#request;
+      const alone = { ...parameters, cutters: [parameters.cutters[cutter]], max_uncut_share: 1, ...(direction !== undefined && { directions_deg: [direction] }) };
+      const result = await this.#while((signal) => this.#send({ ...this.#request, libraries: [], parameters: alone }, signal));
+      if (!result) return;
+      if (result.problem) this.#showProblem(result.problem);
+      else this.#keepMap(cutter, result.answer, time === undefined ? 'uncut_mm' : undefined);
     }
-    const request = { ...this.#request, libraries: [], parameters: { ...parameters, cutters: [cutter], directions_deg: [candidate.direction_deg] } };
-    const result = await this.#while((signal) => this.#send(request, signal));
-    if (!result) return;
-    if (result.problem) {
-      this.#showProblem(result.problem);
-      this.#results.hidden = false;
-      return;
-    }
-    this.#last = all;
-    this.#mapped = candidate.cutter;
     this.#showAnswer();
-    this.#showMap({ ...result.answer, candidates: [candidate], recommended: { cutter: candidate.cutter } });
+    this.#cards.map.scrollIntoView({ block: 'nearest' });
   }
 
   #drawTimes() {
-    const listed = this.#last.candidates.filter(({ by_direction: found }) => found);
-    if (listed.length === 0) {
-      this.#times.clear('The rectangle’s method gives one direction for each cutter.');
-      return;
-    }
-    this.#times.show(() => {
+    const listed = this.#last.candidates.filter(({ by_direction: found }) => found).slice(0, CHARTED);
+    this.#cards.times.hidden = listed.length === 0;
+    if (listed.length === 0) return this.#times.clear();
+    return this.#times.show(() => {
       const x = [...new Set(listed.flatMap(({ by_direction: found }) => found.direction_deg))].sort((a, b) => a - b);
       const series = listed.map((candidate, i) => {
         const times = new Map(candidate.by_direction.direction_deg.map((angle, at) => [angle, candidate.by_direction.machining_time_s[at]]));
-        return { label: nameOf(candidate), colour: SERIES[i % SERIES.length], values: x.map((angle) => times.get(angle) ?? null), gaps: true };
+        return { label: nameOf(candidate), colour: SERIES[i], values: x.map((angle) => times.get(angle) ?? null), gaps: true };
       });
       const all = series.flatMap(({ values }) => values).filter((value) => value !== null);
-      const [least, most] = [Math.min(...all), Math.max(...all)];
-      const best = listed.map((candidate, i) => ({ x: candidate.direction_deg, y: candidate.machining_time_s, colour: SERIES[i % SERIES.length] }));
+      const [least, most] = all.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+      const best = listed.map((candidate, i) => ({ x: candidate.direction_deg, y: candidate.machining_time_s, colour: SERIES[i] }));
       return { x, xLabel: 'Direction (°)', yLabel: 'Time (s)', series, marks: best, yRange: () => [least * 0.96, most * 1.02] };
     });
   }

@@ -3,7 +3,7 @@
 import { LineChart } from '../charts.js';
 import { addressOf, post, Unreachable } from '../service.js';
 import { copy, curlOfJson, save } from '../clipboard.js';
-import { debounced, el } from '../dom.js';
+import { debounced, el, fileButton } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
 import { figure, term, warningList } from '../figures.js';
 import { TERMS } from '../terms.js';
@@ -86,7 +86,7 @@ export class PathView {
 
   #output() {
     const example = el('button', { type: 'button', onclick: () => this.setText(examplePath()) }, 'Try an example');
-    const choose = el('label', { for: 'path-file', class: 'button', tabindex: '0', role: 'button', onkeydown: (event) => (event.key === 'Enter' || event.key === ' ') && (event.preventDefault(), this.#fileInput.click()) }, 'Choose a file');
+    const choose = fileButton('path-file', 'Choose a file');
     this.#charts = el('div', { hidden: true }, el('section', { class: 'card' }, this.#summary), el('section', { class: 'card' }, this.#main.element, this.#row), el('section', { class: 'card' }, this.#heights.element));
     return el(
       'div',
@@ -229,16 +229,18 @@ export class PathView {
     const [least, most] = values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
     const failures = answer.failures ?? [];
     const failed = answer.summary?.failures ?? failures.length;
-    const entry = (name, label, value) => el('div', {}, el('dt', {}, term(name, label)), el('dd', {}, value));
+    const time = this.#timeAtFeed(answer);
+    const entry = (name, value, label = TERMS[name].label) => el('div', {}, el('dt', {}, term(name, label)), el('dd', {}, value));
+    const whole = (name, count) => entry(name, el('data', { value: count, 'data-figure': name }, count.toLocaleString('en')));
     return el(
       'div',
       {},
       el('dl', { class: 'figures' },
-        el('div', {}, el('dt', {}, 'Contacts'), el('dd', {}, el('data', { value: this.#path.count, 'data-figure': 'contacts' }, this.#path.count.toLocaleString('en')))),
-        values.length > 0 && entry(main, `${TERMS[main].label}, least`, figure(main, least)),
-        values.length > 0 && entry(main, `${TERMS[main].label}, most`, figure(main, most)),
-        this.#timeAtFeed(answer) !== null && el('div', {}, el('dt', {}, el('span', { class: 'term', tabindex: '0', role: 'note', 'data-help': 'Distance between the positions over the feed rate, without acceleration and links.' }, 'Time at these feeds')), el('dd', {}, formatTime(this.#timeAtFeed(answer)))),
-        el('div', {}, el('dt', {}, 'Without an answer'), el('dd', {}, el('data', { value: failed, 'data-figure': 'failures' }, String(failed))))),
+        whole('contacts', this.#path.count),
+        values.length > 0 && entry(main, figure(main, least), `${TERMS[main].label}, least`),
+        values.length > 0 && entry(main, figure(main, most), `${TERMS[main].label}, most`),
+        time !== null && entry('time_at_feeds_s', formatTime(time)),
+        whole('failures', failed)),
       failures.length > 0 && el('details', {}, el('summary', {}, `Rows without an answer (${failed})`), el('ul', {}, failures.slice(0, 50).map(({ index, detail }) => el('li', {}, `Line ${this.#table.numbers[index]}: ${detail}`)), failed > 50 && el('li', {}, `and ${failed - 50} more; they are empty in the download.`))),
       warningList(answer.warnings),
     );

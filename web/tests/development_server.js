@@ -1,14 +1,12 @@
 // Serves web/ as the binary does, but from the folder, so that a change shows on reload, and passes everything else on to a scallopd.
 //
-// Usage: node web/tests/development_server.js http://127.0.0.1:8080 [port] [--stand-in]
-// With --stand-in it answers for a scallopd that lacks newer endpoints (stand_in.js).
+// Usage: node web/tests/development_server.js http://127.0.0.1:8080 [port]
 
 import { existsSync, readFileSync, statSync } from 'node:fs';
 import http from 'node:http';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
-import { standIn } from './stand_in.js';
 
 const WEB = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '..');
 const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -44,14 +42,14 @@ function pass(request, response, service) {
 }
 
 /** Starts the server; resolves to it once it listens. */
-export function serve(service, port = 0, withStandIn = false) {
+export function serve(service, port = 0) {
   const server = http.createServer((request, response) => {
     const { pathname } = new URL(request.url, 'http://host');
     const file = fileOf(pathname);
     if (file) {
       response.writeHead(200, { 'content-type': TYPES[path.extname(file)] ?? 'text/plain', 'content-security-policy': POLICY, 'cache-control': 'no-cache', 'x-content-type-options': 'nosniff', 'content-encoding': 'gzip' });
       response.end(compressed(file));
-    } else if (!withStandIn || !standIn(request, response, service)) {
+    } else {
       pass(request, response, service);
     }
   });
@@ -59,7 +57,7 @@ export function serve(service, port = 0, withStandIn = false) {
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
-  const [service, port] = process.argv.slice(2).filter((argument) => !argument.startsWith('--'));
-  const server = await serve(service, Number(port ?? 0), process.argv.includes('--stand-in'));
+  const [service, port] = process.argv.slice(2);
+  const server = await serve(service, Number(port ?? 0));
   console.log(`http://127.0.0.1:${server.address().port}/`);
 }

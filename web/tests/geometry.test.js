@@ -7,7 +7,7 @@ import { Profile, grooveCurvature } from '../contact/profile.js';
 import { fragmentOf, readFragment } from '../link.js';
 import { examplePath } from '../path/example.js';
 import { TableFault, contactsOf, readTable, withColumns } from '../path/table.js';
-import { format, formatInput, parseInput, setUnits } from '../units.js';
+import { format, formatInput, formatTime, parseInput, setUnits } from '../units.js';
 
 // R = 5, r = 2: [slope, feed angle, step-over, height in um], computed by brute-force simulation to 1 nm.
 const CUSPS = [[40, 0, 0.73, 10.006], [40, 90, 0.4, 10.025], [5, 0, 2, 14.065], [1, 0, 3.7, 10.958], [0.5, 0, 5.27, 13.42], [0.2, 0, 5.9, 8.295], [0.01, 0, 6.4, 10.548], [85, 90, 0.4, 9.936], [89, 90, 0.4, 4.371]];
@@ -109,6 +109,14 @@ test('what is typed in inches comes back as typed', () => {
   assert.equal(parseInput('0,5', 'length'), 0.5);
   assert.equal(parseInput('ten', 'length'), 'ten');
   assert.equal(parseInput(' ', 'length'), undefined);
+});
+
+test('times are alike within a column', () => {
+  assert.equal(formatTime(71.2), '71.2 s');
+  assert.equal(formatTime(146.4), '2:26 min');
+  assert.equal(formatTime(59.7, 146.4), '1:00 min');
+  assert.equal(formatTime(3725, 8000), '1:02:05 h');
+  assert.equal(formatTime(undefined), '–');
 });
 
 test('a link gives back the values that it was written from', () => {

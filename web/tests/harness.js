@@ -1,14 +1,17 @@
 // What the browser tests share: a scallopd, a Chromium, pages that record what must not happen, and files to upload.
 
-import { spawn } from 'node:child_process';
-import { mkdtempSync, openSync, writeSync, closeSync } from 'node:fs';
+import assert from 'node:assert/strict';
+import { execFile, spawn } from 'node:child_process';
+import { closeSync, mkdtempSync, openSync, readFileSync, rmSync, writeFileSync, writeSync } from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
+import { after, afterEach, before } from 'node:test';
+import { promisify } from 'node:util';
 import { chromium } from 'playwright-core';
 import { serve } from './development_server.js';
 
 const FLAGS = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
-const { SCALLOPD_BINARY, STAND_IN, CHROMIUM } = process.env;
+const { SCALLOPD_BINARY, PAGE_FROM, CHROMIUM } = process.env;
 
 export const folder = mkdtempSync(path.join(os.tmpdir(), 'workbench-'));
 
@@ -52,7 +55,7 @@ export class Service {
 export async function start() {
   const service = new Service();
   await service.start();
-  const front = STAND_IN === '--stand-in' ? await serve(service.address, 0, true) : null;
+  const front = PAGE_FROM === '--page-from-folder' ? await serve(service.address) : null;
   service.page = front ? `http://127.0.0.1:${front.address().port}` : service.address;
   const browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
   return {
@@ -85,6 +88,67 @@ export async function open({ browser, address }, fragment, options = {}) {
   await page.addInitScript(() => document.addEventListener('securitypolicyviolation', (event) => console.error(`policy: ${event.violatedDirective} ${event.blockedURI}`)));
   await page.goto(address + fragment);
   return { page, context, watch };
+}
+
+/**
+ * Starts all before the tests of a file and ends it after them. Returns {bench(), visit(fragment, options)}: what was started, and a page as
+ * `open` gives it, which is closed after the test.
+ */
+export function startForTests() {
+  let bench;
+  let opened = [];
+  before(async () => {
+    bench = await start();
+  });
+  after(async () => {
+    await bench?.close();
+    rmSync(folder, { recursive: true });
+  });
+  afterEach(async () => {
+    for (const { context } of opened) await context.close();
+    opened = [];
+  });
+  const visit = async (fragment, options) => {
+    const visited = await open(bench, fragment, options);
+    opened.push(visited);
+    return visited;
+  };
+  return { bench: () => bench, visit };
+}
+
+/** Runs a command; not the synchronous form: a server of this process may have to answer. */
+export const shell = async (command) => (await promisify(execFile)('sh', ['-c', command], { maxBuffer: 64e6 })).stdout;
+
+/** The input of a field in the view that is shown. */
+export const field = (page, name) => page.locator(`.view:not([hidden]) [data-field="${name}"] input`).first();
+
+/** Nothing happened that must not happen. Browsers write every answer with an error status to the console: `refused` allows it. */
+export const clean = (watch, { refused = false } = {}) => assert.deepEqual(watch.filter((line) => !refused || !/status of 4/.test(line)), []);
+
+/** The text of the file that `click` downloads. */
+export async function downloaded(page, click) {
+  const [download] = await Promise.all([page.waitForEvent('download'), click()]);
+  return readFileSync(await download.path(), 'utf8');
+}
+
+/** Writes a file to upload; returns its path. */
+export function fileOf(name, text) {
+  const file = path.join(folder, name);
+  writeFileSync(file, text);
+  return file;
+}
+
+/**
+ * A shown figure, as [full precision, text], is the service's value: the precise one to the last digit, the text as rounded in the units
+ * of the page, `factor` for each unit of the service.
+ */
+export function assertFigure([value, text], expected, factor, what) {
+  if (expected === null) return assert.equal(text, '∞', what);
+  assert.equal(Number(value), expected, what);
+  const shown = expected * factor;
+  // Four significant digits; shares have three.
+  const digits = factor === 100 ? 5.1e-3 : 5.1e-4;
+  return assert.ok(Math.abs(Number(text) - shown) <= digits * Math.abs(shown) + (shown === 0 ? 1e-12 : 0), `${what}: ${text} for ${shown}`);
 }
 
 /** A binary STL of a wavy surface with about `facets` facets; returns its path. */

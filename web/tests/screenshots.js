@@ -17,11 +17,9 @@ async function shot(name, fragment, prepare, options) {
 
 await shot('workbench-contact', '#contact', (page) => page.locator('.polar .curve').first().waitFor());
 await shot('workbench-part', '#part', async (page) => {
-  await page.locator('[data-field="example"] select').selectOption('grooved');
   await page.getByRole('button', { name: 'Find the cutter' }).click();
   await page.locator('.ranking').waitFor({ timeout: 60_000 });
-  await page.locator('.map').getByText('Turned').click();
-}, { viewport: { width: 1280, height: 1250 } });
+}, { viewport: { width: 1280, height: 1400 } });
 await shot('workbench-path', '#path', async (page) => {
   await page.getByRole('button', { name: 'Try an example' }).click();
   await page.locator('#view-path .uplot').first().waitFor();

@@ -86,6 +86,11 @@ class Calculations(ServiceCase):
         self.assertTrue(problem.request_id)
         self.assertIn("/contact/slope_deg", str(problem))
 
+    def test_a_single_fault_is_named_with_its_place(self) -> None:
+        contact: scallopd.Contact = {"slope_deg": 100, "feed_angle_deg": 0}
+        with self.assertRaisesRegex(scallopd.Problem, r"^422 invalid-request: /contact/slope_deg: must be from 0 to 90"):
+            self.client.step_over(TORUS, contact, 0.01)
+
     def test_an_exceeded_tolerance_has_its_figures_as_attributes(self) -> None:
         with self.assertRaises(scallopd.ToleranceExceeded) as raised:
             self.client.max_feed(TORUS, OBLIQUE, 0.013, step_over_mm=0.987)

@@ -113,7 +113,7 @@ class Restarts(unittest.TestCase):
 
 
 class Overload(unittest.TestCase):
-    """Answers 429 and 503."""
+    """Answers 429, 502 and 503."""
 
     def after(self, refusals: int, refusal: Reply) -> Callable[[Received], Reply]:
         left = [refusals]
@@ -146,6 +146,11 @@ class Overload(unittest.TestCase):
             self.assertEqual(ask(scallopd.Client(server.url)), 1)
             self.assertGreaterEqual(time.monotonic() - started, 0.05 + 0.1 + 0.2)
 
+    def test_a_proxy_that_lost_its_replica_is_asked_again(self) -> None:
+        with RecordingServer(self.after(1, (502, {"content-type": "text/html"}, "no gateway"))) as server:
+            self.assertEqual(ask(scallopd.Client(server.url)), 1)
+            self.assertEqual(len(server.received), 2)
+
     def test_a_longer_wait_than_allowed_raises_the_problem_at_once(self) -> None:
         with RecordingServer(self.after(9, (503, {"retry-after": "3600"}, overloaded()))) as server:
             with self.assertRaises(scallopd.Problem) as raised:
@@ -154,8 +159,8 @@ class Overload(unittest.TestCase):
             self.assertEqual(len(server.received), 1)
 
     def test_another_program_in_the_servers_place_is_named_as_such(self) -> None:
-        with RecordingServer(lambda _: (502, {"content-type": "text/html"}, "no gateway")) as server:
-            with self.assertRaisesRegex(scallopd.InvalidAnswer, "status 502"):
+        with RecordingServer(lambda _: (404, {"content-type": "text/html"}, "nothing here")) as server:
+            with self.assertRaisesRegex(scallopd.InvalidAnswer, "status 404"):
                 ask(scallopd.Client(server.url))
         with RecordingServer(lambda _: (200, {}, ["not", "an", "object"])) as server:
             with self.assertRaises(scallopd.InvalidAnswer):

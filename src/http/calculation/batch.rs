@@ -1,4 +1,5 @@
-//! Many contacts, a column for each figure. Contacts are read and worked out on all cores; one that has no answer fails alone.
+//! Requests with many contacts, answered by a column for each figure. Contacts are read and computed on all cores; a contact without an
+//! answer does not affect the others.
 
 use super::Calculation;
 use super::column::{Column, Table};
@@ -22,30 +23,30 @@ use std::sync::{Mutex, PoisonError};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// Contacts worked out in one go by one thread: some tenths of a millisecond, long against the cost of sharing out.
+/// Contacts that one thread computes at a time: a few tenths of a millisecond, long compared with the cost of distributing them.
 const CHUNK: usize = 1024;
 
-/// Contacts in one request. A body of the largest size could hold some ten million faulty ones, and the answer names each; with this
-/// many an answer stays under some 100 MB.
+/// The largest number of contacts in a request. A body of the largest size could hold some ten million; with this many, the answer
+/// stays under some 100 MB.
 const MOST_CONTACTS: usize = 250_000;
 
 const CONTACTS: &str = "contacts";
 
-/// Failures that an answer lists; further ones are counted.
+/// The largest number of failures that an answer lists; further ones are counted.
 const MOST_FAILURES: usize = 1000;
 
-/// Faults of the problem that no contact has an answer.
+/// The largest number of faults in the problem that no contact has an answer.
 const MOST_FAULTS: usize = 100;
 
-/// Faults that are listed of one contact.
+/// The largest number of faults listed of one contact.
 const MOST_FAULTS_OF_A_CONTACT: usize = 8;
 
-/// The fewest bytes in which a body states a contact that is worked out: `{},` and a part of the columns.
+/// The fewest bytes of a body for each contact: `{},` and a part of the columns.
 const SHORTEST_CONTACT: usize = 4;
 
-/// The memory that a contact takes in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most columns
-/// take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts that are sent as columns are held as up to 15 numbers
-/// of 16 bytes.
+/// The memory that a contact takes in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
+/// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts that are sent as columns are held
+/// as up to 15 numbers of 16 bytes.
 const MEMORY_OF_A_CONTACT: usize = 660;
 
 /// The memory of the failures listed and of the rest of an answer.
@@ -68,16 +69,12 @@ fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writ
         let selection = Selection::read::<C>(object, faults);
         let path = path.member(CONTACTS);
         let Some(contacts) = object.take(CONTACTS, faults) else {
-            return Err(faults.add(&path, RequestFault::MissingField, "the field is missing: the contacts to work out"));
+            return Err(faults.add(&path, RequestFault::MissingField, "the field is missing: the contacts to compute"));
         };
         let are_columns = contacts.get().starts_with('{');
         if !faults.is_empty() {
-            // Nothing is worked out, but faults of the contacts as a whole are recorded, too.
-            if are_columns {
-                ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, faults)?;
-            } else {
-                items(contacts, MOST_CONTACTS, path, faults)?;
-            }
+            // Nothing is worked out, but the contacts' own faults are recorded, too.
+            check_contacts::<C>(contacts, &defaults, path, cancel, faults)?;
             return Err(Faulted);
         }
         let batch = Batch { shared: shared?, defaults, calculation: calculation?, selection: selection? };
@@ -91,14 +88,49 @@ fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writ
             return Err(Faulted);
         }
         if count > 0 && whole.failed == count {
-            let first = whole.failures.into_iter().flat_map(|(_, faults)| faults).take(MOST_FAULTS);
-            first.for_each(|fault| {
-                faults.push(fault);
-            });
+            let mut left_out = count;
+            let mut listed = 0;
+            for (_, of_contact) in whole.failures {
+                listed += of_contact.len();
+                if listed > MOST_FAULTS {
+                    break;
+                }
+                left_out -= 1;
+                of_contact.into_iter().for_each(|fault| {
+                    faults.push(fault);
+                });
+            }
+            faults.add_left_out(left_out);
             return Err(Faulted);
         }
         Ok(whole.written(&batch, count))
     })
+}
+
+/// Records the faults of contacts that are not worked out.
+fn check_contacts<C: Calculation>(
+    contacts: &RawValue,
+    defaults: &ContactParameters,
+    path: JsonPath<'_>,
+    cancel: &CancelFlag,
+    faults: &mut Faults,
+) -> Result<(), Faulted> {
+    if contacts.get().starts_with('{') {
+        // Columns without faults of their own are read whatever else is wrong.
+        let mut of_columns = Faults::default();
+        let columns = ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, &mut of_columns);
+        faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
+        let columns = columns?;
+        for index in (0..columns.count).take_while(|_| !cancel.is_cancelled()) {
+            let _recorded = columns.contact(index, C::STATES, defaults, columns.path(index, &path), faults);
+        }
+    } else {
+        let contacts = items(contacts, MOST_CONTACTS, path, faults)?;
+        for (index, contact) in contacts.into_iter().enumerate().take_while(|_| !cancel.is_cancelled()) {
+            let _recorded = BatchContact::read(contact, C::STATES, defaults, path.item(index), faults);
+        }
+    }
+    Ok(())
 }
 
 struct Batch<C> {
@@ -108,7 +140,7 @@ struct Batch<C> {
     selection: Selection,
 }
 
-/// What a run of contacts yields.
+/// The results of a run of consecutive contacts.
 struct Part {
     columns: Vec<Column>,
     failed: usize,
@@ -119,7 +151,7 @@ struct Part {
 }
 
 impl<C: Calculation> Batch<C> {
-    /// Contacts are worked out on other cores while this one still finds where the next begin.
+    /// Reads an array of contacts. They are computed on other cores while this thread still splits the array into runs.
     fn work_out_rows(
         &self,
         contacts: &RawValue,
@@ -144,7 +176,7 @@ impl<C: Calculation> Batch<C> {
         Ok((self.joined(parts), count))
     }
 
-    /// The columns are read first; their rows are worked out on all cores.
+    /// Reads columns of contacts, and then computes their rows on all cores.
     fn work_out_columns(
         &self,
         contacts: &RawValue,
@@ -166,7 +198,7 @@ impl<C: Calculation> Batch<C> {
         Ok((self.joined(parts), columns.count))
     }
 
-    /// The rest of a cancelled batch is left out.
+    /// Computes a run of contacts; the rest of a cancelled batch is left out.
     fn work_out_chunk(
         &self,
         first: usize,
@@ -199,7 +231,7 @@ impl<C: Calculation> Batch<C> {
         let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(C::STATES, &path, faults)?;
         let member = self.calculation.step_over_member(&parameters);
-        // A contact without an answer is to blame as a whole: which of its parameters are defaults makes no difference.
+        // The fault points to the contact as a whole: any of its parameters, defaults included, may be the cause.
         let mut fail =
             |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
         let pass = single::judge(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
@@ -222,13 +254,13 @@ impl<C: Calculation> Batch<C> {
     }
 }
 
-/// The parts that are ready, by the index of their first contact.
+/// The completed parts, by the index of their first contact.
 #[derive(Default)]
 struct Parts(Mutex<BTreeMap<usize, Part>>);
 
 impl Parts {
-    /// Adds a part. Where earlier parts alone have as many failures as are listed, the part's own are dropped, so that a flood of failures
-    /// holds no memory.
+    /// Adds a part. Where earlier parts alone have as many failures as are listed, the part's own are dropped, so that many failures hold
+    /// no memory.
     fn insert(&self, first: usize, mut part: Part) {
         let mut parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let earlier: usize = parts.range(..first).map(|(_, part)| part.failures.len()).sum();
@@ -303,7 +335,7 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
     let columns = contact_columns_schema(C::STATES, MOST_CONTACTS, components);
     let contacts = OneOfBuilder::new().item(rows).item(columns);
     let contacts = contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"));
-    let about = "A calculation at many contacts: the parameters hold for every contact that does not state its own";
+    let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
     let schema = SharedParameters::describe(ObjectSchema::new(about, components));
     let schema = ContactParameters::describe(schema, C::STATES).with::<C::Members>();
     Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()

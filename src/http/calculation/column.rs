@@ -1,5 +1,4 @@
-//! The columns of a batch's answer, written as JSON text from the start: parts are written on all cores, and no column of numbers is held
-//! beside its text.
+//! The columns of a batch's answer. All cores write them as JSON text at once, so that no column is held as numbers and as text.
 
 use crate::http::body::WrittenJson;
 use crate::http::wire::{Extreme, Extremes, FigureValue};
@@ -75,12 +74,12 @@ fn higher(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     pieces: Vec<Vec<u8>>,
-    /// What comes after the pieces.
+    /// The text after the pieces.
     text: Vec<u8>,
 }
 
 impl Table {
-    /// Adds a member that is no column.
+    /// Adds a member that is not a column.
     pub(crate) fn value(&mut self, name: &'static str, value: &impl Serialize) {
         self.name(name);
         write(&mut self.text, value);
@@ -102,7 +101,7 @@ impl Table {
         }
     }
 
-    /// The whole.
+    /// The whole object.
     pub(crate) fn written(mut self) -> WrittenJson {
         self.text.push(b'}');
         self.pieces.push(self.text);
@@ -118,7 +117,8 @@ impl Table {
 }
 
 fn write(text: &mut Vec<u8>, value: &impl Serialize) {
-    serde_json::to_writer(text, value).unwrap_or_else(|_| unreachable!("memory takes all, and answers have nothing that JSON lacks"));
+    serde_json::to_writer(text, value)
+        .unwrap_or_else(|_| unreachable!("writing to memory does not fail, and every value of an answer has a JSON form"));
 }
 
 #[cfg(test)]

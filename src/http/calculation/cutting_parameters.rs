@@ -1,7 +1,7 @@
-//! `/v1/cutting-parameters`, by `POST` and `GET`, and its batch: the step-over and feed that finish the most area per time under a tolerance.
+//! `/v1/cutting-parameters`, by `POST` and `GET`, and its batch: the step-over and feed that finish the most area per
+//! time within a tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
@@ -13,7 +13,6 @@ use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, FigureValue, 
 use crate::http::worker_pool::Work;
 use crate::milling::{CuttingLimits, JudgedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
-use axum::Json;
 use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -144,32 +143,33 @@ described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParamet
 
 /// The fastest step-over and feed at one contact
 ///
-/// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance, within the limits of cutter,
-/// machine and step-over where these are stated.
+/// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance, within the
+/// limits of cutter, machine and step-over where these are stated.
 #[utoipa::path(
     post, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters",
     request_body = CuttingParametersRequest,
     responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<FastestParameters>>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     single::answer::<FastestParameters>(&body)
 }
 
 /// The fastest step-over and feed at one contact, by a query
 ///
-/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
-/// as `cutter`, vectors with commas.
+/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore, members of
+/// `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers separated by commas.
 #[utoipa::path(
     get, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters_query", params(CuttingParametersQuery),
     responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<FastestParameters>>, Problem> {
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
     single::answer_query::<FastestParameters>(&QUERY, text.as_deref())
 }
 
 /// The fastest step-overs and feeds of a tool path
 ///
-/// The same at many contacts. A contact without an answer is null in every column and named in `failures`; the others are answered.
+/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`; it does not affect
+/// the others.
 #[utoipa::path(
     post, path = "/v1/cutting-parameters/batch", tag = "calculations", operation_id = "cutting_parameters_batch",
     request_body = CuttingParametersBatchRequest,

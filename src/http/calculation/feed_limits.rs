@@ -7,13 +7,13 @@ use crate::quantity::{Length, OutOfRange};
 
 pub(super) const SPINDLE_SPEED: Member<Quantity<f64>> = Member {
     name: "spindle_speed_rpm",
-    about: "spindle speed n; with the cutter's teeth it gives the feed rate",
+    about: "spindle speed n; with the cutter's teeth, the answer has the feed rate",
     kind: Quantity::new(|rpm| OutOfRange::check(rpm, 1.0, 1e6), 10_000.0),
 };
 
 pub(super) const MAX_FEED_PER_TOOTH: Member<Quantity<Length>> = Member {
     name: "max_feed_per_tooth_mm",
-    about: "the largest feed per tooth that the cutter's maker allows",
+    about: "the largest feed per tooth that the cutter's manufacturer allows",
     kind: Quantity::length(0.35),
 };
 
@@ -39,7 +39,7 @@ pub(super) struct FeedLimits {
 }
 
 impl FeedLimits {
-    /// The limits, of which a feed rate needs a spindle speed and teeth.
+    /// The limits. A largest feed rate without spindle speed or teeth is a fault.
     pub(super) fn new(
         spindle_speed_rpm: Result<Option<f64>, Faulted>,
         per_tooth: Result<Option<Length>, Faulted>,

@@ -1,7 +1,6 @@
-//! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps a tolerance.
+//! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps the scallop height within a tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
@@ -12,7 +11,6 @@ use crate::http::wire::{COMMON_FIGURES, Figure, FigureValue, Figures, SharedPara
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
-use axum::Json;
 use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -32,14 +30,14 @@ pub(crate) struct MaxFeed {
     limits: FeedLimits,
 }
 
-/// What keeps the feed from being larger.
+/// The limit that the feed reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LimitedBy {
-    /// The scallop height reaches its tolerance.
+    /// The tolerance of the scallop height.
     ScallopTolerance,
-    /// The cutter's maker allows no more.
+    /// The manufacturer's largest feed per tooth.
     MaxFeedPerTooth,
-    /// The machine is not faster.
+    /// The machine's largest feed rate.
     MaxFeedRate,
 }
 
@@ -58,9 +56,7 @@ fn limited_by_schema(about: &str, components: &mut Components) -> RefOr<Schema> 
 
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::word("limited_by", "what keeps the feed from being larger", limited_by_schema, |figures| {
-        figures.limited_by.map(FigureValue::Word)
-    }),
+    Figure::word("limited_by", "the limit that the feed reaches", limited_by_schema, |figures| figures.limited_by.map(FigureValue::Word)),
     FEED_RATE,
 ];
 
@@ -94,7 +90,7 @@ impl Calculation for MaxFeed {
         let (feed_per_tooth, limited_by) = match (pass.max_feed_per_tooth(self.tolerance, step_over), stated) {
             (Ok(by_tolerance), Some(stated)) if stated.0 < by_tolerance => stated,
             (Ok(by_tolerance), _) => (by_tolerance, LimitedBy::ScallopTolerance),
-            // The tolerance sets no limit as long as marks overlap; a stated limit within that is then the only one.
+            // The tolerance sets no limit as long as marks overlap; a stated limit on the feed is then the only one.
             (Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }), Some(stated)) if stated.0 <= largest_feed_per_tooth => stated,
             (Err(cause), _) => return Err(cause),
         };
@@ -120,27 +116,28 @@ described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
 #[utoipa::path(
     post, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed",
     request_body = MaxFeedRequest,
-    responses((status = 200, description = "The feed, what limits it, and the heights at it", body = MaxFeedAnswer), Problems),
+    responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxFeed>>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     single::answer::<MaxFeed>(&body)
 }
 
 /// The largest feed at one contact, by a query
 ///
-/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
-/// as `cutter`, vectors with commas.
+/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore, members of
+/// `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers separated by commas.
 #[utoipa::path(
     get, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed_query", params(MaxFeedQuery),
-    responses((status = 200, description = "The feed, what limits it, and the heights at it", body = MaxFeedAnswer), QueryProblems),
+    responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<MaxFeed>>, Problem> {
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
     single::answer_query::<MaxFeed>(&QUERY, text.as_deref())
 }
 
 /// The largest feeds of a tool path
 ///
-/// The same at many contacts. A contact without an answer is null in every column and named in `failures`; the others are answered.
+/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`; it does not affect
+/// the others.
 #[utoipa::path(
     post, path = "/v1/max-feed/batch", tag = "calculations", operation_id = "max_feed_batch",
     request_body = MaxFeedBatchRequest,

@@ -1,5 +1,6 @@
-//! The calculations at contacts: scallop height, largest feed, largest step-over and fastest cutting parameters, each for one contact and for many. One file for each
-//! endpoint holds what is particular to it; requests and answers are read and written alike.
+//! The calculations at contacts: scallop height, largest feed, largest step-over and fastest cutting parameters, each for one
+//! contact and for many. One file for each endpoint holds what is specific to it; reading requests and writing answers are
+//! shared.
 
 mod batch;
 mod column;
@@ -18,9 +19,9 @@ use crate::quantity::Length;
 
 /// What differs between the calculations.
 pub(crate) trait Calculation: Sized + Send + Sync {
-    /// Which parameters of a contact are given.
+    /// The parameters of a contact that requests state.
     const STATES: States;
-    /// The members that only requests of this calculation have.
+    /// The members that are specific to requests of this calculation.
     type Members: Members;
     /// The figures of an answer, in their order.
     const FIGURES: &'static [&'static [Figure]];
@@ -33,7 +34,7 @@ pub(crate) trait Calculation: Sized + Send + Sync {
         faults: &mut Faults,
     ) -> Result<Self, Faulted>;
 
-    /// The figures at a contact. `step_over` is along the surface, and `None` where the calculation is given none.
+    /// The figures at a contact. `step_over` is along the surface; it is `None` where `STATES` has none.
     fn work_out(
         &self,
         shared: &SharedParameters,

@@ -1,6 +1,5 @@
-//! `/v1/scallop-height`, by `POST` and `GET`, and its batch: the height that a step-over and a feed leave.
+//! `/v1/scallop-height`, by `POST` and `GET`, and its batch: the height left by a step-over and a feed.
 
-use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
@@ -11,7 +10,6 @@ use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, State
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
-use axum::Json;
 use axum::extract::RawQuery;
 
 members! {
@@ -52,31 +50,33 @@ described!(ScallopHeightBatchAnswer, batch::describe_answer::<ScallopHeight>);
 
 /// The scallop height at one contact
 ///
-/// What a step-over and a feed per tooth leave on the surface: h1 from the step-over, and what the tooth marks along the feed add.
+/// The height that a step-over and a feed per tooth leave on the surface: h1 from the step-over, and the part that the tooth marks along
+/// the feed add.
 #[utoipa::path(
     post, path = "/v1/scallop-height", tag = "calculations", operation_id = "scallop_height",
     request_body = ScallopHeightRequest,
-    responses((status = 200, description = "The height, its shares and radii", body = ScallopHeightAnswer), Problems),
+    responses((status = 200, description = "The height, its parts, and the effective radii", body = ScallopHeightAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<ScallopHeight>>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     single::answer::<ScallopHeight>(&body)
 }
 
 /// The scallop height at one contact, by a query
 ///
-/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
-/// as `cutter`, vectors with commas.
+/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore, members of
+/// `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers separated by commas.
 #[utoipa::path(
     get, path = "/v1/scallop-height", tag = "calculations", operation_id = "scallop_height_query", params(ScallopHeightQuery),
-    responses((status = 200, description = "The height, its shares and radii", body = ScallopHeightAnswer), QueryProblems),
+    responses((status = 200, description = "The height, its parts, and the effective radii", body = ScallopHeightAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<ScallopHeight>>, Problem> {
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
     single::answer_query::<ScallopHeight>(&QUERY, text.as_deref())
 }
 
 /// The scallop heights of a tool path
 ///
-/// The same at many contacts. A contact without an answer is null in every column and named in `failures`; the others are answered.
+/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`; it does not affect
+/// the others.
 #[utoipa::path(
     post, path = "/v1/scallop-height/batch", tag = "calculations", operation_id = "scallop_height_batch",
     request_body = ScallopHeightBatchRequest,

@@ -1,4 +1,4 @@
-//! Which columns a batch answers with, and with how many digits.
+//! The columns of a batch's answer, and the digits of their numbers, as the request selects them.
 
 use super::Calculation;
 use crate::http::codes::RequestFault;
@@ -21,7 +21,7 @@ struct ColumnNames {
 
 fn columns<C: Calculation>() -> Member<ColumnNames> {
     let known = C::figures().chain(CHECK_FIGURES).collect();
-    let about = "the columns of the answer; absent = all but envelope_scallop_height_mm and deviation, which are answered only where they are named";
+    let about = "the columns of the answer; absent = all except envelope_scallop_height_mm and deviation, which must be named";
     Member { name: "columns", about, kind: ColumnNames { known } }
 }
 
@@ -35,7 +35,7 @@ impl Kind for ColumnNames {
     type Value = Vec<&'static Figure>;
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
-        // A list without repetition is no longer than that of the known names; some more are read for the faults in them.
+        // A list without repetition is at most as long as that of the known names; a few further items are read, to list their faults.
         let names = items(raw, 2 * self.known.len(), path, faults)?;
         if names.is_empty() {
             return Err(faults.add(&path, RequestFault::WrongCount, "name at least one column, or leave the field out"));
@@ -90,7 +90,7 @@ impl Selection {
         schema.optional(&columns::<C>()).optional(&SIGNIFICANT_DIGITS)
     }
 
-    /// Whether a column needs the height by the cutter's exact shape.
+    /// Whether a column needs the comparison with the cutter's exact shape.
     pub(super) fn is_compared(&self) -> bool {
         self.figures.iter().any(|figure| CHECK_FIGURES.iter().any(|check| check.name == figure.name))
     }

@@ -1,7 +1,7 @@
-//! One contact, one answer.
+//! Requests with one contact, as JSON or as a query, and their answers.
 
 use super::Calculation;
-use crate::http::body::JsonBody;
+use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
 use crate::http::query::Query;
@@ -10,7 +10,6 @@ use crate::http::wire::{
     CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
 };
 use crate::milling::{Envelope, JudgedPass, Model, NoAnswer, Pass, StepOver};
-use axum::Json;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::marker::PhantomData;
 use std::num::NonZeroU32;
@@ -18,7 +17,7 @@ use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The answer for one contact.
-pub(crate) struct Answer<C> {
+struct Answer<C> {
     model: Model,
     figures: Figures,
     check: Option<Check>,
@@ -58,7 +57,9 @@ pub(super) fn describe_answer<C: Calculation>(components: &mut Components) -> Re
 
 /// The schema of an answer's warnings.
 pub(super) fn warnings_schema(components: &mut Components) -> ArrayBuilder {
-    ArrayBuilder::new().items(components.refer_type::<Warning>()).description(Some("what must be looked at"))
+    ArrayBuilder::new()
+        .items(components.refer_type::<Warning>())
+        .description(Some("facts that need attention although the request is answered"))
 }
 
 /// The schema of a request with one contact.
@@ -68,13 +69,13 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
 }
 
 /// Answers a request with one contact.
-pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<Json<Answer<C>>, Problem> {
-    body.read(read).map(Json)
+pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Problem> {
+    WrittenJson::of(&body.read(read::<C>)?)
 }
 
 /// Answers the same request as a query.
-pub(super) fn answer_query<C: Calculation>(query: &Query, text: Option<&str>) -> Result<Json<Answer<C>>, Problem> {
-    query.read(text.unwrap_or_default(), read).map(Json)
+pub(super) fn answer_query<C: Calculation>(query: &Query, text: Option<&str>) -> Result<WrittenJson, Problem> {
+    WrittenJson::of(&query.read(text.unwrap_or_default(), read::<C>)?)
 }
 
 fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {
@@ -87,7 +88,7 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     Request { shared, contact, parameters, calculation }.answer(&path, faults)
 }
 
-/// A request in which any part may have been faulty. As much as possible is judged, for the faults that show only then.
+/// A request of which any part may have faults. As much of it as possible is evaluated, to find further faults.
 struct Request<C> {
     shared: Result<SharedParameters, Faulted>,
     contact: Result<StatedContact, Faulted>,
@@ -109,7 +110,7 @@ impl<C: Calculation> Request<C> {
         Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
     }
 
-    /// The pass under its model, as soon as cutter, contact and surface are known, whatever else is faulty.
+    /// The pass under its model, if cutter, contact and surface have no fault; other parts may.
     fn judge(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
         let (shared, contact) = (self.shared?, self.contact?);
         judge(&shared, contact, &self.parameters)?
@@ -117,7 +118,7 @@ impl<C: Calculation> Request<C> {
     }
 }
 
-/// Puts a contact under the request's model: the outer error is a fault that is recorded already, the inner one a cause that is not.
+/// Evaluates a contact by the request's model. The outer error is a fault that is recorded already, the inner one a reason that is not.
 pub(super) fn judge(
     shared: &SharedParameters,
     contact: StatedContact,
@@ -133,7 +134,7 @@ pub(super) fn judge(
     Ok(JudgedPass::new(shared.model, pass))
 }
 
-/// The figures at a contact: the outer error is a fault that is recorded already, the inner one a cause that is not.
+/// The figures at a contact. The outer error is a fault that is recorded already, the inner one a reason that is not.
 pub(super) fn work_out<C: Calculation>(
     calculation: &C,
     shared: &SharedParameters,
@@ -146,10 +147,10 @@ pub(super) fn work_out<C: Calculation>(
     Ok(along.and_then(|along| calculation.work_out(shared, pass, along, feed_per_tooth)))
 }
 
-/// A deviation beyond which the analytic model is outside its range: 5 % under what the cutter leaves.
+/// The deviation below which the analytic model is outside its range: 5 % less than the cutter leaves.
 const OUTSIDE_RANGE: f64 = -0.05;
 
-/// The height of a pass under its model beside the envelope's.
+/// Compares the height of a pass under its model with the envelope's.
 pub(super) fn compare(pass: &JudgedPass, figures: &Figures) -> Result<Check, NoAnswer> {
     let height = figures.height.total().mm();
     let envelope = match pass.model() {
@@ -165,7 +166,7 @@ pub(super) fn is_outside_range(check: &Result<Check, NoAnswer>) -> bool {
     check.as_ref().map_or(true, |check| check.deviation.is_some_and(|deviation| deviation < OUTSIDE_RANGE))
 }
 
-/// The analytic height beside the envelope's, and the warning that it is far under it.
+/// Compares the analytic height with the envelope's, and warns where it is far below.
 fn check(pass: &JudgedPass, figures: &Figures, warnings: &mut Vec<Warning>) -> Option<Check> {
     if pass.model() != Model::Analytic {
         return None;

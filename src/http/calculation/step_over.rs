@@ -1,6 +1,5 @@
-//! `/v1/step-over`, by `POST` and `GET`, and its batch: the largest step-over that keeps a tolerance.
+//! `/v1/step-over`, by `POST` and `GET`, and its batch: the largest step-over that keeps the scallop height within a tolerance.
 
-use super::single::Answer;
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
@@ -11,7 +10,6 @@ use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, State
 use crate::http::worker_pool::Work;
 use crate::milling::{JudgedPass, NoAnswer};
 use crate::quantity::Length;
-use axum::Json;
 use axum::extract::RawQuery;
 
 members! {
@@ -54,27 +52,28 @@ described!(StepOverBatchAnswer, batch::describe_answer::<MaxStepOver>);
 #[utoipa::path(
     post, path = "/v1/step-over", tag = "calculations", operation_id = "step_over",
     request_body = StepOverRequest,
-    responses((status = 200, description = "The step-over, and the heights at it", body = StepOverAnswer), Problems),
+    responses((status = 200, description = "The step-over, and the heights at this step-over", body = StepOverAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<Json<Answer<MaxStepOver>>, Problem> {
+pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     single::answer::<MaxStepOver>(&body)
 }
 
 /// The largest step-over at one contact, by a query
 ///
-/// The same as the POST with the members in the query: names of nested members joined by an underscore, those of cutter and contact plain, the cutter's type
-/// as `cutter`, vectors with commas.
+/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore, members of
+/// `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers separated by commas.
 #[utoipa::path(
     get, path = "/v1/step-over", tag = "calculations", operation_id = "step_over_query", params(StepOverQuery),
-    responses((status = 200, description = "The step-over, and the heights at it", body = StepOverAnswer), QueryProblems),
+    responses((status = 200, description = "The step-over, and the heights at this step-over", body = StepOverAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<Json<Answer<MaxStepOver>>, Problem> {
+pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
     single::answer_query::<MaxStepOver>(&QUERY, text.as_deref())
 }
 
 /// The largest step-overs of a tool path
 ///
-/// The same at many contacts. A contact without an answer is null in every column and named in `failures`; the others are answered.
+/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`; it does not affect
+/// the others.
 #[utoipa::path(
     post, path = "/v1/step-over/batch", tag = "calculations", operation_id = "step_over_batch",
     request_body = StepOverBatchRequest,

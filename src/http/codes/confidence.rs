@@ -5,31 +5,31 @@ use crate::planning::Weakness;
 use crate::planning::zigzag::SurfaceWeakness;
 
 codes! {
-    /// Which weakness of the method: a code for programs to decide by, listed with meanings and remedies in docs/codes.md.
+    /// The weakness, as a code for programs; docs/codes.md lists meanings and remedies.
     ConfidenceCode {
-        DirectionsNotPerpendicular = "directions-not-perpendicular": "Steepest and principal direction are not perpendicular", "Simulate both candidates: the rectangle has its long side level.";
-        FormFactorNearOne = "form-factor-near-one": "The surface is nearly as wide as long", "Choose the ball-end cutter's direction freely.";
+        DirectionsNotPerpendicular = "directions-not-perpendicular": "Steepest and principal direction are not perpendicular", "Simulate both candidates: the model's rectangle has its long side level.";
+        FormFactorNearOne = "form-factor-near-one": "The surface is nearly as wide as it is long", "Choose the ball-end cutter's direction freely.";
         NoPrincipalDirection = "no-principal-direction": "The surface has no principal direction", "Choose the ball-end cutter's direction freely.";
         SlopeNearZero = "slope-near-zero": "The surface is almost level", "Use model \"envelope\"; choose the direction freely.";
         NotFlat = "not-flat": "The surface is not flat", "Divide the surface, or simulate both candidates.";
         SlopeNearCritical = "slope-near-critical": "The slope is near the critical slope", "Simulate both candidates.";
         TimesNearlyEqual = "times-nearly-equal": "Both candidates take nearly the same time", "Decide by other reasons, such as tool wear.";
-        MeanSlopeDisagrees = "mean-slope-disagrees": "Mean slope and best plane lie on either side of the critical slope", "Simulate both candidates.";
+        MeanSlopeDisagrees = "mean-slope-disagrees": "The mean slope and the best-fit plane's slope are on opposite sides of the critical slope", "Simulate both candidates.";
         ShortPasses = "short-passes": "Passes are too short to reach the feed rate", "Treat the times as estimates.";
         LongSteps = "long-steps": "Steps between passes are not limited by the jerk alone", "Treat the times as estimates.";
-        SmallSurface = "small-surface": "The surface is smaller than the method was proved for", "Treat the critical slope as an estimate.";
-        FewPasses = "few-passes": "The passes are few", "Count whole passes: the number is not rounded.";
+        SmallSurface = "small-surface": "The surface is smaller than those that validate the method", "Treat the critical slope as an estimate.";
+        FewPasses = "few-passes": "There are few passes", "Count whole passes: the method does not round their number.";
         StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";
-        MeanSlopeFarFromPlane = "mean-slope-far-from-plane": "The mean slope is far from the slope of the best plane", "Use method \"surface\".";
+        MeanSlopeFarFromPlane = "mean-slope-far-from-plane": "The mean slope is far from the best-fit plane's slope", "Use method \"surface\".";
         AreaFarFromSize = "area-far-from-size": "The area is far from the characteristic size", "Use method \"surface\".";
         SeveralPieces = "several-pieces": "The surface is in several pieces", "Send or select one piece at a time.";
-        SimulationDisagrees = "simulation-disagrees": "The simulation on the surface takes another time", "Use method \"surface\".";
-        SimulationPrefersOther = "simulation-prefers-other": "The simulation on the surface names another cutter", "Use method \"surface\".";
-        SmallLead = "small-lead": "The fastest cutter leads the next by little", "Decide by other reasons, such as tool wear.";
-        CoarseTessellation = "coarse-tessellation": "Facets are wide against the step-over", "Export the surface with a finer tolerance.";
-        SteepArea = "steep-area": "Some of the area is too steep to set a spacing", "Finish the walls in an operation of their own.";
-        HiddenArea = "hidden-area": "Some of the area is hidden from above", "Machine the rest in another set-up.";
-        OverTolerance = "over-tolerance": "Some of the area exceeds the scallop height", "Look at the map of scallop heights; reduce the scallop height.";
+        SimulationDisagrees = "simulation-disagrees": "The simulation on the surface gives another time", "Use method \"surface\".";
+        SimulationPrefersOther = "simulation-prefers-other": "The simulation on the surface prefers another cutter", "Use method \"surface\".";
+        SmallLead = "small-lead": "The fastest cutter is hardly faster than the next", "Decide by other reasons, such as tool wear.";
+        CoarseTessellation = "coarse-tessellation": "The facets are wide compared with the step-over", "Export the surface with a finer tolerance.";
+        SteepArea = "steep-area": "Part of the area is too steep for the spacing of passes", "Finish the walls in a separate operation.";
+        HiddenArea = "hidden-area": "Part of the area is hidden from above", "Machine it in another set-up.";
+        OverTolerance = "over-tolerance": "Part of the area exceeds the scallop height", "Look at the map of scallop heights; reduce the scallop height.";
     }
 }
 

@@ -1,22 +1,22 @@
-//! The codes of faults: what can be wrong with a request, member by member.
+//! The codes of faults in a request's members.
 
 use super::{FileFault, NoAnswerCode, codes, joined_codes};
 
 codes! {
-    /// A fault of a request's JSON, form or query.
+    /// A fault in a request's JSON, form or query.
     RequestFault {
         MissingField = "missing-field": "A required field is missing", "Add the field; the detail says what it is.";
-        UnknownField = "unknown-field": "A field is not known here", "Remove the field or correct its name; the detail lists the known ones.";
+        UnknownField = "unknown-field": "A field is unknown", "Remove the field or correct its name; the detail lists the known names.";
         RepeatedField = "repeated-field": "A field is given more than once", "Give it once.";
-        ConflictingFields = "conflicting-fields": "Fields exclude each other", "Give one of the forms that the detail names.";
+        ConflictingFields = "conflicting-fields": "Mutually exclusive fields are given", "Give one of the forms that the detail names.";
         WrongType = "wrong-type": "A value has the wrong JSON type", "Send the type that the detail names; numbers are not quoted.";
         OutOfRange = "out-of-range": "A number is outside its bounds", "Choose a value within the bounds in the detail; check the unit.";
-        NotFinite = "not-finite": "A number is NaN or infinite", "Leave the contact out, or find out where its number comes from.";
-        UnknownValue = "unknown-value": "A word is none of those allowed", "Use one of the words in the detail.";
+        NotFinite = "not-finite": "A number is NaN or infinite", "Omit the contact, or correct the computation of the number.";
+        UnknownValue = "unknown-value": "A word is not one of those allowed", "Use one of the words in the detail.";
         WrongCount = "wrong-count": "An array has the wrong number of items", "Send as many items as the detail names.";
-        TooManyFields = "too-many-fields": "An object has more fields than are read", "Remove the fields that the API does not know.";
+        TooManyFields = "too-many-fields": "An object has more fields than are read", "Remove the unknown fields.";
         TooManyItems = "too-many-items": "An array has more items than are accepted", "Split the request.";
-        Unreadable = "unreadable": "A value is JSON that cannot be read", "Correct the value, for example a text with a lone surrogate.";
+        Unreadable = "unreadable": "A JSON value cannot be decoded", "Correct the value, for example a text with a lone surrogate.";
         FurtherFaults = "further-faults": "The request has more faults than are listed", "Correct the listed ones first.";
         NoDirection = "no-direction": "Vectors or angles do not describe a contact", "Give a normal that points out of the part and a feed that follows the surface.";
         CornerRadiusTooLarge = "corner-radius-too-large": "The corner radius does not fit into the cutter", "Give a corner radius under half the diameter, or a ball-end cutter.";
@@ -34,6 +34,6 @@ codes! {
 }
 
 joined_codes! {
-    /// Which fault: a code for programs to decide by, listed with meanings and remedies in docs/codes.md.
+    /// The fault, as a code for programs; docs/codes.md lists meanings and remedies.
     FaultCode { RequestFault, FileFault, NoAnswerCode }
 }

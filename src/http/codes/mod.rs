@@ -1,6 +1,6 @@
-//! The codes on the wire, one enumeration for each family: faults of a request, faults of a file, reasons without an answer, problem types,
-//! warnings, reasons for less confidence, and reasons why a cutter is not ranked. Each code has its name, its meaning and a remedy in one place; `docs/codes.md` is generated
-//! from them.
+//! The codes on the wire, one enumeration for each family: faults of a request, faults of a file, reasons without an answer,
+//! problem types, warnings, reasons for less confidence, and reasons why a cutter is not ranked. Each code has its name, its
+//! meaning and a remedy in one place; `docs/codes.md` is generated from them.
 
 mod confidence;
 mod fault;
@@ -20,14 +20,14 @@ pub(crate) use not_ranked::NotRankedCode;
 pub(crate) use problem::{ProblemType, ServiceProblem};
 pub(crate) use warning::WarningCode;
 
-/// What is known of a code.
+/// A code's name, meaning and remedy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Entry {
     /// The name on the wire, in kebab-case. It never changes.
     pub(crate) name: &'static str,
-    /// What the code means; the title of a problem of this type.
+    /// The meaning; for a problem type, the title.
     pub(crate) meaning: &'static str,
-    /// What a caller can do about it.
+    /// What a caller can do.
     pub(crate) remedy: &'static str,
 }
 
@@ -115,7 +115,7 @@ macro_rules! joined_codes {
 }
 use joined_codes;
 
-/// Writes a code as its name, and describes it to the API document as an enumeration.
+/// Writes a code as its name, and describes the family as an enumeration in the OpenAPI document.
 macro_rules! on_the_wire {
     ($codes:ident, $about:expr) => {
         impl serde::Serialize for $codes {

@@ -1,4 +1,5 @@
-//! The codes of reasons why a valid request has no answer, each also the type of a problem, with the figures that show the way out.
+//! The codes of reasons why a valid request has no answer, each also the type of a problem, with the figures that
+//! help to correct the request.
 
 use super::codes;
 use crate::milling::NoAnswer;
@@ -11,7 +12,7 @@ codes! {
         MarksDoNotOverlap = "marks-do-not-overlap": "The tooth marks do not overlap", "Reduce the feed per tooth.";
         Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, or another feed direction.";
         SharpEdge = "sharp-edge": "The model has no answer where a sharp edge makes the cut", "Use model \"envelope\" on a plane, a cutter with a corner radius, or another feed direction.";
-        PassesCoincideFromAbove = "passes-coincide-from-above": "The passes lie above each other", "State the step-over along the surface, step_over_mm.";
+        PassesCoincideFromAbove = "passes-coincide-from-above": "Seen from above, the passes coincide", "State the step-over along the surface, step_over_mm.";
         ToleranceExceeded = "tolerance-exceeded": "The step-over alone uses up the tolerance", "Reduce the step-over to under max_step_over_mm, or allow more height.";
         ToleranceExceededByFeed = "tolerance-exceeded-by-feed": "The feed alone uses up the tolerance", "Reduce the feed per tooth or the runout, or allow more height than feed_height_mm.";
         ToleranceExceededByRunout = "tolerance-exceeded-by-runout": "Runout alone uses up the tolerance", "Reduce the runout or the step-over, or allow more height.";
@@ -19,18 +20,18 @@ codes! {
     }
 }
 
-/// A figure beside a problem: a member of its own, in mm.
+/// A figure in mm that a problem has as a member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ProblemFigure {
-    /// What the step-over alone leaves.
+    /// The height that the step-over alone leaves.
     StepOverHeight,
-    /// The step-over that leaves just the tolerance.
+    /// The step-over whose scallop height is the tolerance.
     MaxStepOver,
     /// The step-over at which the passes just meet.
     LargestStepOver,
     /// The smallest concave radius that the cutter fits.
     SmallestRadius,
-    /// What the feed alone leaves.
+    /// The height that the tooth marks alone leave.
     FeedHeight,
 }
 
@@ -39,15 +40,17 @@ impl ProblemFigure {
     pub(crate) fn entry(self) -> (&'static str, &'static str) {
         match self {
             Self::StepOverHeight => ("step_over_height_mm", "h1, the height that the step-over alone leaves"),
-            Self::MaxStepOver => ("max_step_over_mm", "the step-over that leaves just the tolerance; a smaller one leaves room for a feed"),
+            Self::MaxStepOver => {
+                ("max_step_over_mm", "the step-over whose height is the tolerance; a smaller one leaves room for tooth marks")
+            }
             Self::LargestStepOver => {
-                ("largest_step_over_mm", "the step-over at which the passes just meet; absent where the feed is what has no limit")
+                ("largest_step_over_mm", "the step-over at which the passes just meet; absent where it is the feed that has no limit")
             }
             Self::SmallestRadius => (
                 "smallest_radius_mm",
                 "the smallest concave radius of the surface that the cutter fits; absent where the cutter gouges at any radius",
             ),
-            Self::FeedHeight => ("feed_height_mm", "the height that the feed's marks alone leave"),
+            Self::FeedHeight => ("feed_height_mm", "the height that the tooth marks alone leave"),
         }
     }
 
@@ -74,7 +77,7 @@ impl NoAnswerCode {
         }
     }
 
-    /// The code of a cause, with its figures in mm.
+    /// The code of `cause`, with its figures in mm.
     pub(crate) fn of(cause: NoAnswer) -> (Self, Vec<(ProblemFigure, f64)>) {
         match cause {
             NoAnswer::FlatFloor => (Self::FlatFloor, Vec::new()),

@@ -1,10 +1,10 @@
-//! The codes of reasons why a cutter is listed and not ranked.
+//! The codes of reasons why a cutter is not ranked.
 
 use super::codes;
 use crate::planning::zigzag::NotRankedReason;
 
 codes! {
-    /// Why a cutter is not ranked: a code for programs to decide by, listed with meanings and remedies in docs/codes.md.
+    /// Why a cutter is not ranked, as a code for programs; docs/codes.md lists meanings and remedies.
     NotRankedCode {
         CannotReach = "cannot-reach": "The cutter leaves too much of the surface uncut", "Use a smaller cutter, select the facets that it reaches, or raise max_uncut_share.";
         NoStepOver = "no-step-over": "No step-over keeps the scallop height", "Allow more height, or use another cutter.";

@@ -1,4 +1,4 @@
-//! The table of all codes, `docs/codes.md`, held against the enumerations.
+//! The table of all codes, `docs/codes.md`, checked against the enumerations.
 
 use super::{Code, ConfidenceCode, Entry, FileFault, NoAnswerCode, NotRankedCode, RequestFault, ServiceProblem, WarningCode};
 use axum::http::StatusCode;
@@ -7,8 +7,8 @@ use std::fmt::Write;
 
 const INTRODUCTION: &str = "# Codes
 
-Programs decide by these names; they never change. Texts (`title`, `detail`) are for people and may. The table is generated from the
-enumerations in `src/http/codes`: `SCALLOPD_WRITE_DOCS=1 cargo test --lib codes::table` writes it.
+Programs can rely on these names: they never change. Texts (`title`, `detail`) are for people and may change. The table is generated
+from the enumerations in `src/http/codes`: `SCALLOPD_WRITE_DOCS=1 cargo test --lib codes::table` writes it.
 ";
 
 fn table<C: Code>(heading: &str, about: &str, status: Option<fn(C) -> Option<StatusCode>>) -> String {

@@ -143,6 +143,7 @@ pub(super) struct RankedCandidate {
     feed_per_tooth_mm: Option<f64>,
     /// The figures of the simulation; only in method surface.
     #[serde(flatten)]
+    #[schema(value_type = SimulatedFigures)]
     simulated: Option<SimulatedFigures>,
 }
 

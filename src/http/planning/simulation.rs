@@ -112,7 +112,7 @@ impl Simulation {
             return None;
         }
         let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.pieces as usize };
-        let ranking = rank(&workpiece.facets, &candidates, &settings, evidence);
+        let ranking = rank(&workpiece.facets, &candidates, &settings, evidence, stop)?;
         Some(Self { settings, candidates, ranking, reach })
     }
 

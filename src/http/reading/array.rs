@@ -1,4 +1,4 @@
-//! Reads JSON arrays item by item, without building them up.
+//! Reads JSON arrays item by item, without holding them as a tree.
 
 use super::object::describe;
 use super::{Faulted, Faults, JsonPath};
@@ -12,7 +12,7 @@ use std::marker::PhantomData;
 /// Items that are read between two checks whether reading is cancelled.
 const TURN: usize = 256;
 
-/// Passes every item of the array `raw` to `take`, until one is no `T` or the reading that `faults` belongs to is cancelled.
+/// Passes every item of the array `raw` to `take`, until one is not a `T` or the reading that `faults` belongs to is cancelled.
 pub(crate) fn each<'a, T: Deserialize<'a>>(raw: &'a RawValue, faults: &Faults, take: impl FnMut(T)) -> serde_json::Result<()> {
     each_until(raw, faults.cancel_flag(), take)
 }
@@ -57,8 +57,8 @@ pub(crate) fn items<'a>(raw: &'a RawValue, most: usize, path: JsonPath<'_>, faul
     Ok(all)
 }
 
-/// Passes the items of an array to `take` in runs of `run`, each with the index of its first item, and returns the number of items. That
-/// there are more than `most`, or that `raw` is no array, may be found after some were passed.
+/// Passes the items of an array to `take` in runs of `run`, each with the index of its first item, and returns the number of items. Some
+/// may be passed before the fault is found that there are more than `most` or that `raw` is not an array.
 pub(crate) fn for_runs_of_items<'a>(
     raw: &'a RawValue,
     most: usize,

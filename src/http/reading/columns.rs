@@ -1,5 +1,6 @@
 //! Columns of values that batches read straight into numbers: an array with an item for each contact, null where the contact has no value.
 
+use super::number_array::read_numbers;
 use super::object::describe;
 use super::{Faulted, Faults, JsonPath, each};
 use crate::http::codes::RequestFault;
@@ -12,10 +13,10 @@ pub(crate) trait PlainColumn: Default {
     /// The value of a row as JSON has it.
     type Plain;
 
-    /// Reads a column of at most `most` rows. Items of another type are faults of their rows and are found there.
+    /// Reads a column of at most `most` rows. Items of another type are faults of their rows, found when a row is read.
     fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted>;
 
-    /// Compares the number of rows of this column, called `name`, with that of the columns before.
+    /// Compares the number of rows of this column, `name`, with that of earlier columns.
     fn check_rows(&self, name: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
     /// The value of a row.
@@ -27,10 +28,10 @@ pub(crate) trait PlainColumn: Default {
 
 /// A row's value in a column.
 pub(crate) enum Cell<P> {
-    /// There is none: null, or no column.
+    /// No value: null, or no column.
     Absent,
     Value(P),
-    /// It is of another type.
+    /// A value of another type.
     Faulty,
 }
 
@@ -74,16 +75,37 @@ impl<P> Default for Cells<P> {
 }
 
 impl<P> Cells<P> {
-    /// An answer lists at most this many failures, so that the texts of further items are not needed.
+    /// An answer lists at most this many failures; the texts of further items are not needed.
     const MOST_FAULTY_TEXTS: usize = 1000;
 }
 
-impl<P: for<'de> Deserialize<'de> + Serialize + Copy> PlainColumn for Cells<P> {
+/// A value that a column holds for a row.
+pub(crate) trait PlainValue: for<'de> Deserialize<'de> + Serialize + Copy {
+    /// The items of an array of at most `most`, by a quicker way than the general reader's; `None` where there is none, or where the array is
+    /// unusual.
+    fn read_all(_array: &RawValue, _most: usize) -> Option<Vec<Option<Self>>> {
+        None
+    }
+}
+
+impl PlainValue for f64 {
+    fn read_all(array: &RawValue, most: usize) -> Option<Vec<Option<Self>>> {
+        read_numbers(array.get(), most)
+    }
+}
+
+impl<const N: usize> PlainValue for [f64; N] where Self: for<'de> Deserialize<'de> + Serialize {}
+
+impl<P: PlainValue> PlainColumn for Cells<P> {
     type Plain = P;
 
     fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let mut cells = Self::default();
         let mut count = 0;
+        if let Some(values) = P::read_all(raw, most) {
+            cells.values = values;
+            return Ok(cells);
+        }
         let read = each(raw, faults, |value: Option<P>| {
             count += 1;
             if count <= most {
@@ -168,6 +190,6 @@ impl RowText {
 
     /// The whole object.
     pub(crate) fn written(self) -> Box<RawValue> {
-        RawValue::from_string(format!("{{{}}}", self.members)).unwrap_or_else(|_| unreachable!("it is put together from JSON"))
+        RawValue::from_string(format!("{{{}}}", self.members)).unwrap_or_else(|_| unreachable!("its members are JSON"))
     }
 }

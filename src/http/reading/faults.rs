@@ -1,4 +1,4 @@
-//! The faults of a request, each with its code and its place.
+//! The faults of a request, each with its code and location.
 
 use super::JsonPath;
 use crate::cancellation::CancelFlag;
@@ -8,13 +8,13 @@ use std::fmt;
 /// One fault of a request.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fault {
-    /// Where: a JSON pointer into the request.
+    /// The location: a JSON pointer into the request.
     pub(crate) pointer: String,
-    /// Which.
+    /// The code.
     pub(crate) code: FaultCode,
-    /// What is wrong and what would be right, for a person.
+    /// What is wrong and what is expected, for people.
     pub(crate) detail: String,
-    /// Figures that show a way out, in mm.
+    /// Figures in mm that help to correct the request.
     pub(crate) figures: Vec<(ProblemFigure, f64)>,
 }
 
@@ -36,6 +36,7 @@ pub(crate) struct Faults {
     unlisted: usize,
     /// Set when nobody waits for the faults any more.
     cancel: Option<CancelFlag>,
+    left_out: usize,
 }
 
 impl Default for Faults {
@@ -45,12 +46,12 @@ impl Default for Faults {
 }
 
 impl Faults {
-    /// A request can hold a fault every few bytes; beyond this many they are counted, not listed.
+    /// The largest number of faults listed: a request can have one every few bytes. Further faults are counted.
     const MOST_LISTED: usize = 1000;
 
     /// No faults. Beyond `most_listed` they are counted, not listed.
     pub(crate) fn at_most(most_listed: usize) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0, cancel: None }
+        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, cancel: None }
     }
 
     /// No faults of a body that is read until `cancel` is set.
@@ -68,7 +69,7 @@ impl Faults {
         if self.listed.len() < self.most_listed {
             return self.push(Fault::new(path, code, detail));
         }
-        // It is not shown, so that its text is not formatted.
+        // Its text is not needed.
         self.unlisted += 1;
         Faulted
     }
@@ -83,9 +84,20 @@ impl Faults {
         Faulted
     }
 
-    /// Adds `others`, each with the pointer that `pointer` makes of its own, except those for which it makes none.
+    /// Counts faults that are left out of the list on purpose: the number of all shows it, no entry of the list.
+    pub(crate) fn add_left_out(&mut self, count: usize) {
+        self.left_out += count;
+    }
+
+    /// The number of all faults, listed or not.
+    pub(crate) fn count(&self) -> usize {
+        self.listed.len() + self.unlisted + self.left_out
+    }
+
+    /// Adds `others` with their pointers mapped by `pointer`; those mapped to `None` are left out.
     pub(crate) fn take_in(&mut self, others: Self, pointer: impl Fn(&str) -> Option<String>) {
         self.unlisted += others.unlisted;
+        self.left_out += others.left_out;
         for fault in others.listed {
             if let Some(pointer) = pointer(&fault.pointer) {
                 self.push(Fault { pointer, ..fault });
@@ -93,7 +105,7 @@ impl Faults {
         }
     }
 
-    /// The faults; where some were only counted, the last one says how many.
+    /// The faults; where some were only counted, the last one has their number.
     pub(crate) fn into_listed(mut self) -> Vec<Fault> {
         if self.unlisted > 0 {
             let detail = format!("{} further faults are not listed", self.unlisted);
@@ -112,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_flood_of_faults_is_counted_not_kept() {
+    fn faults_beyond_the_limit_are_counted_not_kept() {
         let mut faults = Faults::default();
         for _ in 0..Faults::MOST_LISTED + 7 {
             faults.add(&JsonPath::Root, RequestFault::WrongType, "y");

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// The path to a value, displayed as a JSON pointer (RFC 6901). It lives on the reader's stack; only a fault formats it.
+/// The path to a value, displayed as a JSON pointer (RFC 6901). It is on the reader's stack and formatted only for a fault.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum JsonPath<'p> {
     /// The whole body.
@@ -11,8 +11,8 @@ pub(crate) enum JsonPath<'p> {
     Member(&'p JsonPath<'p>, &'p str),
     /// An item of an array.
     Item(&'p JsonPath<'p>, usize),
-    /// A row of an object of columns. Its members are items of the columns: `slope_deg` of row 17 is at `/slope_deg/17`. The row as a whole has no place
-    /// of its own; its pointer is that of its item in the first column, which is named here.
+    /// A row of an object of columns. Its members are items of the columns: `slope_deg` of row 17 is at `/slope_deg/17`. The row
+    /// as a whole has no location; its pointer is that of its item in the first column, which is named here.
     Row(&'p JsonPath<'p>, &'static str, usize),
 }
 
@@ -61,7 +61,7 @@ impl fmt::Display for JsonPath<'_> {
     }
 }
 
-/// The name, cut where it is longer than any that is known: an answer must not repeat megabytes of its request.
+/// The name, cut where it is longer than any known one: an answer must not repeat megabytes of its request.
 fn shown(name: &str) -> &str {
     const LONGEST: usize = 200;
     name.char_indices().nth(LONGEST).map_or(name, |(end, _)| &name[..end])

@@ -9,14 +9,14 @@ use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// A number that becomes a quantity, which alone knows its bounds.
+/// A number that becomes a quantity; its bounds come from the quantity's constructor.
 pub(crate) struct Quantity<T> {
-    /// The quantity of a number in the member's unit. NaN must be refused, with the bounds.
+    /// Constructs the quantity from a number in the member's unit. It must refuse NaN with the bounds.
     of: fn(f64) -> Result<T, OutOfRange>,
     example: f64,
     /// The smallest number, where it is under the quantity's own bound.
     minimum: Option<f64>,
-    /// What to add to the fault that the number is out of its bounds.
+    /// A text for the fault of a number out of bounds.
     hint: &'static str,
 }
 
@@ -25,7 +25,7 @@ impl<T> Quantity<T> {
         Self { of, example, minimum: None, hint: "" }
     }
 
-    /// The same for a quantity that also takes numbers from `minimum` to its own bound, as `hint` says.
+    /// The same, with numbers from `minimum` to the quantity's own bound accepted as well, as `hint` explains.
     pub(crate) const fn down_to(self, minimum: f64, hint: &'static str) -> Self {
         Self { minimum: Some(minimum), hint, ..self }
     }
@@ -48,8 +48,8 @@ impl<T> Kind for Quantity<T> {
     }
 
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
-        let Err(OutOfRange { minimum, maximum }) = (self.of)(f64::NAN) else { unreachable!("NaN is no quantity") };
-        // The bounds of double precision are no bounds of the quantity.
+        let Err(OutOfRange { minimum, maximum }) = (self.of)(f64::NAN) else { unreachable!("NaN is not a quantity") };
+        // The limits of double precision are not bounds of the quantity.
         let bound = |bound: f64| (bound.abs() < f64::MAX).then_some(bound);
         let schema = ObjectBuilder::new().schema_type(Type::Number).description(Some(about)).examples([self.example]);
         schema.minimum(self.minimum.or(bound(minimum))).maximum(bound(maximum)).into()

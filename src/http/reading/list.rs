@@ -1,4 +1,4 @@
-//! Arrays of values of one kind, as members take them.
+//! A kind of member: arrays of values of one kind.
 
 use super::array::items;
 use super::{Components, Faulted, Faults, JsonPath, Kind};
@@ -10,7 +10,7 @@ use utoipa::openapi::{RefOr, Schema};
 /// An array of values, each of the kind `item`.
 pub(crate) struct List<K> {
     pub(crate) item: K,
-    /// What an item is, for the document.
+    /// The description of an item in the OpenAPI document.
     pub(crate) about_item: &'static str,
     pub(crate) fewest: usize,
     pub(crate) most: usize,
@@ -25,7 +25,7 @@ impl<K: Kind> Kind for List<K> {
             let detail = format_args!("must have at least {} items, found {}", self.fewest, items.len());
             return Err(faults.add(&path, RequestFault::WrongCount, detail));
         }
-        // Every item is read, for the faults in it.
+        // Every item is read, so that all faults are listed.
         let values: Vec<_> = items.iter().enumerate().map(|(index, raw)| self.item.read(raw, path.item(index), faults)).collect();
         values.into_iter().collect()
     }

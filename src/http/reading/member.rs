@@ -10,9 +10,9 @@ use utoipa::openapi::{RefOr, Schema};
 pub(crate) struct Member<K> {
     /// The name on the wire, with its unit.
     pub(crate) name: &'static str,
-    /// What it is, for the document and for the fault that it is missing.
+    /// The description, for the OpenAPI document and the fault of a missing member.
     pub(crate) about: &'static str,
-    /// What values it takes.
+    /// The kind of its values.
     pub(crate) kind: K,
 }
 
@@ -30,7 +30,7 @@ pub(crate) trait Kind {
 
 /// A kind of value that batches read without collecting faults.
 pub(crate) trait PlainKind: Kind {
-    /// The value as JSON has it.
+    /// The value as in JSON.
     type Plain: for<'de> Deserialize<'de> + Copy;
     /// A column of such values.
     type Column: PlainColumn<Plain = Self::Plain> + Sync;
@@ -46,15 +46,15 @@ pub(crate) trait PlainKind: Kind {
     fn accept(&self, plain: Self::Plain) -> Option<Self::Value>;
 }
 
-/// An object with a schema of its own in the document, which all members of this kind share.
+/// An object with a named schema, which all members of this kind share.
 pub(crate) trait WireObject {
     /// The name of the schema.
     const NAME: &'static str;
-    /// What the object is.
+    /// The description of the object.
     const ABOUT: &'static str;
     /// The object's members.
     type Members: Members;
-    /// What they become.
+    /// The checked value.
     type Value;
 
     /// The value that the members of the object at `path` describe.

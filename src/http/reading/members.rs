@@ -11,7 +11,7 @@ pub(crate) trait Members: Sized {
     /// Takes the members out of `object`, which may have others.
     fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Self;
 
-    /// Takes the members that are there, for the faults in them.
+    /// Takes the members that are present, to record their faults.
     fn check(object: &mut Object<'_, '_>, faults: &mut Faults);
 
     /// Adds the members to a schema.
@@ -60,7 +60,7 @@ pub(crate) enum Form<A, B> {
     Second(B),
 }
 
-/// Declares members and the struct of them: `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`,
+/// Declares members and their struct: `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`,
 /// with `plain struct Name / Slots / Columns` for members of contacts in batches. A member of several structs is declared in one of them.
 macro_rules! members {
     ($(#[$doc:meta])* $vis:vis struct $name:ident {

@@ -1,5 +1,5 @@
-//! Reads the JSON of requests and collects all faults with their places. What is read is described to the API document by the same
-//! constants.
+//! Reads the JSON of requests and collects all faults with their locations. The same declarations give the schemas of the OpenAPI
+//! document.
 
 mod array;
 mod columns;
@@ -10,6 +10,7 @@ mod list;
 mod member;
 mod members;
 mod not_finite;
+mod number_array;
 mod object;
 mod schema;
 

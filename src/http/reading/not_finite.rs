@@ -1,13 +1,14 @@
-//! NaN and Infinity in requests, as Python and others write them. They are not JSON; a body that cannot be parsed is scanned for them, and each is
-//! replaced by a string that the readers of numbers know, so that its fault has a place and costs no more than its contact.
+//! NaN and Infinity in requests, as Python and others write them. They are not JSON; a body that cannot be parsed is scanned for
+//! them, and each is replaced by a string that the readers of numbers recognize, so that its fault has a location and concerns
+//! one contact only.
 
 use crate::cancellation::CancelFlag;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 
-/// The tokens and the JSON strings that replace them. A control character keeps texts of callers apart.
+/// The tokens and the JSON strings that replace them. A control character distinguishes them from texts of callers.
 const MARKS: [(&str, &str); 3] = [("NaN", r#""\u0000NaN""#), ("-Infinity", r#""\u0000-Infinity""#), ("Infinity", r#""\u0000Infinity""#)];
 
-/// The token that a JSON value replaces.
+/// The token that the JSON value `value` replaced.
 pub(super) fn token(value: &str) -> Option<&'static str> {
     MARKS.iter().find(|(_, mark)| *mark == value).map(|(token, _)| *token)
 }

@@ -1,4 +1,4 @@
-//! A JSON object, read member by member with all its faults.
+//! Reads a JSON object member by member and records all its faults.
 
 use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members, PlainColumn, not_finite};
 use crate::http::codes::RequestFault;
@@ -29,7 +29,7 @@ impl<'a, 'p> Object<'a, 'p> {
 
     /// Opens a whole body as an object; the outer error is that it is not JSON.
     pub(crate) fn open_body(json: &'a [u8], faults: &mut Faults) -> Result<Result<Self, Faulted>, serde_json::Error> {
-        // To read the members is to check the syntax of the whole; only what cannot be read so is gone through again.
+        // Reading the members checks the syntax of the whole body; a second pass is needed only where that fails.
         match serde_json::from_slice::<RawMembers<'a>>(json) {
             Ok(members) => Ok(Ok(Self::of(members, JsonPath::Root))),
             Err(_) => Ok(Self::open(serde_json::from_slice(json)?, JsonPath::Root, faults)),
@@ -45,7 +45,7 @@ impl<'a, 'p> Object<'a, 'p> {
         self.path
     }
 
-    /// Whether a member is there and not yet taken.
+    /// Whether a member is present and not taken yet.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.members.iter().any(|(key, _)| key == name)
     }
@@ -61,7 +61,7 @@ impl<'a, 'p> Object<'a, 'p> {
         found
     }
 
-    /// A member that must be there.
+    /// Takes a required member.
     pub(crate) fn required<K: Kind>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<K::Value, Faulted> {
         match self.optional(member, faults)? {
             Some(value) => Ok(value),
@@ -73,7 +73,7 @@ impl<'a, 'p> Object<'a, 'p> {
         }
     }
 
-    /// A member that may be absent.
+    /// Takes a member that may be absent.
     pub(crate) fn optional<K: Kind>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<Option<K::Value>, Faulted> {
         let Some(raw) = self.take(member.name, faults) else {
             return Ok(None);
@@ -81,7 +81,7 @@ impl<'a, 'p> Object<'a, 'p> {
         member.kind.read(raw, self.path.member(member.name), faults).map(Some)
     }
 
-    /// A column of at most `most` rows that may be absent.
+    /// Takes a column of at most `most` rows, which may be absent.
     pub(crate) fn column<C: PlainColumn>(&mut self, name: &'static str, most: usize, faults: &mut Faults) -> Option<C> {
         let raw = self.take(name, faults)?;
         C::read(raw, most, self.path.member(name), faults).ok()
@@ -94,7 +94,7 @@ impl<'a, 'p> Object<'a, 'p> {
             (true, false) => Ok(Form::First(A::read(self, faults))),
             (false, true) => Ok(Form::Second(B::read(self, faults))),
             (true, true) => {
-                // Both forms are read for the faults in them.
+                // Both forms are read, so that all their faults are listed.
                 A::check(self, faults);
                 B::check(self, faults);
                 Err(faults.add(&self.path, RequestFault::ConflictingFields, format_args!("{forms}, not both")))
@@ -119,7 +119,7 @@ impl<'a, 'p> Object<'a, 'p> {
     }
 }
 
-/// Describes a JSON text to a person who expected another.
+/// Describes a JSON value for the detail of a fault.
 pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
     const SHOWN: usize = 40;
     let text = raw.get();
@@ -147,7 +147,8 @@ struct RawMembers<'a> {
 }
 
 impl RawMembers<'_> {
-    /// No object has a tenth of this many known members; beyond it they are counted, so that a hostile body takes no more memory than it is long.
+    /// The largest number of members kept, more than ten times those of any object. Further ones are counted, so that a hostile
+    /// body takes no more memory than its length.
     const MOST: usize = 256;
 }
 
@@ -203,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_flood_of_members_is_counted_not_kept() {
+    fn members_beyond_the_limit_are_counted_not_kept() {
         let body = format!("{{{}}}", (0..1000).map(|index| format!("\"m{index}\":{index}")).collect::<Vec<_>>().join(","));
         let raw: &RawValue = serde_json::from_str(&body).unwrap();
         let mut faults = Faults::default();

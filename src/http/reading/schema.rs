@@ -48,41 +48,41 @@ impl<'c> ObjectSchema<'c> {
         Self { builder: builder.additional_properties(Some(AdditionalProperties::FreeForm(false))), components }
     }
 
-    /// With a member that must be there.
+    /// Adds a required member.
     pub(crate) fn required<K: Kind>(self, member: &Member<K>) -> Self {
         let Self { builder, components } = self.optional(member);
         Self { builder: builder.required(member.name), components }
     }
 
-    /// With a member that may be absent.
+    /// Adds a member that may be absent.
     pub(crate) fn optional<K: Kind>(self, member: &Member<K>) -> Self {
         let schema = member.kind.schema(member.about, self.components);
         self.property(member.name, schema)
     }
 
-    /// With a column of at most `most` values of a member, which may be absent.
+    /// Adds a column of at most `most` values of a member, which may be absent.
     pub(crate) fn column<K: PlainKind>(self, member: &Member<K>, most: usize) -> Self {
         let schema = member.kind.column_schema(member.about, most, self.components);
         self.property(member.name, schema)
     }
 
-    /// With a member of the schema `schema` that may be absent.
+    /// Adds a member of the schema `schema` that may be absent.
     pub(crate) fn property(self, name: &str, schema: impl Into<RefOr<Schema>>) -> Self {
         Self { builder: self.builder.property(name, schema), components: self.components }
     }
 
-    /// With a member of the schema `schema` that must be there.
+    /// Adds a required member of the schema `schema`.
     pub(crate) fn required_property(self, name: &str, schema: impl Into<RefOr<Schema>>) -> Self {
         let Self { builder, components } = self.property(name, schema);
         Self { builder: builder.required(name), components }
     }
 
-    /// With the members `M`.
+    /// Adds the members `M`.
     pub(crate) fn with<M: Members>(self) -> Self {
         M::describe(self)
     }
 
-    /// With the members `M`, all of which may be absent: a form beside another.
+    /// Adds the members `M`, none of them required: one form of several.
     pub(crate) fn with_form<M: Members>(self) -> Self {
         M::describe_form(self)
     }

@@ -1,5 +1,5 @@
-//! A contact of a batch, with the parameters that it states itself. Nearly all have no fault: these are read in one pass, straight into
-//! numbers. Whatever else there is goes the way that collects faults.
+//! A contact of a batch, with the parameters that it states itself. A contact without faults is read in one pass, straight into numbers;
+//! any other is read again by the reader that collects faults.
 
 use super::contact::{self, AngleMembers, AngleSlots, StatedContact, VectorMembers, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, States};
@@ -17,7 +17,7 @@ pub(crate) struct BatchContact {
 }
 
 impl BatchContact {
-    /// Reads a contact whose own parameters prevail over `defaults`.
+    /// Reads a contact whose own parameters override `defaults`.
     pub(crate) fn read(
         raw: &RawValue,
         states: States,
@@ -44,7 +44,7 @@ impl BatchContact {
         Ok(Self { contact: self.contact, parameters })
     }
 
-    /// Reads a contact that has a fault or is written in an unusual way.
+    /// Reads a contact that cannot be read in one pass.
     pub(super) fn read_faulty(
         raw: &RawValue,
         states: States,
@@ -55,11 +55,11 @@ impl BatchContact {
         let (contact, parameters) = Self::read_with_faults(raw, states, path, faults)?;
         let parameters = parameters.or(defaults);
         parameters.step_over(states, &path, faults)?;
-        // Faulty parameters are faults only where they are asked for.
+        // The faults of defaults are recorded with the request; they concern a contact where it uses them.
         if faults.is_empty() { Ok(Self { contact: contact?, parameters }) } else { Err(Faulted) }
     }
 
-    /// The contact, if nothing about it is unusual.
+    /// The contact, if it can be read in one pass.
     fn read_plain(raw: &RawValue, states: States) -> Option<Self> {
         let slots = Slots::default().deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
         Self::accept(&slots, states)
@@ -115,7 +115,7 @@ impl<'de> Visitor<'de> for Slots {
                 || VectorMembers::fill(&mut self.vectors, name, &mut map)?
                 || self.parameters.fill(name, &mut map)?;
             if !known {
-                return Err(A::Error::custom("a member that is not known"));
+                return Err(A::Error::custom("unknown member"));
             }
         }
         Ok(self)
@@ -140,7 +140,7 @@ mod tests {
     const ALL: States = States { step_over: true, feed_per_tooth: true };
     const NONE: States = States { step_over: false, feed_per_tooth: false };
 
-    /// What both ways make of a contact; the one that collects faults has an answer where it finds none.
+    /// A contact as read by both readers: in one pass, and with faults; `None` where there are any.
     fn both(text: &str, states: States) -> [Option<String>; 2] {
         let raw: &RawValue = serde_json::from_str(text).unwrap();
         let mut faults = Faults::default();
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn one_pass_reads_what_the_way_with_faults_reads() {
+    fn both_readers_agree_on_contacts_without_faults() {
         for text in [
             r#"{"slope_deg":40,"feed_angle_deg":-1e3}"#,
             r#"{"feed_angle_deg":359.123456,"slope_deg":0}"#,
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn one_pass_reads_no_faulty_contact() {
+    fn both_readers_refuse_contacts_with_faults() {
         for (text, states) in [
             (r#"{"slope_deg":91,"feed_angle_deg":30}"#, ALL),
             (r#"{"slope_deg":"40","feed_angle_deg":30}"#, ALL),

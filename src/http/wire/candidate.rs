@@ -1,4 +1,4 @@
-//! The cutters to choose from, with the drive that they may state.
+//! The cutters to choose from, each with its drive where stated: teeth, spindle speed and the limit on the feed per tooth.
 
 use super::cutter::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
@@ -12,7 +12,7 @@ use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// The most cutters of a request, those of its tool libraries included.
+/// The largest number of cutters in a request, those of its tool libraries included.
 pub(crate) const MOST_CUTTERS: usize = 200;
 
 /// The member `cutters` of a recommendation.
@@ -31,7 +31,7 @@ pub(crate) struct NamedCandidate {
 
 impl From<LibraryTool> for NamedCandidate {
     fn from(tool: LibraryTool) -> Self {
-        // A library's speeds are within the bounds of a spindle speed, but for those under a thousandth of a turn a minute.
+        // A library's speeds are within the bounds of a spindle speed, except those under 0.001 rpm.
         let spindle_speed = tool.spindle_speed_rpm.and_then(|rpm| SpindleSpeed::from_rpm(rpm).ok());
         let drive = drive(tool.teeth, spindle_speed, tool.max_feed_per_tooth);
         let candidate = CandidateCutter { drive, flute_length: tool.flute_length, ..CandidateCutter::new(tool.cutter) };
@@ -45,14 +45,14 @@ fn drive(teeth: Option<u32>, spindle_speed: Option<SpindleSpeed>, max_feed_per_t
 }
 
 members! {
-    /// What a candidate may state beside its geometry.
+    /// What a candidate may state in addition to its geometry.
     struct CandidateMembers {
         name: optional NAME: Name = ("name", Name, "a name for the cutter, which the answer repeats"),
         teeth: optional TEETH: Whole,
         spindle_speed: optional SPINDLE_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
-            "n, the spindle speed; with teeth the scallop height covers the feed marks, and step-over and feed are chosen together"),
+            "n, the spindle speed; with teeth, the scallop height includes the tooth marks, and step-over and feed are chosen together"),
         max_feed_per_tooth: optional MAX_FEED_PER_TOOTH: Quantity<Length> = ("max_feed_per_tooth_mm", Quantity::length(0.12),
-            "the cutter maker's limit on the feed per tooth; used where teeth and spindle speed are stated"),
+            "the manufacturer's limit on the feed per tooth; used where teeth and spindle_speed_rpm are given"),
         flute_length: optional FLUTE_LENGTH: Quantity<Length> = ("flute_length_mm", Quantity::length(22.0),
             "the length of the flutes; a surface that is deeper raises a warning"),
     }

@@ -17,7 +17,7 @@ members! {
         slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(slope, 40.0),
             "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
         feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
-            "angle alpha from the uphill line of steepest slope to the feed, counter-clockwise seen from above (against the tool axis); any finite value, with a period of 180; its sign matters only where the surface is twisted against the feed"),
+            "angle alpha from the uphill line of steepest slope to the feed, counter-clockwise seen from above (against the tool axis); any finite value, the period is 180; the sign matters only where the surface is twisted (twist_per_mm)"),
     }
 }
 members! {
@@ -26,9 +26,9 @@ members! {
         normal: required NORMAL: Vector = ("normal", Vector { example: [-0.64, 0.0, 0.77] },
             "the surface's normal, out of the part, of any length but zero; at most 90 deg from the tool axis"),
         feed: required FEED: Vector = ("feed", Vector { example: [1.0, 0.0, 0.84] },
-            "the feed's direction, of any length but zero; its part in the tangent plane counts"),
+            "the feed's direction, of any length but zero; only its component in the tangent plane counts"),
         tool_axis: optional TOOL_AXIS: Vector = ("tool_axis", Vector { example: [0.1, 0.0, 0.99] },
-            "the tool axis from the tip to the spindle, of any length but zero, absent = +Z; slope and seen from above refer to it"),
+            "the tool axis from the tip to the spindle, of any length but zero; absent = +Z; the slope and the view from above refer to it"),
     }
 }
 
@@ -36,14 +36,17 @@ members! {
 fn slope(degrees: f64) -> Result<f64, OutOfRange> {
     static BOUNDS: LazyLock<OutOfRange> = LazyLock::new(|| match Contact::from_degrees(f64::NAN, 0.0) {
         Err(ContactError::Slope(bounds)) => bounds,
-        other => unreachable!("NaN is no slope, but gives {other:?}"),
+        other => unreachable!("NaN is not a slope, but gives {other:?}"),
     });
     OutOfRange::check(degrees, BOUNDS.minimum, BOUNDS.maximum)
 }
 
 /// The member `contact` of a calculation at one contact.
-pub(crate) const CONTACT: Member<ContactKind> =
-    Member { name: "contact", about: "where and how the cutter touches, by angles or by vectors", kind: ContactKind };
+pub(crate) const CONTACT: Member<ContactKind> = Member {
+    name: "contact",
+    about: "slope and feed direction where the cutter touches the surface, by angles or by vectors",
+    kind: ContactKind,
+};
 
 /// A contact, and the member that states its slope, to which faults of the slope point.
 #[derive(Debug, Clone, Copy)]

@@ -20,7 +20,7 @@ pub(crate) struct ContactColumns {
 }
 
 impl ContactColumns {
-    /// Reads columns of at most `most` contacts. What is wrong with a contact is found when it is read.
+    /// Reads columns of at most `most` contacts. Faults of a contact are found when it is read.
     pub(crate) fn read(raw: &RawValue, states: States, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let angles = AngleMembers::read_columns(&mut object, most, faults);
@@ -41,7 +41,7 @@ impl ContactColumns {
         Ok(Self { angles, vectors, parameters, first_column, count })
     }
 
-    /// The contact in the row `index`, whose own parameters prevail over `defaults`. `path` is that of the columns.
+    /// The contact in the row `index`, whose own parameters override `defaults`. `path` is that of the columns.
     pub(crate) fn contact(
         &self,
         index: usize,

@@ -24,7 +24,7 @@ members! {
     /// The members of a curvature, of which one at most is given.
     pub(super) plain struct CurvatureMembers / CurvatureSlots / CurvatureColumns {
         radius: optional SURFACE_RADIUS: Quantity<SurfaceCurvature> = ("surface_radius_mm", RADIUS,
-            "the surface's radius of curvature across the feed, straight along it: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude; or give surface_curvature"),
+            "the surface's radius of curvature across the feed, along which it is straight: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude; or give surface_curvature"),
         curvature: optional SURFACE_CURVATURE: CurvatureKind = ("surface_curvature", CurvatureKind,
             "the surface's curvature in every direction; absent = plane; or give surface_radius_mm"),
     }
@@ -46,7 +46,7 @@ members! {
         principal: required PRINCIPAL: Pair = ("principal_per_mm", Pair { of: per_mm(0.012), example: [0.012, -0.005] },
             "the two principal curvatures, 1/radius: positive convex, negative concave"),
         angle: required PRINCIPAL_ANGLE: Quantity<Angle> = ("angle_deg", Quantity::new(Angle::from_degrees, 30.0),
-            "angle from the feed to the direction of the first, counter-clockwise seen from outside"),
+            "angle from the feed to the first principal direction, counter-clockwise seen from outside"),
     }
 }
 
@@ -70,10 +70,10 @@ impl CurvatureMembers {
     pub(super) fn stated(&self) -> Option<Result<Option<StatedCurvature>, Faulted>> {
         let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
         match (self.radius, self.curvature) {
-            (Ok(Some(_)), Ok(Some(_))) => None,
+            (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
             (Ok(radius), Ok(None)) => Some(Ok(radius.map(of(SURFACE_RADIUS.name)))),
             (Ok(None), Ok(curvature)) => Some(Ok(curvature.map(of(SURFACE_CURVATURE.name)))),
-            (Err(faulted), _) | (_, Err(faulted)) => Some(Err(faulted)),
+            (Err(faulted), Ok(None)) | (Ok(None), Err(faulted)) => Some(Err(faulted)),
         }
     }
 }
@@ -176,7 +176,7 @@ impl<'de> Deserialize<'de> for FormSlots {
                     let known = ComponentMembers::fill(&mut slots.components, name, &mut map)?
                         || PrincipalMembers::fill(&mut slots.principal, name, &mut map)?;
                     if !known {
-                        return Err(A::Error::custom("a member that is not known"));
+                        return Err(A::Error::custom("unknown member"));
                     }
                 }
                 Ok(slots)

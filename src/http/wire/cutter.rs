@@ -11,7 +11,7 @@ use serde_json::value::RawValue;
 use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Type as SchemaKind};
 use utoipa::openapi::{RefOr, Schema};
 
-/// A cutter as requests state it.
+/// A cutter as a request states it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StatedCutter {
     pub(crate) cutter: Cutter,
@@ -50,9 +50,9 @@ pub(crate) const BALL_END: Member<BallEndCutter> =
 members! {
     /// The dimensions of a toroidal cutter.
     pub(crate) struct ToroidalDimensions {
-        diameter: required DIAMETER: Quantity<Length> = ("diameter_mm", Quantity::length(10.0), "cutting diameter DC = 2R (ISO 13399)"),
+        diameter: required DIAMETER: Quantity<Length> = ("diameter_mm", Quantity::length(10.0), "cutting diameter 2R (ISO 13399: DC)"),
         corner_radius: required CORNER_RADIUS: Quantity<Length> = ("corner_radius_mm", Quantity::length(2.0),
-            "corner radius RE = r (ISO 13399), under half the diameter"),
+            "corner radius r (ISO 13399: RE), under half the diameter"),
     }
 }
 members! {
@@ -65,7 +65,7 @@ members! {
     /// What a cutter of any kind may state.
     pub(crate) struct AnyMembers {
         teeth: optional TEETH: Whole = ("teeth", Whole { minimum: 1, maximum: 100, example: 4 },
-            "number of teeth z (ZEFP of ISO 13399); feed rates need it"),
+            "number of teeth z (ISO 13399: ZEFP); required for feed rates"),
     }
 }
 
@@ -111,8 +111,8 @@ pub(super) fn read_geometry(object: &mut Object<'_, '_>, faults: &mut Faults) ->
     }
 }
 
-/// The schema of an object with a cutter's type and dimensions and the members that `further` adds. `names` has the name of the union, then those of its
-/// three kinds.
+/// The schema of an object with a cutter's type and dimensions and the members that `further` adds. `names` has the name of the
+/// union, then those of its three kinds.
 pub(super) fn kinds_schema(
     names: [&'static str; 4],
     of_union: &str,

@@ -1,4 +1,4 @@
-//! The feed per tooth, which may be none.
+//! The feed per tooth, where 0 means no tooth marks.
 
 use crate::http::reading::{Quantity, members};
 use crate::quantity::{Length, OutOfRange};
@@ -7,11 +7,11 @@ members! {
     /// The feed per tooth.
     pub(super) plain struct FeedMembers / FeedSlots / FeedColumns {
         feed_per_tooth: optional FEED_PER_TOOTH: Quantity<Feed> = ("feed_per_tooth_mm", Quantity::new(Feed::from_mm, 0.3).down_to(0.0, ""),
-            "feed per tooth f_z, at least 1e-6; 0 or absent = no feed marks"),
+            "feed per tooth f_z, at least 1e-6; 0 or absent = no tooth marks"),
     }
 }
 
-/// A stated feed per tooth. 0 means no marks, also where a default says otherwise.
+/// A stated feed per tooth. 0 means no tooth marks, even where the default is another.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Feed {
     NoMarks,

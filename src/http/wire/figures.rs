@@ -12,7 +12,7 @@ use utoipa::openapi::{RefOr, Schema};
 /// The most words in a figure that is a list of words.
 pub(crate) const MOST_WORDS: usize = 5;
 
-/// What a calculation yields at a contact.
+/// The result of a calculation at a contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Figures {
     pub(crate) height: ScallopHeight,
@@ -23,9 +23,9 @@ pub(crate) struct Figures {
     pub(crate) feed_rate_mm_min: Option<f64>,
     /// The word for what limits the feed.
     pub(crate) limited_by: Option<&'static str>,
-    /// The words for the limits that bind, first those that are there.
+    /// The words for the limits that bind, followed by `None`.
     pub(crate) binding_limits: [Option<&'static str>; MOST_WORDS],
-    /// The height beside the envelope's, where it was compared.
+    /// The comparison with the envelope's height, where requested.
     pub(crate) check: Option<Check>,
     effective_radius: Option<Length>,
     transverse_effective_radius: Option<Length>,
@@ -76,16 +76,16 @@ enum FigureKind {
     Words(fn(&str, &mut Components) -> RefOr<Schema>),
 }
 
-/// What becomes of a figure without a value. In a batch it is null in its column, as in the row of a contact without an answer.
+/// How a single answer shows a figure without a value. A batch has null in its column, as for a contact without an answer.
 #[derive(Debug, Clone, Copy)]
 enum Presence {
     /// It always has one.
     Always,
-    /// A single answer has null. The text says where.
+    /// A single answer has null. The text states the condition.
     Null(&'static str),
-    /// It is absent from a single answer. The text says where.
+    /// It is absent from a single answer. The text states the condition.
     Absent(&'static str),
-    /// It is absent from a single answer, and its column from a batch's in which it never has a value. The text says where it has one.
+    /// It is absent from a single answer, and its column from a batch's in which it never has a value. The text states where it has one.
     Only(&'static str),
 }
 
@@ -125,11 +125,11 @@ fn mm(length: Length) -> FigureValue {
     FigureValue::Number(length.mm())
 }
 
-/// The figures that all calculations answer with.
+/// The figures in the answers of all calculations.
 pub(crate) const COMMON_FIGURES: &[Figure] = &[
     Figure::number("scallop_height_mm", "h, the whole scallop height", |figures| Some(mm(figures.height.total()))),
-    Figure::number("step_over_height_mm", "h1, what the step-over alone leaves", |figures| Some(mm(figures.height.step_over))),
-    Figure::number("feed_height_mm", "what the tooth marks along the feed add", |figures| Some(mm(figures.height.feed))),
+    Figure::number("step_over_height_mm", "h1, the height that the step-over alone leaves", |figures| Some(mm(figures.height.step_over))),
+    Figure::number("feed_height_mm", "the height that the tooth marks along the feed add", |figures| Some(mm(figures.height.feed))),
     Figure::share("feed_share", "the feed's share in the whole height", |figures| figures.height.feed_share().map(FigureValue::Number))
         .or_absent("where there is no height"),
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
@@ -146,9 +146,9 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
     }),
 ];
 
-/// The figures of a batch that are answered only where they are named.
+/// The figures of a batch that are computed only where the request names their columns.
 pub(crate) const CHECK_FIGURES: &[Figure] = &[
-    Figure::number("envelope_scallop_height_mm", "the height by the cutter's exact shape, model envelope", |figures| {
+    Figure::number("envelope_scallop_height_mm", "the height by the cutter's exact shape (model envelope)", |figures| {
         figures.check.map(|check| FigureValue::Number(check.envelope_scallop_height_mm))
     })
     .only("where it is named in columns"),
@@ -156,7 +156,7 @@ pub(crate) const CHECK_FIGURES: &[Figure] = &[
         kind: FigureKind::Deviation,
         ..Figure::number(
             "deviation",
-            "(height - envelope) / envelope: negative where the model promises less than the cutter leaves",
+            "(height - envelope) / envelope: negative where the model's height is less than the cutter leaves",
             |figures| figures.check.and_then(|check| check.deviation).map(FigureValue::Number),
         )
         .only("where it is named in columns")

@@ -1,4 +1,5 @@
-//! Machines: a preset's name, the three limits, or a preset with some of them overridden; rapid moves and the spindle beside them.
+//! Machines: a preset's name, the three limits, or a preset with some of them overridden; with optional rapid rate, spindle speed
+//! and clearance.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, WireObject, members, text};
@@ -28,7 +29,7 @@ members! {
         rapid_rate: optional RAPID_RATE: Quantity<Speed> = ("rapid_rate_mm_min", Quantity::new(Speed::from_mm_min, 20_000.0),
             "the rate of moves that do not cut, in mm/min; absent = the feed rate"),
         max_spindle_speed: optional MAX_SPINDLE_SPEED: Quantity<SpindleSpeed> = ("max_spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 18_000.0),
-            "the largest spindle speed; cutters that state a higher one run at it"),
+            "the largest spindle speed; cutters with a higher spindle_speed_rpm run at this one"),
         clearance_height: optional CLEARANCE_HEIGHT: Quantity<Length> = ("clearance_height_mm", Quantity::length(5.0),
             "the height over the highest point of the surface at which rapid moves cross it; absent = 5"),
     }
@@ -60,7 +61,7 @@ impl WireObject for Machine {
     }
 }
 
-/// One limit: as stated, else the preset's. Where the preset is faulty, the limit may be meant to come from it.
+/// One limit: as stated, else the preset's. Where the preset is faulty, a missing limit is not a further fault.
 fn limit<T>(
     member: &Member<Quantity<T>>,
     stated: Result<Option<T>, Faulted>,

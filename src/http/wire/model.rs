@@ -1,4 +1,4 @@
-//! The models by which a pass is judged.
+//! The models of the scallop height, by their names on the wire.
 
 use crate::http::reading::{Choice, Member};
 use crate::milling::Model;
@@ -6,7 +6,7 @@ use crate::milling::Model;
 /// The member `model` of requests.
 pub(crate) const MODEL: Member<Choice<Model>> = Member {
     name: "model",
-    about: "analytic (default): the published closed formulas, a circle in place of the cutter; envelope: the cutter's exact shape, a bound that holds, with an answer at every slope",
+    about: "analytic (default): the published closed formulas, with a circle in place of the cutter; envelope: an upper bound by the cutter's exact shape, at every slope",
     kind: Choice { name: Some("Model"), words: &[("analytic", Model::Analytic), ("envelope", Model::Envelope)] },
 };
 

@@ -1,4 +1,4 @@
-//! A pass without an answer, as a fault of the request: which member is to blame, under which code, with which figures.
+//! Converts the reason why a pass has no answer to a fault of the request, with its member, code and figures.
 
 use super::contact::{CONTACT, StatedContact};
 use super::cutter::CUTTER;
@@ -9,8 +9,8 @@ use crate::http::codes::NoAnswerCode;
 use crate::http::reading::{Fault, JsonPath};
 use crate::milling::NoAnswer;
 
-/// The fault that `cause` is in the request at `path`, given in which form contact and parameters were stated; `step_over` is the member that
-/// bounds the step-over.
+/// The fault for `cause` in the request at `path`. It points to the member by which contact or parameters were stated; `step_over` is the
+/// member that bounds the step-over.
 pub(crate) fn no_answer(
     cause: NoAnswer,
     path: &JsonPath<'_>,

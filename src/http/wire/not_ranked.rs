@@ -1,4 +1,4 @@
-//! A cutter that is listed and not ranked.
+//! A cutter that is not ranked, with the reason.
 
 use crate::http::codes::NotRankedCode;
 use serde::Serialize;
@@ -15,7 +15,7 @@ pub(crate) struct NotRanked {
     #[schema(nullable = false)]
     pub(crate) name: Option<String>,
     pub(crate) code: NotRankedCode,
-    /// What is wrong, for a person.
+    /// The reason in words, for people.
     pub(crate) detail: String,
     /// The share of the area that the cutter leaves uncut; only with the code `cannot-reach`.
     #[serde(skip_serializing_if = "Option::is_none")]

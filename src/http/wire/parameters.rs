@@ -13,9 +13,9 @@ use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
 use serde::de::MapAccess;
 
-/// The member of the calculations that keep a tolerance.
+/// The tolerance of the calculations that have one.
 pub(crate) const TOLERANCE: Member<Quantity<Length>> =
-    Member { name: "scallop_tolerance_mm", about: "the scallop height to keep", kind: Quantity::length(0.015) };
+    Member { name: "scallop_tolerance_mm", about: "the scallop height that must not be exceeded", kind: Quantity::length(0.015) };
 
 members! {
     /// The members that hold for all contacts of a request.
@@ -45,7 +45,7 @@ impl SharedParameters {
     }
 }
 
-/// Which parameters of a contact a calculation is given; what it finds is not given.
+/// Which parameters of a contact a request states; a calculation computes the others.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct States {
     pub(crate) step_over: bool,
@@ -61,7 +61,7 @@ pub(crate) struct ContactParameters {
 }
 
 impl ContactParameters {
-    /// Takes out of `object` the parameters that a calculation is given, all of them optional.
+    /// Takes out of `object` the parameters that `states` allows, all of them optional.
     pub(crate) fn read(object: &mut Object<'_, '_>, states: States, faults: &mut Faults) -> Self {
         let path = object.path();
         let step_over = if states.step_over { StepOverMembers::read(object, faults).build(&path, faults) } else { Ok(None) };
@@ -102,7 +102,7 @@ impl ContactParameters {
         }
     }
 
-    /// The step-over, which is there where the calculation is given one.
+    /// The step-over; a missing one is a fault where `states` has a step-over.
     pub(crate) fn step_over(&self, states: States, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
         match self.step_over? {
             None if states.step_over => Err(step_over::missing(path, faults)),
@@ -110,7 +110,7 @@ impl ContactParameters {
         }
     }
 
-    /// The feed per tooth; `None` for no marks.
+    /// The feed per tooth; `None` for no tooth marks.
     pub(crate) fn feed_per_tooth(&self) -> Result<Option<Length>, Faulted> {
         self.feed_per_tooth.map(|feed| feed.and_then(Feed::per_tooth))
     }
@@ -156,7 +156,7 @@ pub(super) struct ParameterColumns {
 }
 
 impl ParameterColumns {
-    /// Takes out of `object` the columns of the parameters that a calculation is given.
+    /// Takes out of `object` the columns of the parameters that `states` allows.
     pub(super) fn read(object: &mut Object<'_, '_>, states: States, most: usize, faults: &mut Faults) -> Self {
         Self {
             step_over: if states.step_over { StepOverMembers::read_columns(object, most, faults) } else { StepOverColumns::default() },

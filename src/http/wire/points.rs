@@ -1,4 +1,4 @@
-//! Arrays of points in a JSON body, passed on point by point: a body of a million points is never held as a document.
+//! Arrays of points in a JSON body, passed on point by point: a body of a million points is never held as a JSON tree.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each, each_raw, number};
@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// Passes every point of the array `raw` to `take`, in order. After a fault `take` may have had some of the points.
+/// Passes every point of the array `raw` to `take`, in order. Before a fault is found, `take` may have been called.
 pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
     let mut in_bounds = true;
     let read = each(raw, faults, |point: [f64; 3]| {
@@ -17,7 +17,7 @@ pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults
     if read.is_ok() && in_bounds {
         return Ok(());
     }
-    // The pass above stops at the first fault without its place. This one reads each item twice and finds all faults.
+    // The pass above stops at the first fault without its location. This one reads each item twice and finds all faults.
     let mut result = Ok(());
     let mut index = 0;
     each_raw(raw, path, faults, |item, faults| {
@@ -60,7 +60,7 @@ fn is_in_bounds(point: [f64; 3]) -> bool {
     point.iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE)
 }
 
-/// An array of points, checked and dropped: for the faults in it, and for the document.
+/// An array of points that is checked and not kept: for its faults and its schema.
 pub(crate) struct Points;
 
 impl Kind for Points {

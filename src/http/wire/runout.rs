@@ -1,4 +1,4 @@
-//! Runout: how far the teeth stand out of their circle.
+//! Runout: how far the teeth deviate from their common circle.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity, WireObject, members};
@@ -6,15 +6,15 @@ use crate::milling::Runout;
 
 /// The member `runout` of the calculations.
 pub(crate) const RUNOUT: Member<RunoutObject> =
-    Member { name: "runout", about: "runout of the teeth, small against the feed per tooth; absent = none", kind: RunoutObject };
+    Member { name: "runout", about: "runout of the teeth, small compared with the feed per tooth; absent = none", kind: RunoutObject };
 
 members! {
     /// The members of a runout.
     pub(crate) struct RunoutMembers {
         radial: optional RADIAL: Quantity<f64> = ("radial_mm", Quantity::new(|mm| Runout::NONE.with_radial_mm(mm).map(|_| mm), 0.005),
-            "radial runout, by how much one tooth stands out further than the next; absent = 0"),
+            "radial runout: how much further one tooth stands out than the next; absent = 0"),
         axial: optional AXIAL: Quantity<f64> = ("axial_mm", Quantity::new(|mm| Runout::NONE.with_axial_mm(mm).map(|_| mm), 0.002),
-            "axial runout, by how much one tooth stands lower than the next: positive it shortens, negative it lengthens the step between marks where the feed climbs; absent = 0"),
+            "axial runout: how much lower one tooth stands than the next; where the feed climbs, a positive value shortens the distance between tooth marks and a negative one lengthens it; absent = 0"),
     }
 }
 
@@ -23,7 +23,7 @@ pub(crate) struct RunoutObject;
 
 impl WireObject for RunoutObject {
     const NAME: &'static str = "Runout";
-    const ABOUT: &'static str = "How far the teeth stand out of the circle on which they should cut";
+    const ABOUT: &'static str = "How far the teeth deviate from the circle on which they should cut";
     type Members = RunoutMembers;
     type Value = Runout;
 

@@ -13,11 +13,11 @@ use utoipa::openapi::{RefOr, Schema};
 /// The member `select` of a recommendation.
 pub(crate) const SELECT: Member<SelectKind> = Member {
     name: "select",
-    about: "which facets are machined: those that meet all stated conditions; the others still hide facets, and are not to be gouged",
+    about: "which facets are machined: those that meet all stated conditions; the other facets still hide those below them and must not be gouged",
     kind: SelectKind,
 };
 
-/// The member of `select` that lists pieces, for the fault that one is not there.
+/// The member of `select` that lists pieces, to which the fault of an unknown piece points.
 pub(crate) const PIECES_NAME: &str = PIECES.name;
 
 fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
@@ -33,7 +33,7 @@ members! {
         bounds: optional BOX: BoxKind = ("box_mm", BoxKind, "a box in which the centroid of a facet must lie"),
         pieces: optional PIECES: List<Whole> = ("pieces",
             List { item: Whole { minimum: 0, maximum: 4_000_000_000, example: 0 }, about_item: "a piece's number", fewest: 1, most: 1000 },
-            "the numbers of connected pieces, from 0 in the order in which their first facets come"),
+            "the numbers of connected pieces, from 0 in the order of their first facets"),
     }
 }
 

@@ -1,4 +1,4 @@
-//! A surface with the form in which it was sent, its unit, and the warnings about how it was read.
+//! A received surface with its format, its unit, and the warnings about how it was read.
 
 use super::Warning;
 use super::unit::unit_name;
@@ -9,7 +9,7 @@ use crate::surface::{Basis, MeshBuilder, SampledSurface, Shape, Sink, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// In which form a surface was sent.
+/// The form in which a surface was sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Source {
@@ -61,7 +61,7 @@ impl From<Format> for Source {
 /// The most facets of a surface that are held; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
 
-/// What is kept of a surface as it comes: the sums that its shape needs, and its facets.
+/// A surface while it is received: the sums for its shape, and its facets.
 #[derive(Debug)]
 pub(crate) struct ReceivedSurface {
     pub(crate) sampled: SampledSurface,
@@ -114,7 +114,7 @@ pub(crate) struct Sourced {
     pub(crate) source: Source,
     /// The unit that the file states.
     pub(crate) unit: Option<Unit>,
-    /// What the reader of a file left out, or took although it looks odd.
+    /// What the reader of a file left out or found unusual.
     pub(crate) notes: Notes,
 }
 
@@ -131,8 +131,8 @@ impl Sourced {
 
     /// The unit of the coordinates: the one of the request, else the file's, else mm.
     ///
-    /// A 3MF file always states its unit; a request that states another contradicts it. The unit in the header of a text is that of a column's name, and
-    /// where it is not mm the request must confirm it, or state what the coordinates are.
+    /// A 3MF file always states its unit, and the request must not state another. A text may state a unit in the names of its columns;
+    /// where that is not mm, the request must state the unit.
     pub(crate) fn unit_of(&self, requested: Option<Unit>, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Unit, Faulted> {
         let Some(own) = self.unit else { return Ok(requested.unwrap_or_default()) };
         match requested {
@@ -152,7 +152,7 @@ impl Sourced {
         }
     }
 
-    /// What must be looked at in how the surface was taken.
+    /// Warnings about how the surface was read.
     pub(crate) fn warnings(&self, shape: &Shape) -> Vec<Warning> {
         let of_facets = [self.degenerate_facets(), self.left_out_facets(shape), of_basis(shape.basis)];
         of_facets.into_iter().flatten().chain(of_notes(self.notes)).collect()
@@ -178,7 +178,7 @@ fn of_basis(basis: Basis) -> Option<Warning> {
     match basis {
         Basis::FacetsTurnedOver => Some(Warning::new(
             WarningCode::TurnedOver,
-            "no facet points up, so those that point down were taken for the outer side of the surface",
+            "no facet points up, so the facets that point down were taken as the outer side of the surface",
         )),
         Basis::Walls => {
             Some(Warning::new(WarningCode::WallsOnly, "all facets are vertical; a cutter from above reaches them with its side only"))
@@ -189,7 +189,7 @@ fn of_basis(basis: Basis) -> Option<Warning> {
 
 fn of_notes(notes: Notes) -> impl Iterator<Item = Warning> {
     let counted = [
-        (notes.further_columns, WarningCode::FurtherColumns, "columns beside x, y and z were left out"),
+        (notes.further_columns, WarningCode::FurtherColumns, "columns other than x, y and z were left out"),
         (notes.trailing_bytes, WarningCode::TrailingBytes, "bytes after the end that the file's counts give were left out"),
         (notes.other_elements, WarningCode::OtherElements, "elements other than vertices and faces were left out"),
         (notes.missing_points, WarningCode::MissingPoints, "points without coordinates were left out"),

@@ -1,17 +1,18 @@
-//! What stands beside the figures of an answer: the check against the envelope, and the failures and extremes of a batch.
+//! The parts of an answer other than its figures: the check against the envelope, and a batch's failures, counts and extremes.
 
 use crate::http::codes::FaultCode;
 use crate::http::reading::Fault;
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
 
-/// The analytic height beside the envelope's.
+/// The comparison of the analytic height with the envelope's.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub(crate) struct Check {
-    /// The height by the cutter's exact shape, model `envelope`.
+    /// The height by the cutter's exact shape (model `envelope`).
     #[schema(minimum = 0)]
     pub(crate) envelope_scallop_height_mm: f64,
-    /// (height - envelope) / envelope: negative where the model promises less than the cutter leaves. Absent where the envelope's height is 0.
+    /// (height - envelope) / envelope: negative where the model's height is less than the cutter leaves. Absent where the
+    /// envelope's height is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = -1)]
     pub(crate) deviation: Option<f64>,
@@ -20,18 +21,18 @@ pub(crate) struct Check {
 /// A contact of a batch that has no answer.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub(crate) struct Failure {
-    /// Which contact, counted from 0.
+    /// The index of the contact, from 0.
     pub(crate) index: usize,
-    /// Where: a JSON pointer (RFC 6901) into the request.
+    /// The location of the fault: a JSON pointer (RFC 6901) into the request.
     #[schema(example = "/contacts/17/slope_deg")]
     pub(crate) pointer: String,
     pub(crate) code: FaultCode,
-    /// What is wrong and what would be right, for a person; further faults of the contact follow the first, each after its pointer.
+    /// What is wrong and what is expected, for people; further faults of the contact follow the first, each after its pointer.
     pub(crate) detail: String,
 }
 
 impl Failure {
-    /// Of the contact's faults, of which there is at least one.
+    /// The failure of a contact with these faults; `None` without faults.
     pub(crate) fn new(index: usize, faults: &[Fault]) -> Option<Self> {
         let (first, further) = faults.split_first()?;
         let further = further.iter().map(|fault| format!("; {}: {}", fault.pointer, fault.detail));
@@ -43,7 +44,7 @@ impl Failure {
 /// A contact with an extreme figure.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub(crate) struct Extreme {
-    /// Which contact, counted from 0; the first of equals.
+    /// The index of the contact, from 0; the first of equals.
     pub(crate) index: usize,
     /// Its figure, as in the column.
     pub(crate) value: f64,
@@ -68,19 +69,20 @@ impl Serialize for ColumnExtremes {
     }
 }
 
-/// A batch in short.
+/// The counts and extremes of a batch.
 #[derive(Debug, Clone, Default, Serialize, ToSchema)]
 pub(crate) struct Summary {
-    /// How many contacts were sent.
+    /// The number of contacts sent.
     pub(crate) count: usize,
-    /// How many have no answer. `failures` beside the summary lists the first thousand of them.
+    /// The number of contacts without an answer. `failures` beside the summary lists the first thousand of them.
     pub(crate) failures: usize,
-    /// How many have an analytic height more than 5 % under that of the cutter's exact shape, or an exact shape without a height. Only where
-    /// `columns` names `envelope_scallop_height_mm` or `deviation`: the comparison takes longer than the calculation.
+    /// The number of contacts whose analytic height is more than 5 % below that of the cutter's exact shape, or whose exact shape leaves
+    /// no height to compare. Only where `columns` names `envelope_scallop_height_mm` or `deviation`: the comparison takes longer than
+    /// the calculation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(crate) outside_analytic_range: Option<usize>,
-    /// For every column of numbers that has one, the contacts with the smallest and the largest.
+    /// For each column with numbers, the contacts with the smallest and the largest one.
     #[schema(value_type = std::collections::BTreeMap<String, Extremes>)]
     pub(crate) extremes: ColumnExtremes,
 }

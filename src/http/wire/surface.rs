@@ -16,24 +16,24 @@ pub(crate) const SURFACE: Member<StatedSurface> =
     Member { name: "surface", about: "the surface: points, a grid of them, a mesh, or a Bezier patch", kind: StatedSurface };
 const POINTS: Member<Points> =
     Member { name: "points", about: "sample points [x, y, z] spread evenly over the surface, in any order", kind: Points };
-const GRID: Member<GridKind> =
-    Member { name: "grid", about: "points in rows and columns: neighbours are known, so facets are", kind: GridKind };
-const ROWS: Member<Whole> = Member { name: "rows", about: "how many rows", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
+const GRID: Member<GridKind> = Member { name: "grid", about: "points in rows and columns, with facets between neighbours", kind: GridKind };
+const ROWS: Member<Whole> =
+    Member { name: "rows", about: "the number of rows", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
 const COLUMNS: Member<Whole> =
-    Member { name: "columns", about: "how many points a row has", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
+    Member { name: "columns", about: "the number of points in a row", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
 const GRID_POINTS: Member<Points> =
     Member { name: "points", about: "the points [x, y, z], row after row; rows times columns of them", kind: Points };
 const MESH: Member<MeshKind> = Member { name: "mesh", about: "points and the triangles between them", kind: MeshKind };
 const MESH_POINTS: Member<Points> = Member { name: "points", about: "the points [x, y, z]", kind: Points };
 const TRIANGLES: Member<Triangles> = Member {
     name: "triangles",
-    about: "three numbers of points for each triangle, from 0, counter-clockwise seen from outside the part",
+    about: "three indices of points for each triangle, from 0, counter-clockwise seen from outside the part",
     kind: Triangles,
 };
 const BEZIER: Member<BezierKind> = Member { name: "bezier", about: "a tensor-product Bezier patch", kind: BezierKind };
 const SAMPLES: Member<Whole> = Member {
     name: "samples",
-    about: "how many samples each way: the patch is taken at the centres of samples x samples quads that divide its parameters evenly",
+    about: "the number of samples along each parameter: the patch is sampled at the centres of samples x samples equal cells of its parameters",
     kind: Whole { minimum: 2, maximum: 1000, example: 80 },
 };
 
@@ -55,7 +55,7 @@ impl Kind for StatedSurface {
                 Err(faults.add(&path, RequestFault::MissingField, "give points, grid, mesh, or bezier with samples"))
             }
             _ => {
-                // All forms are read for the faults in them.
+                // All forms are read, so that all their faults are listed.
                 let _ = (object.optional(&POINTS, faults), object.optional(&GRID, faults), object.optional(&MESH, faults));
                 let _ = (object.optional(&BEZIER, faults), object.optional(&SAMPLES, faults));
                 Err(faults.add(&path, RequestFault::ConflictingFields, "give one of points, grid, mesh, and bezier with samples"))
@@ -190,11 +190,11 @@ fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults
     result.map(|()| surface)
 }
 
-/// An array of triangles, each three numbers of points.
+/// An array of triangles, each three indices of points.
 pub(crate) struct Triangles;
 
 impl Triangles {
-    /// Three numbers of points; more than 2^32 - 1 points do not fit a request.
+    /// Three indices of points; more than 2^32 - 1 points do not fit a request.
     fn one(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[u32; 3], Faulted> {
         let indices = List { item: Self::INDEX, about_item: "", fewest: 3, most: 3 }.read(raw, path, faults)?;
         Ok([indices[0], indices[1], indices[2]])
@@ -211,7 +211,8 @@ impl Kind for Triangles {
         if each(raw, faults, |triangle: [u32; 3]| triangles.push(triangle)).is_ok() {
             return Ok(triangles);
         }
-        // The pass above stops at the first fault without its place. This one finds all faults, and takes whole numbers written as 1.0 or 1e3.
+        // The pass above stops at the first fault without its location. This one finds all faults, and takes whole numbers
+        // written as 1.0 or 1e3.
         triangles.clear();
         let (mut index, mut result) = (0, Ok(()));
         each_raw(raw, path, faults, |item, faults| {
@@ -226,7 +227,7 @@ impl Kind for Triangles {
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         let triangle =
-            ArrayBuilder::new().items(Self::INDEX.schema("the number of a point", components)).min_items(Some(3)).max_items(Some(3));
+            ArrayBuilder::new().items(Self::INDEX.schema("the index of a point", components)).min_items(Some(3)).max_items(Some(3));
         let examples = [serde_json::json!([[0, 1, 2], [1, 3, 2]])];
         ArrayBuilder::new().items(triangle).description(Some(about)).examples(examples).into()
     }
@@ -260,7 +261,7 @@ impl WireObject for BezierKind {
     }
 }
 
-/// Rows of control points. Of each kind at most one more than a patch can have is kept, which is enough to refuse it.
+/// Rows of control points. At most one row, and one point of a row, more than a patch can have is kept: enough to refuse it.
 pub(crate) struct Net;
 
 const MOST_KEPT: usize = Bezier::LARGEST_ORDER + 1;

@@ -5,13 +5,13 @@ use crate::milling::ModelWarning;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What must be looked at although the answer stands.
+/// A fact about an answered request that needs attention.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub(crate) struct Warning {
     pub(crate) code: WarningCode,
-    /// What it is about, for a person; of the first contact where there are many.
+    /// An explanation for people; for several contacts, that of the first.
     pub(crate) detail: String,
-    /// How many contacts of a batch it concerns.
+    /// The number of contacts of a batch that it concerns.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(crate) contacts: Option<usize>,

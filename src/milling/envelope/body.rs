@@ -19,7 +19,8 @@ pub(super) struct Body {
     along_level: f64,
     axis: f64,
     surface: SurfaceCurvature,
-    concave: bool,
+    /// The curvature k_ss along the steepest line and the twist k_sl against the level line, where the surface has a concave direction.
+    concave: Option<[f64; 2]>,
 }
 
 /// How far a place is from the body, negative inside, with its derivatives along the feed, to the side and along the normal, and
@@ -43,6 +44,9 @@ pub(super) struct RelativeRadii {
     pub(super) skew: f64,
 }
 
+/// The sine of an overhang under which it is rounding.
+const OVERHANG: f64 = 1e-12;
+
 impl Body {
     pub(super) fn new(cutter: Cutter, contact: Contact, surface: SurfaceCurvature) -> Self {
         let (core, corner, slope) = (cutter.core_radius().mm(), cutter.corner_radius().mm(), contact.slope());
@@ -60,7 +64,10 @@ impl Body {
             along_level: sin.abs(),
             axis: core + corner * slope.sin(),
             surface,
-            concave: surface.principal_per_mm()[1] < 0.0,
+            concave: (surface.principal_per_mm()[1] < 0.0).then(|| {
+                let steepest = surface.turned(-sin.abs(), cos.abs());
+                [steepest.along_per_mm(), steepest.twist_per_mm()]
+            }),
         }
     }
 
@@ -103,12 +110,37 @@ impl Body {
 
     /// Whether the surface has a concave direction, so that the section need not be convex.
     pub(super) fn is_concave(&self) -> bool {
-        self.concave
+        self.concave.is_some()
     }
 
     /// Whether the line from the contact to a place on the body at the height p runs inside the body, as far as a few places on it show.
     pub(super) fn reaches(&self, x: f64, y: f64, p: f64) -> bool {
         [0.2, 0.4, 0.6, 0.8].into_iter().all(|share| self.distance(share * x, share * y, p).value <= 1e-9 * p)
+    }
+
+    /// Where the surface overhangs uphill of the contact, so that the cutter's straight side would pass through it: how far the place is beyond the line
+    /// from which on it does, or beyond the contact's level line where that is nearer.
+    ///
+    /// The normal of the surface is n + K u, its part along the axis cos(S) - sin(S) (k_ss u_s + k_sl u_l). Along the side, up to where that vanishes, the height over the surface
+    /// rises, and falls beyond it.
+    fn overhang(&self, steep: f64, level: f64) -> Option<Distance> {
+        let [bend, twist] = self.concave?;
+        let excess = self.slope.sin() * (bend * steep + twist * level) - self.slope.cos();
+        if excess <= OVERHANG || steep >= 0.0 {
+            return None;
+        }
+        let (gradient, length) = ((self.slope.sin() * bend, self.slope.sin() * twist), self.slope.sin() * bend.hypot(twist));
+        let (value, (by_steep, by_level)) =
+            if excess / length < -steep { (excess / length, (gradient.0 / length, gradient.1 / length)) } else { (-steep, (-1.0, 0.0)) };
+        Some(Distance {
+            value,
+            by_feed: by_steep * self.along_steepest + by_level * self.along_level,
+            by_side: by_level * self.along_steepest - by_steep * self.along_level,
+            by_height: 0.0,
+            bend: 0.0,
+            bend_to_side: 0.0,
+            bend_to_height: 0.0,
+        })
     }
 
     /// The signed distance to the body at (x, y, p).
@@ -129,6 +161,7 @@ impl Body {
         let p = p - 0.5 * (x * fall_by_feed + y * fall_by_side);
         let steep = x * self.along_steepest - y * self.along_level;
         let level = x * self.along_level + y * self.along_steepest;
+        let overhang = self.overhang(steep, level);
         let (d, e) = (p * sin + steep * cos, p * cos - steep * sin);
         let b = self.axis - d;
         let radius = (b * b + level * level).sqrt();
@@ -144,6 +177,11 @@ impl Body {
         } else {
             (-e - r * (1.0 - cos), 0.0, 1.0, 0.0)
         };
+        if let Some(overhang) = overhang
+            && overhang.value > value
+        {
+            return overhang;
+        }
         // The radial unit vector; on the axis the core's floor is nearer than its side, so that its direction does not matter.
         let (radial_d, radial_level) = if radius > 0.0 { (-b / radius, level / radius) } else { (-1.0, 0.0) };
         // A vector's parts along the feed, to the side and along the normal; of these the feed has the parts cos(theta) and sin(theta) times those of the

@@ -1,10 +1,10 @@
 //! The check of a plan against the envelope with the surface's own curvature, and the spacing that follows from it.
 
 use super::contacts::{FacetContact, NoContact};
-use super::march::{Plane, Spaced, TooManyPlanes};
-use super::ranking::Prepared;
+use super::march::{NoPlanes, Plane, Spaced};
+use super::prepared::Prepared;
 use super::settings::ZigzagSettings;
-use super::simulate::{Operation, Simulated, simulate};
+use super::simulate::{Operation, Simulated, planes_of, simulate};
 use super::spacing::FeedLaw;
 use crate::milling::{Cutter, Model, NoAnswer};
 use crate::quantity::Length;
@@ -70,23 +70,28 @@ struct Judged {
 /// in the same way, by a fifth at most; afterwards they only narrow. There are [`ROUNDS`] rounds at most.
 ///
 /// # Errors
-/// [`TooManyPlanes`]
+/// [`NoPlanes`]
 pub(super) fn checked(
     mut spaced: Spaced,
     operation: Operation,
     inspector: Inspector,
     follows: bool,
-) -> Result<(Simulated, ScallopFigures), TooManyPlanes> {
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<(Simulated, ScallopFigures), NoPlanes> {
     let drawn = drawn_by_area(inspector.facets, DRAWN);
-    let mut simulated = simulate(&spaced, operation)?;
+    let mut kept = None;
     for round in 0..if follows { ROUNDS } else { 0 } {
-        let judged = inspector.judge(&spaced, &simulated.planes, &drawn);
+        let planes = planes_of(&spaced, stop)?;
+        let judged = inspector.judge(&spaced, &planes, &drawn);
         let widens = round < 2;
-        let Some(next) = corrected(&spaced, &simulated.planes, &judged, &inspector, widens) else { break };
+        let Some(next) = corrected(&spaced, &planes, &judged, &inspector, widens) else {
+            kept = Some(judged);
+            break;
+        };
         spaced.factors = next;
-        simulated = simulate(&spaced, operation)?;
     }
-    let judged = inspector.judge(&spaced, &simulated.planes, &drawn);
+    let simulated = simulate(&spaced, operation, stop)?;
+    let judged = kept.unwrap_or_else(|| inspector.judge(&spaced, &simulated.planes, &drawn));
     let figures = figures(&judged, drawn.len(), inspector.tolerance);
     Ok((simulated, figures))
 }
@@ -159,7 +164,7 @@ impl<'a> Inspector<'a> {
     fn feed(&self, spaced: &Spaced, index: usize, spacing: f64) -> Option<f64> {
         let tangent = &spaced.workpiece.tangents[index];
         let (cos_alpha, _) = tangent.alpha(spaced.sweep.heading.e);
-        let taken = spacing * spacing / f64::from(spaced.squared[index]);
+        let taken = spacing * spacing / spaced.squared(index);
         self.teeth_per_second.map(|teeth| self.feeds.rate(tangent, cos_alpha, taken) / teeth)
     }
 

@@ -1,6 +1,7 @@
 //! How far to trust the order of simulated plans.
 
-use super::ranking::{SurfaceFigures, ZigzagPlan};
+use super::plan::ZigzagPlan;
+use super::workpiece::SurfaceFigures;
 use crate::planning::Level;
 use crate::quantity::Length;
 use std::fmt;

@@ -3,7 +3,8 @@
 use super::candidate::CandidateCutter;
 use super::check::Inspector;
 use super::march::Spaced;
-use super::ranking::{Prepared, ZigzagPlan, rows_of};
+use super::plan::ZigzagPlan;
+use super::prepared::{Prepared, rows_of};
 use super::settings::ZigzagSettings;
 use super::sweep::Sweep;
 use super::workpiece::Workpiece;

@@ -1,8 +1,8 @@
 //! Where the planes of the passes lie: as far apart as the worst point of each strip allows.
 
 use super::spacing::CutterSpacing;
-use super::sweep::Sweep;
-use super::workpiece::Workpiece;
+use super::sweep::{Covered, Sweep};
+use super::workpiece::{Tangent, Workpiece};
 
 /// The most planes that a plan may have; beyond it a direction counts as having no spacing.
 pub(super) const MOST_PLANES: usize = 50_000;
@@ -15,8 +15,9 @@ const TIGHTEST: usize = 8;
 pub(super) struct Spaced<'a> {
     pub(super) workpiece: &'a Workpiece,
     pub(super) sweep: &'a Sweep,
-    /// The squared spacings, by facet; steep facets set none.
-    pub(super) squared: Vec<f32>,
+    pub(super) spacing: &'a CutterSpacing,
+    /// The spacings that facets allow, in the order of the sweep; steep facets set none.
+    pub(super) allowed: Vec<f32>,
     /// The widest spacing, the cutter's diameter, in mm.
     pub(super) widest: f64,
     /// The share of a strip's area that may allow less than its spacing.
@@ -26,27 +27,33 @@ pub(super) struct Spaced<'a> {
 }
 
 impl<'a> Spaced<'a> {
-    pub(super) fn new(workpiece: &'a Workpiece, sweep: &'a Sweep, spacing: &CutterSpacing, widest: f64, left_out: f64) -> Self {
-        let squared = workpiece
-            .tangents
-            .iter()
-            .map(|tangent| {
-                if tangent.is_steep {
-                    return f32::INFINITY;
-                }
-                let (cos_alpha, sin_alpha) = tangent.alpha(sweep.heading.e);
-                #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
-                let squared = spacing.squared(tangent, cos_alpha, sin_alpha) as f32;
-                squared
-            })
-            .collect();
-        Self { workpiece, sweep, squared, widest, left_out, factors: Vec::new() }
+    pub(super) fn new(workpiece: &'a Workpiece, sweep: &'a Sweep, spacing: &'a CutterSpacing, widest: f64, left_out: f64) -> Self {
+        let allowed = |covered: &Covered| {
+            #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
+            let allowed = squared_spacing(&workpiece.tangents[covered.facet as usize], sweep, spacing).sqrt() as f32;
+            allowed
+        };
+        let allowed = sweep.covered.iter().map(allowed).collect();
+        Self { workpiece, sweep, spacing, allowed, widest, left_out, factors: Vec::new() }
+    }
+
+    /// The squared spacing that a facet allows; infinite on a steep one.
+    pub(super) fn squared(&self, facet: usize) -> f64 {
+        squared_spacing(&self.workpiece.tangents[facet], self.sweep, self.spacing)
     }
 
     pub(super) fn factor(&self, at: f64) -> f64 {
         let next = self.factors.partition_point(|&(start, _)| start <= at);
         if next == 0 { self.factors.first().map_or(1.0, |&(_, factor)| factor) } else { self.factors[next - 1].1 }
     }
+}
+
+fn squared_spacing(tangent: &Tangent, sweep: &Sweep, spacing: &CutterSpacing) -> f64 {
+    if tangent.is_steep {
+        return f64::INFINITY;
+    }
+    let (cos_alpha, sin_alpha) = tangent.alpha(sweep.heading.e);
+    spacing.squared(tangent, cos_alpha, sin_alpha)
 }
 
 /// A facet that the planes have reached.
@@ -57,7 +64,7 @@ pub(super) struct Reached {
     pub(super) low: f64,
     pub(super) high: f64,
     /// The spacing that it allows.
-    allowed: f64,
+    pub(super) allowed: f64,
     /// Its area over its width across the passes.
     density: f64,
 }
@@ -82,16 +89,29 @@ impl Plane {
     }
 }
 
-/// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`].
+/// Why there are no planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TooManyPlanes;
+pub(super) enum NoPlanes {
+    /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`].
+    TooMany,
+    /// Nobody waits for them any more.
+    Cancelled,
+}
 
-/// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it.
+/// How many planes are placed between two looks at whether anybody waits.
+const PLANES_AT_ONCE: usize = 32;
+
+/// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The visitor keeps those that
+/// reach beyond the plane.
 ///
 /// # Errors
-/// [`TooManyPlanes`]
-pub(super) fn march(spaced: &Spaced, mut visit: impl FnMut(Plane, &[Reached])) -> Result<(), TooManyPlanes> {
-    let mut planes = 0;
+/// [`NoPlanes`]
+pub(super) fn march(
+    spaced: &Spaced,
+    stop: &(dyn Fn() -> bool + Sync),
+    mut visit: impl FnMut(Plane, &mut Vec<Reached>),
+) -> Result<(), NoPlanes> {
+    let mut planes: usize = 0;
     for band in spaced.sweep.bands(spaced.widest) {
         let mut walk = Walk {
             spaced,
@@ -114,16 +134,18 @@ pub(super) fn march(spaced: &Spaced, mut visit: impl FnMut(Plane, &[Reached])) -
         loop {
             planes += 1;
             if planes > MOST_PLANES {
-                return Err(TooManyPlanes);
+                return Err(NoPlanes::TooMany);
             }
-            walk.pass_by(plane.at);
+            if planes.is_multiple_of(PLANES_AT_ONCE) && stop() {
+                return Err(NoPlanes::Cancelled);
+            }
             let rest = band.high - plane.at;
             let widest = if is_last { plane.before } else { walk.widest_from(plane.at)? };
             plane.binding = walk.binding;
             if is_last || rest <= widest / 2.0 {
                 // The half spacing beyond the last plane leaves as much as a whole one between two planes.
                 plane.after = plane.before;
-                visit(plane, &walk.reached);
+                visit(plane, &mut walk.reached);
                 break;
             }
             // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the border allows that.
@@ -132,7 +154,7 @@ pub(super) fn march(spaced: &Spaced, mut visit: impl FnMut(Plane, &[Reached])) -
             if planes == 1 {
                 plane.before = plane.after;
             }
-            visit(plane, &walk.reached);
+            visit(plane, &mut walk.reached);
             plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: [None; BINDING] };
         }
     }
@@ -155,13 +177,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Drops the facets that end before `at`.
-    fn pass_by(&mut self, at: f64) {
-        self.reached.retain(|reached| reached.high > at);
-    }
-
     /// The largest d that all facets allow that meet the strip from `at` to `at` + d, but for the share of its area that may be left out.
-    fn widest_from(&mut self, at: f64) -> Result<f64, TooManyPlanes> {
+    fn widest_from(&mut self, at: f64) -> Result<f64, NoPlanes> {
         let widest = self.spaced.widest;
         loop {
             let width = self.hint.min(widest);
@@ -169,7 +186,7 @@ impl Walk<'_> {
             if found < width || width >= widest {
                 // More planes than the limit over a kilometre.
                 if found.is_nan() || found <= 1e-6 {
-                    return Err(TooManyPlanes);
+                    return Err(NoPlanes::TooMany);
                 }
                 self.hint = 1.2 * found;
                 return Ok(found);
@@ -187,10 +204,9 @@ impl Walk<'_> {
             if covered.low >= end {
                 break;
             }
-            let facet = covered.facet as usize;
             if covered.high > at && covered.high > covered.low {
-                let allowed = f64::from(self.spaced.squared[facet]).sqrt();
-                let density = self.spaced.workpiece.areas[facet] / (covered.high - covered.low);
+                let allowed = f64::from(self.spaced.allowed[self.next]);
+                let density = f64::from(covered.density);
                 #[expect(clippy::cast_possible_truncation, reason = "as many as facets")]
                 let place = self.next as u32;
                 self.reached.push(Reached { place, low: covered.low, high: covered.high, allowed, density });
@@ -202,6 +218,10 @@ impl Walk<'_> {
         let mut limit = width;
         let mut area = 0.0;
         for (index, reached) in self.reached.iter().enumerate() {
+            // Facets that end at the plane before are still there.
+            if reached.high <= at {
+                continue;
+            }
             // A strip that ends before the facet begins is not bound by it.
             let bound = (reached.allowed * factor).max(reached.low - at);
             area += reached.density * (reached.high.min(end) - reached.low.max(at)).max(0.0);

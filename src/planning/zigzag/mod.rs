@@ -5,9 +5,9 @@
 //! by model `envelope` with the surface's own curvature. All lengths are in mm, all times in s.
 //!
 //! The files, in the order in which they are used: `workpiece` prepares facets, `slopes` and `spacing` hold what a cutter allows, `sweep` orders facets
-//! across a direction, `march` places the planes, `runs` cuts the facets, `tour` adds up times, `simulate` joins these three, `search` tries
-//! directions, `contacts` and `check` judge a plan, `least_time` bounds it, `ranking` is the entry, `confidence` says how far to trust it,
-//! `passes` gives a plan point by point, `heights` its scallops facet by facet.
+//! across a direction, `march` places the planes, `runs` cuts the facets, `regions` and `links` order the runs, `tour` adds up times, `simulate`
+//! joins these, `prepared` holds a candidate, `search` tries directions, `contacts` and `check` judge a plan, `least_time` bounds it, `plan` holds it,
+//! `ranking` is the entry, `confidence` rates the order of the plans, `passes` gives a plan point by point, `heights` its scallops facet by facet.
 
 mod candidate;
 mod check;
@@ -15,9 +15,13 @@ mod confidence;
 mod contacts;
 mod heights;
 mod least_time;
+mod links;
 mod march;
 mod passes;
+mod plan;
+mod prepared;
 mod ranking;
+mod regions;
 mod runs;
 mod search;
 mod settings;
@@ -33,6 +37,8 @@ pub use check::ScallopFigures;
 pub use confidence::{SurfaceConfidence, SurfaceEvidence, SurfaceReason, SurfaceWeakness};
 pub use heights::heights;
 pub use passes::{PassPoint, Passes, TooManyPoints, bytes_of_passes, passes};
-pub use ranking::{NotRanked, NotRankedReason, Ranking, SpacingFigures, SurfaceFigures, ZigzagPlan, rank};
+pub use plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};
+pub use ranking::{Ranking, rank};
 pub use settings::{Directions, ZigzagSettings};
 pub use tour::{Pattern, TourFigures};
+pub use workpiece::SurfaceFigures;

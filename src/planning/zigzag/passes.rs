@@ -3,10 +3,12 @@
 use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
 use super::march::{Plane, Spaced};
-use super::ranking::{Prepared, ZigzagPlan, rows_of};
+use super::plan::ZigzagPlan;
+use super::prepared::{Prepared, rows_of};
+use super::regions::{Stretch, in_order};
 use super::settings::ZigzagSettings;
+use super::simulate::Operation;
 use super::sweep::{Heading, Sweep};
-use super::tour::Pattern;
 use super::workpiece::Workpiece;
 use crate::milling::{Cutter, JudgedPass, NoAnswer, ScallopHeight};
 use crate::quantity::{Length, Speed};
@@ -99,7 +101,7 @@ pub fn passes(
     let sweep = Sweep::new(&workpiece, plan.direction);
     let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece));
     let spaced = Spaced::new(&workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
-    let runs = runs_in_order(plan, facets, &spaced, candidate.cutter, settings.pattern);
+    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings), candidate.cutter);
     let mut chord = CHORD_SHARE * settings.scallop_height.mm();
     let kept = (0..=DOUBLINGS).find_map(|_| {
         let kept: Vec<Vec<usize>> = runs.par_iter().map(|(_, places)| thinned(places, chord)).collect();
@@ -152,28 +154,26 @@ const BYTES_OF_A_PLANE: usize = 512;
 const BYTES_OF_A_POINT: usize = 1000;
 
 /// The runs of all planes with their places, in cutting order and sense.
-fn runs_in_order(plan: &ZigzagPlan, facets: &[FinishFacet], spaced: &Spaced, cutter: Cutter, pattern: Pattern) -> Vec<(Plane, Vec<Place>)> {
+fn runs_in_order(
+    plan: &ZigzagPlan,
+    facets: &[FinishFacet],
+    spaced: &Spaced,
+    operation: Operation,
+    cutter: Cutter,
+) -> Vec<(Plane, Vec<Place>)> {
     let by_plane = cuts_by_plane(&plan.passes, spaced);
-    let runs: Vec<Vec<Vec<Place>>> =
-        plan.passes.par_iter().zip(by_plane).map(|(plane, cuts)| runs_of(plane.at, cuts, facets, spaced, cutter)).collect();
-    let mut forward = true;
-    let mut ordered = Vec::new();
-    for (plane, mut runs) in plan.passes.iter().zip(runs) {
-        if runs.is_empty() {
-            continue;
+    let of_plane = |(number, (plane, cuts)): (usize, (&Plane, Vec<Cut>))| runs_of(number, plane.at, cuts, facets, spaced, cutter);
+    let runs: Vec<(Stretch, Vec<Place>)> = plan.passes.par_iter().zip(by_plane).enumerate().flat_map_iter(of_plane).collect();
+    let stretches: Vec<Stretch> = runs.iter().map(|&(stretch, _)| stretch).collect();
+    let mut places: Vec<Vec<Place>> = runs.into_iter().map(|(_, places)| places).collect();
+    let ordered = in_order(&stretches, operation.pattern, &operation.links(spaced)).into_iter().map(|leg| {
+        let mut places = std::mem::take(&mut places[leg.run]);
+        if !leg.forward {
+            places.reverse();
         }
-        if !forward {
-            runs.reverse();
-            for run in &mut runs {
-                run.reverse();
-            }
-        }
-        ordered.extend(runs.into_iter().map(|run| (*plane, run)));
-        if pattern == Pattern::Zigzag {
-            forward = !forward;
-        }
-    }
-    ordered
+        (plan.passes[stretches[leg.run].plane], places)
+    });
+    ordered.collect()
 }
 
 /// The cut of a facet: both ends, along the pass and in height.
@@ -203,33 +203,44 @@ fn cuts_by_plane(planes: &[Plane], spaced: &Spaced) -> Vec<Vec<Cut>> {
 }
 
 /// The runs of one plane: cuts in order along it, split at gaps wider than the cutter.
-fn runs_of(at: f64, mut cuts: Vec<Cut>, facets: &[FinishFacet], spaced: &Spaced, cutter: Cutter) -> Vec<Vec<Place>> {
+fn runs_of(
+    plane: usize,
+    at: f64,
+    mut cuts: Vec<Cut>,
+    facets: &[FinishFacet],
+    spaced: &Spaced,
+    cutter: Cutter,
+) -> Vec<(Stretch, Vec<Place>)> {
     cuts.sort_by(|a, b| a.ends[0][0].total_cmp(&b.ends[0][0]));
     let place = |facet: u32, [along, height]: [f64; 2]| {
         let [e, origin] = [spaced.sweep.heading.e, [spaced.workpiece.origin[0], spaced.workpiece.origin[1]]];
         let contact = [origin[0] + e[0] * along - e[1] * at, origin[1] + e[1] * along + e[0] * at, spaced.workpiece.origin[2] + height];
         Place { facet, contact, tip: tip_of(cutter, contact, facets[facet as usize].normal) }
     };
-    let mut runs: Vec<Vec<Place>> = Vec::new();
-    let mut last: Option<(u32, [f64; 2])> = None;
+    let mut runs: Vec<(Stretch, Vec<Place>)> = Vec::new();
+    // The facet whose cut reaches farthest in the last run.
+    let mut farthest = 0;
     for &Cut { facet, ends: [from, to] } in &cuts {
-        let continues = last.is_some_and(|(_, end)| from[0] - end[0] <= spaced.widest);
-        if !continues {
-            if let (Some((facet, end)), Some(run)) = (last, runs.last_mut()) {
-                run.push(place(facet, end));
+        let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
+        match runs.last_mut() {
+            Some((stretch, places)) if from[0] - stretch.ends[1][0] <= spaced.widest => {
+                places.push(place(facet, middle));
+                if to[0] > stretch.ends[1][0] {
+                    stretch.ends[1] = to;
+                    farthest = facet;
+                }
             }
-            runs.push(vec![place(facet, from)]);
-            last = None;
-        }
-        if let Some(run) = runs.last_mut() {
-            run.push(place(facet, [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])]));
-        }
-        if last.is_none_or(|(_, end)| to[0] > end[0]) {
-            last = Some((facet, to));
+            last => {
+                if let Some((stretch, places)) = last {
+                    places.push(place(farthest, stretch.ends[1]));
+                }
+                runs.push((Stretch { plane, at, ends: [from, to] }, vec![place(facet, from), place(facet, middle)]));
+                farthest = facet;
+            }
         }
     }
-    if let (Some((facet, end)), Some(run)) = (last, runs.last_mut()) {
-        run.push(place(facet, end));
+    if let Some((stretch, places)) = runs.last_mut() {
+        places.push(place(farthest, stretch.ends[1]));
     }
     runs
 }
@@ -299,7 +310,7 @@ impl Pointing<'_> {
         let spacing = plane.spacing();
         let mut step_over = spacing / tangent.ratio_squared(cos_alpha).sqrt();
         // The feed of the plan: where the model has a better answer, it follows.
-        let planned = self.prepared.feeds.rate(tangent, cos_alpha, spacing * spacing / f64::from(self.spaced.squared[index]));
+        let planned = self.prepared.feeds.rate(tangent, cos_alpha, spacing * spacing / self.spaced.squared(index));
         let range = self.prepared.range;
         let mut feed = range.map(|range| planned / range.teeth_per_second);
         let (mut curvature, mut height) = ([0.0; 3], None);

@@ -1,13 +1,13 @@
 //! Where a plane cuts the facets: runs along it, joined over narrow gaps.
 
-use super::march::{Reached, Spaced};
+use super::march::{Plane, Reached, Spaced};
+use super::regions::Stretch;
 use super::spacing::FeedLaw;
 
 /// A stretch along a plane that is cut without leaving the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Run {
-    /// Both ends, along the pass and in height, the lower one along the pass first.
-    pub(super) ends: [[f64; 2]; 2],
+    pub(super) stretch: Stretch,
     /// The length of its cuts in space.
     pub(super) length: f64,
     /// The time it would take without stops.
@@ -24,7 +24,7 @@ struct Cell {
 
 const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]], length: 0.0, seconds: 0.0 };
 
-/// The runs of one plane after the other.
+/// Collects the runs of one plane after the other.
 ///
 /// A plane is divided into cells as wide as the gaps over which runs are joined. Two cuts that begin in one cell are therefore in one run, so
 /// that sums by cells give the same runs as sorting all cuts.
@@ -47,26 +47,30 @@ impl RunFinder {
         Self { cells: vec![EMPTY; count], origin: low, gap, runs: Vec::new() }
     }
 
-    /// Finds the runs of the plane at `at`, whose neighbours are `spacing` away.
-    pub(super) fn find(&mut self, spaced: &Spaced, reached: &[Reached], at: f64, spacing: f64, feeds: &FeedLaw) {
+    /// Adds the runs of the plane with this number, and drops the facets that do not reach beyond it.
+    pub(super) fn find(&mut self, spaced: &Spaced, reached: &mut Vec<Reached>, number: usize, plane: &Plane, feeds: &FeedLaw) {
         let workpiece = spaced.workpiece;
+        let (at, spacing) = (plane.at, plane.spacing());
         let constant_pace = if let FeedLaw::Constant { rate } = feeds { Some(rate.recip()) } else { None };
-        for reached in reached {
-            if at < reached.low || at >= reached.high {
-                continue;
+        let per_gap = self.gap.recip();
+        reached.retain(|reached| {
+            if at >= reached.high {
+                return false;
+            }
+            if at < reached.low {
+                return true;
             }
             let place = reached.place as usize;
             let slice = &spaced.sweep.slices[place];
             let [from, to] = slice.cut(at);
-            let facet = spaced.sweep.covered[place].facet as usize;
-            let length = workpiece.weights[facet] * (to - from) * slice.stretch();
+            let length = (to - from) * slice.stretch();
             let pace = constant_pace.unwrap_or_else(|| {
-                let tangent = &workpiece.tangents[facet];
-                let taken = spacing * spacing / f64::from(spaced.squared[facet]);
+                let tangent = &workpiece.tangents[spaced.sweep.covered[place].facet as usize];
+                let taken = (spacing / reached.allowed).powi(2);
                 feeds.rate(tangent, tangent.alpha(spaced.sweep.heading.e).0, taken).recip()
             });
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the cells")]
-            let cell = ((from - self.origin) / self.gap) as usize;
+            let cell = ((from - self.origin) * per_gap) as usize;
             let last = self.cells.len() - 1;
             let cell = &mut self.cells[cell.min(last)];
             if from < cell.ends[0][0] {
@@ -77,14 +81,16 @@ impl RunFinder {
             }
             cell.length += length;
             cell.seconds += length * pace;
-        }
-        self.join();
+            true
+        });
+        self.join(number, at);
     }
 
     /// Joins the cells' cuts to runs, and empties the cells.
-    fn join(&mut self) {
-        self.runs.clear();
+    fn join(&mut self, plane: usize, at: f64) {
         let mut run: Option<Cell> = None;
+        // Gaps over which a run is joined add nothing to its length.
+        let finished = |Cell { ends, length, seconds }: Cell| Run { stretch: Stretch { plane, at, ends }, length, seconds };
         for cell in &mut self.cells {
             if cell.length <= 0.0 {
                 continue;
@@ -99,17 +105,10 @@ impl RunFinder {
                     run.seconds += cell.seconds;
                 }
                 _ => {
-                    self.runs.extend(run.replace(cell).map(Run::from));
+                    self.runs.extend(run.replace(cell).map(finished));
                 }
             }
         }
-        self.runs.extend(run.map(Run::from));
-    }
-}
-
-impl From<Cell> for Run {
-    /// Gaps over which a run is joined add nothing to its length.
-    fn from(cell: Cell) -> Self {
-        Self { ends: cell.ends, length: cell.length, seconds: cell.seconds }
+        self.runs.extend(run.map(finished));
     }
 }

@@ -1,22 +1,13 @@
 //! The fastest direction of each cutter.
 
 use super::march::Spaced;
-use super::settings::Directions;
-use super::simulate::{Operation, simulate};
-use super::spacing::CutterSpacing;
+use super::prepared::Prepared;
+use super::settings::{Directions, ZigzagSettings};
+use super::simulate::simulate;
 use super::sweep::Sweep;
 use super::workpiece::Workpiece;
 use crate::quantity::Angle;
 use rayon::prelude::*;
-
-/// A cutter as the search sees it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Contender<'a> {
-    pub(super) spacing: &'a CutterSpacing,
-    pub(super) operation: Operation<'a>,
-    /// The cutter's diameter in mm.
-    pub(super) diameter: f64,
-}
 
 /// The time of one direction, in s; `None` where no spacing keeps the scallop height.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,26 +19,29 @@ pub(super) struct TimeOfDirection {
 }
 
 /// Facets beyond this number are sampled in the first pass over all directions, whose times then err by about 1 %.
-const MOST_AT_FIRST: usize = 5_000;
+const MOST_AT_FIRST: usize = 3_000;
 
-/// Facets beyond this number are sampled around the best direction as well, where times then err by some 0.3 %.
-const MOST_FACETS: usize = 60_000;
+/// Facets beyond this number are sampled around the best direction as well, where times then err by some 0.7 %.
+const MOST_FACETS: usize = 6_000;
 
-/// The times of each contender in the directions that are asked for, in rising order of direction.
+/// How many of the fastest directions of the first pass are simulated again.
+const BEST_AT_FIRST: usize = 2;
+
+/// The times of each contender in the directions that are asked for, in rising order of direction; `None` as soon as `stop` returns true.
 pub(super) fn times_by_direction(
     workpiece: &Workpiece,
-    contenders: &[Contender],
-    directions: &Directions,
-    left_out: f64,
-) -> Vec<Vec<TimeOfDirection>> {
+    contenders: &[Prepared],
+    settings: &ZigzagSettings,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Vec<TimeOfDirection>>> {
     let around = sampled(workpiece, MOST_FACETS);
     let around = around.as_ref().unwrap_or(workpiece);
     let mut times: Vec<Vec<TimeOfDirection>> = vec![Vec::new(); contenders.len()];
     let simulated = |facets: &Workpiece, wanted: Vec<(usize, Angle)>, found: &mut Vec<Vec<TimeOfDirection>>| {
         let is_rough = facets.len() < around.len();
-        simulate_all(facets, contenders, wanted, Fineness { left_out, is_rough }, found);
+        simulate_all(&Simulation { facets, contenders, settings, is_rough, stop }, wanted, found);
     };
-    match directions {
+    match &settings.directions {
         Directions::Only(only) => simulated(around, for_all(contenders, only), &mut times),
         Directions::All { beside } => {
             let mut coarse: Vec<Angle> = (0..36).map(|step| half_degrees(10 * step)).collect();
@@ -59,11 +53,11 @@ pub(super) fn times_by_direction(
                 let best = take_fastest(&mut times);
                 simulated(around, best, &mut times);
             }
-            // Every degree within 4 deg of the best, then half a degree on both sides of the best of those.
-            for steps in [&[-8, -6, -4, -2, 2, 4, 6, 8][..], &[-1, 1][..]] {
+            // 2 deg, 1 deg and half a degree on both sides of the best so far.
+            for steps in [[-4, 4], [-2, 2], [-1, 1]] {
                 let near = |(contender, found): (usize, &Vec<TimeOfDirection>)| {
                     let best = fastest(found);
-                    steps.iter().filter_map(move |&step| best.map(|best| (contender, turned(best.direction, step)))).collect::<Vec<_>>()
+                    steps.into_iter().filter_map(move |step| best.map(|best| (contender, turned(best.direction, step)))).collect::<Vec<_>>()
                 };
                 let wanted = times.iter().enumerate().flat_map(near).filter(|&(contender, direction)| {
                     let tried: Vec<Angle> = times[contender].iter().map(|time| time.direction).collect();
@@ -77,7 +71,7 @@ pub(super) fn times_by_direction(
     for times in &mut times {
         times.sort_by(|a, b| a.direction.radians().total_cmp(&b.direction.radians()));
     }
-    times
+    (!stop()).then_some(times)
 }
 
 /// The direction that takes least, a rough time counting only where there are no others.
@@ -94,11 +88,11 @@ fn sampled(workpiece: &Workpiece, count: usize) -> Option<Workpiece> {
     (workpiece.len() > count).then(|| workpiece.sampled(count))
 }
 
-/// Takes the two fastest directions of each contender out of the times, and returns them.
+/// Takes the fastest directions of each contender out of the times, and returns them.
 fn take_fastest(times: &mut [Vec<TimeOfDirection>]) -> Vec<(usize, Angle)> {
     let mut taken = Vec::new();
     for (contender, times) in times.iter_mut().enumerate() {
-        for _ in 0..2 {
+        for _ in 0..BEST_AT_FIRST {
             if let Some(best) = fastest(times) {
                 times.retain(|time| time.direction != best.direction);
                 taken.push((contender, best.direction));
@@ -108,38 +102,37 @@ fn take_fastest(times: &mut [Vec<TimeOfDirection>]) -> Vec<(usize, Angle)> {
     taken
 }
 
-fn for_all(contenders: &[Contender], directions: &[Angle]) -> Vec<(usize, Angle)> {
+fn for_all(contenders: &[Prepared], directions: &[Angle]) -> Vec<(usize, Angle)> {
     directions.iter().flat_map(|&direction| (0..contenders.len()).map(move |contender| (contender, direction))).collect()
 }
 
-/// How exact simulated times are.
-#[derive(Debug, Clone, Copy)]
-struct Fineness {
-    /// The share of a strip's area that may allow less than its spacing.
-    left_out: f64,
+/// What is the same for all pairs of contender and direction.
+struct Simulation<'a> {
+    facets: &'a Workpiece,
+    contenders: &'a [Prepared],
+    settings: &'a ZigzagSettings,
     is_rough: bool,
+    stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Simulates pairs of contender and direction; the order of the facets is shared by all contenders of a direction.
-fn simulate_all(
-    workpiece: &Workpiece,
-    contenders: &[Contender],
-    mut wanted: Vec<(usize, Angle)>,
-    fineness: Fineness,
-    found: &mut [Vec<TimeOfDirection>],
-) {
+fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found: &mut [Vec<TimeOfDirection>]) {
+    let Simulation { facets, contenders, settings, is_rough, stop } = *simulation;
     wanted.sort_by(|a, b| a.1.radians().total_cmp(&b.1.radians()));
     let by_direction: Vec<&[(usize, Angle)]> = wanted.chunk_by(|a, b| a.1 == b.1).collect();
     let times: Vec<Vec<(usize, TimeOfDirection)>> = by_direction
         .par_iter()
         .map(|of_direction| {
+            if stop() {
+                return Vec::new();
+            }
             let direction = of_direction[0].1;
-            let sweep = Sweep::new(workpiece, direction);
+            let sweep = Sweep::new(facets, direction);
             let time = |&(contender, _): &(usize, Angle)| {
-                let Contender { spacing, operation, diameter } = contenders[contender];
-                let spaced = Spaced::new(workpiece, &sweep, spacing, diameter, fineness.left_out);
-                let seconds = simulate(&spaced, operation).ok().map(|simulated| simulated.figures.seconds);
-                (contender, TimeOfDirection { direction, seconds, is_rough: fineness.is_rough })
+                let prepared = &contenders[contender];
+                let spaced = Spaced::new(facets, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+                let seconds = simulate(&spaced, prepared.operation(settings), stop).ok().map(|simulated| simulated.figures.seconds);
+                (contender, TimeOfDirection { direction, seconds, is_rough })
             };
             of_direction.par_iter().with_min_len(4).map(time).collect()
         })

@@ -1,9 +1,10 @@
 //! One cutter in one direction over a workpiece.
 
-use super::march::{Plane, Spaced, TooManyPlanes, march};
+use super::links::Links;
+use super::march::{NoPlanes, Plane, Spaced, march};
 use super::runs::RunFinder;
 use super::spacing::FeedLaw;
-use super::tour::{Pattern, Tour, TourFigures};
+use super::tour::{Pattern, TourFigures};
 use crate::motion::Machine;
 
 /// What is the same for every direction of a cutter.
@@ -16,6 +17,13 @@ pub(super) struct Operation<'a> {
     pub(super) link_rate: f64,
 }
 
+impl Operation<'_> {
+    /// The rules for links on a workpiece.
+    pub(super) fn links(&self, spaced: &Spaced) -> Links {
+        Links::new(self.machine, self.pattern, self.link_rate, spaced.widest, spaced.workpiece.top)
+    }
+}
+
 /// A zigzag in one direction.
 #[derive(Debug, Clone)]
 pub(super) struct Simulated {
@@ -26,16 +34,27 @@ pub(super) struct Simulated {
 /// Simulates the zigzag over facets with their spacings.
 ///
 /// # Errors
-/// [`TooManyPlanes`]
-pub(super) fn simulate(spaced: &Spaced, operation: Operation) -> Result<Simulated, TooManyPlanes> {
-    let Operation { machine, pattern, feeds, link_rate } = operation;
+/// [`NoPlanes`]
+pub(super) fn simulate(spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -> bool + Sync)) -> Result<Simulated, NoPlanes> {
     let mut finder = RunFinder::new(spaced, spaced.widest.max(spaced.workpiece.sampling_gap));
-    let mut tour = Tour::new(machine, pattern, link_rate, spaced.widest, spaced.workpiece.top);
     let mut planes = Vec::new();
-    march(spaced, |plane, reached| {
-        finder.find(spaced, reached, plane.at, plane.spacing(), feeds);
-        tour.pass(&finder.runs, plane.at);
+    march(spaced, stop, |plane, reached| {
+        finder.find(spaced, reached, planes.len(), &plane, operation.feeds);
         planes.push(plane);
     })?;
-    Ok(Simulated { figures: tour.figures, planes })
+    let figures = TourFigures::of(&finder.runs, operation.machine, operation.pattern, &operation.links(spaced));
+    Ok(Simulated { figures, planes })
+}
+
+/// The planes of the same zigzag, without its runs.
+///
+/// # Errors
+/// [`NoPlanes`]
+pub(super) fn planes_of(spaced: &Spaced, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
+    let mut planes = Vec::new();
+    march(spaced, stop, |plane, reached| {
+        reached.retain(|reached| reached.high > plane.at);
+        planes.push(plane);
+    })?;
+    Ok(planes)
 }

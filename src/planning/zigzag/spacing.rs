@@ -137,14 +137,15 @@ impl CutterSpacing {
         let across = tangent.sin / (core + corner * tangent.sin);
         // Twice the forms of the body and of body and surface along the feed, times r, for the feed's direction lifted into the tangent plane:
         // (cos(alpha)/cos(S), sin(alpha)), whose squared length cancels against the ratio of d to s but for cos^2(S).
-        let up = cos_alpha / tangent.cos;
+        let per_cos = tangent.cos.recip();
+        let up = cos_alpha * per_cos;
         let body = up * up + corner * across * sin_alpha * sin_alpha;
         let both = body + corner * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
         let determinant = (1.0 + corner * steepest) * (across + level) - corner * twist * twist;
         if !(determinant > 0.0 && both > 0.0 && body > 0.0) {
             return on_plane;
         }
-        let rise = (determinant / both - across / body) / (tangent.cos * tangent.cos);
+        let rise = (determinant / both - across / body) * per_cos * per_cos;
         let curvature = self.eight_heights / on_plane + rise;
         if curvature > 0.0 { self.eight_heights / curvature } else { self.diameter_squared }
     }
@@ -308,7 +309,7 @@ mod tests {
 
     fn tangent(slope: f64) -> Tangent {
         let (sin, cos) = slope.to_radians().sin_cos();
-        Tangent { down_hill: [1.0, 0.0], sin, cos, curvature: [0.0; 3], place: place_of(sin), is_steep: false }
+        Tangent { down_hill: [1.0, 0.0], sin, cos, gradient: [-sin / cos, 0.0], curvature: [0.0; 3], place: place_of(sin), is_steep: false }
     }
 
     /// Spacing by the law over that of the model, for random cutters, heights, slopes and directions: the least and the largest ratio.

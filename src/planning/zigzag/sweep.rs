@@ -31,6 +31,8 @@ pub(super) struct Covered {
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) facet: u32,
+    /// The area of the facet over its width across the passes, in mm.
+    pub(super) density: f32,
 }
 
 /// A facet as planes of one direction cut it: one cut costs a few multiplications.
@@ -47,12 +49,13 @@ pub(super) struct Slice {
     edges: [f64; 3],
     /// The rise of the facet along and across the passes, per length seen from above.
     rise: [f64; 2],
-    /// The length in space of a cut per length seen from above.
+    /// The length in space of a cut per length seen from above, times the weight of the facet.
     stretch: f64,
 }
 
 impl Slice {
-    fn new(corners: &[[f64; 3]; 3], heading: Heading) -> Self {
+    /// Of a facet that rises by `gradient` per length along X and Y.
+    fn new(corners: &[[f64; 3]; 3], gradient: [f64; 2], weight: f64, heading: Heading) -> Self {
         let mut corners = corners.map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
         for (i, j) in [(0, 1), (1, 2), (0, 1)] {
             if corners[i][0] > corners[j][0] {
@@ -62,9 +65,7 @@ impl Slice {
         let [low, middle, high] = corners;
         // Infinite where an edge lies along the passes; it is not cut then.
         let edge = |a: [f64; 3], b: [f64; 3]| (b[1] - a[1]) / (b[0] - a[0]);
-        let (u, v) = ([middle[0] - low[0], middle[1] - low[1], middle[2] - low[2]], [high[0] - low[0], high[1] - low[1], high[2] - low[2]]);
-        let area = u[0] * v[1] - u[1] * v[0];
-        let rise = if area == 0.0 { [0.0; 2] } else { [(u[0] * v[2] - u[2] * v[0]) / area, (u[2] * v[1] - u[1] * v[2]) / area] };
+        let rise = [heading.along(gradient[0], gradient[1]), heading.across(gradient[0], gradient[1])];
         Self {
             low: low[0],
             middle: middle[0],
@@ -74,7 +75,7 @@ impl Slice {
             height: low[2],
             edges: [edge(low, high), edge(low, middle), edge(middle, high)],
             rise,
-            stretch: (1.0 + rise[0] * rise[0]).sqrt(),
+            stretch: weight * (1.0 + rise[0] * rise[0]).sqrt(),
         }
     }
 
@@ -91,7 +92,7 @@ impl Slice {
         self.height + self.rise[0] * (along - self.first) + self.rise[1] * (at - self.low)
     }
 
-    /// The length in space of a cut per length seen from above.
+    /// The length in space of a cut per length seen from above, times the number of facets that this one stands for.
     pub(super) fn stretch(&self) -> f64 {
         self.stretch
     }
@@ -106,6 +107,8 @@ pub(super) struct Sweep {
     pub(super) slices: Vec<Slice>,
     /// The least and largest coordinate along the passes.
     pub(super) along: [f64; 2],
+    /// The stretches across the passes that facets cover without any gap.
+    covered_bands: Vec<Band>,
 }
 
 impl Sweep {
@@ -115,7 +118,8 @@ impl Sweep {
         let mut across = [f64::INFINITY, f64::NEG_INFINITY];
         let unordered: Vec<Covered> = (0_u32..)
             .zip(&workpiece.corners)
-            .map(|(facet, corners)| {
+            .zip(&workpiece.areas)
+            .map(|((facet, corners), area)| {
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
                 for &[x, y, _] in corners {
                     let (p, q) = (heading.along(x, y), heading.across(x, y));
@@ -123,31 +127,33 @@ impl Sweep {
                     (low, high) = (low.min(q), high.max(q));
                 }
                 across = [across[0].min(low), across[1].max(low)];
-                Covered { low, high, facet }
+                #[expect(clippy::cast_possible_truncation, reason = "shares of areas need few digits")]
+                let density = (area / (high - low)) as f32;
+                Covered { low, high, facet, density }
             })
             .collect();
         let covered = ordered(unordered, across);
-        let slices = covered.iter().map(|covered| Slice::new(&workpiece.corners[covered.facet as usize], heading)).collect();
-        Self { heading, covered, slices, along }
+        let slice = |covered: &Covered| {
+            let facet = covered.facet as usize;
+            Slice::new(&workpiece.corners[facet], workpiece.tangents[facet].gradient, workpiece.weights[facet], heading)
+        };
+        let slices = covered.iter().map(slice).collect();
+        let covered_bands = bands_of(&covered);
+        Self { heading, covered, slices, along, covered_bands }
     }
 
     /// The stretches across the passes that facets cover without a gap wider than `gap`, each as the facets in it and its two ends.
     pub(super) fn bands(&self, gap: f64) -> Vec<Band> {
-        let mut bands = Vec::new();
-        let mut current: Option<Band> = None;
-        for (index, covered) in self.covered.iter().enumerate() {
-            match &mut current {
-                Some(band) if covered.low <= band.high + gap => {
-                    band.high = band.high.max(covered.high);
-                    band.end = index + 1;
+        let mut bands: Vec<Band> = Vec::new();
+        for next in &self.covered_bands {
+            match bands.last_mut() {
+                Some(band) if next.low <= band.high + gap => {
+                    band.high = band.high.max(next.high);
+                    band.end = next.end;
                 }
-                _ => {
-                    bands.extend(current.take());
-                    current = Some(Band { start: index, end: index + 1, low: covered.low, high: covered.high });
-                }
+                _ => bands.push(*next),
             }
         }
-        bands.extend(current);
         bands
     }
 }
@@ -161,6 +167,21 @@ pub(super) struct Band {
     pub(super) end: usize,
     pub(super) low: f64,
     pub(super) high: f64,
+}
+
+/// The stretches that facets in rising order cover without a gap.
+fn bands_of(covered: &[Covered]) -> Vec<Band> {
+    let mut bands: Vec<Band> = Vec::new();
+    for (index, covered) in covered.iter().enumerate() {
+        match bands.last_mut() {
+            Some(band) if covered.low <= band.high => {
+                band.high = band.high.max(covered.high);
+                band.end = index + 1;
+            }
+            _ => bands.push(Band { start: index, end: index + 1, low: covered.low, high: covered.high }),
+        }
+    }
+    bands
 }
 
 /// Sorts by `low`, of which `range` holds the least and the largest: a counting sort into as many buckets as there are facets, then
@@ -184,7 +205,7 @@ fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
     for index in 0..count {
         starts[index + 1] += starts[index];
     }
-    let mut sorted = vec![Covered { low: 0.0, high: 0.0, facet: 0 }; count];
+    let mut sorted = vec![Covered { low: 0.0, high: 0.0, facet: 0, density: 0.0 }; count];
     for covered in &unordered {
         let place = &mut starts[bucket(covered)];
         sorted[*place as usize] = *covered;

@@ -1,6 +1,7 @@
 //! The facets of a surface, prepared for marching over them in any direction.
 
 use super::slopes::{SlopePlace, place_of};
+use crate::quantity::{Angle, Area, Length};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
 
@@ -31,6 +32,8 @@ pub(super) struct Tangent {
     pub(super) down_hill: [f64; 2],
     pub(super) sin: f64,
     pub(super) cos: f64,
+    /// The rise of the facet along X and Y, per length seen from above.
+    pub(super) gradient: [f64; 2],
     /// Curvature along the steepest line, between both lines, and along the level line, in 1/mm, positive where convex.
     pub(super) curvature: [f64; 3],
     /// The place of the slope in the tables of spacings.
@@ -50,7 +53,7 @@ impl Tangent {
         let level = [-down_hill[1], down_hill[0], 0.0];
         let curvature =
             [facet.curvature_between(steepest, steepest), facet.curvature_between(steepest, level), facet.curvature_between(level, level)];
-        Self { down_hill, sin, cos, curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
+        Self { down_hill, sin, cos, gradient: [-x / z, -y / z], curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
     }
 
     /// cos(alpha) and sin(alpha) of a direction seen from above, alpha counted from the steepest line down the slope.
@@ -95,6 +98,28 @@ impl Workpiece {
         self.corners.len()
     }
 
+    /// The figures of the surface.
+    pub(super) fn figures(&self) -> SurfaceFigures {
+        let (mut slopes, mut steep, mut curvature) = (0.0, 0.0, 0.0);
+        for (tangent, area) in self.tangents.iter().zip(&self.areas) {
+            slopes += area * tangent.sin.atan2(tangent.cos);
+            let [steepest, twist, level] = tangent.curvature;
+            curvature += area * steepest.hypot(level).hypot(std::f64::consts::SQRT_2 * twist);
+            steep += if tangent.is_steep { *area } else { 0.0 };
+        }
+        let area = self.area;
+        let of_area = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
+        #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
+        let count = self.len().max(1) as f64;
+        SurfaceFigures {
+            area: Area::computed(area),
+            mean_slope: Angle::from_radians(of_area(slopes)),
+            steep_area_share: of_area(steep),
+            facet_size: Length::computed((2.0 * area / count).sqrt()),
+            sagitta: Length::computed(of_area(curvature) * 2.0 * area / count / 8.0),
+        }
+    }
+
     /// About `count` facets that stand for all of them, drawn evenly by area: facet after facet is passed over until its share of the area
     /// is due. What a drawn facet adds to a length counts as often as its area is contained in the area that it stands for.
     pub(super) fn sampled(&self, count: usize) -> Self {
@@ -127,4 +152,19 @@ impl Workpiece {
             weights: drawn.iter().map(|&(_, weight)| weight).collect(),
         }
     }
+}
+
+/// What the simulation takes of the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceFigures {
+    /// The area of all facets.
+    pub area: Area,
+    /// The mean slope over the area.
+    pub mean_slope: Angle,
+    /// The share of the area that is steeper than the largest slope and sets no spacing.
+    pub steep_area_share: f64,
+    /// The edge length of a square of the mean facet's area: two triangles to a square of it are as many facets.
+    pub facet_size: Length,
+    /// How far facets of that size lie from the surface, by the mean of its curvature over the area: k size^2 / 8.
+    pub sagitta: Length,
 }

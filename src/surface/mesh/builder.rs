@@ -1,4 +1,4 @@
-//! Builds a mesh from facets or points as they come, within a bound on memory.
+//! Builds a mesh from facets or points as they arrive, within a bound on memory.
 
 use super::merge::HeightLattice;
 use super::thinning::PointCloud;
@@ -8,18 +8,20 @@ use crate::surface::{Bounds, Facing, LARGEST_COORDINATE, Sink, Unit, triangulati
 
 /// A sink that welds facets into a [`Mesh`], or triangulates points.
 ///
-/// Corners with equal coordinates become one point. Facets without area are counted and left out. Where facets come, single points are
+/// Corners with equal coordinates become one point. Facets without area are counted and left out. Where there are facets, single points are
 /// ignored; without facets the points are triangulated in the XY plane.
 ///
 /// # Memory
-/// At most [`MeshBuilder::facet_limit`] facets are held, N = 2,000,000 by default. A facet takes 12 bytes, a point 24 bytes and 5 to 10 bytes of
-/// the welding table; while these grow, old and new storage exist together. A closed mesh has N/2 points: about 70 MB for the default, and at
-/// most 140 MB while it grows. The worst case, facets that share no corner, has 3 N points: 230 MB, 420 MB while it grows.
+/// At most [`MeshBuilder::facet_limit`] facets are held, N = 2,000,000 by default. A facet takes 12 bytes, a point 24 bytes and 5
+/// to 10 bytes of the welding table; while these grow, old and new storage exist together. A closed mesh has N/2 points: about 70
+/// MB for the default, and at most 140 MB while it grows. The worst case, facets that share no corner, has 3 N points: 230 MB,
+/// 420 MB while it grows.
 ///
-/// The facet beyond the bound makes the builder merge all facets, those before and those after, into the height of the surface seen from
-/// above on a square lattice of sqrt(N/2) x sqrt(N/2) nodes, 8 bytes each. The spacing of the lattice, a power of two of the file's unit, is the
-/// smallest that covers all facets; [`Mesh::merged_cell`] has it. Heights at the nodes are exact; walls become slopes one spacing wide, and
-/// undercuts disappear. Of single points at most N/2 are held; beyond, one point is kept for each cell of a lattice in the same way.
+/// At the first facet beyond the bound, the builder merges all facets, earlier and later ones, into the height of the surface
+/// seen from above on a square lattice of sqrt(N/2) x sqrt(N/2) nodes, 8 bytes each. The spacing of the lattice, a power of two
+/// of the file's unit, is the smallest that covers all facets; [`Mesh::merged_cell`] has it. Heights at the nodes are exact;
+/// walls become slopes one spacing wide, and undercuts disappear. Of single points at most N/2 are held; beyond, one point is
+/// kept for each cell of a lattice in the same way.
 #[derive(Debug)]
 pub struct MeshBuilder {
     limit: usize,
@@ -53,7 +55,7 @@ impl Default for MeshBuilder {
 }
 
 impl MeshBuilder {
-    /// N, unless another bound is given.
+    /// The default of N.
     pub const DEFAULT_FACET_LIMIT: usize = 2_000_000;
     /// The largest bound: point numbers must fit 32 bits with three points for each facet.
     pub const LARGEST_FACET_LIMIT: usize = 1_000_000_000;
@@ -64,7 +66,8 @@ impl MeshBuilder {
         Self::default()
     }
 
-    /// An empty mesh that holds at most `limit` facets, from 8 to [`MeshBuilder::LARGEST_FACET_LIMIT`]; a limit outside counts as the nearer end.
+    /// An empty mesh that holds at most `limit` facets, from 8 to [`MeshBuilder::LARGEST_FACET_LIMIT`]; a limit outside these
+    /// bounds becomes the nearer one.
     #[must_use]
     pub fn with_facet_limit(limit: usize) -> Self {
         let limit = limit.clamp(8, Self::LARGEST_FACET_LIMIT);
@@ -136,13 +139,13 @@ impl MeshBuilder {
         }
     }
 
-    /// The mesh in mm of all that came, with coordinates in `unit`.
+    /// The mesh, in mm, of all facets or points that were added with coordinates in `unit`.
     ///
-    /// With [`Facing::Up`] a surface of which no facet points up but some point down counts as turned over, and is turned. A facet whose back is
-    /// seen from above is handled by [`Mesh::visibility`], for either `facing`.
+    /// With [`Facing::Up`] a surface of which no facet points up but some point down counts as upside down, and is turned over. A
+    /// facet whose back is seen from above is handled by [`Mesh::visibility`], for either `facing`.
     ///
     /// # Errors
-    /// [`MeshError`], when nothing came that has an area, or a coordinate was out of bounds.
+    /// [`MeshError`] where no facet has an area, too few points were added, or a coordinate was out of bounds.
     pub fn finish(self, unit: Unit, facing: Facing) -> Result<Mesh, MeshError> {
         if self.out_of_range {
             return Err(MeshError::CoordinateOutOfRange);
@@ -192,7 +195,7 @@ impl MeshBuilder {
             }
         }
         if triangles.is_empty() {
-            // A lattice finer than all facets between its nodes, or walls alone.
+            // No facet covers a node: all are smaller than the lattice, or walls.
             return Err(MeshError::NothingFromAbove);
         }
         Ok(Mesh::assembled(points, triangles, self.degenerate, self.facets, merged, from_points))

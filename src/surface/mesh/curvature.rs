@@ -1,20 +1,22 @@
 //! The curvature of the surface that a mesh approximates, estimated at its facets.
 //!
 //! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal, the mean of the normals of the facets
-//! around that point, weighted by their angles there, of those only that are within [`CREASE_ANGLE_DEG`] of the facet's own normal. Along each edge from p to q
-//! the curvature tensor K should turn the normal as K (q - p) = n_q - n_p: K is the symmetric tensor in the facet's plane that fits best in the sense of
-//! least squares, with all equations divided by the edge's length. The equations of the neighbours, those facets that share a point and lie within
-//! the crease angle, together count a quarter of the facet's own; a neighbour of a smaller area counts less by the square of the ratio, because a
-//! fillet does not say anything about the plane beside it.
+//! around that point, weighted by their angles there, of those only that are within [`CREASE_ANGLE_DEG`] of the facet's own
+//! normal. Along each edge from p to q the curvature tensor K should turn the normal as K (q - p) = n_q - n_p: K is the symmetric
+//! tensor in the facet's plane that fits best in the sense of least squares, with all equations divided by the edge's length. The
+//! equations of the neighbours, those facets that share a point and lie within the crease angle, together count a quarter of the
+//! facet's own; a neighbour of a smaller area counts less by the square of the ratio, because a fillet has no information about
+//! the plane beside it.
 //!
 //! **Borders and creases.** At a corner with facets on one side only, the mean normal belongs to a place inside. An edge that
-//! leads into the direction in which the fan is open counts a thousandth of others, so that there the neighbours decide.
+//! leads into the direction in which the fan is open counts a thousandth of others, so that the neighbours' equations determine
+//! the curvature there.
 //!
 //! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at each point the mean
-//! of the two facets' normals is the cylinder's own normal. So has a fillet as CAD systems tessellate it. This holds from 11 facets around
-//! (360/11 = 33 deg); with fewer, each edge is a crease and all facets count as plane. The reverse of the medal: two planes that meet at less than the crease angle
-//! get a curvature, that of the arc that touches both in the middle of their facets. One strip on each side of the border between a
-//! fillet and a plane gets a value between both.
+//! of the two facets' normals is the cylinder's own normal. So has a fillet as CAD systems tessellate it. This holds from 11
+//! facets around (360/11 = 33 deg); with fewer, each edge is a crease and all facets count as plane. In return, two planes that
+//! meet at less than the crease angle get a curvature, that of the arc that touches both in the middle of their facets. One strip
+//! on each side of the border between a fillet and a plane gets a value between both.
 //!
 //! **Noise.** Coordinates off by d turn the normals of facets of size L by d/L, and the curvature is off by d/L^2: 0.01/mm for a micrometre and facets of 0.01 mm.
 
@@ -24,14 +26,14 @@ use rayon::prelude::*;
 /// Facets whose normals differ by more do not belong to one smooth surface, in deg.
 pub const CREASE_ANGLE_DEG: f64 = 35.0;
 
-/// The facets around a point that are looked at when some are across a crease; of more, as many evenly spread in the order of the file. It bounds the time for a
-/// fan of a million facets around one point.
+/// The largest number of facets around a point that are examined when some are across a crease; of more, as many, evenly spread
+/// in the order of the file. It bounds the time for a fan of a million facets around one point.
 const LARGEST_FAN: usize = 64;
 
 /// The weight of all neighbours' equations together, against the facet's own.
 const NEIGHBOURS: f64 = 0.25;
 
-/// How much the equation of an edge that points into the open side of a fan is reduced.
+/// The factor by which the weight of an edge's equation is reduced where the edge points into the open side of a fan.
 const OPEN_SIDE: f64 = 1e3;
 
 /// The facets around each point: those of point p are `facets[starts[p]..starts[p + 1]]`.
@@ -40,15 +42,15 @@ struct Fans {
     facets: Vec<u32>,
 }
 
-/// The mean normal at a corner, and in which direction its fan is open: the integral of the unit vectors from the point over the fan, the null vector for a
-/// fan that closes.
+/// The mean normal at a corner, and the direction in which its fan is open: the integral of the unit vectors from the point over
+/// the fan, the null vector for a fan that closes.
 #[derive(Clone, Copy)]
 struct CornerNormal {
     normal: [f64; 3],
     open: [f64; 3],
 }
 
-/// The sums of a facet's equations, as symmetric tensors xx, xy, xz, yy, yz, zz.
+/// The sums over a facet's equations, as symmetric tensors xx, xy, xz, yy, yz, zz.
 #[derive(Clone, Copy, Default)]
 struct Equations {
     /// The sum of w e e' with unit vectors e along the edges.
@@ -58,8 +60,8 @@ struct Equations {
 }
 
 impl Mesh {
-    /// The curvature tensor at each of the `wanted` facets, as [`FinishFacet::curvature`](super::FinishFacet::curvature) describes it. Facets seen
-    /// from behind count as turned.
+    /// The curvature tensor at each of the `wanted` facets, as [`FinishFacet::curvature`](super::FinishFacet::curvature)
+    /// describes it. Facets seen from behind count as turned.
     pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32]) -> Vec<[f64; 6]> {
         let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
         let (normals, areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
@@ -198,8 +200,8 @@ impl Equations {
         }
     }
 
-    /// The symmetric K in the plane across `normal` with the least sum of w |K e - d/l|^2: K S + S K = Q with S the directions and Q the turns, solved in the
-    /// axes of S, where K_ij = Q_ij/(s_i + s_j).
+    /// The symmetric K in the plane across `normal` with the least sum of w |K e - d/l|^2: K S + S K = Q with S the directions
+    /// and Q the turns, solved in the axes of S, where K_ij = Q_ij/(s_i + s_j).
     fn solve(&self, normal: [f64; 3]) -> [f64; 6] {
         let (t, u) = tangents(normal);
         let (stt, stu, suu) = (between(&self.directions, t, t), between(&self.directions, t, u), between(&self.directions, u, u));
@@ -208,7 +210,7 @@ impl Equations {
         let first = [0, 1, 2].map(|axis| cos * t[axis] + sin * u[axis]);
         let second = [0, 1, 2].map(|axis| cos * u[axis] - sin * t[axis]);
         let (s1, s2) = (between(&self.directions, first, first), between(&self.directions, second, second));
-        // The edges of a triangle with an area have two directions, but one may be a rounding away from the other.
+        // The edges of a triangle with an area have two directions, which may differ by no more than a rounding.
         let quotient = |turn: f64, weight: f64| if weight > 1e-12 { turn / weight } else { 0.0 };
         let k11 = quotient(between(&self.turns, first, first), 2.0 * s1);
         let k12 = quotient(between(&self.turns, first, second), s1 + s2);
@@ -226,7 +228,7 @@ fn between([xx, xy, xz, yy, yz, zz]: &[f64; 6], a: [f64; 3], b: [f64; 3]) -> f64
 /// Two unit vectors across a unit vector and each other.
 pub(super) fn tangents(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let [x, y, z] = normal.map(f64::abs);
-    // The axis that the normal is farthest from.
+    // The axis with the largest angle to the normal.
     let axis = if x <= y && x <= z {
         [1.0, 0.0, 0.0]
     } else if y <= z {

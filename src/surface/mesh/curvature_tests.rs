@@ -49,7 +49,7 @@ fn a_sphere_is_convex_by_its_radius_in_every_direction() {
 }
 
 #[test]
-fn a_saddle_bends_both_ways_and_twists_between() {
+fn a_saddle_is_convex_one_way_and_concave_the_other_and_twisted_between() {
     // z = (x^2 - y^2)/60: curvatures -1/30 along x (up, concave), 1/30 along y; z = x y/30 is the same turned by 45 deg.
     let at = |f: fn(f64, f64) -> f64| move |u: f64, v: f64| [4.0 * u - 2.0, 4.0 * v - 2.0, f(4.0 * u - 2.0, 4.0 * v - 2.0)];
     let (x, y) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
@@ -66,7 +66,7 @@ fn a_saddle_bends_both_ways_and_twists_between() {
 }
 
 #[test]
-fn a_plane_has_none_however_it_is_tessellated() {
+fn a_plane_has_no_curvature_in_any_tessellation() {
     let mut random = noise(5);
     let mut cloud = MeshBuilder::new();
     for _ in 0..500 {
@@ -79,7 +79,8 @@ fn a_plane_has_none_however_it_is_tessellated() {
     }
 }
 
-/// Facets of a cylinder along y with `around` flat strips of two triangles on the whole turn; of them those from `from` to `to` deg, from X.
+/// Facets of a cylinder along y with `around` flat strips of two triangles on the whole turn; of them those from `from` to `to`
+/// deg, from X.
 fn strips(around: u32, radius: f64, from: f64, to: f64, length: f64) -> Vec<[[f64; 3]; 3]> {
     let at = |i: u32, y: f64| {
         let (sin, cos) = (2.0 * PI * f64::from(i) / f64::from(around)).sin_cos();
@@ -105,8 +106,8 @@ fn a_cylinder_of_flat_facets_is_as_curved_as_the_cylinder_through_its_corners() 
             assert!(facets.len() >= around as usize - 4, "{around}");
             for facet in facets {
                 let across = [facet.normal[2], 0.0, -facet.normal[0]];
-                // Chords are shorter than arcs: the normals of neighbouring points differ by 2 sin(a/2) over a chord of 2 R sin(a/2), exactly
-                // 1/R; turned into the facet's plane by cos(a/2), which is 0.966 for 12 facets.
+                // Chords are shorter than arcs: the normals of neighbouring points differ by 2 sin(a/2) over a chord of 2 R
+                // sin(a/2), exactly 1/R; turned into the facet's plane by cos(a/2), which is 0.966 for 12 facets.
                 let expected = (PI / f64::from(around)).cos() / radius;
                 // The strips at both ends have one side only; there the neighbours weigh 250 times as much.
                 assert_relative_eq!(facet.curvature_between(across, across), expected, max_relative = 0.05);
@@ -134,7 +135,8 @@ fn a_sharp_edge_does_not_curve_the_faces_beside_it() {
 
 #[test]
 fn a_fillet_keeps_its_curvature_beside_large_planes() {
-    // A level plane of 40 mm, then a concave quarter cylinder of radius 3 mm up to a wall; 16 strips on the quarter, as a CAD system writes it.
+    // A level plane of 40 mm, then a concave quarter cylinder of radius 3 mm up to a wall; 16 strips on the quarter, as a CAD
+    // system writes it.
     let mut facets =
         vec![[[-40.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 30.0, 0.0]], [[-40.0, 0.0, 0.0], [0.0, 30.0, 0.0], [-40.0, 30.0, 0.0]]];
     let at = |i: u32, y: f64| {

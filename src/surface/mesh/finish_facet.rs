@@ -1,4 +1,4 @@
-//! A facet as planning takes it: corners, unit normal, area and the curvature of the surface there.
+//! A facet as input of planning: corners, unit normal, area and the curvature of the surface there.
 
 use crate::quantity::Angle;
 

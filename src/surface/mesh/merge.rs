@@ -5,9 +5,9 @@ use crate::surface::Bounds;
 
 /// Largest heights at the nodes (i cell, j cell) for whole i and j, cell a power of two.
 ///
-/// Every second node of a lattice is a node of the next coarser one, so that doubling the spacing leaves exactly the heights that a coarse lattice
-/// would have had from the start. Node (i, j) is stored at (i mod side, j mod side): no range of `side` nodes is stored twice in one place, and
-/// the range can grow without moving anything.
+/// Every second node of a lattice is a node of the next coarser one, so that doubling the spacing leaves exactly the heights of a
+/// lattice that was coarse from the start. Node (i, j) is stored at (i mod side, j mod side): no two nodes of a range of `side`
+/// share a place, and the range can grow without moving stored heights.
 #[derive(Debug)]
 pub(super) struct HeightLattice {
     side: i64,
@@ -16,11 +16,12 @@ pub(super) struct HeightLattice {
     heights: Vec<f64>,
     low: [i64; 2],
     high: [i64; 2],
-    /// Nodes and rows visited since the spacing doubled last.
+    /// Nodes and rows visited since the last doubling of the spacing.
     visits: u64,
 }
 
-/// Visits after which the spacing doubles: a second of work. A file of many facets, each as large as the part, would otherwise cost facets times nodes.
+/// Visits after which the spacing doubles: a second of work. A file of many facets, each as large as the part, would otherwise
+/// cost facets times nodes.
 const VISITS: u64 = 400_000_000;
 
 impl HeightLattice {

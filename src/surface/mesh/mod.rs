@@ -33,7 +33,7 @@ use std::fmt;
 /// precision move corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
-/// Points in mm and triangles that name them by number. There is at least one triangle; all have an area.
+/// Points in mm, and triangles by the numbers of their points. There is at least one triangle; all have an area.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     points: Vec<[f64; 3]>,
@@ -50,19 +50,19 @@ pub struct Mesh {
 pub enum MeshError {
     /// A coordinate is not finite, or beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE).
     CoordinateOutOfRange,
-    /// Facets came, but none with an area.
+    /// None of the facets has an area.
     OnlyDegenerateFacets {
-        /// How many there are.
+        /// The number of facets.
         count: u64,
     },
-    /// Fewer than three points came, or all lie in one vertical plane.
+    /// Fewer than three points, or all in one vertical plane.
     NoTriangulation {
-        /// How many points came.
+        /// The number of points received.
         points: u64,
     },
-    /// More facets came than are held, and none of them covers a node of the lattice on which they are merged: all are walls.
+    /// More facets than are held, and none of them covers a node of the lattice on which they are merged: all are walls.
     NothingFromAbove,
-    /// A triangle of an index list names a point that is not there.
+    /// A triangle of an index list names a missing point.
     IndexOutOfRange {
         /// The triangle, from 0.
         triangle: usize,
@@ -70,7 +70,7 @@ pub enum MeshError {
         corner: usize,
         /// The number that it names.
         index: u64,
-        /// How many points there are.
+        /// The number of points.
         points: usize,
     },
     /// A point of an index list has a coordinate that is not finite, or out of bounds.
@@ -103,10 +103,10 @@ impl fmt::Display for MeshError {
 impl std::error::Error for MeshError {}
 
 impl MeshBuilder {
-    /// Takes the triangles of an index list, points counted from 0.
+    /// Adds the triangles of an index list, with points numbered from 0.
     ///
     /// # Errors
-    /// [`MeshError::PointOutOfRange`], [`MeshError::IndexOutOfRange`].
+    /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number of a missing point.
     pub fn indexed(&mut self, points: &[[f64; 3]], triangles: &[[u64; 3]]) -> Result<(), MeshError> {
         if let Some(point) = points.iter().position(|&point| !builder::in_range(point)) {
             return Err(MeshError::PointOutOfRange { point });
@@ -161,19 +161,20 @@ impl Mesh {
         self.bounds
     }
 
-    /// How many facets came without an area; they are left out.
+    /// The number of facets without area, which are left out.
     #[must_use]
     pub fn degenerate_facets(&self) -> u64 {
         self.degenerate
     }
 
-    /// How many facets with an area came; more than there are triangles where they were merged, 0 where points were triangulated.
+    /// The number of facets with an area that were added; more than the triangles where they were merged, 0 where points were triangulated.
     #[must_use]
     pub fn received_facets(&self) -> u64 {
         self.received
     }
 
-    /// The spacing in mm of the lattice on which the surface was merged because it had more facets or points than are held; `None` where it was not.
+    /// The spacing in mm of the lattice on which the surface was merged because it had more facets or points than are held;
+    /// `None` where it was not.
     #[must_use]
     pub fn merged_cell(&self) -> Option<f64> {
         self.merged_cell
@@ -191,7 +192,7 @@ impl Mesh {
         self.triangles[facet].map(|index| self.points[index as usize])
     }
 
-    /// The unit normal of a triangle, by the sense of its corners, and its area.
+    /// The unit normal of a triangle, by the sense of its corners, and its area in mm^2.
     #[must_use]
     pub fn normal_and_area(&self, facet: usize) -> ([f64; 3], f64) {
         let [a, b, c] = self.corners(facet);

@@ -16,18 +16,18 @@ impl Pieces {
         &self.of_facet
     }
 
-    /// How many pieces there are.
+    /// The number of pieces.
     #[must_use]
     pub fn count(&self) -> u32 {
         self.count
     }
 }
 
-/// A set of points without a piece so far.
+/// The number of a piece that is not assigned yet.
 const NONE: u32 = u32::MAX;
 
 impl Mesh {
-    /// The connected pieces, by joining the sets of points that each facet connects: O(n) but for a logarithm, amortised.
+    /// The connected pieces, by joining the sets of points that each facet connects: O(n log n), amortised.
     ///
     /// # Panics
     /// Never: the bound on facets keeps point numbers within 32 bits.
@@ -67,7 +67,8 @@ fn root(parent: &mut [u32], mut point: u32) -> u32 {
     point
 }
 
-/// Joins the sets of two points under the lower representative, which it returns. Linking by number with path halving is O(log n) a step, amortised.
+/// Joins the sets of two points under the lower representative, which it returns. Linking by number with path halving is O(log n)
+/// a step, amortised.
 fn join(parent: &mut [u32], a: u32, b: u32) -> u32 {
     let (a, b) = (root(parent, a), root(parent, b));
     let (low, high) = (a.min(b), a.max(b));

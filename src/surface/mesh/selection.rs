@@ -1,11 +1,11 @@
-//! Which facets are machined, as the user states it, and the facets that planning gets.
+//! The selection of facets to machine, and the facets that planning receives.
 
 use super::{FacetClass, FinishFacet, Mesh, Pieces, Visibility};
 use crate::quantity::Angle;
 use crate::surface::Bounds;
 use std::fmt;
 
-/// Conditions that a facet must meet, all of them, to be machined. Facets that do not meet them still hide others and are not to be gouged.
+/// Conditions that a facet must meet, all of them, to be machined. Other facets still hide those below them and must not be gouged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Selection {
     slope: Option<(Angle, Angle)>,
@@ -13,7 +13,7 @@ pub struct Selection {
     pieces: Option<Vec<u32>>,
 }
 
-/// Why a selection is none.
+/// Why a selection is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SelectionError {
     /// The slope band is empty, or not within 0 to 90 deg.
@@ -22,11 +22,11 @@ pub enum SelectionError {
     Box,
     /// The list of pieces is empty.
     NoPieces,
-    /// There is no piece of that number.
+    /// The surface has no piece of that number.
     UnknownPiece {
         /// The number.
         piece: u32,
-        /// How many pieces there are, counted from 0.
+        /// The number of pieces, which are numbered from 0.
         count: u32,
     },
 }
@@ -54,7 +54,7 @@ impl Selection {
     /// Only facets whose slope lies from `smallest` to `largest`, ends included.
     ///
     /// # Errors
-    /// [`SelectionError::SlopeBand`]
+    /// [`SelectionError::SlopeBand`] where `smallest` exceeds `largest`, or one is outside 0 to 90 deg.
     pub fn with_slopes(self, smallest: Angle, largest: Angle) -> Result<Self, SelectionError> {
         let in_order = smallest.radians() >= 0.0 && smallest.radians() <= largest.radians() && largest.radians() <= Angle::RIGHT.radians();
         if in_order { Ok(Self { slope: Some((smallest, largest)), ..self }) } else { Err(SelectionError::SlopeBand) }
@@ -63,7 +63,7 @@ impl Selection {
     /// Only facets whose centroid lies in the box, in mm, its sides included.
     ///
     /// # Errors
-    /// [`SelectionError::Box`]
+    /// [`SelectionError::Box`] where the box is empty or a coordinate is not finite.
     pub fn with_box(self, min: [f64; 3], max: [f64; 3]) -> Result<Self, SelectionError> {
         let valid = (0..3).all(|axis| min[axis].is_finite() && max[axis].is_finite() && min[axis] <= max[axis]);
         if valid { Ok(Self { bounds: Some(Bounds { min, max }), ..self }) } else { Err(SelectionError::Box) }
@@ -72,7 +72,7 @@ impl Selection {
     /// Only facets of these pieces.
     ///
     /// # Errors
-    /// [`SelectionError::NoPieces`]
+    /// [`SelectionError::NoPieces`] for an empty list.
     pub fn with_pieces(self, pieces: Vec<u32>) -> Result<Self, SelectionError> {
         if pieces.is_empty() { Err(SelectionError::NoPieces) } else { Ok(Self { pieces: Some(pieces), ..self }) }
     }
@@ -82,7 +82,7 @@ impl Mesh {
     /// Whether each facet meets the conditions of a selection, by its own slope (whichever side is up), centroid and piece.
     ///
     /// # Errors
-    /// [`SelectionError::UnknownPiece`]
+    /// [`SelectionError::UnknownPiece`] for a number that is not a piece's.
     pub fn selected(&self, selection: &Selection, pieces: &Pieces) -> Result<Vec<bool>, SelectionError> {
         let listed = match &selection.pieces {
             None => None,
@@ -115,7 +115,7 @@ impl Mesh {
         Ok((0..self.triangles().len()).map(|facet| in_pieces(facet) && in_box(facet) && in_band(facet)).collect())
     }
 
-    /// The facets that a plan is made for: visible from above, selected, none vertical, in the order of the mesh. Facets steeper than the limit
+    /// The facets to plan for: visible from above, selected, not vertical, in the order of the mesh. Facets steeper than the limit
     /// of [`Mesh::visibility`] are among them, because passes run over them although they set no spacing; leave them out by
     /// [`FinishFacet::slope`]. `selected` comes from [`Mesh::selected`].
     #[must_use]

@@ -48,7 +48,7 @@ pub(super) fn finish_facets(mesh: &Mesh) -> Vec<FinishFacet> {
     mesh.facets_for_finishing(&mesh.visibility(degrees(85.0)), &selected)
 }
 
-/// Numbers from 0 to 1 that look random (Knuth's multiplier).
+/// Pseudo-random numbers from 0 to 1 (Knuth's multiplier).
 pub(super) fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {

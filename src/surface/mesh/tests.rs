@@ -101,7 +101,7 @@ fn the_walls_of_a_closed_cavity_are_hidden() {
 }
 
 #[test]
-fn a_surface_turned_over_is_turned_back_and_single_facets_too() {
+fn a_surface_upside_down_is_turned_over_and_single_facets_too() {
     let wave = grid(30, 30, |u, v| [50.0 * u, 40.0 * v, 3.0 * (6.0 * u).sin() * (5.0 * v).cos()]);
     let facets: Vec<_> = (0..wave.triangles().len()).map(|facet| wave.corners(facet)).collect();
     let over: Vec<_> = facets.iter().map(|&[a, b, c]| [a, c, b]).collect();
@@ -116,7 +116,7 @@ fn a_surface_turned_over_is_turned_back_and_single_facets_too() {
             for axis in 0..3 {
                 assert_abs_diff_eq!(found.normal[axis], expected.normal[axis], epsilon = 1e-14);
             }
-            // The same corners in another order: curvatures of 0.5/mm agree to their rounding.
+            // The same corners in another order: curvatures of 0.5/mm agree within rounding.
             for (found, expected) in found.curvature.iter().zip(expected.curvature) {
                 assert_abs_diff_eq!(*found, expected, epsilon = 1e-10);
             }
@@ -246,7 +246,7 @@ fn walls_alone_beyond_the_bound_are_refused() {
 }
 
 #[test]
-fn any_figure_of_the_facets_can_be_drawn() {
+fn values_of_the_facets_seen_form_a_raster() {
     let plane = grid(5, 5, |u, v| [20.0 * u, 10.0 * v, 10.0 * u]);
     let view = plane.seen_from_above(40);
     assert_eq!((view.frame.columns, view.frame.rows, view.frame.cell), (40, 20, 0.5));
@@ -261,7 +261,7 @@ fn any_figure_of_the_facets_can_be_drawn() {
     assert_eq!((0..10).map(|cell| hole.facet(cell).is_some()).collect::<Vec<_>>(), [[true].as_slice(), &[false; 8], &[true]].concat());
 }
 
-/// Everything that can be asked of a mesh; all numbers must be finite.
+/// Calls every function of a mesh; all numbers must be finite.
 fn examine(mesh: &Mesh) {
     let pieces = mesh.pieces();
     assert!(pieces.count() >= 1 && pieces.of_facets().iter().all(|&piece| piece < pieces.count()));

@@ -2,8 +2,8 @@
 
 use crate::surface::Bounds;
 
-/// Points, at most `limit` of them. Beyond, of the points in each cell of a lattice the one nearest to the cell's centre is kept, where it is; the
-/// cells are the smallest, by powers of two, that leave at most half of the limit.
+/// At most `limit` points. Of more points, the one nearest to the centre of each cell of a lattice is kept, unmoved; the cells are the
+/// smallest, by powers of two, that leave at most half of the limit.
 #[derive(Debug)]
 pub(super) struct PointCloud {
     limit: usize,
@@ -21,7 +21,7 @@ impl PointCloud {
         self.received == 0
     }
 
-    /// How many points came.
+    /// The number of points received.
     pub(super) fn received(&self) -> u64 {
         self.received
     }
@@ -33,7 +33,7 @@ impl PointCloud {
 
     pub(super) fn add(&mut self, point: [f64; 3]) {
         self.received += 1;
-        // Scanners repeat a point that did not move; a file of one point would be all lattice otherwise.
+        // Scanners repeat a point that did not move; repetitions must not cause thinning.
         if self.points.last() == Some(&point) {
             return;
         }
@@ -76,7 +76,7 @@ impl PointCloud {
         let mut exponent = self.exponent.unwrap_or(finest.log2().floor() as i32);
         while self.points.len() > self.limit / 2 {
             let cell = 2.0_f64.powi(exponent);
-            // Adding 0 takes the sign off a zero.
+            // Adding 0 removes the sign of a zero.
             let place = |point: &[f64; 3]| [(point[1] / cell).floor() + 0.0, (point[0] / cell).floor() + 0.0];
             let off_centre = |point: &[f64; 3]| {
                 let [row, column] = place(point);

@@ -29,7 +29,7 @@ impl ViewFromAbove {
         Some(self.facets[cell]).filter(|&facet| facet != NO_FACET).map(|facet| facet as usize)
     }
 
-    /// A figure of the facet seen in each cell, as a raster; `None` where there is no surface.
+    /// A value of the facet seen in each cell, as a raster; `None` where there is no surface.
     pub fn of_facets<T: Clone>(&self, figure: impl Fn(usize) -> T) -> Raster<Option<T>> {
         let values = (0..self.facets.len()).map(|cell| self.facet(cell).map(&figure)).collect();
         Raster { frame: self.frame, values }
@@ -37,11 +37,12 @@ impl ViewFromAbove {
 }
 
 impl Mesh {
-    /// The mesh seen from above on at most `side` x `side` square cells, `side` from 1 to 4096; a number outside counts as the nearer end.
+    /// The mesh seen from above on at most `side` x `side` square cells, `side` from 1 to 4096; a number outside these bounds
+    /// becomes the nearer one.
     ///
-    /// The longer side of the bounds is divided into `side` cells, or fewer where facets cover each other so often that the work, the cells
-    /// covered by all facets together, would exceed 5e7. Heights are exact at cell centres; where two facets have the same height the one that
-    /// points up is seen, then the one that comes first. Walls are not seen.
+    /// The longer side of the bounds is divided into `side` cells, or fewer where facets cover each other so often that the work,
+    /// the cells covered by all facets together, would exceed 5e7. Heights are exact at cell centres; where two facets have the
+    /// same height the one that points up is seen, then the one that comes first. Walls are not seen.
     ///
     /// # Panics
     /// Never: the bound on facets keeps their numbers within 32 bits.
@@ -76,7 +77,8 @@ impl Mesh {
     fn frame(&self, side: usize) -> Frame {
         let Bounds { min, max } = self.bounds();
         let (min, max) = ([min[0], min[1]], [max[0], max[1]]);
-        // Twice the area seen from above and the extents along y of all facets: with cells of side c they cover area/c^2 cells in height/c rows.
+        // Twice the area seen from above and the extents along y of all facets: with cells of side c they cover area/c^2 cells in
+        // height/c rows.
         let (area, height) = self.triangles().iter().fold((0.0, 0.0), |(area, height), triangle| {
             let [a, b, c] = triangle.map(|index| self.points()[index as usize]);
             (area + 0.5 * cross(a, b, c)[2].abs(), height + a[1].max(b[1]).max(c[1]) - a[1].min(b[1]).min(c[1]))

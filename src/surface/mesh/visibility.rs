@@ -1,16 +1,16 @@
-//! Which facets of a mesh a cutter sees from above.
+//! The visibility of facets from above, along the tool axis.
 
 use super::view::side_seen;
 use super::{Mesh, cross};
 use crate::quantity::Angle;
 use rayon::prelude::*;
 
-/// What a facet is to a cutter that comes from above.
+/// The class of a facet for a cutter that comes from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FacetClass {
     /// It points up, but another part of the surface is above it.
     Hidden,
-    /// It points down and its back is not seen either.
+    /// It points down, and its back is not seen from above.
     Overhanging,
     /// It is seen, but steeper than the limit; a wall, within 0.006 deg of vertical, covers nothing seen from above.
     Steep {
@@ -53,7 +53,7 @@ impl Visibility {
         &self.classes
     }
 
-    /// Whether the back of a facet is seen from above: the file winds it the other way round. It counts as turned.
+    /// Whether the back of a facet is seen from above: its orientation in the file is wrong. It counts as turned.
     #[must_use]
     pub fn is_seen_from_behind(&self, facet: usize) -> bool {
         self.from_behind[facet]
@@ -85,13 +85,13 @@ impl Visibility {
 }
 
 impl Mesh {
-    /// The class of each facet, `max_slope` being the slope over which a facet is steep.
+    /// The class of each facet; facets with a slope over `max_slope` are steep.
     ///
-    /// A raster of depth with about 8 cells for each facet, from 64 x 64 to 1024 x 1024 over the longer side of the bounds, holds what is seen at
-    /// cell centres ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]). A facet that points up is visible when at least half of the
-    /// centres that it covers show it, or no other facet above it. One that covers no centre is visible when its centroid is not below
-    /// everything seen in its cell and the eight around it; so is a wall. A facet that points down and is what is seen at half of
-    /// its centres is wound the wrong way round: it counts as turned. In a closed solid there is none.
+    /// A raster of depth with about 8 cells for each facet, from 64 x 64 to 1024 x 1024 over the longer side of the bounds, holds
+    /// what is seen at cell centres ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]). A facet that points up is
+    /// visible when at least half of the centres that it covers show it, or no other facet above it. One that covers no centre is
+    /// visible when its centroid is not below everything seen in its cell and the eight around it; so is a wall. A facet that
+    /// points down and is seen at half of its centres has the wrong orientation: it counts as turned. A closed solid has none.
     #[must_use]
     pub fn visibility(&self, max_slope: Angle) -> Visibility {
         let facets = self.triangles().len();

@@ -3,12 +3,12 @@
 use hashbrown::HashTable;
 use std::hash::{BuildHasher, RandomState};
 
-/// The points that have come, each once, and the table that finds them: 24 bytes a point and, on average, 7 bytes of table.
+/// The different points so far, and the hash table that finds them: 24 bytes a point and, on average, 7 bytes of table.
 #[derive(Debug)]
 pub(super) struct Welder {
     points: Vec<[f64; 3]>,
     table: HashTable<u32>,
-    /// Secret factors: a file made to put all its points into one place of the table would cost quadratic time.
+    /// Secret factors: with known ones, a file could put all its points into one place of the table, which takes quadratic time.
     keys: [u64; 3],
 }
 
@@ -26,7 +26,7 @@ impl Welder {
 
     /// The number of a point, from 0 in the order in which different points come. The zeros of both signs are equal; there is no NaN.
     pub(super) fn index(&mut self, point: [f64; 3]) -> u32 {
-        // Adding 0 takes the sign off a zero.
+        // Adding 0 removes the sign of a zero.
         let point = point.map(|coordinate| coordinate + 0.0);
         let hash = hash(self.keys, point);
         let Self { points, table, keys } = self;

@@ -54,7 +54,7 @@ fn digits(text: &[u8], mut at: usize, mut value: u64) -> (u64, usize) {
     (value, at)
 }
 
-/// The digits of an exponent, saturated at a million, which no double reaches.
+/// The digits of an exponent, saturated at a million, which is beyond any double.
 fn power(text: &[u8], mut at: usize) -> (i64, usize) {
     let mut value = 0;
     while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
@@ -87,7 +87,7 @@ fn rounded(token: &[u8], mark: u8) -> Option<f64> {
     token.replace(',', ".").replace(['d', 'D'], "e").parse().ok()
 }
 
-/// `value` if it can be a coordinate; `token` is what was written.
+/// `value` if it can be a coordinate; `token` is its text, for the fault.
 pub(super) fn bounded(value: f64, token: &[u8]) -> Result<f64, Flaw> {
     if value.abs() <= LARGEST_COORDINATE { Ok(value) } else { Err(unbounded(&quoted(token))) }
 }
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_ends_where_it_can_go_no_further() {
+    fn a_number_ends_at_the_first_byte_that_cannot_continue_it() {
         for (text, length) in [("1e", 1), ("1e+", 1), ("1.5.2", 3), ("1,5", 1), ("2x", 1), ("1.e5", 4), ("3-4", 1)] {
             assert_eq!(number(text.as_bytes(), b'.').map(|found| found.1), Some(length), "{text}");
         }
@@ -172,7 +172,7 @@ mod tests {
         }
 
         #[test]
-        fn a_double_written_out_comes_back(bits in any::<u64>()) {
+        fn a_double_survives_writing_and_reading(bits in any::<u64>()) {
             let value = f64::from_bits(bits);
             prop_assume!(value.is_finite());
             let text = format!("{value:e}");

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-/// A location in a file, as its author can find it.
+/// A location in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FileLocation {
     /// A line of a text file, counted from 1.
@@ -30,14 +30,14 @@ impl fmt::Display for FileLocation {
     }
 }
 
-/// In what way a file is wrong, for a caller that answers them differently.
+/// The kinds of faults of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
     /// Not one of the formats or encodings that are read; the fault names it where it is known.
     UnknownFormat,
-    /// Not written as the format requires.
+    /// A violation of the format.
     Malformed,
-    /// A number that is not finite, beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE), or an index of a vertex that is not there.
+    /// A number that is not finite, beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE), or the index of a missing vertex.
     OutOfRange,
     /// Ends before the size that it states.
     Truncated,
@@ -66,13 +66,13 @@ impl Fault {
         Self { location, ..self }
     }
 
-    /// In what way the file is wrong.
+    /// The kind of the fault.
     #[must_use]
     pub fn kind(&self) -> FaultKind {
         self.flaw.kind
     }
 
-    /// Where in the file.
+    /// The location in the file.
     #[must_use]
     pub fn location(&self) -> FileLocation {
         self.location.clone()
@@ -99,7 +99,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// A fault whose location the caller knows.
+/// A fault without its location, which the caller adds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Flaw {
     kind: FaultKind,
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn quotations_are_short_and_harmless() {
+    fn quotations_are_short_and_escaped() {
         assert_eq!(quoted(b"a\x00\x1b[31m\"\n"), "\"a\\0\\u{1b}[31m\\\"\\n\"");
         assert_eq!(quoted(&[b'x'; 40]), format!("\"{}\"", "x".repeat(40)));
         assert_eq!(quoted(&[b'x'; 41]), format!("\"{}...\"", "x".repeat(40)));

@@ -5,13 +5,13 @@ use super::known::{KNOWN_AT_START, by_statement};
 use super::lines::{Words, is_word, line_end, starts_number, statements};
 use std::fmt;
 
-/// How many bytes are looked at, at most: licence texts in comments at the start of a file are shorter.
+/// The largest number of bytes examined: licence texts in comments at the start of a file are shorter.
 pub(super) const HEAD: usize = 1 << 16;
 
-/// What a file should be, in faults.
+/// The expected content of a file, for the text of faults.
 pub(super) const EXPECTED: &str = "points in text, PCD, STL, OBJ, PLY or 3MF";
 
-/// The format of a file that was read.
+/// The format of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Points in lines of text: CSV, TSV, XYZ, PTS and the like.
@@ -118,7 +118,7 @@ pub(super) struct Detected {
     pub(super) mark: usize,
 }
 
-/// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all. `is_decoded` tells that it was converted to UTF-8
+/// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all. With `is_decoded` it was converted to UTF-8
 /// from another encoding, and so is text.
 pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<Detected, Fault> {
     if head.is_empty() {
@@ -158,22 +158,22 @@ fn unknown(found: impl Into<std::borrow::Cow<'static, str>>) -> Flaw {
     Flaw::new(FaultKind::UnknownFormat, EXPECTED, found)
 }
 
-/// Whether a file without a byte-order mark is text in UTF-16: text in the Latin alphabet then has a null byte in every unit. A binary STL's
-/// header may have them, too, but its numbers do not.
+/// Whether a file without a byte-order mark is text in UTF-16: text in the Latin alphabet then has a null byte in every unit. A
+/// binary STL's header may have them, too, but its numbers do not.
 fn is_utf_16(head: &[u8]) -> bool {
     let every_second_null = |odd: usize| head.len() >= 4 && head.iter().skip(odd).step_by(2).all(|byte| *byte == 0);
     head.iter().any(|byte| *byte != 0) && (every_second_null(0) || every_second_null(1))
 }
 
-/// Whether a binary file is an STL: its length is what its count requires, or its first records hold coordinates. What is too short for
-/// one record is none.
+/// Whether a binary file is an STL: its length is what its count requires, or its first records hold coordinates. A file too
+/// short for one record is not.
 fn is_binary_stl(head: &[u8]) -> bool {
     let Some((start, records)) = head.split_at_checked(84) else { return false };
     let count = start.last_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
     if head.len() < HEAD && head.len() as u64 == 84 + 50 * u64::from(count) {
         return true;
     }
-    // Bytes that are no coordinates give exponents of all sizes; those of a part lie between a nanometre's part and 1e12.
+    // Bytes other than coordinates give exponents of all sizes; the coordinates of a part are between a fraction of a nanometre and 1e12.
     let is_plausible = |bytes: &[u8; 4]| {
         let size = f32::from_le_bytes(*bytes).abs();
         size == 0.0 || (1e-20..=1e12).contains(&size)
@@ -197,7 +197,7 @@ fn by_magic(text: &[u8]) -> Option<Family> {
     if !is_word(first, b"solid") {
         return is_word(first, b"facet").then_some(Family::StlAscii);
     }
-    // A binary STL's header may begin with `solid` too; what follows it then is neither text nor a facet.
+    // A binary STL's header may begin with `solid` too; then neither text nor a facet follows.
     match statements.next() {
         Some(second) if is_word(second, b"facet") || is_word(second, b"endsolid") => Some(Family::StlAscii),
         _ if control_byte(text).is_none() => Some(Family::StlAscii),
@@ -205,8 +205,9 @@ fn by_magic(text: &[u8]) -> Option<Family> {
     }
 }
 
-/// The position of the first byte that no text has, in the first 134 bytes: a binary STL's header of 80 bytes, its count of 4, whose highest
-/// byte is such a control byte up to 150 million facets, and its first record of 50. Further on it is a fault of a text.
+/// The position of the first control byte that is not part of a text, in the first 134 bytes: a binary STL's header of 80 bytes,
+/// its count of 4, whose highest byte is such a byte up to 150 million facets, and its first record of 50. Further on, such a
+/// byte is a fault of a text.
 ///
 /// Null bytes and Ctrl-Z that end a text of several lines are its end, as old systems write it.
 fn control_byte(text: &[u8]) -> Option<usize> {
@@ -263,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn content_speaks_before_the_name() {
+    fn content_takes_precedence_over_the_name() {
         assert_eq!(family(b"1;2;3\n", "part.stl"), Family::Text);
         assert_eq!(family(b"\xef\xbb\xbf-1 2 3\n", "part.obj"), Family::Text);
         assert_eq!(family(b"# a comment\n\nv 1 2 3\n", "points.csv"), Family::Obj);
@@ -273,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_binary_stl_may_call_itself_solid() {
+    fn a_binary_stl_may_begin_with_solid() {
         assert_eq!(family(&binary_stl(b"solid part"), "part.stl"), Family::StlBinary);
         assert_eq!(family(&binary_stl(b"solid part\nof ours"), ""), Family::StlBinary);
         assert_eq!(family(b"solid \x01part\r\n\r\nFACET normal", ""), Family::StlAscii);
@@ -289,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn the_media_type_counts_before_the_file_name() {
+    fn the_media_type_takes_precedence_over_the_file_name() {
         assert_eq!(FormatHint::new(Some("Model/STL; charset=x"), Some("a.obj")), FormatHint(Some(NamedFormat::Stl)));
         assert_eq!(FormatHint::new(Some("text/plain"), Some("a.b.OBJ")), FormatHint(Some(NamedFormat::Obj)));
         assert_eq!(FormatHint::new(Some("application/octet-stream"), Some("obj")), FormatHint(None));
@@ -297,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn a_binary_file_is_an_stl_where_its_length_or_its_numbers_fit() {
+    fn a_binary_file_is_an_stl_by_its_length_or_its_numbers() {
         let noise: Vec<u8> = (0..2000_u32).map(|index| (index.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
         assert!(detect(&noise, FormatHint::default(), false).is_err());
         assert_eq!(family(&noise, "a.stl"), Family::StlBinary);
@@ -311,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_but_not_read_is_named() {
+    fn formats_that_are_not_read_are_named() {
         for (head, word) in [
             (&b"1\0,\x002\0"[..], "UTF-16"),
             (b"\x001\0,\x002", "UTF-16"),

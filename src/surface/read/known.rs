@@ -1,4 +1,4 @@
-//! Formats that are known and not read, so that a refusal names them.
+//! Formats that are recognised but not read, so that the refusal names them.
 
 use super::lines::{Words, is_word, line_end, starts_number, statements};
 

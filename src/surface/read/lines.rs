@@ -1,8 +1,9 @@
-//! Lines joined from chunks that end anywhere, and the words of a line.
+//! Splits chunks, which end anywhere, into lines, and lines into words.
 
 use super::fault::{Fault, FaultKind, Flaw};
 
-/// The longest line that is accepted, in bytes: far longer than any point, facet or polygon needs. It bounds what a reader of text holds.
+/// The longest line that is accepted, in bytes: far longer than any point, facet or polygon needs. It bounds the memory of a
+/// reader of text.
 pub(super) const LONGEST_LINE: usize = 1 << 16;
 
 /// Joins chunks into lines. A line ends with LF, CR LF, or CR alone.
@@ -10,7 +11,7 @@ pub(super) const LONGEST_LINE: usize = 1 << 16;
 pub(super) struct Lines {
     /// The incomplete line at the end of the last chunk.
     begun: Vec<u8>,
-    /// How many lines are complete.
+    /// The number of complete lines.
     ended: u64,
     /// The last chunk ended with a CR, so that a LF at the start of the next belongs to the same line end.
     after_cr: bool,
@@ -29,7 +30,7 @@ impl Lines {
         self.after_cr = false;
     }
 
-    /// How many lines precede the current one.
+    /// The number of lines before the current one.
     pub(super) fn ended(&self) -> u64 {
         self.ended
     }
@@ -214,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_what_blanks_leave() {
+    fn words_are_separated_by_blanks() {
         let words: Vec<&[u8]> = Words::of(b" \t one  two\x0cthree ").collect();
         assert_eq!(words, [&b"one"[..], b"two", b"three"]);
         assert_eq!(trimmed(b" \t a b \t"), b"a b");
@@ -222,7 +223,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn cutting_changes_nothing(text in "[a\r\n]{0,40}", cuts in proptest::collection::vec(0_usize..40, 0..6)) {
+        fn lines_do_not_depend_on_the_chunks(text in "[a\r\n]{0,40}", cuts in proptest::collection::vec(0_usize..40, 0..6)) {
             let mut cuts: Vec<usize> = cuts.into_iter().map(|cut| cut.min(text.len())).collect();
             cuts.sort_unstable();
             let edges: Vec<usize> = std::iter::once(0).chain(cuts).chain([text.len()]).collect();

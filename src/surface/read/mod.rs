@@ -34,7 +34,7 @@ use super::{LARGEST_COORDINATE, Sink, Unit};
 use format::{Detected, HEAD};
 use utf_16::Utf16;
 
-/// The vertices that an OBJ, PLY or 3MF file may have unless [`Reader::with_vertex_limit`] says otherwise: 480 MB of coordinates.
+/// The default limit on the vertices of an OBJ, PLY or 3MF file ([`Reader::with_vertex_limit`] changes it): 480 MB of coordinates.
 pub const DEFAULT_VERTEX_LIMIT: usize = 20_000_000;
 
 /// What a reader found in a file.
@@ -46,8 +46,7 @@ pub struct Summary {
     pub points: u64,
     /// Facets passed to the sink; a polygon of n corners counts n - 2.
     pub facets: u64,
-    /// The unit of the coordinates, where the file states one: 3MF always does, text may in its header. A caller that assumes another unit
-    /// for a text would read it wrongly.
+    /// The unit of the coordinates, where the file states one: 3MF always does, text may in its header. A caller must not assume another.
     pub unit: Option<Unit>,
     /// What was left out on purpose, or accepted although it is unusual.
     pub notes: Notes,
@@ -56,7 +55,7 @@ pub struct Summary {
 /// What a reader left out on purpose, or accepted although it is unusual; all zero for a clean file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Notes {
-    /// Text and PCD: columns beside x, y and z, in the first line of data.
+    /// Text and PCD: columns other than x, y and z, in the first line of data.
     pub further_columns: u64,
     /// Binary STL and PLY: bytes after the end that the file's counts give.
     pub trailing_bytes: u64,
@@ -115,20 +114,20 @@ impl Reader {
         Self { hint, vertex_limit: DEFAULT_VERTEX_LIMIT, package_vertex_limit, archive_limit: DEFAULT_ARCHIVE_LIMIT, utf_16: None, stage }
     }
 
-    /// The same with room for `bytes` compressed bytes of a 3MF file.
+    /// The same reader with a limit of `bytes` compressed bytes for a 3MF file.
     #[must_use]
     pub fn with_archive_limit(self, bytes: usize) -> Self {
         Self { archive_limit: bytes, ..self }
     }
 
-    /// The same with room for `vertices` vertices of an OBJ, PLY or 3MF file, 24 bytes each; a 3MF file may have twice as many triangles,
-    /// 12 bytes each, and place four times as many.
+    /// The same reader with a limit of `vertices` vertices for an OBJ, PLY or 3MF file, 24 bytes each; a 3MF file may have twice as many
+    /// triangles, 12 bytes each, and place four times as many.
     #[must_use]
     pub fn with_vertex_limit(self, vertices: usize) -> Self {
         Self { vertex_limit: vertices, package_vertex_limit: vertices, ..self }
     }
 
-    /// The same for 3MF files alone, which take 48 bytes a vertex when they end; to be called after [`Reader::with_vertex_limit`].
+    /// The same for 3MF files only, which take 48 bytes a vertex at their end; to be called after [`Reader::with_vertex_limit`].
     #[must_use]
     pub fn with_package_vertex_limit(self, vertices: usize) -> Self {
         Self { package_vertex_limit: vertices, ..self }
@@ -137,15 +136,16 @@ impl Reader {
     /// Takes the next bytes of the file.
     ///
     /// # Errors
-    /// The first [`Fault`] of the file; from then on that one again.
+    /// The first [`Fault`] of the file, and the same one at every later call.
     pub fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
         let result = self.advance(chunk, sink, None);
         self.remember(result)
     }
 
-    /// Takes the next bytes of a file, for a caller with several threads that passes the whole file this way. Blocks of lines of long texts are
-    /// appended to `blocks` instead of being read. The caller reads them on any thread, and calls [`Reader::record_block`] for each, in
-    /// their order, before it pushes more. The points of a block follow all points that `sink` has by then.
+    /// Takes the next bytes of a file, for a caller with several threads, which must pass the whole file by this method. Blocks
+    /// of lines of long texts are appended to `blocks` instead of being read. The caller reads them on any thread, and calls
+    /// [`Reader::record_block`] for each, in their order, before it pushes more. The points of a block follow all points that
+    /// `sink` has by then.
     ///
     /// # Errors
     /// As [`Reader::push`].
@@ -157,7 +157,7 @@ impl Reader {
     /// Records the result of reading the next of the blocks.
     ///
     /// # Errors
-    /// The block's first [`Fault`], with its line counted from the start of the file; from then on that one again.
+    /// The block's first [`Fault`], with its line counted from the start of the file, and the same one at every later call.
     pub fn record_block(&mut self, read: BlockOutcome) -> Result<(), Fault> {
         let result = match &mut self.stage {
             Stage::Body(body) => match &mut **body {
@@ -196,8 +196,8 @@ impl Reader {
     }
 
     /// The memory that the reader holds beyond a fixed amount, in bytes: the vertices of an OBJ or PLY file, and a 3MF file as
-    /// it is received. It grows by at most some
-    /// times the length of a chunk with each push.
+    /// it is received. Each push
+    /// adds at most a few times the length of its chunk.
     #[must_use]
     pub fn held_bytes(&self) -> usize {
         let Stage::Body(body) = &self.stage else { return 0 };
@@ -209,7 +209,7 @@ impl Reader {
         }
     }
 
-    /// Whether the file is a package, which is read when it ends and takes more memory then.
+    /// Whether the file is a 3MF package, which is read at its end and takes more memory then.
     #[must_use]
     pub fn is_archive(&self) -> bool {
         matches!(&self.stage, Stage::Body(body) if matches!(**body, Body::ThreeMf(_)))
@@ -248,7 +248,7 @@ impl Reader {
         let decoded;
         let (start, head) = match Utf16::by_mark(start) {
             Some(mut decoder) => {
-                // The head ends at the same byte of the file, however the chunks end.
+                // The head ends at the same byte of the file, wherever the chunks end.
                 let (head, rest) = start.split_at(start.len().min(HEAD));
                 let head = decoder.decode(head);
                 decoded = [head.as_slice(), &decoder.decode(rest)].concat();

@@ -2,8 +2,8 @@
 //!
 //! A face may name only vertices that precede it. Weights and colours after a vertex, texture coordinates and normals of a corner,
 //! groups, materials and names are ignored. Point and line elements are not part of a surface and are counted. A file without faces
-//! yields its vertices as points. Free-form curves and surfaces are refused, because their control points do not lie on them. So are
-//! unknown statements.
+//! yields its vertices as points. Unknown statements are refused, and so are free-form curves and surfaces, whose control points do
+//! not lie on them.
 
 use super::decimal::coordinate;
 use super::fault::{Fault, FaultKind, Flaw, quoted};
@@ -145,7 +145,7 @@ fn vertex_number(word: &[u8]) -> Result<VertexNumber, Flaw> {
     let mut at = start;
     let mut count: usize = 0;
     while let Some(digit) = word.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
-        // A saturated count is out of range like the number it stands for.
+        // A saturated count is out of range, as the number itself is.
         count = count.saturating_mul(10).saturating_add(usize::from(digit));
         at += 1;
     }

@@ -8,7 +8,7 @@ use super::fault::{Fault, FaultKind, Flaw, quoted};
 use super::lines::{Lines, Words, trimmed};
 use super::{Format, Notes, Sink, Summary};
 
-/// The most fields of a point.
+/// The largest number of fields of a point.
 const MOST_FIELDS: usize = 1000;
 
 /// The reader of PCD.
@@ -22,7 +22,7 @@ pub(super) struct Reader {
 struct Content {
     /// The names of the fields, until the data begin.
     fields: Vec<Vec<u8>>,
-    /// How many columns each field takes.
+    /// The number of columns of each field.
     counts: Vec<usize>,
     /// The number of points in the header.
     stated: Option<u64>,

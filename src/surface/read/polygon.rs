@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 
 use super::fault::{FaultKind, Flaw};
 
-/// The most corners of a polygon.
+/// The largest number of corners of a polygon.
 const MOST_CORNERS: usize = 1 << 16;
 
-/// The most corners of a polygon that no fan covers: the time of ear clipping grows with their square.
+/// The largest number of corners of a polygon that no fan covers: the time of ear clipping grows with its square.
 const MOST_CORNERS_BY_EARS: usize = 512;
 
 /// The share of a polygon's area by which a triangle may have the opposite orientation: corners in single precision are rounded by 6e-8
@@ -20,7 +20,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// How well the triangles represent the polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Cut {
-    /// The triangles are the polygon.
+    /// The triangles cover the polygon exactly.
     Exact,
     /// The outline crosses itself: the triangles have its area vector, but some have the opposite orientation.
     Crossed,
@@ -150,7 +150,7 @@ impl Ring {
         self.fan(at, corners, area, emit)
     }
 
-    /// The remaining corners as a fan: one triangle, if all went well.
+    /// The remaining corners as a fan: a single triangle, unless clipping stopped early.
     fn fan(&self, first: usize, corners: &[[f64; 3]], area: Vector3<f64>, mut emit: impl FnMut([[f64; 3]; 3])) -> Cut {
         let mut cut = Cut::Exact;
         let mut second = self.next[first];
@@ -174,7 +174,7 @@ impl Ring {
         }
         let count = corners.len();
         self.flat.clear();
-        // From the first corner, so that polygons far from the origin lose nothing.
+        // Relative to the first corner, so that polygons far from the origin keep their precision.
         self.flat.extend(corners.iter().map(|corner| [corner[u] - corners[0][u], corner[v] - corners[0][v]]));
         self.next.clear();
         self.next.extend((1..count).chain([0]));
@@ -245,7 +245,7 @@ mod tests {
     fn cut(outline: &[[f64; 2]]) -> (Cut, Vec<[[f64; 3]; 3]>) {
         let mut polygon = Polygon::default();
         for [u, v] in outline {
-            // An orthonormal pair, so that areas stay.
+            // An orthonormal pair, so that areas are preserved.
             polygon.add([0.6 * u + 7.0, *v - 3.0, 0.8 * u + 1.0]).unwrap();
         }
         let mut triangles = Vec::new();
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arrow_is_cut_where_it_is_hollow() {
+    fn an_arrow_is_cut_at_its_reflex_corner() {
         let arrow = [[0.0, 0.0], [4.0, -2.0], [1.0, 0.0], [4.0, 2.0]];
         for first in 0..4 {
             let mut turned = arrow;
@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_passes_as_it_is() {
+    fn a_polygon_without_area_is_passed_as_a_fan() {
         let (cut, triangles) = cut(&[[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [3.0, 0.0]]);
         assert_eq!((cut, triangles.len()), (Cut::Exact, 2));
     }
@@ -358,7 +358,7 @@ mod tests {
         }
 
         #[test]
-        fn whatever_the_outline_the_area_vector_is_its_own(outline in proptest::collection::vec([-10.0_f64..10.0, -10.0..10.0], 3..30)) {
+        fn the_triangles_of_any_outline_have_its_area_vector(outline in proptest::collection::vec([-10.0_f64..10.0, -10.0..10.0], 3..30)) {
             let (_, triangles) = cut(&outline);
             prop_assert_eq!(triangles.len(), outline.len() - 2);
             // 30 triangles of up to 200 mm2, each rounded to 1e-16 of that.

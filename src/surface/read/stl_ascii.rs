@@ -15,13 +15,13 @@ enum Step {
     /// Between facets.
     Between,
     Normal,
-    /// A number of the normal, after this many others.
+    /// A number of the normal, after so many others.
     Direction(u8),
     Outer,
     Loop,
-    /// The keyword of a corner, after this many others.
+    /// The keyword of a corner, after so many others.
     Vertex(u8),
-    /// A coordinate of a corner: which corner, which axis.
+    /// A coordinate of a corner: the corner and the axis.
     Coordinate(u8, u8),
     EndLoop,
     EndFacet,

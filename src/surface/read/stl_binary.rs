@@ -1,4 +1,4 @@
-//! Reader of binary STL: a header of 80 bytes without meaning, a count of 4 bytes, and a record of 50 bytes for each facet: normal and
+//! Reader of binary STL: a header of 80 bytes, which is ignored, a count of 4 bytes, and a record of 50 bytes for each facet: normal and
 //! corners in single precision, little-endian, and 2 bytes that programs use in different ways.
 //!
 //! Normals are ignored, because the corners define them. Bytes after the last facet are counted.

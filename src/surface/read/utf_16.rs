@@ -21,7 +21,7 @@ impl Utf16 {
         Some(Self { is_big, half: None, high: None })
     }
 
-    /// The next bytes of the file as UTF-8. The byte-order mark becomes that of UTF-8; what is no character becomes U+FFFD.
+    /// The next bytes of the file as UTF-8. The byte-order mark becomes that of UTF-8; invalid units become U+FFFD.
     pub(super) fn decode(&mut self, chunk: &[u8]) -> Vec<u8> {
         let mut text = String::with_capacity(chunk.len());
         for &byte in chunk {
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_character_is_replaced() {
+    fn invalid_units_are_replaced() {
         let mut decoder = Utf16::by_mark(b"\xff\xfe").unwrap();
         assert_eq!(decoder.decode(b"\x00\xd8\x00\xd8\x31\x00\x00\xdc\x32\x00"), "\u{fffd}\u{fffd}1\u{fffd}2".as_bytes());
     }

@@ -1,5 +1,5 @@
 // Compiles only if the types that are generated from the document fit what callers write.
-import type { components, paths } from "./generated/scallopd";
+import type { components, paths } from "./generated/scallopd.js";
 
 type Request<Path extends keyof paths> = paths[Path] extends { post: { requestBody: { content: { "application/json": infer Body } } } } ? Body : never;
 type Answer<Path extends keyof paths> = paths[Path] extends { post: { responses: { 200: { content: { "application/json": infer Body } } } } } ? Body : never;

@@ -42,5 +42,5 @@ pub(crate) fn drive(teeth: u32, rpm: f64) -> Drive {
 }
 
 pub(crate) fn ranked(facets: &[FinishFacet], candidates: &[CandidateCutter], settings: &ZigzagSettings) -> Ranking {
-    rank(facets, candidates, settings, SurfaceEvidence::default())
+    rank(facets, candidates, settings, SurfaceEvidence::default(), &|| false).unwrap()
 }

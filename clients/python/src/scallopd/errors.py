@@ -57,7 +57,9 @@ class Problem(ScallopdError):
         """With status 429 or 503: the seconds that the server asks to wait."""
         self.members: Dict[str, Any] = dict(content)
         """The whole problem as the server wrote it."""
-        lines = [f"{self.status} {self.type}: {self.detail}"]
+        # A single fault is the problem's own detail, which has no place.
+        place = f"{self.errors[0].pointer}: " if len(self.errors) == 1 and self.errors[0].pointer else ""
+        lines = [f"{self.status} {self.type}: {place}{self.detail}"]
         if len(self.errors) > 1:
             lines += [f"  {fault.pointer}: {fault.detail} ({fault.code})" for fault in self.errors]
         super().__init__("\n".join(lines))

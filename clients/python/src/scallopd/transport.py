@@ -18,6 +18,8 @@ from .errors import ConnectionLost, InvalidAnswer, Timeout, problem_from
 
 FIRST_PAUSE_S = 0.05
 LONGEST_PAUSE_S = 1.0
+REPEATED_STATUSES = (429, 502, 503)
+"""The service's own when it is at its limit, and 502 of a proxy whose connection to a replica broke."""
 
 
 class Body(Protocol):
@@ -158,7 +160,7 @@ class Transport:
     def call(self, method: str, path: str, body: Optional[Body] = None) -> Any:
         """The answer's JSON; a problem is raised.
 
-        Repeats the request on 429 and 503 and where the connection breaks, until the pauses before the attempts add up to `retry_for`.
+        Repeats the request on 429, 502 and 503 and where the connection breaks, until the pauses before the attempts add up to `retry_for`.
         """
         length = None if body is None else body.length()
         repeatable = body is None or body.replayable
@@ -184,7 +186,7 @@ class Transport:
                 if status < 400:
                     return _json_of(content, path)
                 wait = pause if retry_after is None else retry_after
-                if status not in (429, 503) or not repeatable or wait > left:
+                if status not in REPEATED_STATUSES or not repeatable or wait > left:
                     raise self._problem(status, headers, content, path, retry_after)
             time.sleep(wait)
             left -= wait

@@ -10,9 +10,9 @@ use super::{Rows, Sink, Surface};
 pub(super) struct Body {
     rows: Rows,
     format: Format,
-    /// How a row of the current element is read.
+    /// The steps that read a row of the current element.
     steps: Vec<Step>,
-    /// Which of the steps comes next.
+    /// The index of the next step.
     step: usize,
     /// The rest of the current list: a number of items where they are corners, else a number of bytes.
     left: Option<u64>,
@@ -23,7 +23,7 @@ pub(super) struct Body {
 /// A part of a row.
 #[derive(Debug)]
 enum Step {
-    /// Scalars in a run: how many bytes, and which of them are coordinates.
+    /// A run of scalars: its length in bytes, and the coordinates in it.
     Scalars { size: usize, coordinates: Vec<Coordinate> },
     /// A list: its count and its items.
     List { count: Type, item: Type, corners: bool },
@@ -199,7 +199,7 @@ impl Input {
     }
 }
 
-/// The first `N` of `bytes`, the lowest first whatever the format's order.
+/// The first `N` of `bytes` in little-endian order, whatever the format's order.
 fn lowest_first<const N: usize>(format: Format, bytes: &[u8]) -> [u8; N] {
     let mut number = [0; N];
     number.copy_from_slice(&bytes[..N]);
@@ -220,7 +220,7 @@ fn real(number: Type, format: Format, bytes: &[u8]) -> f64 {
     }
 }
 
-/// A whole number; the header has refused other types where this is asked for.
+/// A whole number; the header has refused other types for counts and corners.
 #[inline]
 fn integer(number: Type, format: Format, bytes: &[u8]) -> i64 {
     match number {

@@ -87,7 +87,7 @@ impl Type {
 pub(super) struct HeaderLines {
     begun: Vec<u8>,
     /// The line end of the first line, which holds for all. After `end_header` and a CR, a LF may be the first byte of binary data; it is
-    /// part of the line end only if it was so before.
+    /// part of the line end only if the first line ends so.
     ending: Option<u8>,
     /// The first line ended with a CR; the next byte shows whether a LF belongs to it.
     after_cr: bool,
@@ -109,12 +109,12 @@ impl HeaderLines {
         self.ended
     }
 
-    /// Bytes of the file before what follows the header.
+    /// The bytes of the file up to the end of the header.
     pub(super) fn bytes(&self) -> u64 {
         self.skipped + self.bytes
     }
 
-    /// A fault of the line that has been read last.
+    /// A fault of the last line that was read.
     pub(super) fn fault(&self, flaw: Flaw) -> Fault {
         flaw.at_line(self.ended)
     }
@@ -128,7 +128,7 @@ impl HeaderLines {
     pub(super) fn push(&mut self, chunk: &mut &[u8]) -> Result<Option<Header>, Fault> {
         while let Some((&byte, rest)) = chunk.split_first() {
             if self.after_cr && byte != b'\n' {
-                // The CR was a line's end by itself, and this byte is the next line's.
+                // The CR ended the line by itself, and this byte belongs to the next line.
                 self.after_cr = false;
                 self.ending = Some(b'\r');
                 self.line()?;
@@ -292,7 +292,7 @@ fn name<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Flaw> {
     words.next().ok_or_else(|| Flaw::malformed("the name of a property", b""))
 }
 
-/// A whole number of at most 18 digits, so that sums of the few that fit into a header do not overflow.
+/// A whole number of at most 18 digits, so that sums of the counts in a header do not overflow.
 pub(super) fn integer(word: &[u8]) -> Option<u64> {
     let fits = !word.is_empty() && word.len() <= 18;
     fits.then(|| word.iter().try_fold(0, |value, byte| byte.is_ascii_digit().then(|| value * 10 + u64::from(byte - b'0'))))?

@@ -3,8 +3,8 @@
 //!
 //! Vertices need scalars x, y and z of any type; faces a list `vertex_indices` or `vertex_index` of integers. Other properties
 //! and other elements are skipped by their description in the header. Vertices must come before faces. A file without faces
-//! yields its vertices as points, which then are not held. Triangle strips (`tristrips`) are read as well: every vertex after the
-//! first two of a strip makes a triangle with the two before it, and -1 starts another strip.
+//! yields its vertices as points, which are not held. Triangle strips (`tristrips`) are read as well: every vertex after the
+//! first two of a strip forms a triangle with the two before it, and -1 starts another strip.
 
 mod ascii;
 mod binary;
@@ -45,7 +45,7 @@ struct Surface {
     trailing_bytes: u64,
 }
 
-/// The elements whose rows have not all been read.
+/// The elements with rows that are still to be read.
 #[derive(Debug)]
 struct Rows {
     elements: VecDeque<Element>,

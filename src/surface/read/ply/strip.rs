@@ -1,4 +1,4 @@
-//! Triangle strips of PLY.
+//! Splits the triangle strips of PLY into facets.
 
 use super::super::mesh::Mesh;
 use super::Sink;
@@ -6,14 +6,14 @@ use super::Sink;
 /// A strip while it is read.
 #[derive(Debug, Default)]
 pub(super) struct Strip {
-    /// The last two vertices, as far as there are.
+    /// The last two vertices, or fewer at the start of a strip.
     last: [Option<usize>; 2],
-    /// The next triangle has the opposite orientation, as every second one.
+    /// Whether the next triangle has the opposite orientation, as every second one.
     is_odd: bool,
 }
 
 impl Strip {
-    /// Adds the vertex of this number, and passes the triangle that it closes to the sink; no number starts another strip. The answer is
+    /// Adds the vertex of this number, and passes the triangle that it closes to the sink; `None` starts another strip. Returns
     /// `None` where the vertex is missing.
     pub(super) fn add<S: Sink>(&mut self, vertex: Option<usize>, mesh: &mut Mesh, sink: &mut S) -> Option<()> {
         let Some(vertex) = vertex else {

@@ -11,7 +11,7 @@ use crate::surface::Sink;
 /// A block ends with the line that passes this size: a thread's work of a few tenths of a millisecond.
 const SIZE: usize = 1 << 17;
 
-/// Consecutive lines of a file with points in text, which can be read apart from the others.
+/// Consecutive lines of a file with points in text, which can be read independently of the others.
 #[derive(Debug)]
 pub struct TextBlock {
     lines: Vec<u8>,
@@ -20,7 +20,7 @@ pub struct TextBlock {
 
 /// The result of reading a block, which the caller passes to [`Reader::record_block`](crate::surface::read::Reader::record_block).
 #[derive(Debug)]
-#[must_use = "the reader needs it for its counts of lines and points, and for faults"]
+#[must_use = "the reader needs it to count lines and points and to report faults"]
 pub struct BlockOutcome {
     pub(super) lines: u64,
     pub(super) points: u64,
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lot_ends_with_the_line_that_passes_its_size() {
+    fn a_block_ends_with_the_line_that_passes_its_size() {
         for ends in [&["\n"][..], &["\r\n"], &["\r"], &["\r", "\n\n", "\r\n"]] {
             let text = text(ends, 40_000);
             let blocks = blocks(&text, 10_000);
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn reading_in_lots_gives_the_same_points_and_faults() {
+    fn reading_in_blocks_gives_the_same_points_and_faults() {
         let whole = |ends: &[&str]| [b"# a scan\r\nx;y;z\r\n".as_slice(), &text(ends, 30_000)].concat();
         let clean = String::from_utf8(text(&["\n", "\r", "\r\n"], 30_000)).unwrap().replace(',', ".5;");
         let late_mark = format!("{}1.5;2;3\n{clean}", "1;2;3\r".repeat(40_000));
@@ -189,7 +189,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(16))]
         #[test]
-        fn lots_are_the_same_however_the_text_comes(size in 1_usize..200_000) {
+        fn blocks_do_not_depend_on_the_chunks(size in 1_usize..200_000) {
             let text = text(&["\n", "\r\n", "\r"], 30_000);
             prop_assert_eq!(blocks(&text, size), blocks(&text, text.len()));
         }

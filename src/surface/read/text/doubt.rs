@@ -6,10 +6,11 @@ use super::super::fault::{FaultKind, Flaw, quoted};
 use super::super::lines::trimmed;
 use super::layout::Separator;
 
-/// The most numbers in a line that are still taken for a point with properties: position, normal, colour with opacity, intensity and time.
+/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with opacity,
+/// intensity and time.
 const WIDEST_POINT: usize = 12;
 
-/// What the lines so far leave open.
+/// The readings that the lines so far leave open.
 #[derive(Debug)]
 pub(super) struct Doubt {
     first_line: u64,
@@ -21,10 +22,10 @@ pub(super) struct Doubt {
 }
 
 impl Doubt {
-    /// The doubt about a table whose first line of data is this one.
+    /// The possible readings of a table whose first line of data is `line`.
     ///
     /// # Errors
-    /// The flaw of a line that has too many numbers for a point.
+    /// The line has too many numbers for a point.
     pub(super) fn about(line: &[u8], separator: Separator, number: u64) -> Result<Self, Flaw> {
         let fields = separator.fields(line).filter(|field| !field.is_empty());
         let is_number = |field: &[u8]| [b'.', b','].into_iter().any(|mark| is_whole(field, mark));
@@ -41,15 +42,15 @@ impl Doubt {
         Ok(Self { first_line: number, first: quoted(trimmed(line)), commas, width: width.filter(|width| *width > 3) })
     }
 
-    /// Looks at a line of data, the first one included.
+    /// Takes a line of data, the first one included, into account.
     pub(super) fn look_at(&mut self, line: &[u8]) {
         if let Some((least, most)) = self.commas {
             self.commas = decimal_comma_fields(line).map(|count| (least.min(count), most.max(count)));
         }
     }
 
-    /// The flaw of a table of `points` lines, with its line, if it can be read in two ways. Where `has_mark`, a decimal point has shown that
-    /// commas separate.
+    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal point has shown that
+    /// commas separate columns.
     pub(super) fn flaw(&self, points: u64, has_mark: bool) -> Option<(Flaw, u64)> {
         if let Some((least, most)) = self.commas.filter(|_| !has_mark)
             && (least == 6 || least != most)
@@ -69,8 +70,8 @@ fn is_whole(field: &[u8], mark: u8) -> bool {
     number(field, mark).is_some_and(|(_, length)| length == field.len())
 }
 
-/// How many fields between commas a line has, if three numbers with decimal commas and commas between them could be meant: three to six whole
-/// numbers, of which the second, fourth and sixth of six have no sign and no blank before them.
+/// The number of fields between commas in a line that can also be read as three numbers with decimal commas between commas: three
+/// to six whole numbers, of which the second, fourth and sixth of six have no sign and no blank before them.
 fn decimal_comma_fields(line: &[u8]) -> Option<usize> {
     let fields: Vec<&[u8]> = trimmed(line).split(|byte| *byte == b',').take(7).collect();
     let is_possible = |(index, field): (usize, &&[u8])| {

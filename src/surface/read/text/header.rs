@@ -4,7 +4,7 @@ use super::super::fault::{FaultKind, Flaw, quoted};
 use super::layout::Separator;
 use crate::surface::Unit;
 
-/// What a header states.
+/// The columns and the unit that a header states.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Header {
     /// Column and axis of the three coordinates, by rising column.
@@ -17,10 +17,10 @@ pub(super) struct Header {
 const AXES: [&[u8]; 3] = [b"x", b"y", b"z"];
 
 impl Header {
-    /// The header that `line` is, with one of `separators`; `None` where it names no x, y and z.
+    /// Reads `line` as a header with one of `separators`; `None` where it does not name x, y and z.
     ///
     /// # Errors
-    /// A flaw where two columns could be the same axis, or where the units differ or are not read.
+    /// Two columns could be the same axis, or the units differ or are not supported.
     pub(super) fn read(line: &[u8], separators: &[Separator]) -> Result<Option<Self>, Flaw> {
         for separator in separators {
             let names = names(line, *separator);
@@ -34,7 +34,7 @@ impl Header {
         Ok(None)
     }
 
-    /// The header whose columns are these; `None` where two axes have one column, as with a separator that the line does not have.
+    /// The header with these columns; `None` where two axes share a column, as with a separator that the line does not have.
     fn of(names: &[Name], candidates: &[Vec<usize>; 3]) -> Result<Option<Self>, Flaw> {
         for (axis, columns) in candidates.iter().enumerate() {
             if let [one, other, ..] = columns[..] {
@@ -53,7 +53,7 @@ impl Header {
         Ok(Some(Self { columns, width: names.len(), unit }))
     }
 
-    /// The unit that the line after the header states for x, y and z, where it is a row of units.
+    /// The unit of x, y and z in the line after the header, where that is a row of units.
     pub(super) fn units_row(&self, line: &[u8], separators: &[Separator]) -> Result<Option<Unit>, Flaw> {
         for separator in separators {
             let fields: Vec<&[u8]> = separator.fields(line).collect();
@@ -85,7 +85,7 @@ impl Name<'_> {
         self.words[after..].iter().rev().find_map(|word| length_unit(word)).transpose()
     }
 
-    /// How well the name fits an axis: 0 where it is the axis alone or with a unit, 1 where it begins with it, 2 where it contains it.
+    /// The rank of the name for an axis, the best first: 0 for the axis alone or with a unit, 1 if it begins with it, 2 if it contains it.
     fn rank(&self, axis: usize) -> Option<u8> {
         let index = [b"0", b"1", b"2"][axis];
         match &self.words[..] {
@@ -128,7 +128,7 @@ fn words(name: &[u8]) -> impl Iterator<Item = Vec<u8>> {
     name.split(|byte| !byte.is_ascii_alphanumeric() && byte.is_ascii()).filter(|word| !word.is_empty()).map(<[u8]>::to_ascii_lowercase)
 }
 
-/// The unit of length of this name; an error for one that is not read.
+/// The unit of length of this name; an error for a unit that is not supported.
 fn length_unit(word: &[u8]) -> Option<Result<Unit, Flaw>> {
     Some(Ok(match word {
         b"um" | b"micron" | b"microns" | b"micrometer" | b"micrometre" | b"\xb5m" | b"\xc2\xb5m" | b"\xce\xbcm" => Unit::Micrometre,
@@ -144,7 +144,7 @@ fn length_unit(word: &[u8]) -> Option<Result<Unit, Flaw>> {
     }))
 }
 
-/// The unit of three columns. Where only some state one, it is theirs if it is the millimetre, which is assumed for the others.
+/// The unit of three columns. Where only some of them state one, it must be the millimetre, which is assumed for the others.
 fn unit_of(units: [Option<Unit>; 3]) -> Result<Option<Unit>, Flaw> {
     let mut stated = units.into_iter().flatten();
     let Some(first) = stated.next() else { return Ok(None) };

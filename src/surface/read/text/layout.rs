@@ -4,7 +4,7 @@ use super::super::decimal::{bounded, names_no_finite_number, number, unbounded};
 use super::super::fault::{FaultKind, Flaw, quoted};
 use super::super::lines::{trimmed, trimmed_start};
 
-/// What separates columns.
+/// The separators of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Separator {
     Semicolon,
@@ -15,7 +15,7 @@ pub(super) enum Separator {
 }
 
 impl Separator {
-    /// In the order in which they are tried: where a line can be read with two of them, the first is meant. Decimal commas leave
+    /// In the order in which they are tried: where a line can be read with two of them, the first counts. Decimal commas leave
     /// `1,5;2,5;3,5` to the semicolon, and `1, 2, 3` is not three numbers between blanks.
     pub(super) const ALL: [Self; 4] = [Self::Semicolon, Self::Tab, Self::Comma, Self::Blanks];
 
@@ -62,7 +62,7 @@ impl Separator {
     }
 }
 
-/// Where the quotation ends with which `text` begins; a doubled quotation mark does not end it.
+/// The end of the quotation at the start of `text`; a doubled quotation mark does not end it.
 fn quotation_end(text: &[u8]) -> usize {
     let mut at = 1;
     while let Some(byte) = text.get(at) {
@@ -81,7 +81,7 @@ fn quotation_end(text: &[u8]) -> usize {
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Layout {
     pub(super) separator: Separator,
-    /// The decimal mark, once a coordinate has shown it.
+    /// The decimal mark, once a coordinate has one.
     pub(super) mark: Option<u8>,
     /// Column and axis of the three coordinates, by rising column.
     pub(super) columns: [(usize, usize); 3],
@@ -110,7 +110,7 @@ impl Layout {
         }
     }
 
-    /// Checks that `read` columns and those in `rest` are as many as the header names. A separator at the end of the line makes no column.
+    /// Checks that `read` columns and those in `rest` are as many as the header names. A separator at the end of the line adds no column.
     fn check_width(&self, read: usize, rest: Option<&[u8]>, width: usize) -> Result<(), Flaw> {
         let further = match rest {
             None => 0,
@@ -136,7 +136,7 @@ impl Layout {
         Flaw::new(FaultKind::Malformed, format!("{width} columns, as the header names"), count.to_string())
     }
 
-    /// The number at the start of `rest`, and what follows the separator after it.
+    /// The number at the start of `rest`, and the text after the separator that follows it.
     #[inline]
     fn number<'a>(&mut self, rest: &'a [u8]) -> Result<(f64, Option<&'a [u8]>), Flaw> {
         let start = match self.separator {
@@ -156,7 +156,7 @@ impl Layout {
         self.odd_number(start)
     }
 
-    /// What follows the separator at the start of `rest`; the outer `None` where no separator stands there.
+    /// The text after the separator at the start of `rest`; the outer `None` where there is no separator.
     #[inline]
     #[allow(clippy::option_option, reason = "the inner one is the end of the line, as everywhere here")]
     fn after<'a>(&self, rest: &'a [u8]) -> Option<Option<&'a [u8]>> {
@@ -176,8 +176,8 @@ impl Layout {
         }
     }
 
-    /// The number in an unusual field: with a decimal comma as the first mark of the file, in quotation marks, or after blanks between tabs;
-    /// else the reason why it is no number.
+    /// The number in an unusual field: with a decimal comma as the first mark of the file, in quotation marks, or after blanks
+    /// between tabs; else the reason why it is not a number.
     fn odd_number<'a>(&mut self, rest: &'a [u8]) -> Result<(f64, Option<&'a [u8]>), Flaw> {
         let (field, after) = self.separator.split(rest);
         let bare = trimmed(field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\"")).unwrap_or(field));

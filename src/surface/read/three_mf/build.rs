@@ -1,4 +1,4 @@
-//! The facets of a 3MF package: its build items placed, with their components and those of these.
+//! The facets of a 3MF package: places its build items with their components, recursively.
 
 use super::super::decimal::unbounded;
 use super::super::fault::{Fault, FaultKind, Flaw};
@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// The deepest nesting of components.
 const DEEPEST: usize = 32;
 
-/// The most objects that are placed, each time counted. Components that place components grow as a power of their depth.
+/// The largest number of objects that are placed, counted each time. Components of components grow exponentially with their depth.
 const MOST_PLACED: u64 = 100_000;
 
 /// The build of a package.
@@ -22,7 +22,7 @@ pub(super) struct Build<'a> {
 }
 
 impl<'a> Build<'a> {
-    /// Of these models, by their paths in lower case, with at most four facets for each vertex that a package may have.
+    /// The build of `models`, by their paths in lower case, with at most four facets for each vertex that a package may have.
     pub(super) fn new(models: &'a HashMap<String, Model>, vertex_limit: usize) -> Self {
         Self { models, most_facets: (vertex_limit as u64).saturating_mul(4), facets: 0, placed: 0, left_out: 0 }
     }
@@ -71,7 +71,7 @@ impl<'a> Build<'a> {
                 "more",
             ));
         }
-        // A reflection turns the facets' outer side in; the reverse order of their corners turns it out again.
+        // A reflection reverses the facets' orientation; the reverse order of their corners restores it.
         let is_reflection = transform.determinant() < 0.0;
         for triangle in &object.triangles {
             let [a, b, c] = triangle.map(|vertex| transform.apply(object.vertices[vertex as usize]));

@@ -1,12 +1,12 @@
 //! Reader of 3MF: a ZIP package with models in XML, whose objects are meshes or components of other objects, placed by build items.
 //!
 //! The directory of a ZIP archive stands at its end, so the compressed file is held, up to [`DEFAULT_ARCHIVE_LIMIT`]; the models are
-//! inflated and parsed as streams. Held besides are the meshes, up to the limit on vertices, because components place them. Objects of
+//! inflated and parsed as streams. The meshes are held, too, up to the limit on vertices, because components place them. Objects of
 //! the types `support` and `other` are not part of the surface and are counted. The model's unit is passed on in the summary, and every
 //! coordinate is in that unit.
 //!
-//! Read beside the core specification is its production extension (models in several files). Materials, slices and other extensions do not
-//! change the surface; a model that requires one that could is refused.
+//! The core specification and its production extension (models in several files) are read. Extensions that do not change the surface,
+//! such as materials, are ignored; a model that requires any other extension is refused.
 
 mod build;
 mod model;
@@ -21,11 +21,11 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use xml::Event;
 
-/// The largest compressed 3MF file that is held unless [`Reader::with_archive_limit`](super::Reader::with_archive_limit) says otherwise, in
-/// bytes.
+/// The default limit on the size of a compressed 3MF file, in bytes; [`Reader::with_archive_limit`](super::Reader::with_archive_limit)
+/// changes it.
 pub const DEFAULT_ARCHIVE_LIMIT: usize = 256 << 20;
 
-/// The limits of a package. Inflated it may have 2 GiB, which are some 25 million facets.
+/// The limits of a package: 2 GiB after inflation are some 25 million facets.
 const LIMITS: ArchiveLimits = ArchiveLimits { entries: 10_000, inflated_bytes: 2 << 30 };
 
 /// The reader of 3MF.
@@ -63,7 +63,7 @@ impl Reader {
         let unit = model.unit;
         let items = model.items.clone();
         let mut models = HashMap::from([(root.to_lowercase(), model)]);
-        // Models that build items and components name in other files; files that these name in turn are read in the next round.
+        // Models in other files, named by build items and components; the files that these name are read in the next round.
         let mut wanted = models_named_by(&models[&root.to_lowercase()]);
         while let Some(path) = wanted.pop() {
             if models.contains_key(&path.to_lowercase()) {
@@ -90,7 +90,7 @@ fn models_named_by(model: &Model) -> Vec<Arc<str>> {
     model.references().filter_map(|reference| reference.path.clone()).collect()
 }
 
-/// The path of the model from which the package starts, by its relationships.
+/// The path of the package's root model, by its relationships.
 fn root_model(archive: &Archive) -> Result<Arc<str>, Fault> {
     let relationships = "_rels/.rels";
     if archive.file(relationships).is_some() {
@@ -113,7 +113,7 @@ fn root_model(archive: &Archive) -> Result<Arc<str>, Fault> {
         () if archive.file("xl/workbook.xml").is_some() => "an Excel workbook; save the points as CSV",
         () if archive.file("word/document.xml").is_some() => "a Word document",
         () if archive.file("Document.xml").is_some() => "a FreeCAD document; export the surface as STL or 3MF",
-        () => "a ZIP archive that is no 3MF package; send the file itself",
+        () => "a ZIP archive that is not a 3MF package; send the file itself",
     };
     Err(Flaw::new(FaultKind::UnknownFormat, super::format::EXPECTED, found).at_byte(0))
 }

@@ -10,7 +10,7 @@ use crate::surface::Unit;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The most objects, components and build items of a package, each.
+/// The largest number of objects, components and build items of a package together.
 const MOST_PARTS: usize = 100_000;
 
 /// Namespaces of extensions that a model may require: they do not change which facets the surface has.
@@ -77,7 +77,7 @@ impl Transform {
         m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6])
     }
 
-    /// The map that twelve numbers state.
+    /// Reads a map of twelve numbers.
     fn stated(text: &str) -> Result<Self, Flaw> {
         let mut numbers = [0.0; 12];
         let mut words = text.split_ascii_whitespace();
@@ -88,7 +88,7 @@ impl Transform {
         if words.next().is_some() {
             return Err(Flaw::malformed("a transform of twelve numbers", text.as_bytes()));
         }
-        // NaN lies nowhere; the determinant of bounded numbers is finite.
+        // No number is NaN; the determinant of bounded numbers is finite.
         if transform.determinant() == 0.0 {
             return Err(Flaw::malformed("a transform that is not singular", text.as_bytes()));
         }
@@ -96,7 +96,7 @@ impl Transform {
     }
 }
 
-/// How much more the models of a package may hold.
+/// The numbers of vertices, triangles and parts that the models of a package may still have.
 #[derive(Debug)]
 pub(super) struct Room {
     vertex_limit: usize,
@@ -129,7 +129,7 @@ impl Room {
     }
 }
 
-/// Where in a model an element stands.
+/// The element around the current one in a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Context {
     Model,
@@ -140,7 +140,7 @@ enum Context {
     Triangles,
     Components,
     Build,
-    /// Inside an element without meaning for the surface, or one without children that matter.
+    /// An element that does not affect the surface, or whose children do not.
     Other,
 }
 

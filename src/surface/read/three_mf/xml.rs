@@ -14,7 +14,7 @@ const LONGEST_EVENT: u64 = 1 << 20;
 /// The deepest nesting of elements.
 const DEEPEST: usize = 64;
 
-/// What is read of a file: its elements.
+/// The start or end of an element.
 pub(super) enum Event<'a> {
     /// A start tag. An empty element has an end as well.
     Start(Element<'a>),
@@ -92,7 +92,7 @@ fn local(name: &str) -> &str {
     name.rsplit_once(':').map_or(name, |(_, local)| local)
 }
 
-/// Bounds the bytes that are read for one event, which the parser collects in its buffer.
+/// Bounds the bytes that the parser collects in its buffer for one event.
 struct Metered<R> {
     inner: R,
     read: u64,

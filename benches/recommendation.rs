@@ -1,0 +1,121 @@
+//! The recommendation by method `surface`, stage by stage, for surfaces of 12 000, 100 000 and 1 000 000 facets: `cargo bench --bench recommendation [n ...]`
+//! takes meshes of 2 n^2 facets instead.
+//! Writes `target/benches/recommendation.json`.
+//!
+//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions. With two cores, 60 ms
+//! of processor time are 30 ms of time where both are used.
+
+use scallopd::milling::Cutter;
+use scallopd::motion::{Machine, Preset};
+use scallopd::planning::reach::{ReachMap, Uncut};
+use scallopd::planning::zigzag::{CandidateCutter, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::quantity::{Angle, Length};
+use scallopd::surface::mesh::Selection;
+use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+const TICKS_A_SECOND: f64 = 100.0;
+/// Fifty ticks, so that a tick is 2 %.
+const LEAST_ROUND: Duration = Duration::from_millis(500);
+
+fn mm(value: f64) -> Length {
+    Length::from_mm(value).expect("a length in its bounds")
+}
+
+/// Waves over 60 x 60 mm as a mesh of 2 n^2 facets; convex, concave and twisted, with slopes up to 30 deg.
+fn waves(n: u32) -> Mesh {
+    let at = |i: u32, j: u32| {
+        let (x, y) = (60.0 * f64::from(i) / f64::from(n), 60.0 * f64::from(j) / f64::from(n));
+        [x, y, 8.0 * (x / 30.0).sin() * (y / 37.0).cos() + 0.25 * x]
+    };
+    let mut builder = MeshBuilder::new();
+    for i in 0..n {
+        for j in 0..n {
+            builder.facet([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            builder.facet([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    builder.finish(Unit::Millimetre, Facing::Up).expect("a mesh")
+}
+
+/// Tori and balls in turn, from 10 mm of diameter in steps of 0.1 mm.
+fn cutters(count: u32) -> Vec<Cutter> {
+    let cutter = |index: u32| {
+        let diameter = mm(10.0 + 0.1 * f64::from(index));
+        if index.is_multiple_of(2) { Cutter::toroidal(diameter, mm(2.0)).expect("a corner under 5 mm") } else { Cutter::ball_end(diameter) }
+    };
+    (0..count).map(cutter).collect()
+}
+
+/// The system's count of the processor time of this process, in s.
+fn processor_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").expect("a system with /proc");
+    // The name in parentheses may hold blanks; utime and stime are the 14th and 15th fields.
+    let fields: Vec<&str> = text[text.rfind(')').expect("a name") + 2..].split(' ').collect();
+    fields[11..13].iter().map(|ticks| ticks.parse::<f64>().expect("a count")).sum::<f64>() / TICKS_A_SECOND
+}
+
+/// Processor time and time of one call, in ms.
+fn measured<T>(mut call: impl FnMut() -> T) -> [f64; 2] {
+    black_box(call());
+    let (processor, start, mut count) = (processor_seconds(), Instant::now(), 0.0);
+    while start.elapsed() < LEAST_ROUND || count < 2.0 {
+        black_box(call());
+        count += 1.0;
+    }
+    [1e3 * (processor_seconds() - processor) / count, 1e3 * start.elapsed().as_secs_f64() / count]
+}
+
+fn main() {
+    let machine = Machine::from(Preset::named("five_axis_vmc").expect("a preset").limits);
+    let settings = ZigzagSettings::new(mm(0.01), machine);
+    let max_slope = Angle::from_degrees(85.0).expect("an angle");
+    let mut lines = Vec::new();
+    println!("{:>9}  {:<24} {:>12} {:>9}", "facets", "stage", "processor ms", "ms");
+    // 2 x 77^2 = 11 858, 2 x 224^2 = 100 352, 2 x 707^2 = 999 698; others as stated.
+    let stated: Vec<u32> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    for n in if stated.is_empty() { vec![77, 224, 707] } else { stated } {
+        let mesh = waves(n);
+        let facets = mesh.triangles().len();
+        let mut report = |stage: &str, [processor, time]: [f64; 2]| {
+            println!("{facets:>9}  {stage:<24} {processor:>12.2} {time:>9.2}");
+            lines.push(format!(r#"{{"facets":{facets},"stage":"{stage}","processor_ms":{processor:.3},"ms":{time:.3}}}"#));
+        };
+        report("build", measured(|| waves(n)));
+        report("pieces", measured(|| mesh.pieces()));
+        let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
+        report("visibility", measured(|| mesh.visibility(max_slope)));
+        let visibility = mesh.visibility(max_slope);
+        report("facets and curvature", measured(|| mesh.facets_for_finishing(&visibility, &selected)));
+        let finished = mesh.facets_for_finishing(&visibility, &selected);
+        report("view", measured(|| mesh.seen_from_above(256)));
+        let view = mesh.seen_from_above(256);
+        let machined = vec![true; facets];
+        report("reach map", measured(|| ReachMap::new(&mesh, &view, &machined)));
+        let reach = ReachMap::new(&mesh, &view, &machined);
+        for count in [2, 50] {
+            let cutters = cutters(count);
+            report(&format!("reach of {count}"), measured(|| reach.uncut_of_each(&cutters, mm(0.01))));
+            let with_reach = |(cutter, uncut): (&Cutter, Uncut)| CandidateCutter {
+                reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }),
+                ..CandidateCutter::new(*cutter)
+            };
+            let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(&cutters, mm(0.01))).map(with_reach).collect();
+            report(&format!("rank {count}"), measured(|| rank(&finished, &candidates, &settings, SurfaceEvidence::default(), &|| false)));
+            let whole = || {
+                let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
+                let facets = mesh.facets_for_finishing(&mesh.visibility(max_slope), &selected);
+                let reach = ReachMap::new(&mesh, &mesh.seen_from_above(256), &machined);
+                let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(&cutters, mm(0.01))).map(with_reach).collect();
+                rank(&facets, &candidates, &settings, SurfaceEvidence::default(), &|| false)
+            };
+            report(&format!("all, {count} cutters"), measured(whole));
+        }
+    }
+    std::fs::create_dir_all("target/benches").expect("a folder to write to");
+    std::fs::write("target/benches/recommendation.json", format!("[{}]\n", lines.join(",\n"))).expect("a file to write");
+}

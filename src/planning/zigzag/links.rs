@@ -1,0 +1,70 @@
+//! What it takes from the end of one run to the start of the next.
+
+use super::tour::Pattern;
+use crate::motion::{Machine, MachineLimits, travel_time};
+use crate::quantity::{Length, Speed};
+
+/// The end of a run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct End {
+    /// Along the passes, across them, height.
+    pub(super) place: [f64; 3],
+    /// The stretch of the run along the passes.
+    pub(super) along: [f64; 2],
+    /// The number of the run's plane.
+    pub(super) plane: usize,
+}
+
+/// The way between two runs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Link {
+    pub(super) length: f64,
+    pub(super) seconds: f64,
+    /// Whether it goes over the clearance height.
+    pub(super) is_lift: bool,
+}
+
+/// The rules for links.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Links {
+    on_surface: MachineLimits,
+    rapid: MachineLimits,
+    pattern: Pattern,
+    /// The longest link on the surface but for runs beside each other, in mm.
+    pub(super) longest: f64,
+    clearance: f64,
+}
+
+impl Links {
+    /// `rate` is the feed rate of links on the surface in mm/s, `top` the highest point of the surface.
+    pub(super) fn new(machine: &Machine, pattern: Pattern, rate: f64, longest: f64, top: f64) -> Self {
+        Self {
+            on_surface: MachineLimits { feed_rate: Speed::computed(rate), ..machine.limits },
+            rapid: machine.rapid_limits(),
+            pattern,
+            longest,
+            clearance: top + machine.clearance_height.mm(),
+        }
+    }
+
+    /// A link stays on the surface between neighbouring passes whose runs lie beside each other, so that the strip between them connects
+    /// both ends however far they are apart, and to any place nearer than the gaps over which runs are joined.
+    pub(super) fn between(&self, from: End, to: End) -> Link {
+        let (start, end) = (from.place, to.place);
+        let across = (end[0] - start[0]).hypot(end[1] - start[1]);
+        let is_next = from.plane.abs_diff(to.plane) == 1 && (end[1] - start[1]).abs() <= self.longest;
+        let is_beside = is_next && to.along[0] < from.along[1] && from.along[0] < to.along[1];
+        if self.pattern == Pattern::Zigzag && (is_beside || across <= self.longest) {
+            let length = across.hypot(end[2] - start[2]);
+            Link { length, seconds: straight(length, self.on_surface), is_lift: false }
+        } else {
+            let parts = [self.clearance - start[2], across, self.clearance - end[2]];
+            let seconds = parts.iter().map(|&length| straight(length, self.rapid)).sum();
+            Link { length: parts.iter().sum(), seconds, is_lift: true }
+        }
+    }
+}
+
+pub(super) fn straight(length: f64, limits: MachineLimits) -> f64 {
+    travel_time(Length::computed(length), limits).seconds()
+}

@@ -1,0 +1,114 @@
+//! The plan of one candidate, and why a candidate has none.
+
+use super::candidate::ReachFigures;
+use super::check::ScallopFigures;
+use super::march::{MOST_PLANES, Plane};
+use super::tour::TourFigures;
+use crate::planning::RectanglePlan;
+use crate::quantity::{Angle, Length, Speed, Time};
+use std::fmt;
+
+/// The plan of one candidate: zigzag in its fastest direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ZigzagPlan {
+    /// The place of the cutter among the candidates.
+    pub candidate: usize,
+    /// The line of the passes seen from above, in [0, pi) from X unless it was stated otherwise.
+    pub direction: Angle,
+    /// The time of all runs and links.
+    pub time: Time,
+    /// Runs, links and their lengths.
+    pub tour: TourFigures,
+    /// The number of planes in which the passes lie.
+    pub planes: usize,
+    /// The spacing of the planes, seen from above.
+    pub step_over: SpacingFigures,
+    /// The mean feed rate of the runs: their length over the time they would take without stops.
+    pub feed_rate: Speed,
+    /// The mean feed per tooth, for cutters with a drive.
+    pub feed_per_tooth: Option<Length>,
+    /// The scallop height over the area.
+    pub scallop_height: ScallopFigures,
+    /// A bound from below: no zigzag that keeps the scallop height is faster.
+    pub least_time: Time,
+    /// The time of each direction that was tried, in s, before the check; `None` where no spacing keeps the scallop height.
+    pub by_direction: Vec<(Angle, Option<Time>)>,
+    /// What the cutter cannot reach.
+    pub reach: Option<ReachFigures>,
+    /// The same cutter on the rectangle of the published method, for comparison; `None` without a shape or a step-over there.
+    pub rectangle: Option<RectanglePlan>,
+    /// Whether the flutes are shorter than the surface is deep.
+    pub flutes_too_short: bool,
+    pub(super) passes: Vec<Plane>,
+}
+
+impl ZigzagPlan {
+    /// The length of all runs and links.
+    #[must_use]
+    pub fn path_length(&self) -> Length {
+        Length::computed(self.tour.run_length + self.tour.link_length)
+    }
+}
+
+/// Spacings of planes, seen from above.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpacingFigures {
+    /// The smallest.
+    pub min: Length,
+    /// The median.
+    pub median: Length,
+    /// The largest.
+    pub max: Length,
+}
+
+impl SpacingFigures {
+    pub(super) fn of(planes: &[Plane]) -> Self {
+        let mut spacings: Vec<f64> = planes.iter().map(|plane| plane.after).collect();
+        spacings.sort_by(f64::total_cmp);
+        let at = |index: usize| Length::computed(spacings.get(index).copied().unwrap_or(0.0));
+        Self { min: at(0), median: at(spacings.len() / 2), max: at(spacings.len().saturating_sub(1)) }
+    }
+}
+
+/// A candidate without a plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NotRanked {
+    /// The place of the cutter among the candidates.
+    pub candidate: usize,
+    /// Why it has no plan.
+    pub reason: NotRankedReason,
+}
+
+/// Why a candidate has no plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum NotRankedReason {
+    /// The cutter leaves more of the area uncut than allowed.
+    CannotReach(ReachFigures),
+    /// In every direction some slope of the surface has no step-over that keeps the scallop height, or one so small that there would be more
+    /// than 50,000 passes.
+    NoStepOver,
+    /// The cutter gouges the surface beside the contact, or leaves uncut material between its passes, on so much of the area: with its flat end it has no
+    /// passes there.
+    NoHeight {
+        /// The share of the area.
+        share: f64,
+    },
+}
+
+impl fmt::Display for NotRankedReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CannotReach(reach) => write!(
+                f,
+                "the cutter does not reach {:.2} % of the area and leaves up to {:.4} mm there",
+                100.0 * reach.uncut_share,
+                reach.uncut_height.mm()
+            ),
+            Self::NoStepOver => write!(f, "in no direction do {MOST_PLANES} passes or fewer keep the scallop height"),
+            Self::NoHeight { share } => {
+                write!(f, "the cutter gouges the surface beside its contacts on {:.1} % of the area", 100.0 * share)
+            }
+        }
+    }
+}

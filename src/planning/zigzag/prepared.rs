@@ -1,0 +1,50 @@
+//! A candidate with what the simulation needs of it: once for all directions.
+
+use super::candidate::{CandidateCutter, FeedRange};
+use super::settings::ZigzagSettings;
+use super::simulate::Operation;
+use super::slopes::sines;
+use super::spacing::{CutterSpacing, FeedLaw};
+use super::workpiece::Workpiece;
+
+/// A candidate with its spacings.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    pub(super) index: usize,
+    pub(super) candidate: CandidateCutter,
+    pub(super) spacing: CutterSpacing,
+    pub(super) feeds: FeedLaw,
+    pub(super) range: Option<FeedRange>,
+    /// The feed rate of links on the surface, in mm/s.
+    link_rate: f64,
+}
+
+impl Prepared {
+    pub(super) fn new(index: usize, candidate: &CandidateCutter, settings: &ZigzagSettings, rows: &[bool]) -> Self {
+        let feed_rate = settings.machine.limits.feed_rate.mm_s();
+        let range = candidate.drive.map(|drive| FeedRange::of(drive, &settings.machine));
+        let (spacing, feeds) = CutterSpacing::new(candidate.cutter, settings.scallop_height, settings.model, range, rows, feed_rate);
+        let link_rate = range.map_or(feed_rate, |range| range.rate(range.largest));
+        Self { index, candidate: *candidate, spacing, feeds, range, link_rate }
+    }
+
+    pub(super) fn diameter(&self) -> f64 {
+        2.0 * self.candidate.cutter.outer_radius().mm()
+    }
+
+    /// How the cutter is moved, whatever the direction.
+    pub(super) fn operation<'a>(&'a self, settings: &'a ZigzagSettings) -> Operation<'a> {
+        Operation { machine: &settings.machine, pattern: settings.pattern, feeds: &self.feeds, link_rate: self.link_rate }
+    }
+}
+
+/// Which rows of the tables the slopes of the workpiece need.
+pub(super) fn rows_of(workpiece: &Workpiece) -> Vec<bool> {
+    let mut rows = vec![false; sines().len()];
+    for tangent in &workpiece.tangents {
+        let row = tangent.place.row as usize;
+        rows[row] = true;
+        rows[row + 1] = true;
+    }
+    rows
+}

@@ -1,0 +1,193 @@
+// The contact view: its figures, drawings, faults, links, and the time from a keystroke to the answer.
+
+import assert from 'node:assert/strict';
+import os from 'node:os';
+import { test } from 'node:test';
+import { assertFigure, clean, field, shell, startForTests } from './harness.js';
+
+// Of a measurement, until one round meets its bound.
+const ROUNDS = Number(process.env.ROUNDS ?? 1);
+
+const { bench, visit } = startForTests();
+
+/** Waits until the answer to what was typed is shown and drawn. */
+async function settled(page) {
+  await page.locator('#view-contact .answer[aria-busy="false"]').waitFor();
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve))));
+}
+
+/** The figures of the contact view by model. */
+const figures = (page) =>
+  page.evaluate(() => Object.fromEntries(['envelope', 'analytic'].map((model) => [model, Object.fromEntries([...document.querySelectorAll(`#view-contact td[data-model="${model}"] data`)].map((data) => [data.dataset.figure, [data.value, data.textContent]]))])));
+
+const HEIGHTS = new Set(['scallop_height_mm', 'step_over_height_mm', 'feed_height_mm']);
+const SHARES = new Set(['feed_share', 'deviation']);
+const INCH = 25.4;
+
+/** The figures shown are those of an answer, in mm or inch. */
+function assertAnswer(shown, answer, what, isInch = false) {
+  for (const [name, figure] of Object.entries(shown)) {
+    const expected = name === 'deviation' ? answer.check.deviation : answer[name];
+    const perMillimetre = (HEIGHTS.has(name) ? 1000 : 1) / (isInch ? INCH : 1);
+    assertFigure(figure, expected, SHARES.has(name) ? 100 : perMillimetre, `${what} ${name}`);
+  }
+}
+
+test('the contact view shows the figures of the service for every question', async () => {
+  const { page, watch } = await visit('#contact');
+  const cutter = { type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2, teeth: 4 };
+  const shared = { cutter, contact: { slope_deg: 40, feed_angle_deg: 30 } };
+  const questions = [
+    ['Scallop height', 'scallop-height', { step_over_mm: 0.687, feed_per_tooth_mm: 0.15 }, 'scallop_height_mm'],
+    ['Largest step-over', 'step-over', { scallop_tolerance_mm: 0.01, feed_per_tooth_mm: 0.15 }, 'step_over_mm'],
+    ['Largest feed', 'max-feed', { step_over_mm: 0.6, scallop_tolerance_mm: 0.01, spindle_speed_rpm: 8000 }, 'feed_rate_mm_min'],
+    ['Fastest pair', 'cutting-parameters', { scallop_tolerance_mm: 0.01, spindle_speed_rpm: 8000, max_feed_per_tooth_mm: 0.2 }, 'area_rate_mm2_min'],
+  ];
+  for (const [label, endpoint, members, main] of questions) {
+    await page.getByText(label, { exact: true }).first().click();
+    if (members.step_over_mm) await field(page, 'step_over_mm').fill(String(members.step_over_mm));
+    if (members.max_feed_per_tooth_mm) await field(page, 'max_feed_per_tooth_mm').fill(String(members.max_feed_per_tooth_mm));
+    await settled(page);
+    await page.locator(`td[data-model="envelope"] data[data-figure="${main}"]`).waitFor();
+    const shown = await figures(page);
+    for (const model of ['envelope', 'analytic']) {
+      const answer = await bench().service.post(endpoint, { ...shared, ...members, model });
+      assert.ok(Object.keys(shown[model]).length >= 8, `${label}: ${Object.keys(shown[model])}`);
+      assertAnswer(shown[model], answer, `${label} ${model}`);
+    }
+  }
+  // On the way from one question to the next the values may be impossible.
+  clean(watch, { refused: true });
+});
+
+test('the drawn cusp is the service’s height without feed', async () => {
+  const { page, watch } = await visit('#contact');
+  for (const [slope, angle] of [[40, 30], [3, 60], [85, 90], [60, 0]]) {
+    await field(page, 'slope_deg').fill(String(slope));
+    await field(page, 'feed_angle_deg').fill(String(angle));
+    await settled(page);
+    const { envelope } = await figures(page);
+    const drawn = Number(await page.locator('.detail svg[data-cusp-mm]').getAttribute('data-cusp-mm'));
+    const stated = Number(envelope.step_over_height_mm[0]);
+    assert.ok(Math.abs(drawn / stated - 1) < 1e-6, `${slope} ${angle}: drawn ${drawn}, service ${stated}`);
+  }
+  assert.match(await page.locator('.detail').textContent(), /heights × \d+/);
+  clean(watch);
+});
+
+test('vectors, curvature and runout reach the service', async () => {
+  const { page, watch } = await visit('#contact');
+  await page.getByText('Vectors', { exact: true }).click();
+  await page.getByText('Radius', { exact: true }).click();
+  await field(page, 'surface_radius_mm').fill('80');
+  await field(page, 'radial_mm').fill('2');
+  await settled(page);
+  const request = { cutter: { type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2, teeth: 4 }, contact: { normal: [-0.64, 0, 0.77], feed: [1, 0, 0.84] }, surface_radius_mm: 80, runout: { radial_mm: 0.002 }, step_over_mm: 0.687, feed_per_tooth_mm: 0.15 };
+  for (const model of ['envelope', 'analytic']) assertAnswer((await figures(page))[model], await bench().service.post('scallop-height', { ...request, model }), model);
+  clean(watch);
+});
+
+test('a wrong value is marked at its field, and goes when it is mended', async () => {
+  const { page, watch } = await visit('#contact');
+  await field(page, 'corner_radius_mm').fill('8');
+  const fault = page.locator('#view-contact [data-field="corner_radius_mm"] .fault');
+  await fault.waitFor();
+  assert.match(await fault.textContent(), /corner radius/);
+  assert.equal(await field(page, 'corner_radius_mm').getAttribute('aria-invalid'), 'true');
+  await field(page, 'slope_deg').fill('steep');
+  await page.locator('#view-contact [data-field="slope_deg"] .fault').waitFor();
+  await field(page, 'corner_radius_mm').fill('2');
+  await field(page, 'slope_deg').fill('40');
+  await page.locator('td[data-model="envelope"] data[data-figure="scallop_height_mm"]').waitFor();
+  assert.equal(await page.locator('.view:not([hidden]) .fault:visible').count(), 0);
+  clean(watch, { refused: true });
+});
+
+test('a fault of one model stands in its column', async () => {
+  const { page } = await visit('#contact');
+  await field(page, 'slope_deg').fill('0');
+  await page.getByText('Published: no answer.').waitFor();
+  assert.ok((await figures(page)).envelope.scallop_height_mm);
+});
+
+test('a link holds the whole state, inches included', async () => {
+  const { page, watch } = await visit('#contact');
+  await page.locator('#settings').getByText('inch').click();
+  await field(page, 'diameter_mm').fill('0.375');
+  await field(page, 'slope_deg').fill('25');
+  await settled(page);
+  const shown = await figures(page);
+  const request = { cutter: { type: 'toroidal', diameter_mm: 9.525, corner_radius_mm: 2, teeth: 4 }, contact: { slope_deg: 25, feed_angle_deg: 30 }, step_over_mm: 0.687, feed_per_tooth_mm: 0.15 };
+  for (const model of ['envelope', 'analytic']) assertAnswer(shown[model], await bench().service.post('scallop-height', { ...request, model }), `inch ${model}`, true);
+  // The address follows the fields after a moment.
+  await page.waitForFunction(() => location.hash.includes('slope_deg=25'));
+  await page.getByRole('button', { name: 'Copy link' }).first().click();
+  const link = await page.evaluate(() => navigator.clipboard.readText());
+  assert.match(link, /slope_deg=25/);
+  const { page: other, watch: otherWatch } = await visit(link.slice(bench().address.length));
+  await settled(other);
+  assert.deepEqual(await figures(other), shown);
+  assert.equal(await field(other, 'diameter_mm').inputValue(), '0.375');
+  assert.equal(await other.locator('tr[data-row="step_over_mm"] td.unit').textContent(), 'in');
+  clean([...watch, ...otherWatch]);
+});
+
+test('the copied curl command gives the page’s figures', async () => {
+  const { page } = await visit('#contact');
+  await page.locator('data[data-figure="scallop_height_mm"]').first().waitFor();
+  await page.getByRole('button', { name: 'Copy as curl' }).first().click();
+  const command = await page.evaluate(() => navigator.clipboard.readText());
+  const answer = JSON.parse(await shell(command));
+  assertAnswer((await figures(page)).envelope, answer, 'curl');
+});
+
+test('every figure of an answer has a tooltip, and every quantity a unit', async () => {
+  const { page } = await visit('#contact');
+  await page.locator('tr[data-row]').first().waitFor();
+  for (const row of await page.locator('tr[data-row]').all()) {
+    assert.ok((await row.locator('[data-help]').getAttribute('data-help')).length > 10);
+    if ((await row.getAttribute('data-row')) !== 'limited_by') assert.notEqual(await row.locator('td.unit').textContent(), '');
+  }
+  await page.locator('tr[data-row="effective_radius_mm"] .term').hover();
+  assert.match(await page.locator('#tooltip').textContent(), /groove/);
+});
+
+test('an answer follows each keystroke, and the time is reported', async (t) => {
+  const { page, watch } = await visit('#contact');
+  await page.locator('.polar .curve').first().waitFor();
+  const typed = () =>
+    page.evaluate(async () => {
+      const input = document.querySelector('#view-contact [data-field="slope_deg"] input');
+      const found = [];
+      for (let i = 0; i < 60; i += 1) {
+        const answer = document.querySelector('#view-contact .answer');
+        const begun = performance.now();
+        const shown = new Promise((resolve) => new MutationObserver((_, observer) => (observer.disconnect(), resolve(performance.now()))).observe(answer, { childList: true }));
+        input.value = String(30 + Math.random() * 15);
+        input.dispatchEvent(new Event('input', { bubbles: true }));
+        found.push((await shown) - begun);
+        await new Promise((resolve) => setTimeout(resolve, i % 10 === 9 ? 400 : 80));
+      }
+      return found.sort((a, b) => a - b);
+    });
+  const rounds = [];
+  for (let round = 0; round < ROUNDS && !(rounds.at(-1)?.[57] < 50); round += 1) rounds.push(await typed());
+  t.diagnostic(`typing to answer, median / p95: ${rounds.map((waits) => `${waits[30].toFixed(1)} / ${waits[57].toFixed(1)} ms`).join(', ')}; load of the machine ${os.loadavg()[0].toFixed(1)}`);
+  assert.ok(Math.min(...rounds.map((waits) => waits[57])) < 3000);
+  clean(watch);
+});
+
+test('the service may go away and come back', async () => {
+  const { page } = await visit('#contact');
+  await page.locator('data[data-figure="scallop_height_mm"]').first().waitFor();
+  const before = await figures(page);
+  await bench().service.stop();
+  await field(page, 'slope_deg').fill('41');
+  await page.locator('#away').waitFor();
+  await bench().service.start();
+  await page.locator('#away').waitFor({ state: 'hidden', timeout: 10_000 });
+  await page.waitForFunction((old) => document.querySelector('data[data-figure="scallop_height_mm"]').value !== old, before.envelope.scallop_height_mm[0]);
+  const { envelope } = await figures(page);
+  const answer = await bench().service.post('scallop-height', { cutter: { type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2, teeth: 4 }, contact: { slope_deg: 41, feed_angle_deg: 30 }, step_over_mm: 0.687, feed_per_tooth_mm: 0.15, model: 'envelope' });
+  assert.equal(Number(envelope.scallop_height_mm[0]), answer.scallop_height_mm);
+});
