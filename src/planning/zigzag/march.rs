@@ -92,7 +92,8 @@ impl Plane {
 /// Why there are no planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NoPlanes {
-    /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`].
+    /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`] or more than
+    /// [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them.
     TooMany,
     /// Nobody waits for them any more.
     Cancelled,
@@ -102,14 +103,14 @@ pub(super) enum NoPlanes {
 const PLANES_AT_ONCE: usize = 32;
 
 /// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The visitor keeps those that
-/// reach beyond the plane.
+/// reach beyond the plane, and may end the walk.
 ///
 /// # Errors
 /// [`NoPlanes`]
 pub(super) fn march(
     spaced: &Spaced,
     stop: &(dyn Fn() -> bool + Sync),
-    mut visit: impl FnMut(Plane, &mut Vec<Reached>),
+    mut visit: impl FnMut(Plane, &mut Vec<Reached>) -> Result<(), NoPlanes>,
 ) -> Result<(), NoPlanes> {
     let mut planes: usize = 0;
     for band in spaced.sweep.bands(spaced.widest) {
@@ -145,7 +146,7 @@ pub(super) fn march(
             if is_last || rest <= widest / 2.0 {
                 // The half spacing beyond the last plane leaves as much as a whole one between two planes.
                 plane.after = plane.before;
-                visit(plane, &mut walk.reached);
+                visit(plane, &mut walk.reached)?;
                 break;
             }
             // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the border allows that.
@@ -154,7 +155,7 @@ pub(super) fn march(
             if planes == 1 {
                 plane.before = plane.after;
             }
-            visit(plane, &mut walk.reached);
+            visit(plane, &mut walk.reached)?;
             plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: [None; BINDING] };
         }
     }
