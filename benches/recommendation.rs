@@ -1,12 +1,11 @@
-//! The recommendation by method `surface`, stage by stage, for surfaces of 12 000, 100 000 and 1 000 000 facets: `cargo bench --bench recommendation [n ...]`
-//! takes meshes of 2 n^2 facets instead.
-//! Writes `target/benches/recommendation.json`.
+//! Measures the recommendation by method `surface`, stage by stage, for surfaces of 12 000, 100 000 and 1 000 000 facets: `cargo
+//! bench --bench recommendation [n ...]` takes meshes of 2 n^2 facets instead. Writes `target/benches/recommendation.json`.
 //!
 //! `cargo bench --bench recommendation memory n` plans once on a mesh of 2 n^2 facets, of which as many are held as the service holds, and prints
 //! the largest memory of the process.
 //!
-//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions. With two cores, 60 ms
-//! of processor time are 30 ms of time where both are used.
+//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions. With
+//! two cores, 60 ms of processor time are 30 ms of time where both are used.
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
@@ -45,7 +44,7 @@ fn waves(n: u32, facet_limit: usize) -> Mesh {
     builder.finish(Unit::Millimetre, Facing::Up).expect("a mesh")
 }
 
-/// Tori and balls in turn, from 10 mm of diameter in steps of 0.1 mm.
+/// Toroidal and ball-end cutters in turn, with diameters from 10 mm in steps of 0.1 mm.
 fn cutters(count: u32) -> Vec<Cutter> {
     let cutter = |index: u32| {
         let diameter = mm(10.0 + 0.1 * f64::from(index));

@@ -4,6 +4,10 @@
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use tokio::sync::Notify;
+use tokio::time::{Instant, timeout_at};
 
 /// A bound on the bytes reserved at once. Clones share it.
 #[derive(Debug, Clone)]
@@ -14,6 +18,8 @@ struct Shared {
     total: u64,
     reserved: AtomicU64,
     refusals: AtomicU64,
+    /// Notifies those that wait for bytes when some return.
+    returned: Notify,
 }
 
 /// Why bytes were not reserved.
@@ -40,7 +46,7 @@ impl MemoryBudget {
     /// A budget of `total` bytes.
     #[must_use]
     pub fn new(total: u64) -> Self {
-        Self(Arc::new(Shared { total, reserved: AtomicU64::new(0), refusals: AtomicU64::new(0) }))
+        Self(Arc::new(Shared { total, reserved: AtomicU64::new(0), refusals: AtomicU64::new(0), returned: Notify::new() }))
     }
 
     /// The largest reservation, three quarters of the budget: the rest is for the other memory of a request, such as the end of its body,
@@ -103,6 +109,27 @@ impl Reservation {
         })
     }
 
+    /// Reserves `bytes` more, after waiting at most `longest` for others to return theirs.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`]: the reservation is as before.
+    pub async fn grow_within(&mut self, bytes: u64, longest: Duration) -> Result<(), BudgetExceeded> {
+        let deadline = Instant::now() + longest;
+        loop {
+            // Before the attempt, so that bytes that return after it are noticed.
+            let budget = self.budget.clone();
+            let returned = budget.0.returned.notified();
+            match self.try_grow(bytes) {
+                Err(BudgetExceeded::Now) if timeout_at(deadline, returned).await.is_ok() => {}
+                outcome => {
+                    return outcome.inspect_err(|_| {
+                        budget.0.refusals.fetch_add(1, Ordering::Relaxed);
+                    });
+                }
+            }
+        }
+    }
+
     fn try_grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
         let Shared { total, reserved, .. } = &*self.budget.0;
         let own = self.bytes.checked_add(bytes).filter(|own| *own <= self.budget.largest()).ok_or(BudgetExceeded::Always)?;
@@ -117,7 +144,10 @@ impl Reservation {
     pub fn shrink_to(&mut self, bytes: u64) {
         let returned = self.bytes.saturating_sub(bytes);
         self.bytes -= returned;
-        self.budget.0.reserved.fetch_sub(returned, Ordering::Relaxed);
+        if returned > 0 {
+            self.budget.0.reserved.fetch_sub(returned, Ordering::Relaxed);
+            self.budget.0.returned.notify_waiters();
+        }
     }
 
     /// Grows or shrinks to `bytes`.
@@ -141,6 +171,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    const A_MINUTE: Duration = Duration::from_mins(1);
+
     #[test]
     fn dropped_reservations_are_free_for_others() {
         let budget = MemoryBudget::new(100);
@@ -158,6 +190,28 @@ mod tests {
         assert_eq!(reservation.grow(6), Err(BudgetExceeded::Always));
         assert_eq!(reservation.grow(u64::MAX), Err(BudgetExceeded::Always));
         assert_eq!(reservation.bytes(), 70);
+    }
+
+    #[tokio::test]
+    async fn a_reservation_waits_for_bytes_that_return() {
+        let budget = MemoryBudget::new(100);
+        let first = budget.reserve(60).unwrap();
+        let mut second = budget.open();
+        let (grown, ()) = tokio::join!(second.grow_within(50, A_MINUTE), async { drop(first) });
+        assert_eq!((grown, second.bytes()), (Ok(()), 50));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_reservation_waits_no_longer_than_allowed_and_not_for_what_never_fits() {
+        let budget = MemoryBudget::new(100);
+        let _first = budget.reserve(60).unwrap();
+        let mut second = budget.open();
+        let began = Instant::now();
+        assert_eq!(second.grow_within(76, A_MINUTE).await, Err(BudgetExceeded::Always));
+        assert_eq!(began.elapsed(), Duration::ZERO);
+        assert_eq!(second.grow_within(50, A_MINUTE).await, Err(BudgetExceeded::Now));
+        assert!(began.elapsed() >= A_MINUTE);
+        assert_eq!((budget.reserved(), budget.refusals()), (60, 2));
     }
 
     proptest! {

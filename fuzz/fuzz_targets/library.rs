@@ -2,17 +2,21 @@
 
 #![no_main]
 
+mod memory;
 mod packing;
 
 use scallopd::tooling::{MOST_TOOLS, ToolLibrary};
 
+/// What a library of at most 16 KB may take.
+const MOST_BYTES: usize = 64 << 20;
+
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Some((first, content)) = bytes.split_first() else { return };
     let names = ["tools.json", "a.fctb", "a.csv", "a.fctl"];
-    let result = match first % 5 {
+    let result = memory::bounded(MOST_BYTES, || match first % 5 {
         4 => ToolLibrary::read(content, Some("library")),
         name => ToolLibrary::read(&packing::zip(&[(names[usize::from(name)], content)]), Some("library")),
-    };
+    });
     match result {
         Ok(library) => {
             assert!(library.tools().len() <= MOST_TOOLS && (!library.tools().is_empty() || library.others().count() > 0));

@@ -1,5 +1,8 @@
 //! What must hold of every file, read whole or in pieces.
 
+#[path = "memory.rs"]
+mod memory;
+
 use scallopd::surface::read::{Fault, FormatHint, Reader, Summary};
 use scallopd::surface::{LARGEST_COORDINATE, Sink};
 
@@ -44,8 +47,16 @@ fn digest(file: &[u8], chunk: usize, name: &str) -> (Digest, Result<Summary, Fau
     (digest, result)
 }
 
+/// What a file of at most 16 KB may take, at a vertex for every other byte, in blocks and vectors that move to twice their size; a packed one inflates to
+/// some MB.
+const MOST_BYTES: usize = 64 << 20;
+
 /// Reads a file of this name whole and in chunks of a size that its own bytes choose.
 pub fn read(file: &[u8], name: &str) {
+    memory::bounded(MOST_BYTES, || read_twice(file, name));
+}
+
+fn read_twice(file: &[u8], name: &str) {
     let (whole, result) = digest(file, file.len().max(1), name);
     let size = 1 + file.iter().fold(0, |sum: usize, byte| sum + usize::from(*byte)) % 13;
     let (pieces, in_pieces) = digest(file, size, name);

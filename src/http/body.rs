@@ -5,7 +5,8 @@ use super::collected_body::collect;
 use super::middleware::memory_budget;
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object, mark_not_finite};
-use crate::memory_budget::Reservation;
+use crate::cancellation::CancelFlag;
+use crate::memory_budget::{MemoryBudget, Reservation};
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -18,7 +19,10 @@ use std::pin::Pin;
 use std::task::{Context, Poll};
 
 /// A body declared as JSON, not parsed yet. The framework's own extractor answers plain text and stops at the first fault.
-pub(crate) struct JsonBody(Bytes);
+pub(crate) struct JsonBody {
+    json: Bytes,
+    budget: MemoryBudget,
+}
 
 impl<S: Send + Sync> FromRequest<S> for JsonBody {
     type Rejection = Problem;
@@ -29,11 +33,12 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
             return Err(Problem::new(ServiceProblem::UnsupportedMediaType, detail));
         }
         let budget = memory_budget(&request);
-        collect(request.into_body(), &budget).await.map(Self)
+        let json = collect(request.into_body(), &budget).await?;
+        Ok(Self { json, budget })
     }
 }
 
-/// The bytes that an answer for one contact hardly exceeds.
+/// The first capacity of an answer, in bytes; few answers for one contact are larger.
 const USUAL_ANSWER: usize = 1024;
 
 /// An answer that was written where it was computed, off the async threads.
@@ -127,45 +132,62 @@ fn is_json(headers: &HeaderMap) -> bool {
 }
 
 impl JsonBody {
-    /// The body's length in bytes.
-    pub(crate) fn len(&self) -> usize {
-        self.0.len()
+    /// The body as it came.
+    pub(crate) fn json(&self) -> &[u8] {
+        &self.json
     }
 
     /// Reads the body, an object, with `read`. Recorded faults take precedence over a result. Members that `read` does not take are
     /// unknown, which is a fault, too.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
-        read_text(&self.0, read)
+        self.read_until(&CancelFlag::default(), read)
+    }
+
+    /// The same for a large body: once `cancel` is set, reading ends early with any result.
+    pub(crate) fn read_until<T>(
+        &self,
+        cancel: &CancelFlag,
+        read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
+    ) -> Result<T, Problem> {
+        read_text(&self.json, &self.budget, cancel, read)
     }
 }
 
-/// [`JsonBody::read`] for JSON from another source.
-pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
-    let mut faults = Faults::default();
-    match read_into(json, &mut faults, read)? {
+/// [`JsonBody::read_until`] for JSON from another source.
+pub(crate) fn read_text<T>(
+    json: &[u8],
+    budget: &MemoryBudget,
+    cancel: &CancelFlag,
+    read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
+) -> Result<T, Problem> {
+    let mut faults = Faults::until(cancel);
+    let marked;
+    let object = match Object::open_body(json, &mut faults) {
+        Ok(object) => object,
+        Err(error) => {
+            marked = mark_not_finite(json, budget, cancel)?.ok_or_else(|| malformed(&error))?;
+            Object::open_body(marked.text(), &mut faults).map_err(|error| malformed(&error))?
+        }
+    };
+    match read_object(object, &mut faults, read) {
         Ok(result) if faults.is_empty() => Ok(result),
         _ => Err(Problem::faulty_request(faults)),
     }
 }
 
-/// Like [`read_text`], with the faults returned to the caller. The outer error: the text is not JSON.
-pub(crate) fn read_into<T>(
-    json: &[u8],
+/// The problem that a text is not JSON.
+pub(crate) fn malformed(error: &serde_json::Error) -> Problem {
+    Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}"))
+}
+
+/// Reads all of an object, whose members that `read` leaves are unknown.
+pub(crate) fn read_object<'a, T>(
+    object: Result<Object<'a, '_>, Faulted>,
     faults: &mut Faults,
-    read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
-) -> Result<Result<T, Faulted>, Problem> {
-    let malformed = |error| Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}"));
-    let marked;
-    let object = match Object::open_body(json, faults) {
-        Ok(object) => object,
-        Err(error) => {
-            marked = mark_not_finite(json).ok_or_else(|| malformed(error))?;
-            Object::open_body(&marked, faults).map_err(malformed)?
-        }
-    };
-    Ok(object.and_then(|mut object| {
-        let result = read(&mut object, faults);
-        object.close(faults)?;
-        result
-    }))
+    read: impl FnOnce(&mut Object<'a, '_>, &mut Faults) -> Result<T, Faulted>,
+) -> Result<T, Faulted> {
+    let mut object = object?;
+    let result = read(&mut object, faults);
+    object.close(faults)?;
+    result
 }

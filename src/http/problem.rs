@@ -52,10 +52,14 @@ impl Problem {
     /// A well-formed request that cannot be answered because of `faults`. A single fault that is also a problem type gives the problem its
     /// type and figures. A fault of a file determines the status.
     pub(crate) fn faulty_request(faults: Faults) -> Self {
+        let count = faults.count();
         let mut errors = faults.into_listed();
         let (kind, detail, figures) = match errors.as_mut_slice() {
-            [only] => (type_of(only.code), only.detail.clone(), std::mem::take(&mut only.figures)),
-            several => (ServiceProblem::InvalidRequest.into(), format!("{} faults, listed in errors", several.len()), Vec::new()),
+            [only] if count == 1 => (type_of(only.code), only.detail.clone(), std::mem::take(&mut only.figures)),
+            listed => {
+                let which = if count > listed.len() { "the first of them" } else { "listed" };
+                (ServiceProblem::InvalidRequest.into(), format!("{count} faults, {which} in errors"), Vec::new())
+            }
         };
         let of_file = errors.iter().find_map(|fault| match fault.code {
             FaultCode::FileFault(fault) => Some(fault.status()),

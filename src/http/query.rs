@@ -2,10 +2,10 @@
 //! its schema, with the names of nested members joined. A query becomes that JSON and is read by the same readers; faults point
 //! to the query's parameters.
 
-use super::body::read_into;
+use super::body::{malformed, read_object};
 use super::codes::RequestFault;
 use super::problem::Problem;
-use super::reading::{Components, Faulted, Faults, JsonPath, Object};
+use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark};
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ struct QueryMember {
 enum MemberKind {
     Number,
     Word,
-    /// Numbers with commas between them, or the name repeated for each.
+    /// Numbers separated by commas, or the name repeated for each number.
     Numbers,
 }
 
@@ -110,7 +110,7 @@ impl Query {
             }
             match given.iter_mut().find(|(known, _)| known.name == member.name) {
                 None => given.push((member, value)),
-                // Generated clients repeat the name for each number, whatever form the document states.
+                // Generated clients repeat the name for each number, even where the document states another form.
                 Some((_, numbers)) if member.kind == MemberKind::Numbers => {
                     let numbers = numbers.to_mut();
                     numbers.push(',');
@@ -122,7 +122,8 @@ impl Query {
             }
         }
         let (json, mut of_json) = (json_of(&given), Faults::default());
-        let result = read_into(json.as_bytes(), &mut of_json, read)?;
+        let object = Object::open_body(json.as_bytes(), &mut of_json).map_err(|error| malformed(&error))?;
+        let result = read_object(object, &mut of_json, read);
         let is_empty = |pointer: &str| given.iter().any(|(member, value)| value.is_empty() && format!("/{}", member.name) == pointer);
         // The fault of an empty parameter is recorded already.
         faults.take_in(of_json, |pointer| Some(self.pointer(pointer, &given)).filter(|pointer| !is_empty(pointer)));
@@ -257,16 +258,18 @@ fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
 
 /// A number as JSON; anything else as a string, which the reader of numbers refuses.
 fn number(value: &str) -> String {
-    match value.to_ascii_lowercase().as_str() {
-        "nan" => "NaN".to_owned(),
-        "inf" | "infinity" => "Infinity".to_owned(),
-        "-inf" | "-infinity" => "-Infinity".to_owned(),
-        _ => {
-            let is_number = value.starts_with(|first: char| first == '-' || first.is_ascii_digit())
-                && serde_json::from_str::<&serde_json::value::RawValue>(value).is_ok_and(|raw| raw.get().len() == value.len());
-            if is_number { value.to_owned() } else { quoted(value) }
-        }
+    let token = match value.to_ascii_lowercase().as_str() {
+        "nan" => "NaN",
+        "inf" | "infinity" => "Infinity",
+        "-inf" | "-infinity" => "-Infinity",
+        _ => "",
+    };
+    if let Some(mark) = mark(token) {
+        return mark.to_owned();
     }
+    let is_number = value.starts_with(|first: char| first == '-' || first.is_ascii_digit())
+        && serde_json::from_str::<&serde_json::value::RawValue>(value).is_ok_and(|raw| raw.get().len() == value.len());
+    if is_number { value.to_owned() } else { quoted(value) }
 }
 
 fn quoted(text: &str) -> String {

@@ -38,6 +38,7 @@ struct Shared {
     permits: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
+    threads_of_a_permit: usize,
     metrics: Metrics,
 }
 
@@ -77,11 +78,13 @@ impl WorkerPool {
     /// The system starts no threads.
     pub fn start(most: usize, metrics: &Metrics) -> std::io::Result<Self> {
         let cores = std::thread::available_parallelism()?.get();
-        let free = (0..most).map(|_| threads("worker", cores.min(MAX_THREADS_PER_REQUEST))).collect::<Result<_, _>>()?;
+        let threads_of_a_permit = cores.min(MAX_THREADS_PER_REQUEST);
+        let free = (0..most).map(|_| threads("worker", threads_of_a_permit)).collect::<Result<_, _>>()?;
         let shared = Shared {
             free: Mutex::new(free),
             permits: Arc::new(Semaphore::new(most)),
             pieces: threads("piece", cores)?,
+            threads_of_a_permit,
             metrics: metrics.clone(),
         };
         Ok(Self(Arc::new(shared)))
@@ -208,6 +211,20 @@ impl Work {
         Ok(self.workers.admit(Self::LONGEST_WAIT_OF_UPLOAD).await?.run(work).await)
     }
 
+    /// Runs `work` on `count` threads instead of those of the permit whose thread calls this: each thread takes memory.
+    ///
+    /// # Errors
+    /// The system starts no threads.
+    pub fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
+        if count >= rayon::current_num_threads() { Ok(work()) } else { Ok(threads("few", count)?.install(work)) }
+    }
+
+    /// The threads of a permit.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.workers.0.threads_of_a_permit
+    }
+
     /// Runs a piece of work of a few milliseconds, without a permit. Pieces take turns in the order in which they come. Dropping the
     /// future cancels a piece that has not begun.
     pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce() -> T + Send + 'static) -> T {
@@ -220,6 +237,28 @@ impl Work {
     /// [`BudgetExceeded`], which is a problem to answer with.
     pub fn reserve(&self, bytes: u64) -> Result<Reservation, BudgetExceeded> {
         self.budget.reserve(bytes)
+    }
+
+    /// Adds `bytes` to a reservation for work that follows an upload, after waiting for others to return theirs as long as for a permit.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`], which is a problem to answer with.
+    pub async fn grow_after_upload(&self, memory: &mut Reservation, bytes: u64) -> Result<(), BudgetExceeded> {
+        memory.grow_within(bytes, Self::LONGEST_WAIT_OF_UPLOAD).await
+    }
+
+    /// The same for other requests.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`], which is a problem to answer with.
+    pub async fn grow(&self, memory: &mut Reservation, bytes: u64) -> Result<(), BudgetExceeded> {
+        memory.grow_within(bytes, Self::LONGEST_WAIT).await
+    }
+
+    /// The memory budget.
+    #[must_use]
+    pub fn budget(&self) -> &MemoryBudget {
+        &self.budget
     }
 }
 

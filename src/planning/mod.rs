@@ -4,6 +4,7 @@
 //! surface itself.
 
 mod confidence;
+pub mod memory;
 pub mod reach;
 pub mod rectangle;
 pub mod zigzag;

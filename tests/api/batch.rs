@@ -220,3 +220,17 @@ async fn faults_of_the_batch_itself_refuse_it_as_a_whole() {
         }
     }
 }
+
+#[tokio::test]
+async fn faults_of_the_batch_itself_are_listed_with_those_of_its_contacts() {
+    let app = TestApp::start().await;
+    let rows = json!([angles(40.0, 30.0), angles(99.0, 30.0)]);
+    let columns = json!({"slope_deg": [40, 99], "feed_angle_deg": [30, 30]});
+    for path in SINGLES {
+        for (contacts, pointer) in [(rows.clone(), "/contacts/1/slope_deg"), (columns.clone(), "/contacts/slope_deg/1")] {
+            let body = with(with(batch_of(longest(path)), "/contacts", contacts), "/cutter/diameter_mm", -1);
+            let problem = app.refusal(&batch(path), &body).await;
+            assert_eq!(faults(&problem), [("/cutter/diameter_mm", "out-of-range"), (pointer, "out-of-range")]);
+        }
+    }
+}

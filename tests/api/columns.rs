@@ -250,6 +250,7 @@ async fn a_batch_without_any_answer_is_refused_with_its_first_hundred_faults() {
         let problem = app.refusal(&batch(STEP_OVER), &with_contacts(STEP_OVER, contacts)).await;
         let found = faults(&problem);
         assert_eq!((found.len(), found[0], found[99]), (100, (first, "out-of-range"), (last, "out-of-range")));
+        assert_eq!(problem["detail"], "300 faults, the first of them in errors");
     }
     // A single one gives the problem its type and figures.
     let one = json!([{"slope_deg": 40, "feed_angle_deg": 30, "surface_curvature": {"across_per_mm": -0.5}}]);

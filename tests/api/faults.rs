@@ -151,6 +151,8 @@ async fn a_step_over_is_given_in_exactly_one_way() {
     for path in [SCALLOP_HEIGHT, MAX_FEED] {
         let both = with(shortest(path), "/step_over_xy_mm", 0.65);
         assert_fault(&app, path, &both, "/step_over_xy_mm", "conflicting-fields").await;
+        let one_faulty = app.refusal(path, &with(both, "/step_over_mm", -1)).await;
+        assert_eq!(faults(&one_faulty), [("/step_over_mm", "out-of-range"), ("/step_over_xy_mm", "conflicting-fields")]);
         let neither = assert_fault(&app, path, &without(shortest(path), "/step_over_mm"), "/step_over_mm", "missing-field").await;
         assert!(neither["detail"].as_str().unwrap().contains("step_over_xy_mm"), "{neither}");
     }

@@ -61,7 +61,15 @@ async fn run(app: &TestApp, command: &str) -> Value {
             request.multipart(form)
         }
     };
-    request.send().await.unwrap().json().await.unwrap()
+    let answer = request.send().await.unwrap().json().await.unwrap();
+    selected(command, answer)
+}
+
+/// The members of `answer` that a command passes on with `| jq '{name, ...}'`; all of it where it passes on the whole.
+fn selected(command: &str, answer: Value) -> Value {
+    let Some((_, names)) = command.split_once("| jq '{") else { return answer };
+    let names = names.split_once("}'").unwrap().0.split(',').map(str::trim);
+    names.map(|name| (name.to_owned(), answer[name].clone())).collect()
 }
 
 /// Whether `found` is the answer shown, whose numbers are rounded to six digits.

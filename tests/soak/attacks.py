@@ -12,7 +12,9 @@ another client waits longer than 100 ms or is turned away other than by a 503 wi
 import argparse
 import collections
 import gzip
+import io
 import json
+import math
 import multiprocessing
 import os
 import pathlib
@@ -24,6 +26,7 @@ import subprocess
 import sys
 import threading
 import time
+import zipfile
 
 BUDGET_MIB = 512
 MARGIN_MIB = 64
@@ -166,6 +169,111 @@ def four_vertex_floods(address):
     return vertex_flood_ply(address, 4)
 
 
+def binary_stl(side, apart=0.0):
+    """Two facets for each of side x side cells of waves over 100 x 100 mm; with `apart` no two share a corner."""
+    step = 100 / side
+    facet = struct.Struct("<12x9f2x").pack
+    columns = [(i * step, i * step + step * (1 - apart)) for i in range(side)]
+    heights = [tuple(6 * math.sin(0.1 * x) for x in column) for column in columns]
+    parts = [bytes(80), struct.pack("<I", 2 * side * side)]
+    for low, high in columns:
+        from_low, from_high = math.cos(0.12 * low), math.cos(0.12 * high)
+        for (left, right), (on_left, on_right) in zip(columns, heights):
+            a, b = (left, low, on_left * from_low), (right, low, on_right * from_low)
+            c, d = (right, high, on_right * from_high), (left, high, on_left * from_high)
+            parts.append(facet(*a, *b, *c))
+            parts.append(facet(*(a if not apart else (left, low + step * apart, a[2])), *c, *d))
+    return b"".join(parts)
+
+
+def plain_upload(data, name="part.stl", **changed):
+    job = json.dumps({**JOB, **changed}).encode()
+    return form([("parameters", "p.json", job), ("surface", name, data)], compressed=False)
+
+
+def until_answered(address, message, attempts=60):
+    """The statuses of a request that comes again a second after each 503."""
+    statuses = []
+    while len(statuses) < attempts:
+        statuses.append(exchange(address, message))
+        if statuses[-1] != 503:
+            break
+        time.sleep(1)
+    return statuses
+
+
+def uploads(address, count, message):
+    return [status for statuses in side_by_side(count, lambda _: until_answered(address, message)) for status in statuses]
+
+
+def sixteen_uploads(address):
+    return uploads(address, 16, plain_upload(binary_stl(1000), directions_deg=[0]))
+
+
+def sixty_four_uploads(address):
+    return uploads(address, 64, plain_upload(binary_stl(447), directions_deg=[0]))
+
+
+def separate_facets(address):
+    return uploads(address, 4, plain_upload(binary_stl(499, apart=0.01), directions_deg=[0], include=["map", "passes"]))
+
+
+SLOPE = {"mesh": {"points": [[0, 0, 0], [90, 0, 9], [0, 90, 0], [90, 90, 9]], "triangles": [[0, 1, 2], [1, 3, 2]]}}
+
+
+def many_planes(address):
+    """Two hundred cutters with up to 50,000 planes each over two facets, of sixteen clients."""
+    cutters = [{"type": "ball_end", "diameter_mm": 0.85 + 0.0001 * i} for i in range(200)]
+    message = post("/v1/cutter-recommendation", {**JOB, "cutters": cutters, "scallop_height_mm": 1e-6, "surface": SLOPE, "include": ["passes"]})
+    return side_by_side(16, lambda _: exchange(address, message))
+
+
+def fine_patches(address):
+    net = [[[x, y, (x * y) % 7] for x in (0, 20, 40, 60)] for y in (0, 20, 40, 60)]
+    message = post("/v1/cutter-recommendation", {**JOB, "directions_deg": [0], "surface": {"bezier": {"control_points": net}, "samples": 1000}})
+    return side_by_side(16, lambda _: exchange(address, message))
+
+
+def large_json_mesh(address):
+    """Sixty MB of the shortest points and triangles that there are."""
+    body = json.dumps({**JOB, "directions_deg": [0]})[:-1].encode() + b',"surface":{"mesh":{"points":[[0,0,0],[9,0,0],[0,9,0]'
+    body += b",[1,1,1]" * 3_500_000 + b'],"triangles":[[0,1,2]' + b",[0,1,2]" * 4_000_000 + b"]}}}"
+    return side_by_side(4, lambda _: exchange(address, post("/v1/cutter-recommendation", body)))
+
+
+def not_finite(address):
+    body = b'{"contacts":[' + b"NaN," * (16 << 20) + b"NaN]}"
+    return side_by_side(4, lambda _: exchange(address, post("/v1/max-feed/batch", body[: 64 << 20] if len(body) > 64 << 20 else body, True)))
+
+
+def large_bodies_left(address):
+    """Clients that send 64 MB of points and leave while they are read."""
+    body = json.dumps(JOB)[:-1].encode() + b',"surface":{"points":[[0,0,0]' + b",[1,2,3]" * 8_000_000 + b"]}}"
+    message = post("/v1/cutter-recommendation", body)
+    for _ in range(8):
+        stream = connect(address)
+        stream.sendall(message)
+        stream.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        stream.close()
+    return ["left"] * 8
+
+
+def package(address):
+    """A 3MF file with as many vertices as are read, and twice as many triangles."""
+    vertices = b"".join(b'<vertex x="%d" y="%d" z="1"/>' % (i % 100, i // 100) for i in range(10_000)) * 399
+    triangles = b"".join(b'<triangle v1="%d" v2="%d" v3="%d"/>' % (i, i + 1, i + 100) for i in range(9_800)) * 400
+    model = (
+        b'<?xml version="1.0"?><model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>'
+        b'<object id="1" type="model"><mesh><vertices>' + vertices + b"</vertices><triangles>" + triangles + triangles
+        + b'</triangles></mesh></object></resources><build><item objectid="1"/></build></model>'
+    )
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+        archive.writestr("[Content_Types].xml", "<Types/>")
+        archive.writestr("3D/3dmodel.model", model)
+    return uploads(address, 2, plain_upload(file.getvalue(), "part.3mf", directions_deg=[0]))
+
+
 def expensive_batch(contacts):
     """Contacts for which the search of the exact cutter's step-over takes longest of those known: about a millisecond each."""
     contact = {"slope_deg": 0.001, "feed_angle_deg": 0, "surface_radius_mm": 1}
@@ -299,17 +407,31 @@ ATTACKS = {
     "16 MiB in one-byte chunks": (one_byte_chunks, {400}),
     "4200 idle connections": (idle_connections, {"idle"}),
     "half-closed client": (half_closed, {200}),
+    "16 uploads of 100 MB": (sixteen_uploads, {200, 503}),
+    "64 uploads of 20 MB": (sixty_four_uploads, {200, 503}),
+    "4 x 498,000 facets apart, map and passes": (separate_facets, {200, 503}),
+    "16 x 200 cutters of 50,000 planes": (many_planes, {200, 408, 422, 503}),
+    "16 patches of a million samples": (fine_patches, {200, 408, 503}),
+    "4 JSON meshes of 60 MB": (large_json_mesh, {200, 408, 413, 422, 503}),
+    "4 x 64 MiB of NaN": (not_finite, {408, 413, 422, 503}),
+    "8 x 64 MB of points, client leaves": (large_bodies_left, {"left"}),
+    "2 packages of 4 million vertices": (package, {200, 503}),
 }
 
 
+# Work that must be answered; the others have 5 s.
+USUAL_TIMEOUT = {sixteen_uploads, sixty_four_uploads, separate_facets, package}
+
+
 class Server:
-    def __init__(self, program):
+    def __init__(self, program, **settings):
         environment = {
             **os.environ,
             "SCALLOPD_LISTEN": "127.0.0.1:0",
             "SCALLOPD_LOG_LEVEL": "info",
             "SCALLOPD_MEMORY_BUDGET_BYTES": str(BUDGET_MIB << 20),
             "SCALLOPD_REQUEST_TIMEOUT_S": "5",
+            **settings,
         }
         self.process = subprocess.Popen([program], env=environment, stdout=subprocess.PIPE)
         host, port = json.loads(self.process.stdout.readline())["address"].rsplit(":", 1)
@@ -353,7 +475,8 @@ def observe(address, over, results):
 
 def run(program, name):
     attack, expected = ATTACKS[name]
-    server = Server(program)
+    settings = {"SCALLOPD_REQUEST_TIMEOUT_S": "60"} if attack in USUAL_TIMEOUT else {}
+    server = Server(program, **settings)
     over, results = multiprocessing.Event(), multiprocessing.Queue()
     observer = multiprocessing.Process(target=observe, args=(server.address, over, results))
     observer.start()

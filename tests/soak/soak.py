@@ -80,7 +80,9 @@ def mixture():
     feed = {"cutter": CUTTER, "contact": CONTACT, "step_over_mm": 0.5, "scallop_tolerance_mm": 0.02}
     step = {"cutter": CUTTER, "contact": CONTACT, "scallop_tolerance_mm": 0.02}
     contacts = [{"slope_deg": 5 + i % 60, "feed_angle_deg": i % 180} for i in range(2000)]
-    critical = {**SHAPES, "width_mm": 80, "height_mm": 40}
+    toroidal, ball_end = SHAPES["cutters"]
+    job = {"toroidal": toroidal, "ball_end": ball_end, "scallop_height_mm": SHAPES["scallop_height_mm"], "machine": SHAPES["machine"]}
+    critical = {**job, "width_mm": 80, "height_mm": 40}
     surface = {"points": dome(30)}
     endless = post("/v1/scallop-height", {"cutter": "x" * 100_000})
     return [

@@ -54,13 +54,13 @@ const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
 
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    let contacts = MOST_CONTACTS.min(body.len() / SHORTEST_CONTACT);
+    let contacts = MOST_CONTACTS.min(body.json().len() / SHORTEST_CONTACT);
     let memory = work.reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
     work.run(move |cancel| work_out::<C>(&body, cancel)?.holding(memory)).await?
 }
 
 fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
-    body.read(|object, faults| {
+    body.read_until(cancel, |object, faults| {
         let path = object.path();
         let shared = SharedParameters::read(object, faults);
         let defaults = ContactParameters::read(object, C::STATES, faults);
@@ -73,12 +73,8 @@ fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writ
         };
         let are_columns = contacts.get().starts_with('{');
         if !faults.is_empty() {
-            // Nothing is computed, but faults of the contacts as a whole are recorded, too.
-            if are_columns {
-                ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, faults)?;
-            } else {
-                items(contacts, MOST_CONTACTS, path, faults)?;
-            }
+            // Nothing is worked out, but the contacts' own faults are recorded, too.
+            check_contacts::<C>(contacts, &defaults, path, cancel, faults)?;
             return Err(Faulted);
         }
         let batch = Batch { shared: shared?, defaults, calculation: calculation?, selection: selection? };
@@ -92,14 +88,49 @@ fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writ
             return Err(Faulted);
         }
         if count > 0 && whole.failed == count {
-            let first = whole.failures.into_iter().flat_map(|(_, faults)| faults).take(MOST_FAULTS);
-            first.for_each(|fault| {
-                faults.push(fault);
-            });
+            let mut left_out = count;
+            let mut listed = 0;
+            for (_, of_contact) in whole.failures {
+                listed += of_contact.len();
+                if listed > MOST_FAULTS {
+                    break;
+                }
+                left_out -= 1;
+                for fault in of_contact {
+                    faults.push(fault);
+                }
+            }
+            faults.add_left_out(left_out);
             return Err(Faulted);
         }
         Ok(whole.written(&batch, count))
     })
+}
+
+/// Records the faults of contacts that are not worked out.
+fn check_contacts<C: Calculation>(
+    contacts: &RawValue,
+    defaults: &ContactParameters,
+    path: JsonPath<'_>,
+    cancel: &CancelFlag,
+    faults: &mut Faults,
+) -> Result<(), Faulted> {
+    if contacts.get().starts_with('{') {
+        // Columns without faults of their own are read whatever else is wrong.
+        let mut of_columns = Faults::default();
+        let columns = ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, &mut of_columns);
+        faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
+        let columns = columns?;
+        for index in (0..columns.count).take_while(|_| !cancel.is_cancelled()) {
+            let _recorded = columns.contact(index, C::STATES, defaults, columns.path(index, &path), faults);
+        }
+    } else {
+        let contacts = items(contacts, MOST_CONTACTS, path, faults)?;
+        for (index, contact) in contacts.into_iter().enumerate().take_while(|_| !cancel.is_cancelled()) {
+            let _recorded = BatchContact::read(contact, C::STATES, defaults, path.item(index), faults);
+        }
+    }
+    Ok(())
 }
 
 struct Batch<C> {

@@ -9,6 +9,7 @@ mod job;
 mod library;
 pub(crate) mod machines;
 mod map;
+mod memory;
 mod multipart;
 mod parameters;
 mod passes;

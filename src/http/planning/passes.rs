@@ -55,6 +55,13 @@ struct CurvatureColumns {
 }
 
 impl PassesAnswer {
+    /// The memory that it takes to make the passes, in bytes, beside the simulation: the view, with height, facet and side of each cell, and the points.
+    pub(super) fn bytes(workpiece: &Workpiece, simulation: &Simulation) -> u64 {
+        const VIEW: usize = 13 * SIDE * SIDE;
+        let plan = simulation.ranking.plans.first();
+        plan.map_or(0, |plan| VIEW + zigzag::bytes_of_passes(plan, &workpiece.facets, MOST_POINTS)) as u64
+    }
+
     /// The passes of the fastest plan; `None` without a plan.
     pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation) -> Option<Result<Self, TooManyPoints>> {
         let plan = simulation.ranking.plans.first()?;

@@ -4,6 +4,7 @@ use super::answer::{RankedCandidate, RecommendationAnswer, model};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::map::MapAnswer;
+use super::memory::Means;
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
@@ -12,10 +13,12 @@ use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, Sourced, Warning};
+use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
 use crate::planning::{Confidence, Evidence, Job, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
+use crate::surface::mesh::MeshSize;
 use crate::surface::{Shape, ShapeError};
 
 /// A surface that was read, with what is asked of it.
@@ -66,22 +69,32 @@ impl Task {
         self.warnings.extend(warnings);
     }
 
-    /// How many facets the plan is made for.
-    pub(super) fn facets(&self) -> usize {
-        self.workpiece.as_ref().map_or(0, |workpiece| workpiece.facets.len())
+    /// How large the mesh is that the plan is made on.
+    pub(super) fn size(&self) -> MeshSize {
+        self.workpiece.as_ref().map_or(MeshSize { facets: 0, points: 0 }, |workpiece| workpiece.mesh.size())
+    }
+
+    /// How many cutters are compared.
+    pub(super) fn candidates(&self) -> usize {
+        self.parameters.candidates.len()
     }
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true nobody waits for it, and it may be any.
-    pub(super) fn answer(mut self, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
+    pub(super) fn answer(mut self, means: &mut Means, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.workpiece.take()) {
-            (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, stop),
-            (_, workpiece) => self.on_rectangle(workpiece.as_ref(), stop),
+            (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, means, stop),
+            (_, workpiece) => self.on_rectangle(workpiece.as_ref(), means, stop),
         }
     }
 
-    fn on_surface(mut self, workpiece: &Workpiece, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
-        let all: Vec<usize> = (0..self.parameters.candidates.len()).collect();
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, self.parameters.model(), stop) else {
+    fn on_surface(
+        mut self,
+        workpiece: &Workpiece,
+        means: &mut Means,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<RecommendationAnswer, Problem> {
+        let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, means.parallelism, stop) else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
         let ranking = &simulation.ranking;
@@ -93,22 +106,12 @@ impl Task {
             return Err(Problem::no_cutter_fits(not_ranked));
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
-        let passes = if self.parameters.includes(Part::Passes) {
-            match PassesAnswer::new(workpiece, &simulation).transpose() {
-                Ok(passes) => passes,
-                Err(error) => {
-                    self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{error}, and were left out")));
-                    None
-                }
-            }
-        } else {
-            None
-        };
+        let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, means)? } else { None };
         let map = if self.parameters.includes(Part::Map) { MapAnswer::new(workpiece, &simulation) } else { None };
         let critical = self.published().map(|published| published.plan);
         Ok(RecommendationAnswer {
             method: self.parameters.method.into(),
-            model: model(self.parameters.model()),
+            model: model(by),
             recommended: first.into(),
             candidates,
             not_ranked,
@@ -123,7 +126,25 @@ impl Task {
         })
     }
 
-    fn on_rectangle(self, workpiece: Option<&Workpiece>, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
+    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may.
+    fn passes(&mut self, workpiece: &Workpiece, simulation: &Simulation, means: &mut Means) -> Result<Option<PassesAnswer>, Problem> {
+        let passes = match means.memory.grow(PassesAnswer::bytes(workpiece, simulation)) {
+            Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
+            Err(BudgetExceeded::Always) => Err("the passes need more memory than one request may use".to_owned()),
+            Ok(()) => PassesAnswer::new(workpiece, simulation).transpose().map_err(|error| error.to_string()),
+        };
+        Ok(passes.unwrap_or_else(|reason| {
+            self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out")));
+            None
+        }))
+    }
+
+    fn on_rectangle(
+        self,
+        workpiece: Option<&Workpiece>,
+        means: &Means,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
         let feed_rate = self.parameters.machine.limits.feed_rate;
         let slope = if self.shape.steepest_direction.is_some() { self.shape.slope } else { Angle::ZERO };
@@ -138,7 +159,7 @@ impl Task {
         let Some(first) = candidates.first() else { return Err(Problem::no_cutter_fits(not_ranked)) };
         let published = self.published();
         let critical = published.as_ref().map(|published| published.plan);
-        let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, stop);
+        let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, means, stop);
         Ok(RecommendationAnswer {
             method: self.parameters.method.into(),
             model: model(self.parameters.model()),
@@ -162,6 +183,7 @@ impl Task {
         published: Option<Recommendation>,
         candidates: &[RankedCandidate],
         workpiece: Option<&Workpiece>,
+        means: &Means,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> ConfidenceAnswer {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
@@ -169,11 +191,12 @@ impl Task {
         let Some(workpiece) = workpiece else { return (&confidence).into() };
         // The recommended cutter and the next one decide about the order.
         let compared: Vec<usize> = candidates.iter().take(2).map(RankedCandidate::cutter).collect();
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, Model::Envelope, stop) else {
+        let by = Model::Envelope;
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, means.parallelism, stop) else {
             return (&confidence).into();
         };
         let figures = simulation.ranking.surface;
-        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.pieces as usize, simulated: None };
+        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.machined_pieces, simulated: None };
         let simulated = |candidate: &RankedCandidate| {
             let plans = &simulation.ranking.plans;
             plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter()).map(|plan| (candidate.time(), plan.time))

@@ -1,27 +1,19 @@
 //! `POST /v1/cutter-recommendation`: the surface in the JSON body.
 
 use super::answer::RecommendationAnswer;
+use super::memory::{Means, Needs, bytes_of_workpiece, bytes_to_read};
 use super::parameters::Parameters;
 use super::plan::Task;
 use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Components, ObjectSchema};
+use crate::http::reading::{Components, Faulted, ObjectSchema};
 use crate::http::wire::{CUTTERS, SURFACE};
 use crate::http::worker_pool::Work;
+use crate::memory_budget::Reservation;
+use axum::http::StatusCode;
 use utoipa::openapi::{RefOr, Schema};
-
-/// The memory that a surface takes for each byte in which the body states it. A point of 24 bytes is `[0,0,0],` at least; beside it a welded point and its
-/// place in the table take up to twice 34 bytes while they grow: (24 + 68) / 8 is under 12.
-const MEMORY_OF_A_BYTE: u64 = 12;
-
-/// The memory that planning takes for each facet: 128 bytes of the facet, 36 of the mesh, some 150 of the simulation and its order across a direction on each
-/// of two threads.
-const MEMORY_OF_A_FACET: u64 = 400;
-
-/// What the facets of a body can take at most, as they are merged beyond their bound.
-const MOST_MEMORY_OF_A_SURFACE: u64 = 128 << 20;
 
 described!(RecommendationRequest, describe_request);
 
@@ -40,24 +32,42 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     responses((status = 200, description = "The recommendation, with all candidates", body = RecommendationAnswer), Problems),
 )]
 pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    let held = (MEMORY_OF_A_BYTE * body.len() as u64).min(MOST_MEMORY_OF_A_SURFACE + 6 * body.len() as u64);
-    let memory = work.reserve(held)?;
-    let planning = work.clone();
-    let work_out = move |cancelled: &CancelFlag| {
-        // Until the answer is ready.
-        let _memory = memory;
-        let task = body.read(|object, faults| {
-            let parameters = Parameters::read(object, [], Ok(()), faults);
-            let surface = object.required(&SURFACE, faults);
-            Task::new(parameters?, surface?, &object.path().member(SURFACE.name), faults)
-        })?;
-        answer_to(task, &planning, cancelled)
-    };
-    work.run(work_out).await?
+    let mut memory = work.reserve(0)?;
+    work.grow(&mut memory, bytes_to_read(body.json())).await?;
+    let read = move |cancelled: &CancelFlag| read(&body, memory, cancelled);
+    let (task, mut memory) = work.run(read).await??;
+    let Needs { bytes, parallelism } = Needs::of_plan(task.size(), task.candidates(), &work);
+    memory.shrink_to(bytes);
+    let more = bytes - memory.bytes();
+    work.grow(&mut memory, more).await?;
+    work.run(move |cancelled| answer_to(task, Means { memory, parallelism }, cancelled)).await?
 }
 
-/// Plans within the memory budget, and writes the answer.
-pub(super) fn answer_to(task: Task, work: &Work, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
-    let _memory = work.reserve(MEMORY_OF_A_FACET * task.facets() as u64)?;
-    WrittenJson::of(&task.answer(&|| cancelled.is_cancelled())?)
+/// Reads a body and makes the facets to plan on, for which `memory` grows.
+fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Result<(Task, Reservation), Problem> {
+    let mut exceeded = None;
+    let task = body.read_until(cancelled, |object, faults| {
+        let parameters = Parameters::read(object, [], Ok(None), faults);
+        let surface = object.required(&SURFACE, faults);
+        let (parameters, surface) = (parameters?, surface?);
+        if let Err(error) = memory.grow(bytes_of_workpiece(&surface.surface.mesh)) {
+            exceeded = Some(error);
+            return Err(Faulted);
+        }
+        Task::new(parameters, surface, &object.path().member(SURFACE.name), faults)
+    });
+    match exceeded {
+        Some(exceeded) => Err(exceeded.into()),
+        None => Ok((task?, memory)),
+    }
+}
+
+/// Plans with these means, and writes the answer.
+pub(super) fn answer_to(task: Task, mut means: Means, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+    let threads = means.parallelism.threads;
+    let answer = Work::on_threads(threads, || task.answer(&mut means, &|| cancelled.is_cancelled())).map_err(|error| {
+        tracing::error!(%error, "no threads for a recommendation");
+        Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
+    })??;
+    WrittenJson::of(&answer)?.holding(means.memory)
 }

@@ -5,10 +5,12 @@ use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{PIECES_NAME, SELECT};
 use crate::milling::Model;
+use crate::planning::memory::Parallelism;
 use crate::planning::reach::{ReachMap, Uncut};
 use crate::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
 use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility};
 use crate::surface::{FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
+use std::collections::BTreeSet;
 
 /// The side of the raster on which cutters are tried and maps are drawn.
 const SIDE: usize = 256;
@@ -18,6 +20,8 @@ pub(super) struct Workpiece {
     pub(super) mesh: Mesh,
     pub(super) visibility: Visibility,
     pub(super) pieces: u32,
+    /// The number of pieces of which a facet is machined.
+    pub(super) machined_pieces: usize,
     /// Whether each facet of the mesh is selected and not too steep.
     machined: Vec<bool>,
     /// The facets that a plan is made for.
@@ -81,8 +85,10 @@ impl Workpiece {
         if !machined.contains(&true) {
             return Err(NoWorkpiece::NothingToMachine);
         }
+        let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
+        let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
         let view = mesh.seen_from_above(SIDE);
-        Ok(Self { mesh, visibility, pieces: pieces.count(), machined, facets, places, view })
+        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
     }
 
     /// Where the facet that a cell shows stands among those of the plan.
@@ -114,9 +120,10 @@ impl Simulation {
         places: &[usize],
         shape: &Shape,
         model: Model,
+        parallelism: Parallelism,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let settings = parameters.settings(shape, model);
+        let settings = ZigzagSettings { candidates_at_once: parallelism.candidates, ..parameters.settings(shape, model) };
         let reach = ReachMap::new(&workpiece.mesh, &workpiece.view, &workpiece.machined);
         let mut candidates = Vec::with_capacity(places.len());
         // A map of each cutter takes a quarter of a MB, so that only the figures are kept.
@@ -134,7 +141,7 @@ impl Simulation {
         if stop() {
             return None;
         }
-        let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.pieces as usize };
+        let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.machined_pieces };
         let ranking = rank(&workpiece.facets, &candidates, &settings, evidence, stop)?;
         Some(Self { settings, candidates, ranking, reach })
     }

@@ -3,6 +3,7 @@
 
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
+use super::memory::{Means, Needs};
 use super::multipart::{Form, Head};
 use super::parameters::Parameters;
 use super::plan::Task;
@@ -14,9 +15,10 @@ use crate::http::document::described;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
-use crate::http::wire::{ReceivedSurface, SURFACE, Sourced};
+use crate::http::wire::{MOST_CUTTERS, ReceivedSurface, SURFACE, Sourced};
 use crate::http::worker_pool::Work;
-use crate::memory_budget::Reservation;
+use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
+use crate::planning::memory::Parallelism;
 use crate::surface::read::{self, Format, FormatHint, Reader, TextBlock};
 use crate::surface::{SampledSurface, Sink};
 use crate::tooling::ToolLibrary;
@@ -69,8 +71,16 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 )]
 pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
     let received = Received::read(&mut form, &work, &metrics).await?;
-    let planning = work.clone();
-    work.run_after_upload(move |cancelled| received.answer(&planning, cancelled)).await?
+    let mut memory = work.reserve(0)?;
+    let mut parallelism = Parallelism { threads: 1, candidates: 1 };
+    if let Some(Ok(surface)) = &received.surface {
+        let needs = Needs::after_reading(&surface.surface.mesh, MOST_CUTTERS, &work);
+        work.grow_after_upload(&mut memory, needs.bytes).await?;
+        parallelism = needs.parallelism;
+    }
+    let means = Means { memory, parallelism };
+    let budget = work.budget().clone();
+    work.run_after_upload(move |cancelled| received.answer(means, &budget, cancelled)).await?
 }
 
 /// What arrived.
@@ -92,8 +102,8 @@ impl Received {
         while let Some(head) = form.next().await? {
             match head.name.as_deref() {
                 Some(name) if name == SURFACE.name && received.surface.is_none() => {
-                    let mut memory = work.reserve(0)?;
-                    received.surface = Some(read_file(form, &head, work, metrics, &mut memory).await?);
+                    let (surface, memory) = read_file(form, &head, work, metrics, work.reserve(0)?).await?;
+                    received.surface = Some(surface);
                     received.memory.push(memory);
                 }
                 Some(PARAMETERS) if received.parameters.is_none() => {
@@ -130,7 +140,7 @@ impl Received {
         self.faults.push(fault);
     }
 
-    fn answer(mut self, work: &Work, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+    fn answer(mut self, means: Means, budget: &MemoryBudget, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
         let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
             let _ = (self.surface(&mut faults), self.libraries.check(&mut faults));
@@ -138,16 +148,16 @@ impl Received {
             faults.add(&path, RequestFault::MissingField, "the part is missing: the cutters and the machine, as JSON");
             return Err(Problem::faulty_request(faults));
         };
-        let task = read_text(&parameters, |object, faults| {
+        let task = read_text(&parameters, budget, cancelled, |object, faults| {
             let libraries = std::mem::take(&mut self.libraries);
-            let (checked, warning) = (libraries.check(faults), libraries.warning());
+            let (checked, warning) = (libraries.check(faults).map(|()| libraries.left_out()), libraries.warning());
             let parameters = Parameters::read(object, libraries.into_candidates(), checked, faults);
             let surface = self.surface(faults);
             let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults)?;
             task.warn(warning);
             Ok(task)
         })?;
-        answer_to(task, work, cancelled)
+        answer_to(task, means, cancelled)
     }
 
     /// The surface, with the faults of the form and the file recorded.
@@ -165,49 +175,73 @@ impl Received {
 }
 
 /// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
-/// is received; no more than these two are held.
-async fn read_file(
-    form: &mut Form,
-    head: &Head,
-    work: &Work,
-    metrics: &Metrics,
-    held: &mut Reservation,
-) -> Result<Result<Sourced, read::Fault>, Problem> {
-    let hint = FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref());
-    let mut reader = Reader::new(hint).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE).with_archive_limit(LARGEST_ARCHIVE);
-    let mut surface = ReceivedSurface::new();
+/// is received; no more than these two are held. `memory` is what the file holds.
+async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics, memory: Reservation) -> Result<ReadFile, Problem> {
+    let mut file = File::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()), memory);
     let mut received = Block::receive(form, metrics).await?;
     while !received.pieces.is_empty() {
         let block = received;
         let reading = work.run_piece(move || {
-            let pushed = block.read(&mut reader, &mut surface);
-            (reader, surface, pushed)
+            let taken = file.take(&block);
+            (file, taken)
         });
         let (worked, next) = tokio::join!(reading, Block::receive(form, metrics));
-        let pushed;
-        (reader, surface, pushed) = worked;
-        // What the reader and the facets hold; a block adds a few times its size, for which there is room beside the budget.
-        held.resize(reader.held_bytes() as u64 + surface.held_bytes())?;
+        let taken;
+        (file, taken) = worked;
         received = next?;
-        if let Err(fault) = pushed {
-            return Ok(Err(fault));
+        if let Err(fault) = taken? {
+            return Ok((Err(fault), file.memory));
         }
     }
-    if reader.is_archive() {
-        // A package is inflated once it has arrived, and its meshes are held until they are placed.
-        held.grow(MEMORY_OF_A_PACKAGE)?;
+    // A package is read as a whole, which takes longer than a piece of work may.
+    let (is_archive, metrics) = (file.reader.is_archive(), metrics.clone());
+    let finish = move || file.finish(&metrics);
+    let finished = if is_archive { work.run_after_upload(move |_| finish()).await? } else { work.run_piece(finish).await };
+    Ok(finished?)
+}
+
+/// What was read of a file, with the memory that it holds.
+type ReadFile = (Result<Sourced, read::Fault>, Reservation);
+
+/// A surface file as it is read.
+struct File {
+    reader: Reader,
+    surface: ReceivedSurface,
+    memory: Reservation,
+}
+
+impl File {
+    fn new(hint: FormatHint, memory: Reservation) -> Self {
+        let reader = Reader::new(hint).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE).with_archive_limit(LARGEST_ARCHIVE);
+        Self { reader, surface: ReceivedSurface::new(), memory }
     }
-    let (surface, finished) = work
-        .run_piece(move || {
-            let finished = reader.finish(&mut surface);
-            (surface, finished)
-        })
-        .await;
-    held.resize(surface.held_bytes())?;
-    Ok(finished.map(|summary| {
-        metrics.upload_facets(format_label(summary.format), if summary.facets > 0 { summary.facets } else { summary.points });
-        Sourced::of_file(surface, summary)
-    }))
+
+    /// Reads a block. What it can take at most is reserved while it is read, and then what is held.
+    fn take(&mut self, block: &Block) -> Result<Result<(), read::Fault>, BudgetExceeded> {
+        let bytes: usize = block.pieces.iter().map(Bytes::len).sum();
+        let held = self.reader.held_bytes();
+        // A package is collected in one vector, which moves to twice its size.
+        let collected = if self.reader.is_archive() { 2 * (held + bytes) } else { 0 };
+        self.memory.grow(self.surface.bytes_to_take(bytes, held / size_of::<[f64; 3]>()) + collected as u64)?;
+        let pushed = block.read(&mut self.reader, &mut self.surface);
+        self.memory.resize(self.reader.held_bytes() as u64 + self.surface.held_bytes())?;
+        Ok(pushed)
+    }
+
+    /// Reads the file's end: of a package, all of it.
+    fn finish(mut self, metrics: &Metrics) -> Result<ReadFile, BudgetExceeded> {
+        if self.reader.is_archive() {
+            self.memory.grow(MEMORY_OF_A_PACKAGE + self.surface.bytes_to_take_package())?;
+        }
+        let Self { reader, mut surface, mut memory } = self;
+        let finished = reader.finish(&mut surface);
+        memory.resize(surface.held_bytes())?;
+        let sourced = finished.map(|summary| {
+            metrics.upload_facets(format_label(summary.format), if summary.facets > 0 { summary.facets } else { summary.points });
+            Sourced::of_file(surface, summary)
+        });
+        Ok((sourced, memory))
+    }
 }
 
 /// Consecutive data of a part, as they arrived.

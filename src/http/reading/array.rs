@@ -2,28 +2,41 @@
 
 use super::object::describe;
 use super::{Faulted, Faults, JsonPath};
+use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
-use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Passes every item of the array `raw` to `take`, until one is not a `T`.
-pub(crate) fn each<'a, T: Deserialize<'a>>(raw: &'a RawValue, take: impl FnMut(T)) -> serde_json::Result<()> {
-    struct Each<T, F>(F, PhantomData<T>);
+/// Items that are read between two checks whether reading is cancelled.
+const TURN: usize = 256;
+
+/// Passes every item of the array `raw` to `take`, until one is not a `T` or the reading that `faults` belongs to is cancelled.
+pub(crate) fn each<'a, T: Deserialize<'a>>(raw: &'a RawValue, faults: &Faults, take: impl FnMut(T)) -> serde_json::Result<()> {
+    each_until(raw, faults.cancel_flag(), take)
+}
+
+fn each_until<'a, T: Deserialize<'a>>(raw: &'a RawValue, cancel: Option<CancelFlag>, take: impl FnMut(T)) -> serde_json::Result<()> {
+    struct Each<T, F>(F, Option<CancelFlag>, PhantomData<T>);
     impl<'de, T: Deserialize<'de>, F: FnMut(T)> Visitor<'de> for Each<T, F> {
         type Value = ();
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             f.write_str("an array")
         }
         fn visit_seq<A: SeqAccess<'de>>(mut self, mut items: A) -> Result<(), A::Error> {
+            let mut count = 0_usize;
             while let Some(item) = items.next_element()? {
                 (self.0)(item);
+                count += 1;
+                if count.is_multiple_of(TURN) && self.1.as_ref().is_some_and(CancelFlag::is_cancelled) {
+                    return Err(A::Error::custom("cancelled"));
+                }
             }
             Ok(())
         }
     }
-    serde_json::Deserializer::from_str(raw.get()).deserialize_seq(Each(take, PhantomData))
+    serde_json::Deserializer::from_str(raw.get()).deserialize_seq(Each(take, cancel, PhantomData))
 }
 
 /// Passes every item of the array `raw` to `take` unread, in order.
@@ -33,7 +46,7 @@ pub(crate) fn each_raw<'a>(
     faults: &mut Faults,
     mut take: impl FnMut(&'a RawValue, &mut Faults),
 ) -> Result<(), Faulted> {
-    each(raw, |item: &'a RawValue| take(item, faults))
+    each_until(raw, faults.cancel_flag(), |item: &'a RawValue| take(item, faults))
         .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))))
 }
 
@@ -71,4 +84,22 @@ pub(crate) fn for_runs_of_items<'a>(
         take(count - items.len(), items);
     }
     Ok(count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cancelled_array_is_not_read_to_its_end() {
+        let cancel = CancelFlag::default();
+        cancel.cancel();
+        let json = format!("[{}0]", "0,".repeat(10 * TURN));
+        let raw: &RawValue = serde_json::from_str(&json).unwrap();
+        let mut count = 0;
+        assert!(each(raw, &Faults::until(&cancel), |_: u32| count += 1).is_err());
+        assert_eq!(count, TURN);
+        assert!(each(raw, &Faults::default(), |_: u32| count += 1).is_ok());
+        assert_eq!(count, 11 * TURN + 1);
+    }
 }

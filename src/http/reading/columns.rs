@@ -106,7 +106,7 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
             cells.values = values;
             return Ok(cells);
         }
-        let read = each(raw, |value: Option<P>| {
+        let read = each(raw, faults, |value: Option<P>| {
             count += 1;
             if count <= most {
                 cells.values.push(value);
@@ -116,7 +116,7 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
             // The pass above stops at the first item of another type; this one finds all of them.
             cells.values.clear();
             count = 0;
-            let read = each(raw, |item: &RawValue| {
+            let read = each(raw, faults, |item: &RawValue| {
                 count += 1;
                 if count > most {
                     return;

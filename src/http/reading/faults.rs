@@ -1,6 +1,7 @@
 //! The faults of a request, each with its code and location.
 
 use super::JsonPath;
+use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, ProblemFigure, RequestFault};
 use std::fmt;
 
@@ -33,6 +34,9 @@ pub(crate) struct Faults {
     most_listed: usize,
     listed: Vec<Fault>,
     unlisted: usize,
+    left_out: usize,
+    /// Ends the reading of arrays when it is set.
+    cancel: Option<CancelFlag>,
 }
 
 impl Default for Faults {
@@ -47,7 +51,17 @@ impl Faults {
 
     /// No faults. Beyond `most_listed` they are counted, not listed.
     pub(crate) fn at_most(most_listed: usize) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0 }
+        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, cancel: None }
+    }
+
+    /// No faults of a body that is read until `cancel` is set.
+    pub(crate) fn until(cancel: &CancelFlag) -> Self {
+        Self { cancel: Some(cancel.clone()), ..Self::default() }
+    }
+
+    /// The flag that ends the reading of arrays.
+    pub(super) fn cancel_flag(&self) -> Option<CancelFlag> {
+        self.cancel.clone()
     }
 
     /// Records a fault and returns the proof.
@@ -70,9 +84,20 @@ impl Faults {
         Faulted
     }
 
+    /// Counts faults that are left out of the list on purpose: the number of all shows it, no entry of the list.
+    pub(crate) fn add_left_out(&mut self, count: usize) {
+        self.left_out += count;
+    }
+
+    /// The number of all faults, listed or not.
+    pub(crate) fn count(&self) -> usize {
+        self.listed.len() + self.unlisted + self.left_out
+    }
+
     /// Adds `others` with their pointers mapped by `pointer`; those mapped to `None` are left out.
     pub(crate) fn take_in(&mut self, others: Self, pointer: impl Fn(&str) -> Option<String>) {
         self.unlisted += others.unlisted;
+        self.left_out += others.left_out;
         for fault in others.listed {
             if let Some(pointer) = pointer(&fault.pointer) {
                 self.push(Fault { pointer, ..fault });

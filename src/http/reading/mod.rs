@@ -22,6 +22,6 @@ pub(crate) use kinds::{Choice, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;
 pub(crate) use member::{Kind, Member, PlainKind, WireObject};
 pub(crate) use members::{Form, Members, PlainMembers, members};
-pub(crate) use not_finite::mark_not_finite;
+pub(crate) use not_finite::{mark, mark_not_finite};
 pub(crate) use object::{Object, describe};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};

@@ -2,6 +2,9 @@
 //! them, and each is replaced by a string that the readers of numbers recognize, so that its fault has a location and concerns
 //! one contact only.
 
+use crate::cancellation::CancelFlag;
+use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
+
 /// The tokens and the JSON strings that replace them. A control character distinguishes them from texts of callers.
 const MARKS: [(&str, &str); 3] = [("NaN", r#""\u0000NaN""#), ("-Infinity", r#""\u0000-Infinity""#), ("Infinity", r#""\u0000Infinity""#)];
 
@@ -10,45 +13,123 @@ pub(super) fn token(value: &str) -> Option<&'static str> {
     MARKS.iter().find(|(_, mark)| *mark == value).map(|(token, _)| *token)
 }
 
-/// `json` with its tokens outside strings replaced; `None` where there are none.
-pub(crate) fn mark_not_finite(json: &[u8]) -> Option<Vec<u8>> {
-    let (mut marked, mut copied, mut at) = (Vec::new(), 0, 0);
-    let mut in_string = false;
-    while let Some(byte) = json.get(at) {
-        match byte {
-            b'\\' if in_string => at += 1,
-            b'"' => in_string = !in_string,
-            b'N' | b'I' | b'-' if !in_string => {
-                if let Some((token, mark)) = MARKS.iter().find(|(token, _)| json[at..].starts_with(token.as_bytes())) {
-                    marked.extend_from_slice(&json[copied..at]);
-                    marked.extend_from_slice(mark.as_bytes());
-                    at += token.len();
-                    copied = at;
-                    continue;
+/// The JSON value that replaces a token.
+pub(crate) fn mark(token: &str) -> Option<&'static str> {
+    MARKS.iter().find(|(known, _)| *known == token).map(|(_, mark)| *mark)
+}
+
+/// A text whose tokens are replaced, with the memory that it holds.
+pub(crate) struct Marked {
+    text: Vec<u8>,
+    _memory: Reservation,
+}
+
+impl Marked {
+    pub(crate) fn text(&self) -> &[u8] {
+        &self.text
+    }
+}
+
+/// `json` with its tokens outside strings replaced; `None` where there are none. A cancelled scan ends early, and nobody waits for its result.
+pub(crate) fn mark_not_finite(json: &[u8], budget: &MemoryBudget, cancel: &CancelFlag) -> Result<Option<Marked>, BudgetExceeded> {
+    let growth: usize = Tokens::new(json, cancel).map(|(_, token, mark)| mark.len() - token.len()).sum();
+    if growth == 0 {
+        return Ok(None);
+    }
+    let length = json.len() + growth;
+    let memory = budget.reserve(length as u64)?;
+    let (mut text, mut copied) = (Vec::with_capacity(length), 0);
+    for (at, token, mark) in Tokens::new(json, cancel) {
+        text.extend_from_slice(&json[copied..at]);
+        text.extend_from_slice(mark.as_bytes());
+        copied = at + token.len();
+    }
+    text.extend_from_slice(&json[copied..]);
+    Ok(Some(Marked { text, _memory: memory }))
+}
+
+/// The tokens outside strings, each with its place and its mark, until the scan is cancelled.
+struct Tokens<'a> {
+    json: &'a [u8],
+    cancel: &'a CancelFlag,
+    at: usize,
+    in_string: bool,
+    next_check: usize,
+}
+
+impl<'a> Tokens<'a> {
+    /// Bytes between two checks of the flag: some tenths of a millisecond.
+    const TURN: usize = 1 << 18;
+
+    fn new(json: &'a [u8], cancel: &'a CancelFlag) -> Self {
+        Self { json, cancel, at: 0, in_string: false, next_check: 0 }
+    }
+}
+
+impl Iterator for Tokens<'_> {
+    type Item = (usize, &'static str, &'static str);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while let Some(byte) = self.json.get(self.at) {
+            if self.at >= self.next_check {
+                if self.cancel.is_cancelled() {
+                    return None;
                 }
+                self.next_check = self.at + Self::TURN;
             }
-            _ => {}
+            match byte {
+                b'\\' if self.in_string => self.at += 1,
+                b'"' => self.in_string = !self.in_string,
+                b'N' | b'I' | b'-' if !self.in_string => {
+                    let rest = &self.json[self.at..];
+                    if let Some(&(token, mark)) = MARKS.iter().find(|(token, _)| rest.starts_with(token.as_bytes())) {
+                        let at = self.at;
+                        self.at += token.len();
+                        return Some((at, token, mark));
+                    }
+                }
+                _ => {}
+            }
+            self.at += 1;
         }
-        at += 1;
+        None
     }
-    if copied == 0 {
-        return None;
-    }
-    marked.extend_from_slice(&json[copied..]);
-    Some(marked)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn marked(json: &[u8]) -> Option<Marked> {
+        mark_not_finite(json, &MemoryBudget::new(1000), &CancelFlag::default()).unwrap()
+    }
+
     #[test]
     fn tokens_are_marked_outside_strings_only() {
-        let marked = mark_not_finite(br#"{"NaN": [NaN, -Infinity, 1], "b": "a\"NaN", "c":Infinity}"#).unwrap();
-        let value: serde_json::Value = serde_json::from_slice(&marked).unwrap();
+        let text = marked(br#"{"NaN": [NaN, -Infinity, 1], "b": "a\"NaN", "c":Infinity}"#).unwrap();
+        let value: serde_json::Value = serde_json::from_slice(text.text()).unwrap();
         assert_eq!(value, serde_json::json!({"NaN": ["\0NaN", "\0-Infinity", 1], "b": "a\"NaN", "c": "\0Infinity"}));
         assert_eq!(token(r#""\u0000-Infinity""#), Some("-Infinity"));
         assert_eq!(token("\"NaN\""), None);
-        assert_eq!(mark_not_finite(br#"{"a": "NaN", "b": -1"#), None);
+        assert!(marked(br#"{"a": "NaN", "b": -1"#).is_none());
+    }
+
+    #[test]
+    fn the_copy_is_reserved_as_long_as_it_is_held() {
+        let (budget, cancel) = (MemoryBudget::new(100), CancelFlag::default());
+        // 9 bytes, of which 3 become 11.
+        let held = mark_not_finite(br#"{"a":NaN}"#, &budget, &cancel).unwrap();
+        assert_eq!(budget.reserved(), 17);
+        drop(held);
+        assert_eq!(budget.reserved(), 0);
+        let flood = format!("[{}]", "NaN,".repeat(10));
+        assert_eq!(mark_not_finite(flood.as_bytes(), &budget, &cancel).map(|_| ()), Err(BudgetExceeded::Always));
+    }
+
+    #[test]
+    fn a_cancelled_scan_ends() {
+        let cancel = CancelFlag::default();
+        cancel.cancel();
+        assert!(mark_not_finite(b"[NaN]", &MemoryBudget::new(100), &cancel).unwrap().is_none());
     }
 }

@@ -70,10 +70,10 @@ impl CurvatureMembers {
     pub(super) fn stated(&self) -> Option<Result<Option<StatedCurvature>, Faulted>> {
         let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
         match (self.radius, self.curvature) {
-            (Ok(Some(_)), Ok(Some(_))) => None,
+            (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
             (Ok(radius), Ok(None)) => Some(Ok(radius.map(of(SURFACE_RADIUS.name)))),
             (Ok(None), Ok(curvature)) => Some(Ok(curvature.map(of(SURFACE_CURVATURE.name)))),
-            (Err(faulted), _) | (_, Err(faulted)) => Some(Err(faulted)),
+            (Err(faulted), Ok(None)) | (Ok(None), Err(faulted)) => Some(Err(faulted)),
         }
     }
 }

@@ -10,7 +10,7 @@ use utoipa::openapi::{RefOr, Schema};
 /// Passes every point of the array `raw` to `take`, in order. Before a fault is found, `take` may have been called.
 pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
     let mut in_bounds = true;
-    let read = each(raw, |point: [f64; 3]| {
+    let read = each(raw, faults, |point: [f64; 3]| {
         in_bounds &= is_in_bounds(point);
         take(point);
     });

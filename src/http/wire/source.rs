@@ -77,6 +77,17 @@ impl ReceivedSurface {
     pub(crate) fn held_bytes(&self) -> u64 {
         self.mesh.held_bytes() as u64
     }
+
+    /// The memory that it takes beside what is held to take in `bytes` of a file whose reader holds `vertices` vertices: no format states a facet in
+    /// fewer than 4 bytes or a vertex in fewer than 6, and a vertex of a text is held a while, in a vector that moves to twice its size.
+    pub(crate) fn bytes_to_take(&self, bytes: usize, vertices: usize) -> u64 {
+        (self.mesh.bytes_to_take(bytes / 4, bytes / 6 + vertices) + 12 * bytes) as u64
+    }
+
+    /// The memory that it takes beside what is held to take in a package, whatever is in it.
+    pub(crate) fn bytes_to_take_package(&self) -> u64 {
+        self.mesh.bytes_to_take(MOST_FACETS, 3 * MOST_FACETS) as u64
+    }
 }
 
 impl Sink for ReceivedSurface {

@@ -18,15 +18,13 @@ members! {
 impl StepOverMembers {
     /// The step-over, if one is given.
     pub(super) fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
-        match (self.along_surface?, self.seen_from_above?) {
-            (Some(_), Some(_)) => {
-                let detail = "give step_over_mm or step_over_xy_mm, not both";
-                Err(faults.add(&path.member(STEP_OVER_XY.name), RequestFault::ConflictingFields, detail))
-            }
-            (Some(s), None) => Ok(Some(StepOver::AlongSurface(s))),
-            (None, Some(d)) => Ok(Some(StepOver::SeenFromAbove(d))),
-            (None, None) => Ok(None),
+        let is_given = |stated: &Result<Option<Length>, Faulted>| !matches!(stated, Ok(None));
+        if is_given(&self.along_surface) && is_given(&self.seen_from_above) {
+            let detail = "give step_over_mm or step_over_xy_mm, not both";
+            return Err(faults.add(&path.member(STEP_OVER_XY.name), RequestFault::ConflictingFields, detail));
         }
+        let along_surface = self.along_surface?.map(StepOver::AlongSurface);
+        Ok(along_surface.or(self.seen_from_above?.map(StepOver::SeenFromAbove)))
     }
 }
 

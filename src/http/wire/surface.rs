@@ -146,7 +146,7 @@ impl Kind for MeshKind {
         let mut object = Object::open(raw, path, faults)?;
         let points = match object.take(MESH_POINTS.name, faults) {
             Some(raw) => {
-                let mut points = Vec::new();
+                let mut points = Vec::with_capacity(most_items(raw));
                 each_point(raw, path.member(MESH_POINTS.name), faults, |point| points.push(point)).map(|()| points)
             }
             None => object.required(&MESH_POINTS, faults).and(Err(Faulted)),
@@ -161,6 +161,13 @@ impl Kind for MeshKind {
             ObjectSchema::new("Triangles between points", components).required(&MESH_POINTS).required(&TRIANGLES).build()
         })
     }
+}
+
+/// The most points or triangles that an array can hold, each with a bracket of its own and 8 bytes, `[0,0,0],`, at least. A growing vector would take
+/// three times their memory when it moves.
+fn most_items(raw: &RawValue) -> usize {
+    let text = raw.get().as_bytes();
+    memchr::memchr_iter(b'[', text).count().min(text.len() / 8)
 }
 
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
@@ -200,18 +207,20 @@ impl Kind for Triangles {
     type Value = Vec<[u32; 3]>;
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
-        let mut triangles = Vec::new();
-        if each(raw, |triangle: [u32; 3]| triangles.push(triangle)).is_ok() {
+        let mut triangles = Vec::with_capacity(most_items(raw));
+        if each(raw, faults, |triangle: [u32; 3]| triangles.push(triangle)).is_ok() {
             return Ok(triangles);
         }
         // The pass above stops at the first fault without its location. This one finds all faults, and takes whole numbers
         // written as 1.0 or 1e3.
-        let (mut triangles, mut index) = (Vec::new(), 0);
+        triangles.clear();
+        let mut index = 0;
         each_raw(raw, path, faults, |item, faults| {
-            triangles.push(Self::one(item, path.item(index), faults));
+            // In place of a faulty triangle, so that the points of the others are looked up as well. With a recorded fault nothing is planned.
+            triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
             index += 1;
         })?;
-        triangles.into_iter().collect()
+        Ok(triangles)
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {

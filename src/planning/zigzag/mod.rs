@@ -36,7 +36,7 @@ pub use candidate::{CandidateCutter, Drive, ReachFigures};
 pub use check::ScallopFigures;
 pub use confidence::{SurfaceConfidence, SurfaceEvidence, SurfaceReason, SurfaceWeakness};
 pub use heights::heights;
-pub use passes::{PassPoint, Passes, TooManyPoints, passes};
+pub use passes::{PassPoint, Passes, TooManyPoints, bytes_of_passes, passes};
 pub use plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};
 pub use ranking::{Ranking, rank};
 pub use settings::{Directions, ZigzagSettings};

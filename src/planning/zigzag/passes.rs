@@ -8,7 +8,7 @@ use super::prepared::{Prepared, rows_of};
 use super::regions::{Stretch, in_order};
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
-use super::sweep::Sweep;
+use super::sweep::{Heading, Sweep};
 use super::workpiece::Workpiece;
 use crate::milling::{Cutter, JudgedPass, NoAnswer, ScallopHeight};
 use crate::quantity::{Length, Speed};
@@ -126,6 +126,32 @@ pub fn passes(
     }
     Ok(Passes { run_starts, points: points.into_iter().flatten().collect(), chord_tolerance: Length::computed(chord) })
 }
+
+/// The memory that [`passes`] takes with at most `limit` points, in bytes, beside what ranking a candidate takes: the places of all planes
+/// and the points.
+#[must_use]
+pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
+    let heading = Heading::new(plan.direction);
+    let crossed = |facet: &FinishFacet| {
+        let across = facet.corners.map(|[x, y, _]| heading.across(x, y));
+        let before = |at: f64| plan.passes.partition_point(|plane| plane.at < at);
+        before(across.into_iter().fold(f64::NEG_INFINITY, f64::max)) - before(across.into_iter().fold(f64::INFINITY, f64::min))
+    };
+    let cuts: usize = facets.par_iter().with_min_len(4096).map(crossed).sum();
+    // A run has two places beside those of its cuts; the simulation, whose gaps may be a little wider, joins some runs. The cuts of a plane make way
+    // for its places.
+    let places = cuts + (2 * cuts).min(4 * plan.tour.runs);
+    places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
+}
+
+/// A place, in a vector that moves to twice its size, and its number while places are thinned.
+const BYTES_OF_A_PLACE: usize = 2 * size_of::<Place>() + 2 * size_of::<usize>();
+
+/// The vectors of a plane: its cuts, its runs, their places.
+const BYTES_OF_A_PLANE: usize = 512;
+
+/// A point, its copy in the order of cutting, and its figures in columns and in text.
+const BYTES_OF_A_POINT: usize = 1000;
 
 /// The runs of all planes with their places, in cutting order and sense.
 fn runs_in_order(

@@ -59,28 +59,38 @@ pub fn rank(
     let prepare = |&index: &usize| (!stop()).then(|| Prepared::new(index, &candidates[index], settings, &rows));
     let prepared: Vec<Prepared> = reaching.par_iter().map(prepare).collect::<Option<_>>()?;
     let times = times_by_direction(&workpiece, &prepared, settings, stop)?;
-    let planned: Vec<Result<ZigzagPlan, NotRanked>> = prepared
-        .par_iter()
-        .zip(times)
-        .map(|(prepared, times)| {
-            let plan = plan(facets, &workpiece, prepared, &times, settings, stop);
-            plan.map_err(|reason| NotRanked { candidate: prepared.index, reason })
-        })
-        .collect();
-    if stop() {
-        return None;
-    }
+    let work: Vec<_> = prepared.iter().zip(times).collect();
     let mut plans = Vec::new();
-    for planned in planned {
-        match planned {
-            Ok(plan) => plans.push(plan),
-            Err(reason) => not_ranked.push(reason),
+    // A candidate in work holds all facets in the order of its direction: no more of them at once than there are threads.
+    for group in work.chunks(settings.candidates_at_once.clamp(1, rayon::current_num_threads())) {
+        let planned: Vec<Result<ZigzagPlan, NotRanked>> = group
+            .par_iter()
+            .map(|(prepared, times)| {
+                let plan = plan(facets, &workpiece, prepared, times, settings, stop);
+                plan.map_err(|reason| NotRanked { candidate: prepared.index, reason })
+            })
+            .collect();
+        if stop() {
+            return None;
         }
+        for planned in planned {
+            match planned {
+                Ok(plan) => plans.push(plan),
+                Err(reason) => not_ranked.push(reason),
+            }
+        }
+        keep_planes_of_fastest(&mut plans);
     }
     plans.sort_by(|a, b| a.time.seconds().total_cmp(&b.time.seconds()));
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
     let confidence = SurfaceConfidence::of(&plans, &surface, settings.scallop_height, evidence);
     Some(Ranking { plans, not_ranked, surface, confidence })
+}
+
+/// Drops the planes of all plans but the fastest: fifty thousand planes of two hundred cutters would take half a gigabyte.
+fn keep_planes_of_fastest(plans: &mut [ZigzagPlan]) {
+    let fastest = plans.iter().enumerate().min_by(|(_, a), (_, b)| a.time.seconds().total_cmp(&b.time.seconds())).map(|(index, _)| index);
+    plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != fastest).for_each(|(_, plan)| plan.passes = Vec::new());
 }
 
 fn plan(

@@ -25,6 +25,8 @@ pub struct ZigzagSettings {
     pub left_out_share: f64,
     /// The share of the area up to which a cutter may leave the surface uncut and be ranked.
     pub max_uncut_share: f64,
+    /// How many candidates are planned at once at most, each of which takes memory.
+    pub candidates_at_once: usize,
     /// The shape of the surface, for the comparison with the published method; `None` leaves it out.
     pub shape: Option<Shape>,
 }
@@ -43,6 +45,7 @@ impl ZigzagSettings {
             directions: Directions::All { beside: Vec::new() },
             left_out_share: 0.001,
             max_uncut_share: 0.005,
+            candidates_at_once: usize::MAX,
             shape: None,
         }
     }

@@ -36,6 +36,18 @@ pub struct MeshBuilder {
     turned_over: bool,
 }
 
+/// The facets and points of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeshSize {
+    /// How many facets there are.
+    pub facets: usize,
+    /// How many points there are.
+    pub points: usize,
+}
+
+/// The memory that the triangulation of a point takes while it runs, measured by `benches/memory.rs`.
+const BYTES_TO_TRIANGULATE: usize = 400;
+
 impl Default for MeshBuilder {
     fn default() -> Self {
         Self::with_facet_limit(Self::DEFAULT_FACET_LIMIT)
@@ -84,6 +96,47 @@ impl MeshBuilder {
     pub fn held_bytes(&self) -> usize {
         let lattice = self.lattice.as_ref().map_or(0, HeightLattice::held_bytes);
         self.welder.held_bytes() + self.triangles.capacity() * size_of::<[u32; 3]>() + lattice + self.cloud.held_bytes()
+    }
+
+    /// The memory that it takes beside what is held to take in `facets` more facets or points, of which `corners` are new, in bytes: vectors move to
+    /// twice their size, and facets beyond the limit to a lattice, which is made anew when its cells grow.
+    #[must_use]
+    pub fn bytes_to_take(&self, facets: usize, corners: usize) -> usize {
+        let lattice = self.limit / 2 * size_of::<f64>();
+        if self.lattice.is_some() {
+            return lattice;
+        }
+        let count = self.triangles.len() + facets;
+        let (facets, merged) = if count > self.limit { (self.limit - self.triangles.len(), 2 * lattice) } else { (facets, 0) };
+        let triangles = if count > self.triangles.capacity() { 2 * count.min(self.limit) * size_of::<[u32; 3]>() } else { 0 };
+        triangles + merged + self.welder.bytes_to_take(corners.min(3 * facets)) + self.cloud.bytes_to_take(facets)
+    }
+
+    /// How large the mesh of all that came is at most.
+    #[must_use]
+    pub fn size(&self) -> MeshSize {
+        if self.lattice.is_some() {
+            return MeshSize { facets: self.limit, points: self.limit / 2 };
+        }
+        if self.triangles.is_empty() {
+            // A triangulation has under two triangles for each point.
+            return MeshSize { facets: 2 * self.cloud.len(), points: self.cloud.len() };
+        }
+        MeshSize { facets: self.triangles.len(), points: self.welder.len() }
+    }
+
+    /// The memory that [`MeshBuilder::finish`] takes, in bytes, beside what is held and the mesh itself.
+    #[must_use]
+    pub fn bytes_to_finish(&self) -> usize {
+        let MeshSize { facets, points } = self.size();
+        if self.lattice.is_some() {
+            // Points and triangles move to vectors of twice the size.
+            2 * (points * size_of::<[f64; 3]>() + facets * size_of::<[u32; 3]>())
+        } else if self.triangles.is_empty() {
+            points * BYTES_TO_TRIANGULATE
+        } else {
+            0
+        }
     }
 
     /// The mesh, in mm, of all facets or points that were added with coordinates in `unit`.

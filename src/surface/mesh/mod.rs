@@ -18,7 +18,7 @@ mod view;
 mod visibility;
 mod weld;
 
-pub use builder::MeshBuilder;
+pub use builder::{MeshBuilder, MeshSize};
 pub use curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
 pub use pieces::Pieces;
@@ -29,8 +29,9 @@ pub use visibility::{AreaShares, FacetClass, Visibility};
 use super::{Bounds, Sink};
 use std::fmt;
 
-/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of vertical. Files in single
-/// precision move corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by 3e-5.
+/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of vertical.
+/// Files in single precision move corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from
+/// the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
 /// Points in mm, and triangles by the numbers of their points. There is at least one triangle; all have an area.
@@ -135,6 +136,12 @@ impl Mesh {
         let mut bounds = Bounds::NONE;
         triangles.iter().flatten().for_each(|&index| bounds.include(points[index as usize]));
         Self { points, triangles, bounds, degenerate, received, merged_cell, from_points }
+    }
+
+    /// How large the mesh is.
+    #[must_use]
+    pub fn size(&self) -> MeshSize {
+        MeshSize { facets: self.triangles.len(), points: self.points.len() }
     }
 
     /// The points, in mm.

@@ -44,6 +44,16 @@ impl PointCloud {
     }
 
     /// The memory held, in bytes.
+    pub(super) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// The memory that `more` points take beside what is held, in bytes, while the vector moves to twice its size.
+    pub(super) fn bytes_to_take(&self, more: usize) -> usize {
+        let count = (self.points.len() + more).min(self.limit + 1);
+        if count > self.points.capacity() { 2 * count * size_of::<[f64; 3]>() } else { 0 }
+    }
+
     pub(super) fn held_bytes(&self) -> usize {
         self.points.capacity() * size_of::<[f64; 3]>()
     }

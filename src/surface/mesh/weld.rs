@@ -44,9 +44,22 @@ impl Welder {
         self.points
     }
 
+    pub(super) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// The memory that `more` different points take beside what is held, in bytes, while vector and table move to twice their size.
+    pub(super) fn bytes_to_take(&self, more: usize) -> usize {
+        let count = self.points.len() + more;
+        let points = if count > self.points.capacity() { 2 * count * size_of::<[f64; 3]>() } else { 0 };
+        // Seven eighths of a power of two of places.
+        let table = if count > self.table.capacity() { (count * 8 / 7 + 8).next_power_of_two() * 5 } else { 0 };
+        points + table
+    }
+
     /// The memory held, in bytes: the points, and 5 bytes for each place of the table.
     pub(super) fn held_bytes(&self) -> usize {
-        self.points.capacity() * size_of::<[f64; 3]>() + self.table.capacity() * 5
+        self.points.capacity() * size_of::<[f64; 3]>() + self.table.capacity() * 8 / 7 * 5
     }
 }
 
