@@ -10,7 +10,7 @@ codes! {
         FeedPerToothLong = "feed-per-tooth-long": "The feed per tooth is long against the model's circle", "Use model \"envelope\".";
         EffectiveRadiusBeyondCutter = "effective-radius-beyond-cutter": "The model's circle is wider than the cutter", "Use model \"envelope\": the scallop can be far higher.";
         SharpMarks = "sharp-marks": "A flat-end cutter leaves sharp marks", "Use a cutter with a small corner radius.";
-        CurvatureApproximate = "curvature-approximate": "The change of slope along a curved surface is not small near the floor", "Keep a margin to the tolerance.";
+        CurvatureApproximate = "curvature-approximate": "The surface's normal turns so much between the marks that the height can be exceeded", "Keep a margin to the tolerance.";
         NearGouging = "near-gouging": "The cutter nearly fills the hollow, and the second order of the surface is not enough", "Use a smaller cutter, or keep a margin to the tolerance.";
         OutsideAnalyticRange = "outside-analytic-range": "The analytic height is far under what the cutter leaves", "Use model \"envelope\".";
         StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";
