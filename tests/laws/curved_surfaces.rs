@@ -256,6 +256,25 @@ fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
     }
 }
 
+/// The stated smallest radius takes the cutter, also where with 1 - lambda times the radius it would still cut in beside the contact.
+#[test]
+fn the_stated_smallest_radius_takes_the_cutter() {
+    for slope in [10.0, 20.0, 40.0, 60.0, 80.0] {
+        for alpha in [0.0, 15.0, 30.0, 60.0, 90.0, 140.0] {
+            let on_radius = |radius| {
+                envelope(on(
+                    toroidal(5.0, 0.4),
+                    Contact::from_degrees(slope, alpha).unwrap(),
+                    SurfaceCurvature::from_radius_mm(radius).unwrap(),
+                ))
+            };
+            let Err(NoAnswer::Gouges { smallest_radius: Some(smallest) }) = on_radius(-1.0) else { panic!("slope {slope}, alpha {alpha}") };
+            let found = on_radius(-smallest.mm() * (1.0 + 1e-9));
+            assert!(found.is_ok(), "slope {slope}, alpha {alpha}: {} {found:?}", smallest.mm());
+        }
+    }
+}
+
 /// Near the contact the cutter fits (lambda is 0.95), but its flat cuts into the far side of the trough.
 #[test]
 fn level_troughs_gouge_away_from_the_contact() {
