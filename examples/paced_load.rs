@@ -1,8 +1,8 @@
-//! Sends a request at a fixed rate, whatever the answers take, and prints the distribution of latencies, for `benches/requests`.
+//! Sends a request at a fixed rate, whatever the time of the answers, and prints the distribution of latencies, for `benches/requests`.
 //!
 //! `paced_load ADDRESS PATH RATE SECONDS CONNECTIONS`, the JSON body on standard input. A request is due every 1/RATE seconds and goes out
-//! on the first free connection; its latency counts from when it was due, so that a server which stalls is not spared the requests that
-//! would have come meanwhile. The program spins on one core: a sleep would be coarser than the latencies.
+//! on the first free connection; its latency counts from when it was due, so that the latencies of a stalled server include the
+//! requests that wait meanwhile. The program spins on one core: a sleep would be coarser than the latencies.
 
 use std::error::Error;
 use std::io::{ErrorKind, Read, Write};
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// A connection and the request on it.
 struct Connection {
     stream: TcpStream,
-    /// When the request on it was due; `None` where it is free.
+    /// The time at which the request on it was due; `None` where it is free.
     due: Option<Instant>,
     received: Vec<u8>,
 }
@@ -25,7 +25,7 @@ impl Connection {
         Ok(Self { stream, due: None, received: Vec::new() })
     }
 
-    /// The latency, once the whole answer has come.
+    /// The latency, once the whole answer has arrived.
     fn poll(&mut self) -> Result<Option<Duration>, Box<dyn Error>> {
         let Some(due) = self.due else { return Ok(None) };
         let mut buffer = [0; 16 * 1024];
@@ -45,7 +45,7 @@ impl Connection {
     }
 }
 
-/// The length of the answer that begins with `received`, head and body, once its head has come.
+/// The length of the answer that begins with `received`, head and body, once its head has arrived.
 fn answer_length(received: &[u8]) -> Result<Option<usize>, Box<dyn Error>> {
     let Some(end) = received.windows(4).position(|window| window == b"\r\n\r\n") else { return Ok(None) };
     let head = std::str::from_utf8(&received[..end])?.to_ascii_lowercase();

@@ -16,7 +16,7 @@ const writeLink = debounced(200, () => active && history.replaceState(null, '', 
 // Views other than the first are made when they are first shown.
 const makers = {
   contact: () => new ContactView(writeLink),
-  part: async () => new (await import('./part/view.js')).PartView(writeLink),
+  part: async () => new (await import('./part/view.js')).PartView(writeLink, showPath),
   path: async () => new (await import('./path/view.js')).PathView(writeLink),
 };
 const made = new Map();
@@ -108,6 +108,13 @@ async function activate(name, { focus = false, values = null } = {}) {
   if (values) view.take(values);
   view.show();
   if (name === 'contact') view.ask();
+}
+
+/** Shows a table of contacts in the tool path view, for the cutter `values`. */
+async function showPath(text, values) {
+  await activate('path', { focus: true });
+  writeLink();
+  return active.open(text, values);
 }
 
 function readLink() {

@@ -38,7 +38,7 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
     }
 }
 
-/// The bytes that an answer for one contact hardly exceeds.
+/// The first capacity of an answer, in bytes; few answers for one contact are larger.
 const USUAL_ANSWER: usize = 1024;
 
 /// An answer that was written where it was computed, off the async threads.

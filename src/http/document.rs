@@ -83,7 +83,7 @@ const EXAMPLES: [Example; 12] = [
     Example { operation: "machines", request: None, answer: include_str!("../../openapi/examples/machines.answer.json") },
 ];
 
-/// Requests of an operation that are refused, by the operation's id.
+/// The refused requests of an operation, by the operation's id.
 macro_rules! refused {
     ($($operation:literal),* $(,)?) => {
         [$(($operation, include_str!(concat!("../../openapi/examples/", $operation, ".refused.json")))),*]
@@ -119,7 +119,7 @@ pub(super) fn with_examples(document: &OpenApi) -> Value {
             operation["responses"]["422"]["content"]["application/problem+json"]["examples"] = refusals(examples);
         }
         let id = operation["operationId"].as_str().unwrap_or_default();
-        // A query has the example of the operation with the same members as JSON.
+        // A query takes its example from the operation that has the same members as JSON.
         let (id, is_query) = id.strip_suffix("_query").map_or((id, false), |id| (id, true));
         let Some(example) = EXAMPLES.iter().find(|example| example.operation == id) else { continue };
         if let Some(request) = example.request.filter(|_| is_query) {

@@ -1,9 +1,9 @@
-//! The OpenAPI document in version 3.0.3, converted from that in version 3.1. Generators that read 3.0 differ in what they accept, so this
-//! document keeps to what all of them do:
+//! The OpenAPI document in version 3.0.3, converted from that in version 3.1. Generators that read 3.0 differ in the features that they
+//! accept, so this document uses only those that all of them accept:
 //!
 //! - no forms: several generators refuse a document with `multipart/form-data`;
 //! - one schema for the problems of all statuses, which has the figures of every type of problem;
-//! - sets of codes that only answers have are open: a client that checks an enumeration while it reads would fail on a code that a later
+//! - sets of codes that only answers have are open: a client that checks enumerations would fail on a code that a later
 //!   version adds. `x-extensible-enum` lists the codes of this version.
 
 use serde_json::{Map, Value, json};
@@ -16,12 +16,12 @@ const REFERENCE: &str = "#/components/schemas/";
 const NOTE: &str = "This document is OpenAPI 3.0.3 for generators that do not read 3.1. It leaves out the upload of files, which takes a form; /openapi.json \
                     has it. Sets of codes in answers are open and may gain codes.";
 
-/// `document`, which is of version 3.1, in version 3.0.3.
+/// Converts `document` from version 3.1 to 3.0.3.
 pub(super) fn converted(mut document: Value) -> Value {
     document["openapi"] = "3.0.3".into();
     let about = document["info"]["description"].as_str().unwrap_or_default();
     document["info"]["description"] = format!("{about}\n\n{NOTE}").into();
-    // An identifier of a licence is new in 3.1.
+    // Version 3.0 has no identifier of a licence.
     document["info"]["license"].as_object_mut().and_then(|license| license.shift_remove("identifier"));
     open_codes(&mut document);
     leave_out_forms(&mut document);
@@ -98,8 +98,9 @@ fn unite_problems(document: &mut Value) {
     remove_schemas(document, &replaced);
     for response in operations_mut(document).flat_map(|operation| members_mut(&mut operation["responses"])) {
         if response["content"].get(PROBLEM_JSON).is_some() {
-            let body = json!({"schema": {"$ref": format!("{REFERENCE}{PROBLEM}")}});
-            response["content"] = json!({PROBLEM_JSON: body, "application/json": body});
+            let schema = json!({"$ref": format!("{REFERENCE}{PROBLEM}")});
+            response["content"][PROBLEM_JSON]["schema"] = schema.clone();
+            response["content"]["application/json"] = json!({"schema": schema});
         }
     }
 }
@@ -114,7 +115,7 @@ fn remove_schemas(document: &mut Value, references: &[String]) {
     }
 }
 
-/// Turns the enumerations that no request has into strings, with their codes listed beside.
+/// Turns the enumerations that no request has into strings that list their codes in `x-extensible-enum`.
 fn open_codes(document: &mut Value) {
     let mut sent = BTreeSet::new();
     for operation in members(&document["paths"]).flat_map(members) {
@@ -131,7 +132,7 @@ fn members(object: &Value) -> impl Iterator<Item = &Value> {
     object.as_object().into_iter().flat_map(|members| members.values())
 }
 
-/// Adds the names of the schemas to which `value` refers, by others as well.
+/// Adds the names of the schemas to which `value` refers, directly or through others.
 fn collect(document: &Value, value: &Value, names: &mut BTreeSet<String>) {
     match value {
         Value::Object(members) => {
@@ -156,7 +157,7 @@ fn open(schema: &mut Value) {
     schemas_in(schema).into_iter().for_each(open);
 }
 
-/// The schemas that a schema consists of.
+/// The schemas inside a schema.
 fn schemas_in(schema: &mut Value) -> Vec<&mut Value> {
     let mut found = Vec::new();
     for (name, member) in schema.as_object_mut().into_iter().flatten() {
@@ -171,7 +172,7 @@ fn schemas_in(schema: &mut Value) -> Vec<&mut Value> {
     found
 }
 
-/// Converts a schema and those it consists of.
+/// Converts a schema and those inside it.
 fn convert(schema: &mut Value) {
     let Some(members) = schema.as_object_mut() else { return };
     describe_reference(members);
@@ -190,12 +191,12 @@ fn convert(schema: &mut Value) {
             members.insert(bound.to_owned(), limit);
         }
     }
-    // An object's names are strings without this as well.
+    // The names of an object are strings anyway.
     members.shift_remove("propertyNames");
 }
 
-/// Version 3.0 ignores what stands beside a reference. Generators would take a wrapped member of a union for a type of its own, so it
-/// loses its description instead.
+/// Version 3.0 ignores members beside a reference, so the reference is wrapped. In a union, generators would create another type for the
+/// wrapper; there the description is dropped instead.
 fn describe_reference(members: &mut Map<String, Value>) {
     for union in ["oneOf", "allOf", "anyOf"] {
         for form in members.get_mut(union).and_then(Value::as_array_mut).into_iter().flatten() {
@@ -232,7 +233,7 @@ fn replace_null(members: &mut Map<String, Value>) {
             form = json!({"allOf": [form]});
         }
         members.shift_remove("oneOf");
-        // A description of the place counts more than that of the form.
+        // The description of the member takes precedence over that of the form.
         for (name, member) in form.as_object_mut().into_iter().flat_map(std::mem::take) {
             members.entry(name).or_insert(member);
         }
@@ -305,14 +306,14 @@ mod tests {
         for closed in ["Model", "PresetName"] {
             assert_eq!(after[closed]["enum"], before[closed]["enum"], "{closed}");
         }
-        // A form is written by hand from the schema of its parameters.
+        // The schema of an upload's parameters stays: clients write the form by hand.
         let include = |schemas: &Value| schemas["RecommendationParameters"]["properties"]["include"]["items"]["enum"].clone();
         assert!(include(before).is_array());
         assert_eq!(include(after), include(before));
     }
 
     #[test]
-    fn every_operation_is_there_but_those_that_take_forms() {
+    fn every_operation_without_a_form_is_in_the_document() {
         let (document, converted) = documents();
         let paths = |document: &Value| document["paths"].as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut expected = paths(&document);

@@ -52,7 +52,7 @@ struct QueryMember {
 enum MemberKind {
     Number,
     Word,
-    /// Numbers with commas between them, or the name repeated for each.
+    /// Numbers separated by commas, or the name repeated for each number.
     Numbers,
 }
 
@@ -110,7 +110,7 @@ impl Query {
             }
             match given.iter_mut().find(|(known, _)| known.name == member.name) {
                 None => given.push((member, value)),
-                // Generated clients repeat the name for each number, whatever form the document states.
+                // Generated clients repeat the name for each number, even where the document states another form.
                 Some((_, numbers)) if member.kind == MemberKind::Numbers => {
                     let numbers = numbers.to_mut();
                     numbers.push(',');

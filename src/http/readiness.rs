@@ -46,7 +46,7 @@ pub async fn livez() -> &'static str {
 /// # Errors
 /// 503 while the server drains.
 #[utoipa::path(
-    get, path = "/readyz", tag = "service", operation_id = "readyz",
+    get, path = "/readyz", tag = "service", operation_id = "readyz", description = "200, or 503 once the server is about to stop.",
     responses(
         (status = 200, description = "Ready", body = String, content_type = "text/plain", example = json!("ready\n")),
         (status = 503, description = "About to stop", body = ProblemBody, content_type = "application/problem+json"),

@@ -31,8 +31,7 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     }
     let level_radius = if core > 0.0 { core / sin + corner } else { corner };
     let steepest = pass.surface.turned(-theta.sin(), theta.cos());
-    if pass.contact.slope().cos() == 0.0 && steepest.along_per_mm() < 0.0 {
-        // Above the contact with a wall the cutter's straight side lies in the tangent plane.
+    if pass.contact.slope().cos() == 0.0 && side_gouges(steepest, core + corner) {
         return Err(NoAnswer::Gouges { smallest_radius: None });
     }
     let root = (corner * level_radius).sqrt();
@@ -49,6 +48,15 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
         return Err(NoAnswer::Gouges { smallest_radius: None });
     }
     Ok(lambda)
+}
+
+/// Whether the cutter's straight side, a cylinder of the radius R about the axis, cuts into a wall that it touches: above the contact it is straight along the steepest line, so that
+/// [[k_ss, k_sl], [k_sl, 1/R + k_ll]] must not have a negative eigenvalue.
+fn side_gouges(steepest: SurfaceCurvature, outer: f64) -> bool {
+    let (bend, twist, level) = (steepest.along_per_mm(), steepest.twist_per_mm(), outer.recip() + steepest.across_per_mm());
+    // Turning the curvature from the feed's axes leaves roundings of its largest component where there is none.
+    let rounding = 1e-12 * (bend.abs() + twist.abs() + steepest.across_per_mm().abs());
+    bend < -rounding || twist.abs() > rounding && bend * level < twist * twist
 }
 
 /// The concave principal radius times 1 - lambda: with it, lambda is 0. `change` is lambda - 1.

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn the_document_is_printed_in_version_3_1_unless_3_0_is_asked_for() {
+    fn the_document_is_printed_in_version_3_1_unless_3_0_is_requested() {
         assert!(matches!(Command::read(["scallopd", "openapi"]), Ok(Command::OpenApi(OpenApiVersion::V3_1))));
         assert!(matches!(Command::read(["scallopd", "openapi", "--3.0"]), Ok(Command::OpenApi(OpenApiVersion::V3_0))));
     }

@@ -21,14 +21,15 @@ impl HasPosition for Site {
 /// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise seen from
 /// above, so they face up. Of points above each other, the highest counts. Empty where all points lie in one vertical plane.
 ///
-/// **Long edges.** A Delaunay triangulation fills the convex hull, notches and holes included. So a triangle is left out when one of its edges is
-/// longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the length of its third shortest edge: scan lines
-/// have two close neighbours along the line and the third on the next line. At an edge the smaller spacing of its ends counts, or
-/// half the median of all points where that is larger, so that two points close together by chance leave no hole.
+/// **Long edges.** A Delaunay triangulation fills the convex hull, notches and holes included. So a triangle is left out when one
+/// of its edges is longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the length of its third shortest
+/// edge: scan lines have two close neighbours along the line and the third on the next line. At an edge the smaller spacing of
+/// its ends counts, or half the median of all points where that is larger, so that two points close together by chance leave no
+/// hole.
 ///
-/// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random, each round along a Hilbert
-/// curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and Rote 2003), after three that are not on one line.
-/// The sweep of `spade`'s own bulk loading takes quadratic time for points near a line.
+/// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random, each round
+/// along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and Rote 2003), after three
+/// that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time for points near a line.
 pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut points = points;
     for point in &mut points {

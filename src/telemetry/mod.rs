@@ -68,7 +68,7 @@ impl Telemetry {
     }
 }
 
-/// Logs without traces. One filter for the whole subscriber is checked once for a span or an event; a filter of a layer several times.
+/// Starts logs without traces. A filter of the whole subscriber is checked once for a span or event, a filter of a layer several times.
 fn log_alone(settings: &TelemetrySettings, lines: &lines::Lines) -> io::Result<()> {
     let subscriber = Registry::default().with(level_filter(settings.log_level)).with(log_layer(settings, lines));
     tracing::subscriber::set_global_default(subscriber).map_err(io::Error::other)

@@ -60,7 +60,7 @@ async fn a_query_is_answered_like_the_json_with_the_same_members() {
 }
 
 #[tokio::test]
-async fn numbers_stand_with_commas_or_under_a_repeated_name() {
+async fn numbers_are_separated_by_commas_or_repeat_the_name() {
     let app = TestApp::start().await;
     let get =
         async |normal: &str| get(&app, SCALLOP_HEIGHT, &format!("cutter=ball_end&diameter_mm=6&step_over_mm=1&feed=1,0,0&{normal}")).await;

@@ -1,6 +1,6 @@
-//! The refused requests of the OpenAPI document: each is answered with the problem that stands beside it.
+//! The refused requests of the OpenAPI document: each is answered with the problem listed with it.
 //!
-//! After a change that is meant, `docs/renew-examples` writes the problems anew.
+//! After an intended change, `docs/renew-examples` updates the problems.
 
 use crate::api::document::{assert_same, assert_valid, document, problem_of, validator};
 use crate::app::TestApp;
@@ -28,7 +28,7 @@ fn request_of(app: &TestApp, path: &str, operation: &Value, request: &Value) -> 
 }
 
 #[tokio::test]
-async fn every_operation_that_refuses_shows_refusals_of_the_service() {
+async fn every_operation_with_problems_has_refused_examples_that_hold() {
     let (app, document) = (TestApp::start().await, document());
     let mut operations = 0;
     for (path, item) in document["paths"].as_object().unwrap() {

@@ -1,33 +1,14 @@
 //! One surface in every form in which it can be sent gives one answer.
 
 use crate::app::{TestApp, figure, warnings};
+use crate::planning::wavy::{self, COLUMNS, ROWS, triangles};
 use crate::planning::{job, with};
 use crate::writers::{ascii_stl, binary_stl, exact, facets_of, obj, ply, words};
 use approx::assert_relative_eq;
 use serde_json::{Value, json};
 
-const ROWS: usize = 13;
-const COLUMNS: usize = 17;
-
-/// A wavy slope as nodes in rows, in single precision, which all formats can hold.
 fn nodes() -> Vec<[f32; 3]> {
-    let at = |row: u8, column: u8| {
-        let (x, y) = (f32::from(column) * 3.0, f32::from(row) * 2.5);
-        [x, y, 0.5 * y + 2.0 * (0.1 * x).sin()]
-    };
-    let (rows, columns) = (u8::try_from(ROWS).unwrap(), u8::try_from(COLUMNS).unwrap());
-    (0..rows).flat_map(|row| (0..columns).map(move |column| at(row, column))).collect()
-}
-
-/// Two triangles a quad, divided from its first corner to its last as a grid does, seen from above counter-clockwise.
-fn triangles() -> Vec<[usize; 3]> {
-    let number = |row: usize, column: usize| row * COLUMNS + column;
-    let quads = (1..ROWS).flat_map(|row| (1..COLUMNS).map(move |column| (row, column)));
-    let divided = quads.flat_map(|(row, column)| {
-        let [a, b, c, d] = [number(row - 1, column - 1), number(row - 1, column), number(row, column), number(row, column - 1)];
-        [[a, b, c], [a, c, d]]
-    });
-    divided.collect()
+    wavy::nodes([3.0, 2.5], [2.0, 0.1])
 }
 
 fn lines(separator: &str) -> String {

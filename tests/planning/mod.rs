@@ -7,7 +7,9 @@ mod formats;
 mod published;
 mod recommendation;
 mod simulated;
+mod surfaces;
 mod upload;
+mod wavy;
 mod zigzag;
 
 use serde_json::{Value, json};

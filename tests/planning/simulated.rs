@@ -1,32 +1,14 @@
 //! `POST /v1/cutter-recommendation` by its default method: passes simulated on the surface itself.
 
 use crate::app::{TestApp, figure, warnings};
+use crate::planning::wavy::{self, COLUMNS, ROWS, triangles};
 use crate::planning::{job, with};
 use crate::writers::{binary_stl, exact, facets_of, obj, ply, three_mf};
 use approx::assert_relative_eq;
 use serde_json::{Value, json};
 
-const ROWS: usize = 13;
-const COLUMNS: usize = 17;
-
-/// A wavy slope as nodes in rows, in single precision, which all formats can hold.
 fn nodes() -> Vec<[f32; 3]> {
-    let at = |row: u8, column: u8| {
-        let (x, y) = (f32::from(column) * 1.5, f32::from(row) * 1.25);
-        [x, y, 0.5 * y + 0.25 * (0.2 * x).sin()]
-    };
-    let (rows, columns) = (u8::try_from(ROWS).unwrap(), u8::try_from(COLUMNS).unwrap());
-    (0..rows).flat_map(|row| (0..columns).map(move |column| at(row, column))).collect()
-}
-
-fn triangles() -> Vec<[usize; 3]> {
-    let number = |row: usize, column: usize| row * COLUMNS + column;
-    let quads = (1..ROWS).flat_map(|row| (1..COLUMNS).map(move |column| (row, column)));
-    let divided = quads.flat_map(|(row, column)| {
-        let [a, b, c, d] = [number(row - 1, column - 1), number(row - 1, column), number(row, column), number(row, column - 1)];
-        [[a, b, c], [a, c, d]]
-    });
-    divided.collect()
+    wavy::nodes([1.5, 1.25], [0.25, 0.2])
 }
 
 /// The published cutters, simulated in two directions.

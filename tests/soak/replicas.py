@@ -45,8 +45,6 @@ BACKENDS = ("single", "long")
 # Each kind of request is sent by a process of its own. The proxy holds single requests whole and may repeat them, batches of
 # this size not.
 SINGLE, SHORT, LONG = "single", "batch of 1000", "batch of 50 000, envelope"
-# As the manifests have it: longer than the proxy takes to notice.
-DRAIN_DELAY_S = 5
 STALL_S = 8
 KILLS = 6
 ATTEMPTS = 5
@@ -85,54 +83,47 @@ def wait_until(condition, what, seconds=30):
 
 
 class Share:
-    """A control group that limits its processes to a part of a core; none where the system does not let us make one."""
+    """A control group that limits its processes to a part of a core; without a folder where the system does not let us make one."""
 
-    PERIOD_US = 10_000
+    # The system takes no quota under 1 ms.
+    PERIOD_US = 20_000
 
     def __init__(self, name, cores):
-        self.folder = None
         quota = int(cores * self.PERIOD_US)
-        # The first version's folder for processor time, then the second's.
-        for folder, limits in (
-            (pathlib.Path("/sys/fs/cgroup/cpu") / name, {"cpu.cfs_period_us": self.PERIOD_US, "cpu.cfs_quota_us": quota}),
-            (pathlib.Path("/sys/fs/cgroup") / name, {"cpu.max": f"{quota} {self.PERIOD_US}"}),
-        ):
-            try:
-                folder.mkdir()
-            except OSError:
-                continue
-            try:
-                for file, value in limits.items():
-                    (folder / file).write_text(str(value))
-                self.folder = folder
-                return
-            except OSError:
-                folder.rmdir()
-
-    def add(self, pid):
-        if self.folder:
-            (self.folder / "cgroup.procs").write_text(str(pid))
+        if pathlib.Path("/sys/fs/cgroup/cgroup.controllers").exists():
+            self.folder, limits = pathlib.Path("/sys/fs/cgroup") / name, {"cpu.max": f"{quota} {self.PERIOD_US}"}
+        else:
+            self.folder, limits = pathlib.Path("/sys/fs/cgroup/cpu") / name, {"cpu.cfs_period_us": self.PERIOD_US, "cpu.cfs_quota_us": quota}
+        try:
+            self.folder.mkdir()
+            for file, value in limits.items():
+                (self.folder / file).write_text(str(value))
+        except OSError as error:
+            print(f"no limit of processors: {error}", file=sys.stderr)
+            self.close()
+            self.folder = None
 
     def close(self):
         if self.folder:
             # The group is busy until the system has buried its processes.
             for _ in range(100):
+                if not self.folder.exists():
+                    return
                 with contextlib.suppress(OSError):
                     self.folder.rmdir()
-                    return
                 time.sleep(0.05)
 
 
 class Replica:
     """One server, started again on the same port."""
 
-    def __init__(self, program, number, cores=None):
-        self.program, self.port, self.process = program, free_port(), None
+    def __init__(self, program, number, drain_delay_s, cores=None):
+        self.program, self.drain_delay_s, self.port, self.process = program, drain_delay_s, free_port(), None
         self.share = Share(f"scallopd-replicas-{os.getpid()}-{number}", cores) if cores else None
 
     def start(self):
         # The shell joins the group before it becomes the server, which sets its number of threads by it.
-        command = [self.program, "--listen", f"127.0.0.1:{self.port}", "--drain-delay-s", str(DRAIN_DELAY_S), "--log-format", "json"]
+        command = [self.program, "--listen", f"127.0.0.1:{self.port}", "--drain-delay-s", str(self.drain_delay_s), "--log-format", "json"]
         if self.share and self.share.folder:
             command = ["sh", "-c", f'echo $$ > {self.share.folder}/cgroup.procs && exec "$@"', "sh", *command]
         self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
@@ -359,7 +350,7 @@ def failures(options, haproxy, folder):
     faults = []
     for name, disturb in DISTURBANCES.items():
         with contextlib.ExitStack() as stack:
-            replicas = [stack.enter_context(contextlib.closing(Replica(options.program, number))) for number in (1, 2)]
+            replicas = [stack.enter_context(contextlib.closing(Replica(options.program, number, options.drain_delay_s))) for number in (1, 2)]
             for replica in replicas:
                 replica.start()
             proxy = stack.enter_context(contextlib.closing(Proxy(haproxy, replicas, folder)))
@@ -405,7 +396,7 @@ def certificate(folder):
 
 def throughput(options, haproxy, wrk, folder):
     with contextlib.ExitStack() as stack:
-        replicas = [stack.enter_context(contextlib.closing(Replica(options.program, number, options.cores_each))) for number in (1, 2)]
+        replicas = [stack.enter_context(contextlib.closing(Replica(options.program, number, 0, options.cores_each))) for number in (1, 2)]
         for replica in replicas:
             replica.start()
         proxies = {"proxy": stack.enter_context(contextlib.closing(Proxy(haproxy, replicas, folder)))}
@@ -450,9 +441,10 @@ def main():
     arguments.add_argument("--only", choices=("throughput", "failures"))
     arguments.add_argument("--seconds", type=int, default=3, help="length of a run of wrk")
     arguments.add_argument("--rounds", type=int, default=3, help="runs of wrk a row; the median counts")
-    arguments.add_argument("--cores-each", type=float, default=0.25, help="of a core for each replica while throughput is measured; 0 for no limit")
+    arguments.add_argument("--cores-each", type=float, default=0.1, help="of a core for each replica while throughput is measured; 0 for no limit")
     arguments.add_argument("--rate", type=float, default=400, help="single requests a second while replicas fail")
     arguments.add_argument("--batch-rate", type=float, default=10, help="batches of 1000 a second, and a fifth of it of 50 000")
+    arguments.add_argument("--drain-delay-s", type=int, default=5, help="after SIGTERM; the default is that of the manifests")
     options = arguments.parse_args()
     haproxy = need("haproxy", "haproxy")
     # SIGTERM ends this program as an exception does: with all that it started.

@@ -42,7 +42,7 @@ export class PartView {
   #fileFault = el('p', { class: 'fault', id: 'file-fault', role: 'alert', hidden: true });
   #libraryFault = el('p', { class: 'fault', role: 'alert', hidden: true });
   #message = el('div', { class: 'problem', role: 'alert', hidden: true });
-  #stale = el('p', { class: 'stale', role: 'status', hidden: true });
+  #stale = el('p', { class: 'stale', role: 'status', hidden: true }, 'Something was changed since. The answer below is to the earlier question.');
   #progress = el('progress', { max: '1', value: '0', 'aria-label': 'Upload' });
   #progressText = el('span', { role: 'status' });
   #progressBox = el('div', { class: 'progress', hidden: true });
@@ -51,24 +51,29 @@ export class PartView {
   #answer = el('div', {});
   #ranking = el('div', {});
   #surface = el('div', {});
-  #passesButton = el('button', { type: 'button', onclick: () => save('passes.csv', csvOf(...passRows(this.#last.passes)), 'text/csv') }, 'Download passes as CSV');
+  #passesButtons = el('span', { class: 'buttons' },
+    el('button', { type: 'button', onclick: () => save('passes.csv', csvOf(...passRows(this.#last.passes)), 'text/csv') }, 'Download passes as CSV'),
+    el('button', { type: 'button', onclick: () => this.#openPasses() }, 'Open passes as a tool path'));
   #map = new PartMap((box) => this.#selectBox(box));
-  #times = new LineChart('Machining time over direction', { height: 290 });
+  #times = new LineChart('Machining time over direction', { height: 290, onPick: (index) => this.#takeDirection(index) });
+  // The directions of the chart's points.
+  #directions = [];
+  #onChange;
+  #showPath;
   // The cards of the results.
   #cards;
   #groups = {};
 
-  constructor(onChange) {
-    const changed = () => {
-      this.#stale.hidden = this.#last === null;
-      onChange();
-    };
+  /** `showPath(text, cutter)` shows a table of contacts in the tool path view. */
+  constructor(onChange, showPath) {
+    this.#showPath = showPath;
+    this.#onChange = onChange;
     this.#form = new Form(FIELDS, (field) => {
       if (field.name === 'machine') this.#showPreset();
       this.#arrange();
-      changed();
+      this.#changed();
     });
-    this.#cutters = new CutterTable(changed, () => this.ask());
+    this.#cutters = new CutterTable(() => this.#changed(), () => this.ask());
     this.#cutters.take(CUTTERS);
     this.element = el('section', { class: 'view', id: 'view-part', 'aria-label': 'Part' }, this.#panel(), this.#output());
     this.#fileInput.addEventListener('change', () => this.#choose(this.#fileInput.files[0]));
@@ -121,13 +126,13 @@ export class PartView {
     const downloads = el('div', { class: 'actions' },
       el('button', { type: 'button', onclick: () => save('recommendation.json', `${JSON.stringify(this.#last, null, 1)}\n`, 'application/json') }, 'Download JSON'),
       el('button', { type: 'button', onclick: () => save('ranking.csv', csvOf(...rankingRows(this.#last)), 'text/csv') }, 'Download CSV'),
-      this.#passesButton);
+      this.#passesButtons);
     this.#hint.append(el('h2', {}, 'What comes out'), el('p', {}, 'The fastest cutter and direction for the part, the other cutters ranked behind it with what each leaves, the machining time over every direction, and the part from above with its scallops.'), el('p', { class: 'muted' }, 'Choose a surface, or stay with the example, and find the cutter.'));
     const card = (label, ...children) => el('section', { class: 'card', 'aria-label': label, hidden: true }, ...children);
     this.#cards = {
       ranking: card('Recommendation', this.#answer, this.#ranking, downloads),
       map: card('Map', el('h2', {}, 'The part from above'), this.#map.element),
-      times: card('Times', this.#times.element),
+      times: card('Times', this.#times.element, el('p', { class: 'muted' }, 'Click a direction to plan in it alone.')),
       surface: card('Surface', el('h2', {}, 'Surface'), this.#surface),
     };
     const { ranking, map, times, surface } = this.#cards;
@@ -139,6 +144,12 @@ export class PartView {
       this.#hint,
       el('div', { class: 'part-results' }, this.#stale, ranking, el('div', { class: 'columns' }, map, el('div', { class: 'stack' }, times, surface))),
     );
+  }
+
+  // The answer that is shown is no longer that of the fields.
+  #changed() {
+    this.#stale.hidden = this.#last === null;
+    this.#onChange();
   }
 
   #acceptDrops() {
@@ -164,16 +175,17 @@ export class PartView {
     this.#fileFault.hidden = true;
     if (file) this.#form.field('example').set('file');
     this.#drop.querySelector('[data-file]').textContent = file ? `${file.name}, ${(file.size / 1e6).toPrecision(3)} MB` : FORMATS;
-    this.#stale.hidden = this.#last === null;
+    this.#changed();
     this.#arrange();
   }
 
   #addLibraries(files) {
     this.#libraries.push(...files);
     this.#libraryFault.hidden = true;
-    if (files.length > 0) this.#stale.hidden = this.#last === null;
+    if (files.length > 0) this.#changed();
     const remove = (index) => {
       this.#libraries.splice(index, 1);
+      this.#changed();
       this.#addLibraries([]);
     };
     const chips = this.#libraries.map((file, i) => el('span', { class: 'chip' }, file.name, el('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${file.name}`, onclick: () => remove(i) }, '×')));
@@ -190,7 +202,26 @@ export class PartView {
     }
     this.#groups.selection.open = true;
     this.#arrange();
-    this.#stale.hidden = this.#last === null;
+    this.#changed();
+  }
+
+  // A direction that was clicked in the chart becomes the only one to try.
+  #takeDirection(index) {
+    this.#form.field('directions_deg').set(String(this.#directions[index]));
+    this.#groups.method.open = true;
+    this.#arrange();
+    this.#changed();
+  }
+
+  // The recommended cutter goes with its passes, as far as the page knows it. Without teeth and speed the step-over takes up the whole
+  // scallop height, so that heights without feed are of interest; with them the largest feed is.
+  #openPasses() {
+    const { recommended, passes, model } = this.#last;
+    const { cutters, scallop_height_mm: tolerance } = this.#request.parameters;
+    const { type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm } = cutters?.[recommended.cutter] ?? {};
+    const question = passes.feed_per_tooth_mm ? { question: 'feed' } : { question: 'height', feed_per_tooth_mm: 0 };
+    const known = Object.entries({ type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, scallop_tolerance_mm: tolerance, model, ...question });
+    return this.#showPath(csvOf(...passRows(passes)), Object.fromEntries(known.filter(([, value]) => value !== undefined)));
   }
 
   // The values of the preset stand in the fields as hints; a stated value overrides one.
@@ -297,6 +328,9 @@ export class PartView {
       this.#keepMap(result.answer.recommended.cutter, result.answer);
     }
     this.#showAnswer();
+    // On a narrow screen the answer is far below the button.
+    const shown = this.#last ? this.#cards.ranking : this.#message;
+    if (shown.getBoundingClientRect().top > innerHeight - 120) shown.scrollIntoView();
   }
 
   // Runs a request with the progress shown and the button off.
@@ -333,13 +367,16 @@ export class PartView {
   }
 
   #tell(...lines) {
-    this.#message.replaceChildren(...lines.map((line) => (typeof line === 'string' ? el('p', {}, line) : line)));
+    this.#message.replaceChildren(...lines.map((line) => el('p', {}, line)));
     this.#message.hidden = false;
   }
 
   #showProblem(problem) {
-    // The list of reasons follows.
-    if (problem.not_ranked) return this.#tell(`${problem.title}.`);
+    if (problem.not_ranked) {
+      // The list of reasons follows.
+      this.#tell(`${problem.title}.`);
+      return;
+    }
     const inFiles = (pointer) => (/^\/surface/.test(pointer) ? this.#fileFault : /^\/library/.test(pointer) ? this.#libraryFault : null);
     const rest = [];
     for (const error of problem.errors ?? []) {
@@ -347,10 +384,10 @@ export class PartView {
       if (place) this.#fault(place, error.detail);
       else rest.push(error);
     }
-    if (problem.errors?.length && rest.length === 0) return undefined;
+    if (problem.errors?.length && rest.length === 0) return;
     const elsewhere = placeFaults({ ...problem, errors: rest }, (pointer) => this.#cutters.field(pointer) ?? this.#form.field(fieldNameOf(pointer)));
+    this.element.querySelector('[aria-invalid]')?.focus();
     if (elsewhere.length > 0) this.#tell(`${problem.title}.`, ...elsewhere);
-    return undefined;
   }
 
   #showAnswer() {
@@ -364,12 +401,11 @@ export class PartView {
       this.#answer.replaceChildren(headline(answer));
       this.#ranking.replaceChildren(rankingTable(answer, this.#mapped, mapFor), unranked ?? '');
       this.#surface.replaceChildren(surfaceFigures(answer));
-      this.#passesButton.hidden = !answer.passes;
+      this.#passesButtons.hidden = !answer.passes;
       this.#drawTimes();
     } else if (unranked) {
       this.#message.replaceChildren(this.#message.firstChild, unranked);
     }
-    this.#stale.textContent = 'Something was changed since. The answer below is to the earlier question.';
     if (this.#mapped !== null) this.#map.draw();
   }
 
@@ -412,9 +448,10 @@ export class PartView {
   #drawTimes() {
     const listed = this.#last.candidates.filter(({ by_direction: found }) => found).slice(0, CHARTED);
     this.#cards.times.hidden = listed.length === 0;
-    if (listed.length === 0) return this.#times.clear();
-    return this.#times.show(() => {
-      const x = [...new Set(listed.flatMap(({ by_direction: found }) => found.direction_deg))].sort((a, b) => a - b);
+    if (listed.length === 0) return;
+    this.#directions = [...new Set(listed.flatMap(({ by_direction: found }) => found.direction_deg))].sort((a, b) => a - b);
+    this.#times.show(() => {
+      const x = this.#directions;
       const series = listed.map((candidate, i) => {
         const times = new Map(candidate.by_direction.direction_deg.map((angle, at) => [angle, candidate.by_direction.machining_time_s[at]]));
         return { label: nameOf(candidate), colour: SERIES[i], values: x.map((angle) => times.get(angle) ?? null), gaps: true };

@@ -120,6 +120,13 @@ export class PathView {
     this.#showAnswer();
   }
 
+  /** Takes a table and the values of some fields. */
+  open(text, values) {
+    for (const [name, value] of Object.entries(values)) this.#form.field(name).set(value);
+    this.#arrange();
+    return this.setText(text);
+  }
+
   async #readFile(file) {
     if (file) this.setText(await file.text());
   }

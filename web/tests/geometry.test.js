@@ -5,6 +5,9 @@ import { test } from 'node:test';
 import { anglesOf, dot, frameOfAngles, frameOfVectors } from '../contact/frame.js';
 import { Profile, grooveCurvature } from '../contact/profile.js';
 import { fragmentOf, readFragment } from '../link.js';
+import { EXAMPLES, fileOfSurface } from '../part/examples.js';
+import { Placement } from '../part/overlays.js';
+import { fieldNameOf, parametersOf } from '../part/request.js';
 import { examplePath } from '../path/example.js';
 import { TableFault, contactsOf, readTable, withColumns } from '../path/table.js';
 import { format, formatInput, formatTime, parseInput, setUnits } from '../units.js';
@@ -149,4 +152,40 @@ test('a table gets its columns line by line', async () => {
   const table = await readTable('slope_deg,feed_angle_deg\n1,2\n\n3,4\n');
   assert.equal(withColumns(table, { feed_rate_mm_min: [100, null] }), 'slope_deg,feed_angle_deg,feed_rate_mm_min\n1,2,100\n3,4,\n');
   assert.equal((await readTable(examplePath())).lines.length, 241);
+});
+
+test('the selection is sent where it is stated, and its faults find their fields', () => {
+  const values = { example: 'grooved', method: 'surface', pattern: 'zigzag', machine: 'vmc', tolerance_of_plan: 0.01 };
+  assert.deepEqual(parametersOf(values, []), { scallop_height_mm: 0.01, machine: { preset: 'vmc' }, method: 'surface', pattern: 'zigzag', include: ['map'] });
+  const { select } = parametersOf({ ...values, select_slope_to_deg: 30, box_min_y_mm: -5, pieces_selected: '0, 2 x' }, []);
+  assert.deepEqual(select, { slope_deg: [0, 30], box_mm: { min: [-1e9, -5, -1e9], max: [1e9, 1e9, 1e9] }, pieces: [0, 2, 'x'] });
+  for (const [pointer, field] of [['/select/slope_deg', 'select_slope_to_deg'], ['/select/box_mm/min/2', 'box_min_z_mm'], ['/select/pieces/1', 'pieces_selected'], ['/scallop_height_mm', 'tolerance_of_plan'], ['/machine/jerk_m_s3', 'jerk_m_s3'], ['/directions_deg/3', 'directions_deg']]) {
+    assert.equal(fieldNameOf(pointer), field);
+  }
+});
+
+test('examples become files whose facets face up', async () => {
+  const patch = (corners) => ({ bezier: { control_points: corners }, samples: 4 });
+  for (const surface of [await EXAMPLES.at(-1)[2](), patch([[[0, 0, 1], [0, 6, 1]], [[8, 0, 3], [8, 6, 3]]]), patch([[[0, 0, 1], [8, 0, 3]], [[0, 6, 1], [8, 6, 3]]])]) {
+    const lines = (await fileOfSurface(surface, 'part').text()).trim().split('\n').map((line) => line.split(' '));
+    const vertices = lines.filter(([kind]) => kind === 'v').map(([, ...point]) => point.map(Number));
+    const faces = lines.filter(([kind]) => kind === 'f').map(([, ...corners]) => corners.map((corner) => vertices[corner - 1]));
+    if (surface.bezier) {
+      assert.deepEqual(vertices.at(-1), [8, 6, 3]);
+      assert.equal(faces.length, 16);
+      // A plane of slope 1 : 4.
+      for (const [x, , z] of vertices) assert.ok(Math.abs(z - 1 - x / 4) < 1e-12);
+    }
+    for (const [a, b, c] of faces) assert.ok((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0);
+  }
+});
+
+test('a point of the part and its pixel are each other’s', () => {
+  const place = new Placement({ columns: 20, rows: 10, cell_mm: 0.5, origin_mm: [3, -2] }, 400, 300);
+  // The corner of the first cell is at the lower left of the map, which is centred.
+  assert.deepEqual(place.toScreen([3, -2]), [0, 250]);
+  assert.deepEqual(place.toPart([400, 50]), [13, 3]);
+  assert.deepEqual(place.cellAt([399, 51]), { column: 19, row: 9 });
+  assert.equal(place.cellAt([399, 49]), null);
+  assert.deepEqual(place.middleOf({ column: 0, row: 0 }), place.toScreen([3.25, -1.75]));
 });

@@ -43,6 +43,15 @@ test('the keyboard alone changes tabs, values and choices', async () => {
   assert.ok(await page.locator('#tooltip').isVisible());
   await page.keyboard.press('Escape');
   assert.ok(!(await page.locator('#tooltip').isVisible()));
+  // The part's result from the keyboard: Enter finds the cutter, from the cutters' table too, and arrow keys read the map.
+  await page.locator('#tab-contact').focus();
+  await page.keyboard.press('ArrowRight');
+  await page.locator('.cutter-row [data-field="diameter_mm"] input').first().focus();
+  await page.keyboard.press('Enter');
+  await page.locator('.ranking').waitFor();
+  await page.locator('.map canvas').focus();
+  await page.keyboard.press('ArrowUp');
+  assert.match(await page.locator('.map .readout').textContent(), /^X /);
   clean(watch);
 });
 

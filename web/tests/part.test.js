@@ -200,17 +200,40 @@ test('the passes are drawn, downloaded, and read by the tool path view', async (
   const { page, watch } = await visit('#part');
   await choose(page, 'surface_2');
   await keepCutters(page, 2);
+  // Few passes: each point has its own step-over and height.
+  await field(page, 'tolerance_of_plan').fill('200');
   await page.locator('#view-part').getByText('Point by point').click();
   const { passes } = (await find(page)).answer;
   const text = await downloaded(page, () => page.getByRole('button', { name: 'Download passes as CSV' }).click());
   assert.equal(text.trim().split('\n').length, passes.tip_mm.length + 1);
-  await page.locator('#tab-path').click();
-  await page.locator('#path-file').setInputFiles(fileOf('passes.csv', text));
+  await page.getByRole('button', { name: 'Open passes as a tool path' }).click();
   await page.locator('[data-figure="contacts"]').waitFor();
   assert.equal(await page.locator('[data-figure="contacts"]').getAttribute('value'), String(passes.tip_mm.length));
   // A point whose tip was raised has no contact, and no answer.
   const raised = passes.contact_mm.filter((contact) => contact === null).length;
   assert.ok(Number(await page.locator('[data-figure="failures"]').getAttribute('value')) >= raised);
+  // The cutter came along: B10.
+  assert.ok(await page.locator('#view-path [data-field="type"] input[value="ball_end"]').isChecked());
+  assert.equal(await field(page, 'diameter_mm').inputValue(), '10');
+  assert.ok(await page.locator('#view-path [data-field="question"] input[value="height"]').isChecked());
+  clean(watch);
+});
+
+test('a direction that is clicked in the chart is planned alone', async () => {
+  const { page, watch } = await visit('#part');
+  await choose(page, 'surface_1');
+  await keepCutters(page, 2);
+  const { answer } = await find(page);
+  const chart = page.locator('#view-part .u-over');
+  const { width, height } = await chart.boundingBox();
+  await chart.click({ position: { x: width / 2, y: height / 2 } });
+  const { request, answer: again } = await find(page);
+  const [direction] = request.postDataJSON().directions_deg;
+  assert.ok(direction > 60 && direction < 120, `${direction}`);
+  assert.equal(again.recommended.direction_deg, direction);
+  const { by_direction: { direction_deg: directions, machining_time_s: times } } = answer.candidates[0];
+  // Alone it may be simulated more finely; the service states that its simulation may err by 2 %.
+  assert.ok(Math.abs(again.recommended.machining_time_s / times[directions.indexOf(direction)] - 1) < 0.02);
   clean(watch);
 });
 
@@ -221,6 +244,7 @@ test('a wrong cutter is marked in its row', async () => {
   const fault = page.locator('.cutter-row').nth(1).locator('[data-field="corner_radius_mm"] .fault');
   await fault.waitFor();
   assert.match(await fault.textContent(), /corner radius/);
+  assert.ok(await page.locator('.cutter-row').nth(1).locator('[data-field="corner_radius_mm"] input').evaluate((input) => input === document.activeElement));
 });
 
 test('a fault of a field in a closed group opens the group', async () => {

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -503,6 +504,26 @@ class AgainstTheProgram(unittest.TestCase):
                 self.assertGreater(found, 180)
                 path = milling.path_of(recommendation, cutter["spindle_speed_rpm"])
                 self.assertEqual(sum(command.Name == "G1" for command in path.Commands), len(passes["tip_mm"]))
+
+    def test_the_curvature_of_the_passes_is_the_kernels(self):
+        faces = free_form()
+        passes = milling.recommend(self.client, faces, [BALL], 0.01, "five_axis_vmc")["passes"]
+        found = passes["surface_curvature"]
+        tips = [Vector(*tip) for tip in passes["tip_mm"]]
+        pairs = {name: [] for name in found}
+        for index in range(1, len(tips), 25):
+            contact = passes["contact_mm"][index]
+            nearest = contact and milling.nearest_on(faces, Vector(*contact))
+            if index in passes["run_starts"] or not nearest:
+                continue
+            expected = milling.curvature_along(*milling.contact_frame(*nearest[:3]), tips[index] - tips[index - 1])
+            for name, value in expected.items():
+                pairs[name].append((value, found[name][index]))
+        # The service estimates them from the mesh, which is coarse at the edges: the medians are compared.
+        for name, values in pairs.items():
+            size = statistics.median(abs(expected) for expected, _ in values)
+            self.assertGreater(size, 0.004, name)
+            self.assertLess(statistics.median(abs(value - expected) for expected, value in values), 0.25 * size, name)
 
     def test_feeds_of_a_planned_path_keep_its_tolerance(self):
         faces = convex_cylinder()

@@ -14,10 +14,10 @@ use crate::quantity::{Angle, Length, Speed, Time};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// Which cutter finishes the surface soonest, how, and how far to trust it.
+/// The cutter that finishes the surface soonest, its plan, and the reliability of the recommendation.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct RecommendationAnswer {
-    /// How the plans were made.
+    /// The method of the plans.
     pub(super) method: MethodName,
     /// The model by which passes are spaced: `analytic` or `envelope`.
     #[schema(example = "envelope")]
@@ -31,7 +31,7 @@ pub(crate) struct RecommendationAnswer {
     pub(super) not_ranked: Vec<NotRanked>,
     /// The surface.
     pub(super) surface: SurfaceAnswer,
-    /// The slope below which the toroidal cutter is faster on the rectangle that spreads as much as the surface; 90 where it is faster on every slope, 0
+    /// The slope below which the toroidal cutter is faster on the surface's equivalent rectangle; 90 where it is faster on every slope, 0
     /// where the ball-end cutter is. Only where one toroidal and one ball-end cutter are compared and the published method has an answer.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
@@ -44,28 +44,28 @@ pub(crate) struct RecommendationAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 1)]
     pub(super) critical_form_factor: Option<f64>,
-    /// The surface as a raster, for drawing; only where asked for.
+    /// The surface as a raster, for drawing; only where `include` names it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(super) map: Option<MapAnswer>,
-    /// The passes of the recommended plan; only where asked for.
+    /// The passes of the recommended plan; only where `include` names them.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(super) passes: Option<PassesAnswer>,
-    /// How far to trust the recommendation.
+    /// The reliability of the recommendation.
     pub(super) confidence: ConfidenceAnswer,
-    /// What must be looked at.
+    /// Facts that need attention.
     pub(super) warnings: Vec<Warning>,
 }
 
-/// How a plan is made.
+/// The method of planning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = MethodUsed)]
 pub(super) enum MethodName {
     /// Zigzag passes simulated on the surface.
     Surface,
-    /// The published method: an inclined rectangle stands for the surface.
+    /// The published method, by an inclined rectangle equivalent to the surface.
     Rectangle,
 }
 
@@ -83,7 +83,7 @@ pub(super) fn model(model: Model) -> &'static str {
     model_name(model)
 }
 
-/// The cutter to take, and how.
+/// The recommended cutter and its plan.
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct RecommendedCutter {
     /// The position of the cutter in the request, from 0; cutters of libraries follow.
@@ -92,14 +92,15 @@ pub(super) struct RecommendedCutter {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     name: Option<String>,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where the surface has no such direction.
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where the
+    /// surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     direction_deg: Option<f64>,
     /// The time of all passes and links, stops included.
     #[schema(minimum = 0)]
     machining_time_s: f64,
-    /// The median distance of the passes seen from above.
+    /// The median distance between passes, seen from above.
     #[schema(minimum = 0)]
     step_over_xy_mm: f64,
     /// The mean feed rate of the passes.
@@ -119,20 +120,21 @@ pub(super) struct RankedCandidate {
     /// The kind of cutter.
     #[serde(rename = "type")]
     kind: CutterKindName,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where the surface has no such direction.
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where the
+    /// surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     direction_deg: Option<f64>,
     /// The time of all passes and links, stops included.
     #[schema(minimum = 0)]
     machining_time_s: f64,
-    /// How many planes the passes lie in; in method rectangle the model's quotient, not rounded.
+    /// The number of planes that contain the passes; in method rectangle the model's quotient, not rounded.
     #[schema(minimum = 0)]
     passes: f64,
     /// The length of all passes and links.
     #[schema(minimum = 0)]
     path_length_mm: f64,
-    /// The distances of the passes seen from above.
+    /// The distances between passes, seen from above.
     step_over_xy_mm: SpacingAnswer,
     /// The mean feed rate of the passes: their length over the time they would take without stops.
     #[schema(minimum = 0)]
@@ -147,7 +149,7 @@ pub(super) struct RankedCandidate {
     simulated: Option<SimulatedFigures>,
 }
 
-/// What the simulation on the surface tells of a plan.
+/// The figures of a plan that was simulated on the surface.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 struct SimulatedFigures {
     /// The links between runs.
@@ -156,19 +158,19 @@ struct SimulatedFigures {
     /// The scallop height over the area, by model `envelope` with the surface's own curvature.
     #[schema(required = false)]
     scallop_height_mm: ScallopAnswer,
-    /// The share of the area whose scallop exceeds the height asked for.
+    /// The share of the area whose scallop height exceeds `scallop_height_mm`.
     #[schema(required = false, minimum = 0, maximum = 1)]
     over_tolerance_share: f64,
     /// The share of the area that the cutter leaves uncut because it does not fit.
     #[schema(required = false, minimum = 0, maximum = 1)]
     uncut_share: f64,
-    /// The largest height that it leaves there.
+    /// The largest height that the cutter leaves there.
     #[schema(required = false, minimum = 0)]
     uncut_height_mm: f64,
-    /// A bound from below: no zigzag that keeps the scallop height takes less.
+    /// A lower bound: no zigzag that keeps the scallop height takes less time.
     #[schema(required = false, minimum = 0)]
     least_time_s: f64,
-    /// The time of each direction that was tried and has one.
+    /// The times of the directions that were tried and have a plan.
     #[schema(required = false)]
     by_direction: ByDirection,
     /// The same cutter by the published method, where that has an answer.
@@ -187,7 +189,7 @@ enum CutterKindName {
     FlatEnd,
 }
 
-/// Distances of passes.
+/// Distances between passes.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 #[schema(as = StepOverRange)]
 struct SpacingAnswer {
@@ -206,12 +208,12 @@ struct SpacingAnswer {
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 #[schema(as = Links)]
 struct LinksAnswer {
-    /// How many there are.
+    /// The number of links.
     count: usize,
-    /// Their length.
+    /// The length of all links.
     #[schema(minimum = 0)]
     length_mm: f64,
-    /// How many go over the clearance height.
+    /// The number of links over the clearance height.
     lifts: usize,
 }
 
@@ -238,7 +240,7 @@ struct ScallopAnswer {
 struct ByDirection {
     /// The directions.
     direction_deg: Vec<f64>,
-    /// The time in each.
+    /// The time in each direction.
     machining_time_s: Vec<f64>,
 }
 
@@ -309,8 +311,8 @@ impl RankedCandidate {
         }
     }
 
-    /// A plan by the published method. Passes up and down the slope are level apart, so that their distance is the same seen from above; those along the
-    /// level side are apart up the slope.
+    /// A plan by the published method. The distance between passes up and down the slope is horizontal, hence the same seen from
+    /// above; that between level passes is up the slope.
     pub(super) fn on_rectangle(cutter: usize, plan: &RectanglePlan, slope: Angle, feed_rate: Speed, candidates: &[NamedCandidate]) -> Self {
         let named = &candidates[cutter];
         let is_ball = named.candidate.cutter.kind() == CutterKind::BallEnd;

@@ -1,4 +1,4 @@
-//! The confidence of an answer: its level and the weaknesses of the method that the surface touches.
+//! The confidence of an answer: its level, and the weaknesses of the method that concern the surface.
 
 use crate::http::codes::ConfidenceCode;
 use crate::planning::zigzag::SurfaceConfidence;
@@ -6,14 +6,14 @@ use crate::planning::{Confidence, Level, Reason};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// How far to trust a recommendation.
+/// The reliability of a recommendation.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Confidence)]
 pub(super) struct ConfidenceAnswer {
-    /// `high`: the surface is of the kind for which the method was built; `moderate`: the times are estimates; `low`: the recommendation may be
-    /// wrong.
+    /// `high`: the surface is of the kind for which the method is intended; `moderate`: the times are estimates; `low`: the
+    /// recommendation may be wrong.
     level: LevelName,
-    /// What keeps the level from being high, the gravest first.
+    /// The reasons why the level is not high, the most important first.
     reasons: Vec<ReasonAnswer>,
 }
 
@@ -27,16 +27,16 @@ enum LevelName {
     Low,
 }
 
-/// A weakness of the method that this surface touches.
+/// A weakness of the method that concerns this surface.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = ConfidenceReason)]
 struct ReasonAnswer {
     code: ConfidenceCode,
-    /// To which level it lowers the confidence.
+    /// The level to which it lowers the confidence.
     level: LevelName,
-    /// What it is about, for a person.
+    /// An explanation for people.
     detail: String,
-    /// The figure that shows it, in the unit that `detail` names.
+    /// The figure on which the reason is based, in the unit that `detail` names.
     value: f64,
     /// The threshold that the figure crossed, in the same unit.
     threshold: f64,

@@ -1,4 +1,4 @@
-//! `POST /v1/critical-slope`: the inclined rectangle, on which slope decides between the cutters.
+//! `POST /v1/critical-slope`: the slope of an inclined rectangle at which both cutters take the same time.
 
 use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster, candidates};
 use super::job::{self, JobMembers};
@@ -70,7 +70,7 @@ pub(crate) struct CriticalSlopeAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, min_items = 2, max_items = 2)]
     candidates: Option<Vec<CandidateAnswer>>,
-    /// What must be looked at.
+    /// Facts that need attention.
     warnings: Vec<Warning>,
 }
 
@@ -104,7 +104,7 @@ fn wide_step_over(plan: &Plan, job: &Job) -> Option<Warning> {
         Warning::new(
             WarningCode::StepOverExceedsCutter,
             format!(
-                "the toroidal cutter's step-over, {step_over:.3} mm, exceeds its diameter, {diameter} mm: the model's circle is wider than the cutter; model \"envelope\" knows its width"
+                "the toroidal cutter's step-over, {step_over:.3} mm, exceeds its diameter, {diameter} mm: the model's circle is wider than the cutter; model \"envelope\" takes the width into account"
             ),
         )
     })
@@ -144,12 +144,12 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
     .map(Json)
 }
 
-/// The member that leaves the toroidal cutter without a step-over.
+/// The member because of which the toroidal cutter has no step-over.
 fn to_blame(cause: NoAnswer) -> &'static str {
     if cause == NoAnswer::FlatFloor { SLOPE.name } else { job::SCALLOP_HEIGHT.name }
 }
 
-/// Takes the rectangle, by its sides or by its form.
+/// Takes the rectangle out of `object`, by its sides or by its form.
 fn rectangle(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<InclinedRectangle, Faulted> {
     let path = object.path();
     match object.one_of("give width_mm and height_mm, or form_factor and characteristic_size_mm2", faults)? {

@@ -1,4 +1,4 @@
-//! `GET /v1/machines`: the machines that can be named instead of stating their limits.
+//! `GET /v1/machines`: the machines that a request can name in place of their limits.
 
 use crate::http::problem::ProblemBody;
 use crate::motion::{PRESETS, Preset};
@@ -21,7 +21,7 @@ struct MachineAnswer {
     /// The name for `machine.preset`; stable.
     #[schema(example = "five_axis_vmc")]
     name: &'static str,
-    /// Which machines it stands for.
+    /// The class of machines.
     description: &'static str,
     /// V, the feed rate of finishing, in mm/min.
     #[schema(exclusive_minimum = 0, example = 5000.0)]
@@ -32,7 +32,7 @@ struct MachineAnswer {
     /// J, the largest jerk along the path, in m/s^3.
     #[schema(exclusive_minimum = 0, example = 40.0)]
     jerk_m_s3: f64,
-    /// The publication that states the values, or "typical" where they are the usual order of magnitude of the class.
+    /// The publication of the values, or "typical" where they are the usual order of magnitude of the class.
     source: &'static str,
 }
 
@@ -52,12 +52,12 @@ impl From<&Preset> for MachineAnswer {
 
 /// The machine presets
 ///
-/// Machines to name in `machine.preset` where one's own limits are not at hand, each with its limits and where they come from.
+/// Machines to name in `machine.preset` where the limits of a machine are not known, each with its limits and their source.
 #[utoipa::path(
     get, path = "/v1/machines", tag = "planning", operation_id = "machines",
     responses(
         (status = 200, description = "The presets", body = MachinesAnswer),
-        (status = 503, description = "The server is busy; try again after the seconds in Retry-After", body = ProblemBody, content_type = "application/problem+json"),
+        (status = 503, description = "The server is busy; try again after the time in Retry-After", body = ProblemBody, content_type = "application/problem+json"),
     ),
 )]
 pub(crate) async fn list() -> Json<MachinesAnswer> {

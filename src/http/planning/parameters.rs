@@ -1,4 +1,4 @@
-//! What is asked beside the surface: the cutters, the scallop height, the machine, and how to plan.
+//! The parameters of a recommendation besides the surface: cutters, scallop height, machine, and settings of the plan.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, List, Members, Object, ObjectSchema, Quantity, members};
@@ -10,17 +10,17 @@ use crate::quantity::{Angle, Length, OutOfRange};
 use crate::surface::mesh::Selection;
 use crate::surface::{Facing, Shape, Unit};
 
-/// How a plan is made.
+/// The method of planning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Method {
     /// Zigzag passes simulated on the surface.
     #[default]
     Surface,
-    /// The published method: an inclined rectangle stands for the surface.
+    /// The published method, by an inclined rectangle equivalent to the surface.
     Rectangle,
 }
 
-/// What an answer may have in addition.
+/// The optional parts of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Part {
     Map,
@@ -31,7 +31,7 @@ fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
     Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?)
 }
 
-/// The line of a direction is the same after half a turn.
+/// The direction of a line, which repeats after half a turn.
 fn direction(degrees: f64) -> Result<Angle, OutOfRange> {
     Angle::from_degrees(OutOfRange::check(degrees, -360.0, 360.0)?.rem_euclid(180.0))
 }
@@ -44,35 +44,35 @@ fn share(value: f64) -> Result<f64, OutOfRange> {
 const DEFAULT_MAX_SLOPE: f64 = 85.0;
 
 members! {
-    /// What is asked beside the surface.
+    /// The parameters besides the surface.
     pub(super) struct ParameterMembers {
         cutters: optional CUTTERS: List<CandidateKind>,
         scallop_height: required SCALLOP_HEIGHT: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
-            "the scallop height to keep: for cutters with teeth and spindle speed it covers the feed marks, for others the step-over alone"),
+            "the scallop height that must not be exceeded: by step-over and tooth marks for cutters with teeth and spindle speed, by the step-over alone for others"),
         machine: required MACHINE: Machine,
         pattern: optional PATTERN: Choice<Pattern> = ("pattern", Choice { name: Some("Pattern"), words: &[("zigzag", Pattern::Zigzag), ("one_way", Pattern::OneWay)] },
-            "zigzag (default): passes alternate in sense; one_way: all have one sense, and the cutter returns at the rapid rate over the clearance height"),
+            "zigzag (default): passes alternate in sense; one_way: all passes have the same sense, and the cutter returns at the rapid rate over the clearance height"),
         max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::new(slope, DEFAULT_MAX_SLOPE),
-            "the slope up to which facets set the step-over; steeper ones count as steep; absent = 85"),
+            "the largest slope of facets that limit the step-over; steeper facets count as steep; absent = 85"),
         method: optional METHOD: Choice<Method> = ("method", Choice { name: Some("Method"), words: &[("surface", Method::Surface), ("rectangle", Method::Rectangle)] },
-            "surface (default): zigzag passes simulated on the surface; rectangle: the published method, by an inclined rectangle that spreads as much"),
+            "surface (default): zigzag passes simulated on the surface; rectangle: the published method, by an inclined rectangle equivalent to the surface"),
         model: optional MODEL: Choice<Model>,
         directions: optional DIRECTIONS: List<Quantity<Angle>> = ("directions_deg",
             List { item: Quantity::new(direction, 90.0), about_item: "a direction from +X, counter-clockwise", fewest: 1, most: 360 },
             "the directions of passes to try, in method surface; absent = all"),
         unit: optional UNIT: Choice<Unit>,
         facing: optional FACING: Choice<Facing> = ("facing", Choice { name: Some("Facing"), words: &[("up", Facing::Up), ("any", Facing::Any)] },
-            "which facets count for the shape: up (default), those whose normal points up, which a cutter from above reaches; any, all of them. Points and patches have no sides"),
+            "the facets that determine the shape: up (default), those whose normal points up, which a cutter reaches from above; any, all of them. Points and patches have no sides"),
         max_uncut_share: optional MAX_UNCUT_SHARE: Quantity<f64> = ("max_uncut_share", Quantity::new(share, 0.005),
-            "the share of the area that a cutter may leave uncut and be ranked; absent = 0.005"),
+            "the largest share of the area that a ranked cutter may leave uncut; absent = 0.005"),
         select: optional SELECT: SelectKind,
         include: optional INCLUDE: List<Choice<Part>> = ("include",
             List { item: Choice { name: None, words: &[("map", Part::Map), ("passes", Part::Passes)] }, about_item: "a part of the answer", fewest: 0, most: 2 },
-            "what the answer has in addition, in method surface: map, a raster for drawing; passes, the recommended plan point by point"),
+            "optional parts of the answer, in method surface: map, a raster for drawing; passes, the recommended plan point by point"),
     }
 }
 
-/// What is asked beside the surface.
+/// The parameters besides the surface.
 #[derive(Debug)]
 pub(super) struct Parameters {
     pub(super) candidates: Vec<NamedCandidate>,
@@ -91,22 +91,28 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow those of the request.
+    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow those of the request;
+    /// `libraries` has the tools that were left out of them.
     pub(super) fn read(
         object: &mut Object<'_, '_>,
         of_libraries: impl IntoIterator<Item = NamedCandidate>,
-        libraries: Result<(), Faulted>,
+        libraries: Result<Option<String>, Faulted>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
         let members = ParameterMembers::read(object, faults);
         let candidates = members.cutters.and_then(|own| {
-            // Cutters of a refused library may be all that were meant.
-            libraries?;
+            // The cutters may all have been in a refused library.
+            let left_out = libraries?;
             let candidates: Vec<_> = own.into_iter().flatten().chain(of_libraries).collect();
             let object = object.path();
             let path = object.member(CUTTERS.name);
             match candidates.len() {
-                0 => Err(faults.add(&path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about))),
+                0 => Err(match left_out {
+                    Some(left_out) => {
+                        faults.add(&path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}"))
+                    }
+                    None => faults.add(&path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about)),
+                }),
                 1..=MOST_CUTTERS => Ok(candidates),
                 count => {
                     let detail = format_args!("at most {MOST_CUTTERS} cutters, those of libraries included; there are {count}");
@@ -131,7 +137,7 @@ impl Parameters {
         })
     }
 
-    /// Adds the members to a request's schema.
+    /// Adds the members to the schema of a request.
     pub(super) fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
         schema.with::<ParameterMembers>()
     }

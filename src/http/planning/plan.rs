@@ -40,9 +40,13 @@ impl Task {
         let mut warnings = sourced.warnings(&shape);
         let Sourced { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let workpiece = match parameters.method {
-            Method::Surface => Some(Workpiece::new(mesh, unit, &parameters, path, faults)?),
+            Method::Surface => Some(Workpiece::new(mesh, unit, &parameters).map_err(|fault| fault.report(path, faults))?),
             // Without facets the method loses evidence, not its answer.
-            Method::Rectangle => Workpiece::new(mesh, unit, &parameters, path, &mut Faults::default()).ok(),
+            Method::Rectangle => match Workpiece::new(mesh, unit, &parameters) {
+                Ok(workpiece) => Some(workpiece),
+                Err(fault) if fault.is_sound() => None,
+                Err(fault) => return Err(fault.report(path, faults)),
+            },
         };
         if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
             let detail =
@@ -89,8 +93,8 @@ impl Task {
         means: &mut Means,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<RecommendationAnswer, Problem> {
-        let by = self.parameters.model();
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &self.shape, by, means.parallelism, stop) else {
+        let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, means.parallelism, stop) else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
         let ranking = &simulation.ranking;
@@ -185,14 +189,17 @@ impl Task {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
         let Some(workpiece) = workpiece else { return (&confidence).into() };
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &self.shape, Model::Envelope, means.parallelism, stop) else {
+        // The recommended cutter and the next one decide about the order.
+        let compared: Vec<usize> = candidates.iter().take(2).map(RankedCandidate::cutter).collect();
+        let by = Model::Envelope;
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, means.parallelism, stop) else {
             return (&confidence).into();
         };
         let figures = simulation.ranking.surface;
-        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.pieces as usize, simulated: None };
+        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.machined_pieces, simulated: None };
         let simulated = |candidate: &RankedCandidate| {
             let plans = &simulation.ranking.plans;
-            plans.iter().find(|plan| plan.candidate == candidate.cutter()).map(|plan| (candidate.time(), plan.time))
+            plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter()).map(|plan| (candidate.time(), plan.time))
         };
         let confidence = confidence.with_surface(&self.shape, &evidence);
         // Without the recommended cutter's simulation there is nothing to compare the others with.

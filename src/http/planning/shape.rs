@@ -12,34 +12,34 @@ use utoipa::ToSchema;
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = SurfaceShape)]
 pub(super) struct SurfaceAnswer {
-    /// In which form the surface was sent; of a file, the format that its content showed.
+    /// The form in which the surface was sent; for a file, the format detected by its content.
     source: Source,
-    /// How many points the shape was taken of; 0 where it was taken of facets.
+    /// The number of points from which the shape was computed; 0 where it was computed from facets.
     points: u64,
-    /// How many facets the shape was taken of; of points or a patch, how many were made.
+    /// The number of facets from which the shape was computed; for points or a patch, the number of facets formed from them.
     facets: u64,
-    /// The angle between the plane that fits best and the horizontal.
+    /// The angle between the best-fit plane and the horizontal.
     #[schema(minimum = 0, maximum = 90)]
     slope_deg: f64,
     /// The mean of the slopes of all facets or samples. Only where facets or a patch have slopes.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
     mean_slope_deg: Option<f64>,
-    /// mu, the long side over the short side of the rectangle that spreads as much.
+    /// mu, the long side over the short side of the equivalent rectangle, which has the same variances.
     #[schema(minimum = 1)]
     form_factor: f64,
-    /// chi, the area of that rectangle.
+    /// chi, the area of the equivalent rectangle.
     #[schema(minimum = 0)]
     characteristic_size_mm2: f64,
-    /// Along which the surface spreads most. Absent where it spreads as much in every direction, or most along the vertical.
+    /// The direction along which the surface spreads most. Absent where it spreads equally in every direction, or most along the vertical.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     principal_direction_deg: Option<f64>,
-    /// The steepest direction of the plane that fits best. Absent where that is level.
+    /// The steepest direction of the best-fit plane. Absent where that plane is level.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     steepest_direction_deg: Option<f64>,
-    /// The angle between these two directions; the method takes it for 90. Absent where one of them is.
+    /// The angle between these two directions, which the published method assumes to be 90. Absent where one of them is.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
     direction_gap_deg: Option<f64>,
@@ -52,7 +52,7 @@ pub(super) struct SurfaceAnswer {
     /// The centroid [x, y, z].
     #[schema(min_items = 3, max_items = 3)]
     centroid_mm: [f64; 3],
-    /// The box around what the shape was taken of.
+    /// The box around the points or facets from which the shape was computed.
     bounds_mm: BoundsAnswer,
     /// The area. Absent in method rectangle for points that span no facets.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -66,7 +66,7 @@ pub(super) struct SurfaceAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 1)]
     steep_area_share: Option<f64>,
-    /// How many connected pieces the surface is in.
+    /// The number of connected pieces of the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 1)]
     pieces: Option<u32>,

@@ -8,8 +8,9 @@ use crate::milling::Model;
 use crate::planning::memory::Parallelism;
 use crate::planning::reach::{ReachMap, Uncut};
 use crate::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
-use crate::surface::mesh::{FacetClass, ViewFromAbove, Visibility};
+use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility};
 use crate::surface::{FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
+use std::collections::BTreeSet;
 
 /// The side of the raster on which cutters are tried and maps are drawn.
 const SIDE: usize = 256;
@@ -19,6 +20,8 @@ pub(super) struct Workpiece {
     pub(super) mesh: Mesh,
     pub(super) visibility: Visibility,
     pub(super) pieces: u32,
+    /// The number of pieces of which a facet is machined.
+    pub(super) machined_pieces: usize,
     /// Whether each facet of the mesh is selected and not too steep.
     machined: Vec<bool>,
     /// The facets that a plan is made for.
@@ -28,21 +31,46 @@ pub(super) struct Workpiece {
     pub(super) view: ViewFromAbove,
 }
 
+/// Why a surface has no facets to machine.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum NoWorkpiece {
+    Mesh(MeshError),
+    Selection(SelectionError),
+    NothingToMachine,
+}
+
+impl NoWorkpiece {
+    /// Whether the surface as such is sound: it only has no facets that can be seen from above.
+    pub(super) fn is_sound(self) -> bool {
+        match self {
+            Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. }) => true,
+            Self::NothingToMachine => true,
+            Self::Mesh(_) | Self::Selection(_) => false,
+        }
+    }
+
+    /// The fault of a surface that was sent at `path`.
+    pub(super) fn report(self, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
+        match self {
+            Self::Mesh(error) => faults.add(path, mesh_code(error), error),
+            Self::Selection(error) => {
+                let select = JsonPath::Root.member(SELECT.name);
+                faults.add(&select.member(PIECES_NAME), RequestFault::OutOfRange, error)
+            }
+            Self::NothingToMachine => {
+                let detail = "no facet is selected, seen from above and at most as steep as max_slope_deg";
+                faults.add(path, RequestFault::NothingToMachine, detail)
+            }
+        }
+    }
+}
+
 impl Workpiece {
-    /// The facets that a surface at `path` has.
-    pub(super) fn new(
-        mesh: MeshBuilder,
-        unit: Unit,
-        parameters: &Parameters,
-        path: &JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Self, Faulted> {
-        let mesh = mesh.finish(unit, parameters.facing).map_err(|error| faults.add(path, mesh_code(error), error))?;
+    /// The facets that a surface has.
+    pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters) -> Result<Self, NoWorkpiece> {
+        let mesh = mesh.finish(unit, parameters.facing).map_err(NoWorkpiece::Mesh)?;
         let pieces = mesh.pieces();
-        let selected = mesh.selected(&parameters.selection, &pieces).map_err(|error| {
-            let select = JsonPath::Root.member(SELECT.name);
-            faults.add(&select.member(PIECES_NAME), RequestFault::OutOfRange, error)
-        })?;
+        let selected = mesh.selected(&parameters.selection, &pieces).map_err(NoWorkpiece::Selection)?;
         let visibility = mesh.visibility(parameters.max_slope);
         let facets = mesh.facets_for_finishing(&visibility, &selected);
         let mut next = 0;
@@ -55,11 +83,12 @@ impl Workpiece {
             next += u32::from(is_planned);
         }
         if !machined.contains(&true) {
-            let detail = "no facet is selected, seen from above and at most as steep as max_slope_deg";
-            return Err(faults.add(path, RequestFault::NothingToMachine, detail));
+            return Err(NoWorkpiece::NothingToMachine);
         }
+        let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
+        let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
         let view = mesh.seen_from_above(SIDE);
-        Ok(Self { mesh, visibility, pieces: pieces.count(), machined, facets, places, view })
+        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
     }
 
     /// Where the facet that a cell shows stands among those of the plan.
@@ -84,10 +113,11 @@ pub(super) struct Simulation {
 }
 
 impl Simulation {
-    /// Simulates the candidates; `None` as soon as `stop` says that nobody waits for the result.
+    /// Simulates the candidates in these places among those of the request; `None` as soon as `stop` says that nobody waits for the result.
     pub(super) fn run(
         workpiece: &Workpiece,
         parameters: &Parameters,
+        places: &[usize],
         shape: &Shape,
         model: Model,
         parallelism: Parallelism,
@@ -95,23 +125,23 @@ impl Simulation {
     ) -> Option<Self> {
         let settings = ZigzagSettings { candidates_at_once: parallelism.candidates, ..parameters.settings(shape, model) };
         let reach = ReachMap::new(&workpiece.mesh, &workpiece.view, &workpiece.machined);
-        let cutters: Vec<_> = parameters.candidates.iter().map(|named| named.candidate.cutter).collect();
-        let mut candidates = Vec::with_capacity(cutters.len());
+        let mut candidates = Vec::with_capacity(places.len());
         // A map of each cutter takes a quarter of a MB, so that only the figures are kept.
-        for (named, cutters) in parameters.candidates.chunks(MOST_AT_ONCE).zip(cutters.chunks(MOST_AT_ONCE)) {
+        for places in places.chunks(MOST_AT_ONCE) {
             if stop() {
                 return None;
             }
-            let uncut = reach.uncut_of_each(cutters, parameters.scallop_height);
-            candidates.extend(named.iter().zip(uncut).map(|(named, uncut)| CandidateCutter {
+            let cutters: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate.cutter).collect();
+            let uncut = reach.uncut_of_each(&cutters, parameters.scallop_height);
+            candidates.extend(places.iter().zip(uncut).map(|(&place, uncut)| CandidateCutter {
                 reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }),
-                ..named.candidate
+                ..parameters.candidates[place].candidate
             }));
         }
         if stop() {
             return None;
         }
-        let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.pieces as usize };
+        let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.machined_pieces };
         let ranking = rank(&workpiece.facets, &candidates, &settings, evidence, stop)?;
         Some(Self { settings, candidates, ranking, reach })
     }

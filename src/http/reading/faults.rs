@@ -34,9 +34,9 @@ pub(crate) struct Faults {
     most_listed: usize,
     listed: Vec<Fault>,
     unlisted: usize,
-    /// Set when nobody waits for the faults any more.
-    cancel: Option<CancelFlag>,
     left_out: usize,
+    /// Ends the reading of arrays when it is set.
+    cancel: Option<CancelFlag>,
 }
 
 impl Default for Faults {

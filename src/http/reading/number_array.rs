@@ -1,4 +1,4 @@
-//! Arrays of numbers and nulls in JSON that has been checked already, read on all cores straight into numbers.
+//! Reads arrays of numbers and nulls, in JSON that has been checked already, on all cores straight into numbers.
 
 use memchr::{memchr, memchr_iter};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
@@ -6,15 +6,15 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 /// The bytes that one core reads at once: some thousand numbers.
 const BLOCK: usize = 32 * 1024;
 
-/// The items of the array that `json` is, null as `None`. `None` where there are more than `most`, an item is anything else, or a number is
-/// beyond doubles: then another reader finds the faults. `json` must be the text of a JSON value.
+/// The items of the array `json`, null as `None`. `None` where there are more than `most`, an item is anything else, or a number is beyond
+/// double precision: then another reader finds the faults. `json` must be the text of a JSON value.
 pub(super) fn read_numbers(json: &str, most: usize) -> Option<Vec<Option<f64>>> {
     let items = json.trim_ascii().strip_prefix('[')?.strip_suffix(']')?;
     if items.trim_ascii().is_empty() {
         return Some(Vec::new());
     }
     let blocks = blocks(items);
-    // Items without brackets and quotation marks have no other commas than those between them; `read_item` refuses all others.
+    // Items without brackets and quotation marks contain no commas; `read_item` refuses all others.
     let counts: Vec<usize> = blocks.iter().map(|block| memchr_iter(b',', block.as_bytes()).count() + 1).collect();
     let count = counts.iter().sum();
     if count > most {
@@ -28,16 +28,16 @@ pub(super) fn read_numbers(json: &str, most: usize) -> Option<Vec<Option<f64>>> 
         places.push(place);
         rest = after;
     }
-    blocks.into_par_iter().zip(places).try_for_each(|(block, place)| read_block(block, place))?;
+    blocks.into_par_iter().zip(places).try_for_each(|(block, place)| read_block(block, place)).ok()?;
     Some(values)
 }
 
-/// Pieces of `items` that end where an item does.
+/// Divides `items` into pieces that end between items.
 fn blocks(items: &str) -> Vec<&str> {
     let mut blocks = Vec::with_capacity(items.len() / BLOCK + 1);
     let mut rest = items;
     while let Some(comma) = rest.as_bytes().get(BLOCK..).and_then(|after| memchr(b',', after)) {
-        // A comma is a character of its own, so that both sides are text.
+        // A comma is one byte in UTF-8, so that both sides are valid text.
         blocks.push(&rest[..BLOCK + comma]);
         rest = &rest[BLOCK + comma + 1..];
     }
@@ -45,19 +45,22 @@ fn blocks(items: &str) -> Vec<&str> {
     blocks
 }
 
-fn read_block(block: &str, place: &mut [Option<f64>]) -> Option<()> {
+/// An item that is neither null nor a number within doubles.
+struct Unusual;
+
+fn read_block(block: &str, place: &mut [Option<f64>]) -> Result<(), Unusual> {
     for (item, value) in block.split(',').zip(place) {
         *value = read_item(item.trim_ascii())?;
     }
-    Some(())
+    Ok(())
 }
 
-fn read_item(item: &str) -> Option<Option<f64>> {
-    match item.as_bytes().first()? {
+fn read_item(item: &str) -> Result<Option<f64>, Unusual> {
+    match item.as_bytes().first() {
         // The text is JSON: what begins like a number is one.
-        b'-' | b'0'..=b'9' => item.parse().ok().filter(|value: &f64| value.is_finite()).map(Some),
-        b'n' => Some(None),
-        _ => None,
+        Some(b'-' | b'0'..=b'9') => item.parse().ok().filter(|value: &f64| value.is_finite()).map(Some).ok_or(Unusual),
+        Some(b'n') => Ok(None),
+        _ => Err(Unusual),
     }
 }
 
@@ -79,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_else_is_left_to_the_general_reader() {
+    fn other_arrays_are_left_to_the_general_reader() {
         for json in [
             "1",
             "{}",
@@ -100,7 +103,7 @@ mod tests {
     }
 
     proptest! {
-        /// Blocks end anywhere between items, and every number is the same double as by the general reader.
+        /// Blocks end anywhere between items, and every number is the same double as with the general reader.
         #[test]
         fn long_arrays_are_read_as_by_the_general_reader(
             values in proptest::collection::vec(proptest::option::of(proptest::num::f64::NORMAL | proptest::num::f64::ZERO), 1..6000),

@@ -130,7 +130,10 @@ pub(crate) fn batch_contact_schemas(states: States, components: &mut Components)
         (false, true) => ["AngleContactWithFeed", "VectorContactWithFeed"],
         (false, false) => ["AngleContactWithCurvature", "VectorContactWithCurvature"],
     };
-    contact::forms(names, "A contact with parameters of its own", components, |schema| ContactParameters::describe(schema, states)).into()
+    contact::forms(names, "A contact with the parameters that it states itself", components, |schema| {
+        ContactParameters::describe(schema, states)
+    })
+    .into()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::http::reading::{
     Components, Faulted, Faults, JsonPath, Kind, List, Member, Members, Object, ObjectSchema, Quantity, Whole, WireObject, members,
 };
 use crate::quantity::{Angle, OutOfRange};
-use crate::surface::mesh::Selection;
+use crate::surface::mesh::{Selection, SelectionError};
 use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -48,19 +48,22 @@ impl WireObject for SelectKind {
 
     fn build(members: SelectionMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Selection, Faulted> {
         let SelectionMembers { slopes, bounds, pieces } = members;
-        let mut selection = Ok(Selection::all());
+        let (mut selection, mut refused) = (Selection::all(), Ok(()));
+        // Each condition is checked, whatever is wrong with the others.
         let mut narrow =
-            |name, result: Result<Selection, _>| result.map_err(|error| faults.add(&path.member(name), RequestFault::OutOfRange, error));
-        if let Some(band) = slopes? {
-            selection = selection.and_then(|selection: Selection| narrow(SLOPES.name, selection.with_slopes(band[0], band[1])));
-        }
-        if let Some([min, max]) = bounds? {
-            selection = selection.and_then(|selection| narrow(BOX.name, selection.with_box(min, max)));
-        }
-        if let Some(pieces) = pieces? {
-            selection = selection.and_then(|selection| narrow(PIECES.name, selection.with_pieces(pieces)));
-        }
-        selection
+            |name, narrowed: Result<Option<Result<Selection, SelectionError>>, Faulted>, selection: &mut Selection| match narrowed {
+                Ok(None) => {}
+                Ok(Some(Ok(narrowed))) => *selection = narrowed,
+                Ok(Some(Err(error))) => refused = Err(faults.add(&path.member(name), RequestFault::OutOfRange, error)),
+                Err(faulted) => refused = Err(faulted),
+            };
+        let so_far = selection.clone();
+        narrow(SLOPES.name, slopes.map(|slopes| slopes.map(|band| so_far.with_slopes(band[0], band[1]))), &mut selection);
+        let so_far = selection.clone();
+        narrow(BOX.name, bounds.map(|bounds| bounds.map(|[min, max]| so_far.with_box(min, max))), &mut selection);
+        let so_far = selection.clone();
+        narrow(PIECES.name, pieces.map(|pieces| pieces.map(|pieces| so_far.with_pieces(pieces))), &mut selection);
+        refused.map(|()| selection)
     }
 }
 

@@ -113,6 +113,68 @@ impl Body {
         self.concave.is_some()
     }
 
+    /// The feed's parts along the steepest and the level line, neither negative.
+    pub(super) fn along_steepest(&self) -> f64 {
+        self.along_steepest
+    }
+
+    pub(super) fn along_level(&self) -> f64 {
+        self.along_level
+    }
+
+    /// The lengths from the contact in a direction (along the feed, to the side) at which H can turn from rising to falling or back, in order: where the line enters and leaves the flat,
+    /// is nearest to the axis, and, where it runs over the flat, where the parabola of H there is highest. 0 for those that there are not.
+    ///
+    /// The flat is the disc of radius a, cos(S) times as long along the steepest line. On it H = tan(S) u_s + r (1 - 1/cos(S)) + 1/2 u'Ku.
+    pub(super) fn turns(&self, direction: [f64; 2]) -> [f64; 4] {
+        let (sin, cos) = (self.slope.sin(), self.slope.cos());
+        let steep = direction[0] * self.along_steepest - direction[1] * self.along_level;
+        let level = direction[0] * self.along_level + direction[1] * self.along_steepest;
+        let bend = self.surface.along_per_mm() * direction[0] * direction[0]
+            + 2.0 * self.surface.twist_per_mm() * direction[0] * direction[1]
+            + self.surface.across_per_mm() * direction[1] * direction[1];
+        if bend >= 0.0 || self.core == 0.0 || cos <= 0.0 {
+            return [0.0; 4];
+        }
+        let centre = self.axis * cos + self.corner * (1.0 - cos) * sin;
+        let (square, half) = ((steep / cos).powi(2) + level * level, centre * steep / (cos * cos));
+        let nearest = half / square;
+        let discriminant = half * half - square * ((centre / cos).powi(2) - self.core * self.core);
+        let mut turns = if discriminant > 0.0 {
+            let root = discriminant.sqrt();
+            let (enters, leaves) = ((half - root) / square, (half + root) / square);
+            [enters, leaves, nearest, (-sin / cos * steep / bend).clamp(enters, leaves)]
+        } else {
+            [nearest, 0.0, 0.0, 0.0]
+        };
+        turns.sort_unstable_by(f64::total_cmp);
+        turns
+    }
+
+    /// Whether the section at the height p is known to be convex although the surface is not: because it reaches neither the flat nor the side.
+    ///
+    /// On the round the cutter's curvature is sin(beta) / (a + r sin(beta)) or more, beta being the angle between its normal and the axis, so that H is convex where that exceeds the largest concave
+    /// curvature k. The section lies within the circle about the contact in which the cutter's sphere of radius q = a/sin(S) + r is not higher than p over the surface, and along the steepest line
+    /// within that of the corner's round.
+    pub(super) fn is_convex_up_to(&self, p: f64) -> bool {
+        let (sin, cos, a, r) = (self.slope.sin(), self.slope.cos(), self.core, self.corner);
+        let k = -self.surface.principal_per_mm()[1];
+        if k <= 0.0 {
+            return true;
+        }
+        let free = (if a > 0.0 { sin / (a + r * sin) } else { r.recip() }) - k;
+        if free <= 0.0 || k * r >= 1.0 {
+            return false;
+        }
+        let reach_squared = 2.0 * p / free;
+        let along_steepest = (2.0 * r * (p + 0.5 * k * reach_squared)).sqrt();
+        let sin_least = k * a / (1.0 - k * r);
+        // The sine of S - beta, by which the round turns from the contact to where H ceases to be convex.
+        let clear_of_flat =
+            a == 0.0 || sin_least < sin && along_steepest < r * (sin * (1.0 - sin_least * sin_least).sqrt() - cos * sin_least);
+        clear_of_flat && reach_squared < (a + r) * (a + r) && along_steepest < cos * (r - reach_squared / (a + r))
+    }
+
     /// Whether the line from the contact to a place on the body at the height p runs inside the body, as far as a few places on it show.
     pub(super) fn reaches(&self, x: f64, y: f64, p: f64) -> bool {
         [0.2, 0.4, 0.6, 0.8].into_iter().all(|share| self.distance(share * x, share * y, p).value <= 1e-9 * p)

@@ -12,7 +12,9 @@
 
 mod body;
 mod chord;
+mod concave;
 mod newton;
+mod outline;
 mod section;
 
 use super::gouging;
@@ -121,10 +123,9 @@ impl Envelope {
         let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
         let quick = if self.drop == 0.0 { self.quickly(lengths, Sought::MarkSpacing) } else { None };
         let height = |feed: f64| self.height(s, self.pattern(feed));
-        if let Some(feed) = quick.map(|found| found.mark_spacing).filter(|feed| (Length::SMALLEST..=largest).contains(feed)) {
-            return self.confirmed(feed, tolerance.mm(), height).map_or_else(used_up, |feed| Ok(Length::computed(feed)));
-        }
-        match self.feed_held(tolerance.mm(), s, guess, largest) {
+        let quick = quick.map(|found| found.mark_spacing).filter(|feed| (Length::SMALLEST..=largest).contains(feed));
+        let found = self.feed_at(tolerance.mm(), s, quick, guess, largest);
+        match found {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
             Some(feed) => self.confirmed(feed, tolerance.mm(), height).map_or_else(used_up, |feed| Ok(Length::computed(feed))),
             // Room for less than any feed that can be stated.
@@ -160,6 +161,15 @@ impl Envelope {
                 }
             }
         }
+        self.feed_between(p, s, low, high)
+    }
+
+    /// The largest feed per tooth in a bracket.
+    fn feed_between(&self, p: f64, s: f64, low: f64, high: f64) -> Option<f64> {
+        let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
+        if excess(low) > 0.0 || excess(high) <= 0.0 {
+            return None;
+        }
         let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), |logarithm| Ok::<_, Infallible>(excess(logarithm.exp())));
         Some(logarithm.exp())
     }
@@ -183,7 +193,12 @@ impl Envelope {
         let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
         let quick = if pattern.is_even() { self.quickly(lengths, Sought::StepOver) } else { None };
-        let width = quick.map_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p), |found| found.step_over);
+        let quick = quick.map(|found| found.step_over);
+        let width = if self.is_convex_up_to(p) {
+            quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p))
+        } else {
+            self.step_over_on_concave(p, pattern, quick, largest)
+        };
         // Where only the passes' overlap ends the interval, it ends there to a rounding.
         if width >= largest * (1.0 - 1e-12) {
             Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
@@ -199,26 +214,26 @@ impl Envelope {
         }
     }
 
-    /// `found`, or on a concave surface the largest value under it at which the height keeps the tolerance; `None` where the smallest does
-    /// not keep it.
+    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` where the smallest does not keep it.
     ///
-    /// Near the floor and beside walls the section of a concave surface has lobes beside the contact, and the search for an inverse can follow
-    /// another lobe than the search for the height. The height has the last word, so that no answer exceeds the tolerance.
+    /// Where the section is not convex an inverse and the height can differ by what their outlines do. The height has the last word, so that no answer exceeds the tolerance.
     fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Option<f64> {
-        let keeps = |value: f64| height(value).is_ok_and(|height| height <= tolerance * (1.0 + 1e-9));
-        if !self.body.is_concave() || keeps(found) {
+        if self.is_convex_up_to(tolerance) {
             return Some(found);
         }
-        let (mut low, mut high) = (Length::SMALLEST, found);
-        if !keeps(low) {
-            return None;
-        }
-        while high > low * (1.0 + 1e-9) {
-            // The geometric mean halves the orders of magnitude between the two.
-            let middle = (low * high).sqrt();
-            if keeps(middle) { low = middle } else { high = middle }
-        }
-        Some(low)
+        let keeps = |value: &f64| height(*value).is_ok_and(|height| height <= tolerance * (1.0 + 1e-9));
+        let smaller = [1.0, 0.98, 0.95, 0.9, 0.7, 0.3].map(|share| share * found);
+        smaller.into_iter().chain([Length::SMALLEST]).filter(|value| *value >= Length::SMALLEST).find(keeps)
+    }
+
+    /// Whether the surface has a concave direction, so that sections need not be convex. On a wall that the cutter does not gouge they are.
+    fn is_curved_inwards(&self) -> bool {
+        self.body.is_concave() && self.contact().slope().cos() != 0.0
+    }
+
+    /// Whether the section at the height p is known to be convex.
+    fn is_convex_up_to(&self, p: f64) -> bool {
+        !self.is_curved_inwards() || self.body.is_convex_up_to(p)
     }
 
     /// The marks of a feed per tooth.
@@ -229,9 +244,13 @@ impl Envelope {
 
     /// The ridge by the quick search; `None` where its outcome is not proved, and where a sharp edge or a wall makes that hopeless.
     fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
+        if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
+    }
+
+    /// Whether the quick search can end: not on floors and walls, nor for a sharp edge without marks.
+    fn is_quick(&self, mark_spacing: f64) -> bool {
         let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
-        let hopeless = slope.sin() == 0.0 || slope.cos() == 0.0 || (sharp && lengths.mark_spacing == 0.0);
-        if hopeless { None } else { newton::solve(&self.body, sought, lengths) }
+        slope.sin() != 0.0 && slope.cos() != 0.0 && !(sharp && mark_spacing == 0.0)
     }
 
     /// h for passes s apart with a pattern of marks, both in the tangent plane.
@@ -254,8 +273,11 @@ impl Envelope {
             return Ok(closed);
         }
         let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
-        let quick = self.quickly(lengths, Sought::Level).map(|found| found.level);
-        quick.map_or_else(|| self.searched_height(s, pattern, lengths.level), Ok)
+        match self.quickly(lengths, Sought::Level).map(|found| found.level) {
+            Some(level) if self.is_convex_up_to(level) => Ok(level),
+            Some(level) => self.height_on_concave(s, pattern, Some(level)).ok_or_else(|| self.no_height(s)),
+            None => self.searched_height(s, pattern, lengths.level),
+        }
     }
 
     /// h on a plane for marks of equal depth, where it has a closed form.
@@ -335,12 +357,44 @@ impl Envelope {
     }
 
     /// h by the general search.
-    ///
-    /// # Errors
-    /// [`NoAnswer::Gouges`] where the concave surface passes through the cutter before the step-over is reached, so that no height has a section that wide: along the cutter's straight side.
     fn searched_height(&self, s: f64, pattern: Pattern, guess: f64) -> Result<f64, NoAnswer> {
-        let level = Section::new(&self.body, pattern, 2.0 * s).level(s, guess);
-        if level <= Length::LARGEST { Ok(level) } else { Err(NoAnswer::Gouges { smallest_radius: None }) }
+        let level = Some(Section::new(&self.body, pattern, 2.0 * s).level(s, guess)).filter(|level| *level <= Length::LARGEST);
+        let level = if level.is_some_and(|level| self.is_convex_up_to(level)) || !self.is_curved_inwards() {
+            level
+        } else {
+            self.height_on_concave(s, pattern, level)
+        };
+        level.ok_or_else(|| self.no_height(s))
+    }
+
+    /// Why passes s apart leave no height although they and their marks overlap seen from above: on a curved surface the grooves, or with them the marks, do not meet.
+    fn no_height(&self, s: f64) -> NoAnswer {
+        let outer = self.cutter.outer_radius().mm();
+        let levels = [0.25, 1.0, 2.0].map(|share| share * outer);
+        let width = |p: f64| {
+            let pattern = Pattern::even(0.0);
+            if self.is_curved_inwards() {
+                self.step_over_on_concave(p, pattern, None, 2.0 * s)
+            } else {
+                Section::new(&self.body, pattern, 2.0 * s).width(p)
+            }
+        };
+        let largest_step_over = levels.into_iter().map(width).fold(0.0, f64::max);
+        if largest_step_over < s {
+            return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(largest_step_over) };
+        }
+        let largest = self.largest_feed(s);
+        let feed = |p: f64| self.feed_at(p, s, None, largest, largest);
+        let largest_mark_spacing = levels.into_iter().filter_map(feed).fold(0.0, f64::max);
+        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_mark_spacing) }
+    }
+
+    /// The largest feed per tooth up to `largest` that keeps the height p in passes s apart, from a guess; `quick` is what the quick search found.
+    fn feed_at(&self, p: f64, s: f64, quick: Option<f64>, guess: f64, largest: f64) -> Option<f64> {
+        if !self.is_convex_up_to(p) {
+            return self.feed_on_concave(p, s, quick, largest);
+        }
+        quick.or_else(|| self.feed_held(p, s, guess, largest))
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding

@@ -36,8 +36,12 @@ pub(super) enum Sought {
 const MOST_STEPS: usize = 24;
 
 /// The ridge on the body, of whose lengths the sought one is only a guess; `None` unless the outcome is proved.
-pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths) -> Option<Lengths> {
-    let mut place = Place::start(body, lengths.step_over, lengths.mark_spacing);
+pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths) -> Option<Lengths> {
+    solve_from(body, sought, lengths, Place::start(body, lengths.step_over, lengths.mark_spacing))
+}
+
+/// The same from a place near the ridge.
+pub(super) fn solve_from(body: &Body, sought: Sought, mut lengths: Lengths, mut place: Place) -> Option<Lengths> {
     for _ in 0..MOST_STEPS {
         let s = lengths.step_over;
         let marks = Marks::even(lengths.mark_spacing);
@@ -111,10 +115,11 @@ fn follow(place: &mut Place, (near, far): (&Chord, &Chord), aside: f64, change: 
 }
 
 /// Where the search for the ridge stands: the offset t, and where both chords end along the feed.
-struct Place {
-    t: f64,
-    x: f64,
-    neighbour_x: f64,
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub(super) t: f64,
+    pub(super) x: f64,
+    pub(super) neighbour_x: f64,
 }
 
 impl Place {

@@ -74,9 +74,6 @@ pub(super) struct Section<'a> {
     widest: f64,
 }
 
-/// Steps from the contact to an edge that lies in another part of the section.
-const MARCH: u8 = 64;
-
 /// No offset beyond this one is searched, in mm: twice the largest length that can be stated.
 const FURTHEST: f64 = 2.0 * Length::LARGEST;
 
@@ -191,31 +188,9 @@ impl<'a> Section<'a> {
     }
 
     /// The furthest offset on `side` (1 or -1) at which the section holds a chord, `furthest` times `side` at the most.
-    ///
-    /// On a concave surface the cutter's height over it can fall again beyond a ridge, where the section has a second part. The edge meant is that of the part at the contact; where the
-    /// search has left it, the edge is sought again in small steps from the contact.
     fn edge(&self, p: f64, marks: &Marks, side: f64, near: Option<&Edge>, furthest: f64) -> Option<Edge> {
         let start = near.map_or_else(|| self.start(p, marks, side), |near| (near.t, near.x));
-        let found = self.edge_from(p, marks, side, start, (f64::NEG_INFINITY, f64::INFINITY), furthest);
-        let reached = |edge: &Edge| self.body.reaches(edge.x, edge.t, p) && self.body.reaches(edge.x - marks.spacing, edge.t, p);
-        match found {
-            Some(edge) if self.body.is_concave() && !reached(&edge) => {
-                let step = edge.t * side / f64::from(MARCH);
-                let (_, mut x) = self.start(p, marks, side);
-                let mut inner = f64::NEG_INFINITY;
-                for place in 0..=MARCH {
-                    let t = f64::from(place) * step;
-                    let chord = Chord::search(self.body, &mut x, t * side, p, marks, Accuracy::full(p), step + marks.spacing);
-                    if chord.value > 0.0 {
-                        let start = (0.5 * (inner + t) * side, x);
-                        return if inner >= 0.0 { self.edge_from(p, marks, side, start, (inner, t), furthest) } else { None };
-                    }
-                    inner = t;
-                }
-                found
-            }
-            _ => found,
-        }
+        self.edge_from(p, marks, side, start, furthest)
     }
 
     /// Where the edge of a paraboloid with the curvature at the contact is.
@@ -227,12 +202,12 @@ impl<'a> Section<'a> {
     }
 
     /// The edge by Newton's method on c over t, which from outside the section approaches steadily where c is convex; a bracket keeps it there.
-    fn edge_from(&self, p: f64, marks: &Marks, side: f64, start: (f64, f64), bracket: (f64, f64), furthest: f64) -> Option<Edge> {
+    fn edge_from(&self, p: f64, marks: &Marks, side: f64, start: (f64, f64), furthest: f64) -> Option<Edge> {
         let (mut t, mut x) = start;
         let mut reach = t.abs() + marks.spacing;
         // Offsets times `side`: inside the section, or on its other side; and outside on this side.
-        let (mut inner, mut outer) = bracket;
-        let mut is_inside = inner > f64::NEG_INFINITY;
+        let (mut inner, mut outer) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut is_inside = false;
         let (mut on_inner, mut on_outer) = (None::<(f64, Chord)>, None::<(f64, Chord)>);
         for _ in 0..MOST_STEPS {
             let chord = Chord::search(self.body, &mut x, t, p, marks, Accuracy::full(p), reach);

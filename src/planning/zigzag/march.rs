@@ -64,7 +64,7 @@ pub(super) struct Reached {
     pub(super) low: f64,
     pub(super) high: f64,
     /// The spacing that it allows.
-    pub(super) allowed: f64,
+    allowed: f64,
     /// Its area over its width across the passes.
     density: f64,
 }
@@ -92,8 +92,8 @@ impl Plane {
 /// Why there are no planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NoPlanes {
-    /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`] or more than
-    /// [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them.
+    /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`], more than
+    /// [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them, or more than [`MOST_MET`] facets met by the strips.
     TooMany,
     /// Nobody waits for them any more.
     Cancelled,
@@ -101,6 +101,10 @@ pub(super) enum NoPlanes {
 
 /// How many planes are placed between two looks at whether anybody waits.
 const PLANES_AT_ONCE: usize = 32;
+
+/// The most facets that strips may meet, over all strips: some 0.2 s. A mesh of a million facets meets 5e6; half a million facets that each cover a whole
+/// part meet it in every strip.
+const MOST_MET: usize = 50_000_000;
 
 /// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The visitor keeps those that
 /// reach beyond the plane, and may end the walk.
@@ -112,7 +116,7 @@ pub(super) fn march(
     stop: &(dyn Fn() -> bool + Sync),
     mut visit: impl FnMut(Plane, &mut Vec<Reached>) -> Result<(), NoPlanes>,
 ) -> Result<(), NoPlanes> {
-    let mut planes: usize = 0;
+    let (mut planes, mut met) = (0_usize, 0_usize);
     for band in spaced.sweep.bands(spaced.widest) {
         let mut walk = Walk {
             spaced,
@@ -134,7 +138,8 @@ pub(super) fn march(
         };
         loop {
             planes += 1;
-            if planes > MOST_PLANES {
+            met += walk.reached.len();
+            if planes > MOST_PLANES || met > MOST_MET {
                 return Err(NoPlanes::TooMany);
             }
             if planes.is_multiple_of(PLANES_AT_ONCE) && stop() {
@@ -224,8 +229,10 @@ impl Walk<'_> {
                 continue;
             }
             // A strip that ends before the facet begins is not bound by it.
-            let bound = (reached.allowed * factor).max(reached.low - at);
-            area += reached.density * (reached.high.min(end) - reached.low.max(at)).max(0.0);
+            let (own, begins) = (reached.allowed * factor, reached.low - at);
+            let bound = if own > begins { own } else { begins };
+            let (from, to) = (if reached.low > at { reached.low } else { at }, if reached.high < end { reached.high } else { end });
+            area += reached.density * if to > from { to - from } else { 0.0 };
             if bound < limit {
                 if self.tightest.len() == TIGHTEST {
                     self.tightest.pop();

@@ -86,7 +86,7 @@ pub enum NotRankedReason {
     /// The cutter leaves more of the area uncut than allowed.
     CannotReach(ReachFigures),
     /// In every direction some slope of the surface has no step-over that keeps the scallop height, or one so small that there would be more
-    /// than 50,000 passes.
+    /// than 50,000 passes, or passes over facets that overlap so often that they meet 50,000,000.
     NoStepOver,
     /// The cutter gouges the surface beside the contact, or leaves uncut material between its passes, on so much of the area: with its flat end it has no
     /// passes there.
@@ -105,7 +105,9 @@ impl fmt::Display for NotRankedReason {
                 100.0 * reach.uncut_share,
                 reach.uncut_height.mm()
             ),
-            Self::NoStepOver => write!(f, "in no direction do {MOST_PLANES} passes or fewer keep the scallop height"),
+            Self::NoStepOver => {
+                write!(f, "in no direction do {MOST_PLANES} passes or fewer keep the scallop height within the bound on work")
+            }
             Self::NoHeight { share } => {
                 write!(f, "the cutter gouges the surface beside its contacts on {:.1} % of the area", 100.0 * share)
             }

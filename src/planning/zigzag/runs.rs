@@ -31,6 +31,10 @@ const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]
 #[derive(Debug)]
 pub(super) struct RunFinder {
     cells: Vec<Cell>,
+    /// The cells that hold something. A part of a kilometre has 1e5 cells, and most planes few cuts.
+    filled: Vec<usize>,
+    /// Room for the places of the facets that a plane cuts.
+    cut: Vec<u32>,
     origin: f64,
     gap: f64,
     pub(super) runs: Vec<Run>,
@@ -44,7 +48,7 @@ impl RunFinder {
         let gap = gap.max((high - low) / 100_000.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 1e5")]
         let count = ((high - low) / gap) as usize + 2;
-        Self { cells: vec![EMPTY; count], origin: low, gap, runs: Vec::new() }
+        Self { cells: vec![EMPTY; count], filled: Vec::new(), cut: Vec::new(), origin: low, gap, runs: Vec::new() }
     }
 
     /// Adds the runs of the plane with this number, and drops the facets that do not reach beyond it.
@@ -53,26 +57,33 @@ impl RunFinder {
         let (at, spacing) = (plane.at, plane.spacing());
         let constant_pace = if let FeedLaw::Constant { rate } = feeds { Some(rate.recip()) } else { None };
         let per_gap = self.gap.recip();
-        reached.retain(|reached| {
-            if at >= reached.high {
-                return false;
-            }
-            if at < reached.low {
-                return true;
-            }
-            let place = reached.place as usize;
+        // Whether a facet is cut and whether it is kept are as good as random: both lists grow without branches.
+        self.cut.resize(reached.len(), 0);
+        let (mut kept, mut count) = (0, 0);
+        for index in 0..reached.len() {
+            let one = reached[index];
+            reached[kept] = one;
+            self.cut[count] = one.place;
+            kept += usize::from(at < one.high);
+            count += usize::from((at < one.high) & (at >= one.low));
+        }
+        reached.truncate(kept);
+        for &place in &self.cut[..count] {
+            let place = place as usize;
             let slice = &spaced.sweep.slices[place];
             let [from, to] = slice.cut(at);
             let length = (to - from) * slice.stretch();
             let pace = constant_pace.unwrap_or_else(|| {
                 let tangent = &workpiece.tangents[spaced.sweep.covered[place].facet as usize];
-                let taken = (spacing / reached.allowed).powi(2);
+                let taken = (spacing / f64::from(spaced.allowed[place])).powi(2);
                 feeds.rate(tangent, tangent.alpha(spaced.sweep.heading.e).0, taken).recip()
             });
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the cells")]
-            let cell = ((from - self.origin) * per_gap) as usize;
-            let last = self.cells.len() - 1;
-            let cell = &mut self.cells[cell.min(last)];
+            let index = (((from - self.origin) * per_gap) as usize).min(self.cells.len() - 1);
+            let cell = &mut self.cells[index];
+            if cell.ends[0][0] > cell.ends[1][0] {
+                self.filled.push(index);
+            }
             if from < cell.ends[0][0] {
                 cell.ends[0] = [from, slice.height(from, at)];
             }
@@ -81,8 +92,7 @@ impl RunFinder {
             }
             cell.length += length;
             cell.seconds += length * pace;
-            true
-        });
+        }
         self.join(number, at);
     }
 
@@ -91,11 +101,12 @@ impl RunFinder {
         let mut run: Option<Cell> = None;
         // Gaps over which a run is joined add nothing to its length.
         let finished = |Cell { ends, length, seconds }: Cell| Run { stretch: Stretch { plane, at, ends }, length, seconds };
-        for cell in &mut self.cells {
+        self.filled.sort_unstable();
+        for index in self.filled.drain(..) {
+            let cell = std::mem::replace(&mut self.cells[index], EMPTY);
             if cell.length <= 0.0 {
                 continue;
             }
-            let cell = std::mem::replace(cell, EMPTY);
             match &mut run {
                 Some(run) if cell.ends[0][0] - run.ends[1][0] <= self.gap => {
                     if cell.ends[1][0] > run.ends[1][0] {

@@ -40,13 +40,13 @@ pub(super) struct Covered {
 pub(super) struct Slice {
     low: f64,
     middle: f64,
-    high: f64,
-    /// The coordinates along the passes of the corners that are first and last across them, and the height of the first.
+    /// The coordinate along the passes of the corner that is first across them, and its height.
     first: f64,
-    last: f64,
     height: f64,
-    /// How fast the edges run along the passes per length across them: from the first corner to the last, to the middle one, and from there on.
-    edges: [f64; 3],
+    /// How fast the edge from the first corner to the last runs along the passes per length across them.
+    long: f64,
+    /// The edges before and after the middle corner: a place on each, across and along the passes, and how fast it runs.
+    short: [[f64; 3]; 2],
     /// The rise of the facet along and across the passes, per length seen from above.
     rise: [f64; 2],
     /// The length in space of a cut per length seen from above, times the weight of the facet.
@@ -69,22 +69,22 @@ impl Slice {
         Self {
             low: low[0],
             middle: middle[0],
-            high: high[0],
             first: low[1],
-            last: high[1],
             height: low[2],
-            edges: [edge(low, high), edge(low, middle), edge(middle, high)],
+            long: edge(low, high),
+            short: [[low[0], low[1], edge(low, middle)], [high[0], high[1], edge(middle, high)]],
             rise,
             stretch: weight * (1.0 + rise[0] * rise[0]).sqrt(),
         }
     }
 
-    /// Both ends of the cut at `at`, which must lie from `low` to before `high`, along the passes, the lower one first.
+    /// Both ends of the cut at `at`, which must lie from the first corner to before the last, along the passes, the lower one first.
     pub(super) fn cut(&self, at: f64) -> [f64; 2] {
-        let long = self.first + self.edges[0] * (at - self.low);
-        let short =
-            if at < self.middle { self.first + self.edges[1] * (at - self.low) } else { self.last + self.edges[2] * (at - self.high) };
-        if long <= short { [long, short] } else { [short, long] }
+        let long = self.first + self.long * (at - self.low);
+        // Indexed, because a branch here is taken by chance.
+        let [across, along, edge] = self.short[usize::from(at >= self.middle)];
+        let short = along + edge * (at - across);
+        [if long < short { long } else { short }, if long < short { short } else { long }]
     }
 
     /// The height of the facet at a place.

@@ -1,12 +1,12 @@
 //! The curvature of the surface that a mesh approximates, estimated at its facets.
 //!
-//! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal, the mean of the normals of the facets
-//! around that point, weighted by their angles there, of those only that are within [`CREASE_ANGLE_DEG`] of the facet's own
-//! normal. Along each edge from p to q the curvature tensor K should turn the normal as K (q - p) = n_q - n_p: K is the symmetric
-//! tensor in the facet's plane that fits best in the sense of least squares, with all equations divided by the edge's length. The
-//! equations of the neighbours, those facets that share a point and lie within the crease angle, together count a quarter of the
-//! facet's own; a neighbour of a smaller area counts less by the square of the ratio, because a fillet has no information about
-//! the plane beside it.
+//! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal, the mean of the
+//! normals of the facets around that point, weighted by their angles there, of those only that are within [`CREASE_ANGLE_DEG`] of
+//! the facet's own normal. Along each edge from p to q the curvature tensor K should turn the normal as K (q - p) = n_q - n_p: K
+//! is the symmetric tensor in the facet's plane that fits best in the sense of least squares, with all equations divided by the
+//! edge's length. The equations of the neighbours, those facets that share a point and lie within the crease angle, together
+//! count a quarter of the facet's own; a neighbour of a smaller area counts less by the square of the ratio, because a fillet has
+//! no information about the plane beside it.
 //!
 //! **Borders and creases.** At a corner with facets on one side only, the mean normal belongs to a place inside. An edge that
 //! leads into the direction in which the fan is open counts a thousandth of others, so that the neighbours' equations determine
@@ -18,7 +18,8 @@
 //! meet at less than the crease angle get a curvature, that of the arc that touches both in the middle of their facets. One strip
 //! on each side of the border between a fillet and a plane gets a value between both.
 //!
-//! **Noise.** Coordinates off by d turn the normals of facets of size L by d/L, and the curvature is off by d/L^2: 0.01/mm for a micrometre and facets of 0.01 mm.
+//! **Noise.** Coordinates off by d turn the normals of facets of size L by d/L, and the curvature is off by d/L^2: 0.01/mm for a
+//! micrometre and facets of 0.01 mm.
 
 use super::{Mesh, Visibility, cross, difference, dot};
 use rayon::prelude::*;

@@ -8,6 +8,7 @@ use scallopd::planning::zigzag::{
     CandidateCutter, NotRankedReason, Pattern, ReachFigures, SurfaceEvidence, SurfaceWeakness, ZigzagSettings, rank,
 };
 use scallopd::surface::FinishFacet;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn level(n: usize) -> Vec<FinishFacet> {
     facets(&Height { low: [0.0; 2], high: [50.0, 40.0], surface: |_, _| [3.0, 0.0, 0.0, 0.0, 0.0, 0.0] }, n, n)
@@ -124,4 +125,27 @@ fn confidence_names_what_weakens_it() {
     let confidence = rank(&facets, &published_cutters(), &settings(Model::Envelope), evidence, &|| false).unwrap().confidence.unwrap();
     let weaknesses: Vec<_> = confidence.reasons().iter().map(|reason| (reason.weakness, reason.level)).collect();
     assert_eq!(weaknesses, [(SurfaceWeakness::HiddenArea, Level::Low), (SurfaceWeakness::SeveralPieces, Level::Moderate)]);
+}
+
+#[test]
+fn a_ranking_that_nobody_waits_for_ends_early() {
+    let facets = facets(&published(1), 60, 60);
+    let settings = settings(Model::Envelope);
+    let asked = AtomicUsize::new(0);
+    let all = rank(&facets, &published_cutters(), &settings, SurfaceEvidence::default(), &|| {
+        asked.fetch_add(1, Ordering::Relaxed);
+        false
+    });
+    assert!(all.is_some());
+    // Two cutters in 46 directions, each with some 80 planes.
+    let in_all = asked.into_inner();
+    assert!(in_all > 200, "{in_all}");
+    // Wherever it is stopped, few looks are left: one for each thing that would have begun.
+    for stopped_at in [0, 1, 10, in_all / 2, in_all - 10] {
+        let asked = AtomicUsize::new(0);
+        let stop = || asked.fetch_add(1, Ordering::Relaxed) >= stopped_at;
+        let ranking = rank(&facets, &published_cutters(), &settings, SurfaceEvidence::default(), &stop);
+        assert!(ranking.is_none(), "stopped at {stopped_at} of {in_all}");
+        assert!(asked.into_inner() <= stopped_at + 100);
+    }
 }

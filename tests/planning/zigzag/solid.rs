@@ -72,12 +72,18 @@ fn scallops_between_imprints_keep_the_tolerance_and_use_it() {
         let place = |along: f64, across: f64| [along * e[0] + across * q[0], along * e[1] + across * q[1]];
         let is_inside = |[x, y]: [f64; 2]| (1.0..59.0).contains(&x) && (1.0..49.0).contains(&y);
         let (mut heights, mut tight, mut strips) = (Vec::new(), 0, 0);
+        let mut state: u64 = 5;
+        // Knuth's multiplier.
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            f64::from(u32::try_from(state >> 32).unwrap()) / f64::from(u32::MAX)
+        };
         for pair in planes.windows(2).step_by(3) {
             let mut highest: f64 = 0.0;
             let mut places = 0;
-            for step in 0..40 {
-                // Evenly over all that the patch may cover along the passes.
-                let along = -80.0 + 4.0 * f64::from(step);
+            for _ in 0..40 {
+                // Anywhere along the stretch that the patch may cover.
+                let along = -80.0 + 160.0 * random();
                 if !(is_inside(place(along, pair[0])) && is_inside(place(along, pair[1]))) {
                     continue;
                 }

@@ -252,7 +252,7 @@ fn without_hard_blanks(line: &[u8]) -> Cow<'_, [u8]> {
     let mut cleaned = Vec::with_capacity(line.len());
     let mut rest = line;
     while let Some((&byte, after)) = rest.split_first() {
-        // A no-break space, a narrow one, and one in Latin-1, which is no part of a longer character.
+        // A no-break space, a narrow one, and one in Latin-1, which is not part of a longer character.
         let skipped = match rest {
             [0xc2, 0xa0, ..] => 2,
             [0xe2, 0x80, 0xaf, ..] => 3,

@@ -1,0 +1,59 @@
+//! The mesh stage and the simulation on it: bytes as facets, which degenerate, fold over, cut each other and share points at will. Whatever they are, every
+//! figure is a number and shares add up.
+
+#![no_main]
+
+use scallopd::milling::Cutter;
+use scallopd::motion::{Machine, Preset};
+use scallopd::planning::reach::ReachMap;
+use scallopd::planning::zigzag::{CandidateCutter, Directions, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::quantity::{Angle, Length};
+use scallopd::surface::mesh::Selection;
+use scallopd::surface::{Facing, MeshBuilder, Sink, Unit};
+
+/// A coordinate from a byte: a few values repeat, so that points coincide; others are far away, tiny or nearly equal.
+fn coordinate(byte: u8) -> f64 {
+    match byte {
+        0..=199 => f64::from(byte % 50) * 0.5,
+        200..=219 => f64::from(byte) * 1e-9,
+        220..=239 => (f64::from(byte) - 230.0) * 1e3,
+        _ => 12.0 + f64::from(byte) * 1e-12,
+    }
+}
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let Some((first, bytes)) = bytes.split_first() else { return };
+    // The lowest bits: facets or points, few or many of them held, which side counts.
+    let mut builder = MeshBuilder::with_facet_limit(if first & 2 == 0 { 8 } else { 4096 });
+    let points: Vec<[f64; 3]> = bytes.chunks_exact(3).map(|point| [0, 1, 2].map(|axis| coordinate(point[axis]))).collect();
+    if first & 1 == 0 {
+        // Each facet with the two points before, as a strip, so that facets share points and edges.
+        points.windows(3).for_each(|corners| builder.facet([corners[0], corners[1], corners[2]]));
+    } else {
+        points.iter().for_each(|&point| builder.point(point));
+    }
+    let facing = if first & 4 == 0 { Facing::Up } else { Facing::Any };
+    let Ok(mesh) = builder.finish(Unit::Millimetre, facing) else { return };
+    let max_slope = Angle::from_degrees(85.0).expect("an angle");
+    let pieces = mesh.pieces();
+    let selected = mesh.selected(&Selection::all(), &pieces).expect("all facets");
+    let visibility = mesh.visibility(max_slope);
+    let shares = visibility.shares();
+    assert!((shares.hidden + shares.overhanging + shares.steep + shares.machined - 1.0).abs() < 1e-6);
+    let facets = mesh.facets_for_finishing(&visibility, &selected);
+    for facet in &facets {
+        assert!(facet.normal[2] > 0.0 && facet.area > 0.0 && facet.curvature.iter().all(|part| part.is_finite()));
+    }
+    let view = mesh.seen_from_above(32);
+    let cutter = Cutter::toroidal(Length::from_mm(10.0).expect("a length"), Length::from_mm(2.0).expect("a length")).expect("a cutter");
+    let height = Length::from_mm(0.01).expect("a length");
+    let uncut = ReachMap::new(&mesh, &view, &vec![true; selected.len()]).uncut(cutter, height);
+    assert!((0.0..=1.0).contains(&uncut.share) && uncut.height.mm().is_finite());
+    let machine = Machine::from(Preset::named("five_axis_vmc").expect("a preset").limits);
+    let directions = Directions::Only(vec![Angle::from_degrees(f64::from(*first)).expect("an angle")]);
+    let settings = ZigzagSettings { directions, ..ZigzagSettings::new(height, machine) };
+    let ranking = rank(&facets, &[CandidateCutter::new(cutter)], &settings, SurfaceEvidence::default(), &|| false).expect("nobody stops it");
+    for plan in &ranking.plans {
+        assert!(plan.time.seconds() > 0.0 && plan.time.seconds().is_finite() && plan.path_length().mm().is_finite());
+    }
+});

@@ -1,0 +1,262 @@
+//! The cutter's section at a height as it is seen from the contact, as a polygon: coarse, but with no other lobe of the section to be mistaken for it.
+//!
+//! On a concave surface {H <= p} need not be convex, and it can have parts that do not hang together. What counts is its part that is **seen from the contact**: a
+//! place belongs to it where H stays under p on the whole line from the contact to the place. That part never shrinks when p rises, and it changes
+//! continuously with every input, because the greatest H on a line does; where a ridge beside the contact is passed, it grows at once, so that step-overs
+//! jump there and heights do not. On planes and convex surfaces it is the whole section.
+//!
+//! A pass clears the offset t down to p where the row of that part at t holds an interval as long as the marks are apart, whatever else the row holds; and the height
+//! for a step-over s is the least p at which such offsets fill an interval as wide as s.
+
+use super::body::Body;
+use super::section::Pattern;
+
+/// Lines from the contact, by which the polygon is made: a first round of them evenly, then where the polygon's sides are longest, the last ones beside its corners furthest across the feed.
+const LINES: usize = 48;
+const FIRST_LINES: usize = 16;
+const EVEN_LINES: usize = 36;
+
+/// Steps that narrow an edge down to [`CLOSE`].
+const MOST_STEPS: usize = 40;
+
+/// How near to the edge a corner of the polygon is, as a share of its distance from the contact.
+const CLOSE: f64 = 1e-3;
+
+/// The directions of the lines, chosen for the section at one height and used for all.
+#[derive(Debug)]
+pub(super) struct Outlook<'a> {
+    body: &'a Body,
+    directions: [[f64; 2]; LINES],
+    first: Outline,
+    height: f64,
+}
+
+/// The section at a height, its corners as places (x, t), the furthest seen in each direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Outline {
+    corners: [[f64; 2]; LINES],
+}
+
+/// The offsets that a pass clears, and where the marks end along the feed at both ends of them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cleared {
+    pub(super) left: f64,
+    pub(super) right: f64,
+    pub(super) left_x: f64,
+    pub(super) right_x: f64,
+}
+
+impl Cleared {
+    pub(super) fn width(&self) -> f64 {
+        self.right - self.left
+    }
+}
+
+impl<'a> Outlook<'a> {
+    /// Chooses the lines for the section at about the height p.
+    pub(super) fn new(body: &'a Body, p: f64) -> Self {
+        let (along, across) = (body.along_steepest(), body.along_level());
+        let mut outlook = Self { body, directions: [[0.0; 2]; LINES], first: Outline { corners: [[0.0; 2]; LINES] }, height: p };
+        let mut start = body.reach().min((2.0 * p * body.reach()).sqrt());
+        #[expect(clippy::cast_precision_loss, reason = "at most 16")]
+        for i in 0..FIRST_LINES {
+            let (level, steep) = (i as f64 * (std::f64::consts::TAU / FIRST_LINES as f64)).sin_cos();
+            let direction = [steep * along + level * across, level * along - steep * across];
+            start = outlook.exit(direction, p, start);
+            outlook.place(i, direction, start);
+        }
+        for count in FIRST_LINES..LINES {
+            let corners = &outlook.first.corners;
+            let side = |i: usize| {
+                let (from, to) = (corners[i], corners[if i + 1 == count { 0 } else { i + 1 }]);
+                (from[0] - to[0]).powi(2) + (from[1] - to[1]).powi(2)
+            };
+            let longest = if count < EVEN_LINES {
+                (0..count).fold((0, 0.0), |longest, i| if side(i) > longest.1 { (i, side(i)) } else { longest }).0
+            } else {
+                let sense = if count % 2 == 0 { 1.0 } else { -1.0 };
+                let furthest = (0..count).fold(0, |best, i| if corners[i][1] * sense > corners[best][1] * sense { i } else { best });
+                let before = if furthest == 0 { count - 1 } else { furthest - 1 };
+                if side(before) > side(furthest) { before } else { furthest }
+            };
+            let (from, to) = (outlook.directions[longest], outlook.directions[if longest + 1 == count { 0 } else { longest + 1 }]);
+            let middle = [from[0] + to[0], from[1] + to[1]];
+            let length = middle[0].hypot(middle[1]);
+            let direction = middle.map(|component| component / length);
+            outlook.directions[longest + 1..=count].rotate_right(1);
+            outlook.first.corners[longest + 1..=count].rotate_right(1);
+            let reached = outlook.exit(direction, p, distance_of(outlook.first.corners[longest]));
+            outlook.place(longest + 1, direction, reached);
+        }
+        outlook
+    }
+
+    fn place(&mut self, i: usize, direction: [f64; 2], reached: f64) {
+        self.directions[i] = direction;
+        self.first.corners[i] = direction.map(|component| component * reached);
+    }
+
+    /// The height for which the lines were chosen.
+    pub(super) fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// The outline at the height for which the lines were chosen.
+    pub(super) fn first(&self) -> &Outline {
+        &self.first
+    }
+
+    /// The outline at the height p; `near` is one at another height, to start from.
+    pub(super) fn at(&self, p: f64, near: &Outline) -> Outline {
+        let corners = std::array::from_fn(|i| {
+            let reached = self.exit(self.directions[i], p, distance_of(near.corners[i]));
+            self.directions[i].map(|component| component * reached)
+        });
+        Outline { corners }
+    }
+
+    /// How far the section reaches from the contact in a direction, up to the first place outside.
+    ///
+    /// Along a line H is convex on either side of the flat, and a parabola on it. So the line is looked at where it enters and leaves the flat, where it is nearest to the axis and where the
+    /// parabola is highest; between neighbouring ones of these the edge is crossed once at the most.
+    fn exit(&self, direction: [f64; 2], p: f64, start: f64) -> f64 {
+        let outside = |length: f64| self.body.distance(length * direction[0], length * direction[1], p);
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        for turn in self.body.turns(direction) {
+            if turn > low {
+                if outside(turn).value > 0.0 {
+                    high = turn;
+                    break;
+                }
+                low = turn;
+            }
+        }
+        let mut at = start.max(low * (1.0 + CLOSE)).max(1e-3 * p);
+        if at >= high {
+            at = if high < f64::INFINITY { 0.5 * (low + high) } else { start };
+        }
+        for _ in 0..MOST_STEPS {
+            let place = outside(at);
+            let slope = place.by_feed * direction[0] + place.by_side * direction[1];
+            if place.value > 0.0 {
+                high = at
+            } else {
+                low = at
+            }
+            if high - low <= CLOSE * low {
+                break;
+            }
+            let newton = at - place.value / slope;
+            let safe = slope > 0.0 && newton > low && newton < high;
+            if safe && (newton - at).abs() <= CLOSE * at {
+                return newton;
+            }
+            at = if safe && (high < f64::INFINITY || newton < 8.0 * at) {
+                newton
+            } else if high == f64::INFINITY {
+                if low > FURTHEST {
+                    break;
+                }
+                4.0 * at
+            } else if low < high / 16.0 {
+                high / 8.0
+            } else {
+                0.5 * (low + high)
+            };
+        }
+        low
+    }
+}
+
+fn distance_of([x, t]: [f64; 2]) -> f64 {
+    x.hypot(t)
+}
+
+/// No place beyond this one counts, in mm.
+const FURTHEST: f64 = 2e6;
+
+/// A row of the outline: its intervals' ends in order.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    ends: [f64; 8],
+    count: usize,
+}
+
+impl Outline {
+    /// The row at the offset t. More than four intervals need not be kept.
+    fn row(&self, t: f64) -> Row {
+        let mut row = Row { ends: [0.0; 8], count: 0 };
+        let mut from = self.corners[LINES - 1];
+        for to in self.corners {
+            if (from[1] <= t) != (to[1] <= t) && row.count < row.ends.len() {
+                row.ends[row.count] = from[0] + (t - from[1]) / (to[1] - from[1]) * (to[0] - from[0]);
+                row.count += 1;
+            }
+            from = to;
+        }
+        row.ends[..row.count].sort_unstable_by(f64::total_cmp);
+        row
+    }
+
+    /// The widest interval of offsets that marks of equal depth, f apart, clear; `None` where there is none.
+    pub(super) fn cleared(&self, f: f64) -> Option<Cleared> {
+        self.widest(f, |t| {
+            let row = self.row(t);
+            let longest = row.ends[..row.count].chunks_exact(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+            Some((longest[1] - longest[0] - f, longest[1]))
+        })
+    }
+
+    /// The widest interval of offsets that a pattern of deep and shallow marks clears; `shallow` is the outline for the shallow ones, `None` where these do not reach as deep.
+    pub(super) fn cleared_by(&self, pattern: &Pattern, shallow: Option<&Self>) -> Option<Cleared> {
+        let f = pattern.spacing;
+        self.widest(f, |t| {
+            let row = self.row(t);
+            let deep = row.ends[..row.count].chunks_exact(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+            let alone = deep[1] - deep[0] - pattern.deep_spacing;
+            let alternating = shallow.and_then(|shallow| {
+                let row = shallow.row(t);
+                let inside = row.ends[..row.count].chunks_exact(2).filter(|ends| ends[1] > deep[0] && ends[0] < deep[1]);
+                let ends = inside.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+                let mixed = (ends[1] - deep[0]).min(deep[1] - ends[0]) - f;
+                Some(if pattern.shallow_pairs { mixed.min(ends[1] - ends[0] - f) } else { mixed })
+            });
+            Some((alternating.map_or(alone, |alternating| alternating.max(alone)), deep[1]))
+        })
+    }
+
+    /// The widest interval of offsets at which `excess` is not negative, between the rows through the corners by proportion.
+    fn widest(&self, f: f64, excess: impl Fn(f64) -> Option<(f64, f64)>) -> Option<Cleared> {
+        let mut offsets = self.corners.map(|corner| corner[1]);
+        offsets.sort_unstable_by(f64::total_cmp);
+        if f <= 0.0 {
+            let x_at = |t: f64| self.corners.iter().find(|corner| corner[1].to_bits() == t.to_bits()).map_or(0.0, |corner| corner[0]);
+            let (left, right) = (offsets[0], offsets[LINES - 1]);
+            return Some(Cleared { left, right, left_x: x_at(left), right_x: x_at(right) });
+        }
+        let mut best = None::<Cleared>;
+        let mut open = None::<(f64, f64)>;
+        let mut before = None::<(f64, f64, f64)>;
+        // At the outermost corners rows have no length.
+        for i in 0..=LINES {
+            let t = if i == LINES { offsets[LINES - 1] } else { offsets[i] };
+            let found = if i == LINES { None } else { excess(t) };
+            let (value, x) = found.unwrap_or((-f, before.map_or(0.0, |before| before.2)));
+            let crossing = before.map(|(before_t, before_value, _)| before_t + (t - before_t) * before_value / (before_value - value));
+            if value >= 0.0 && open.is_none() {
+                open = Some((before.filter(|before| before.1 < 0.0).and(crossing).unwrap_or(t), x));
+            }
+            if value < 0.0
+                && let (Some((left, left_x)), Some(right), Some((_, _, right_x))) = (open, crossing, before)
+            {
+                let cleared = Cleared { left, right, left_x, right_x };
+                if best.is_none_or(|best| best.width() < cleared.width()) {
+                    best = Some(cleared);
+                }
+                open = None;
+            }
+            before = Some((t, value, x));
+        }
+        best
+    }
+}

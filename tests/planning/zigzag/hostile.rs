@@ -1,0 +1,91 @@
+//! Meshes that no CAD system should write: the stages from facets to plans end, and every figure is a number.
+
+use super::{degrees, mm, published_cutters, settings};
+use scallopd::milling::Model;
+use scallopd::planning::reach::ReachMap;
+use scallopd::planning::zigzag::{Directions, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::surface::mesh::Selection;
+use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};
+
+fn of_facets(facets: impl IntoIterator<Item = [[f64; 3]; 3]>) -> Mesh {
+    let mut builder = MeshBuilder::new();
+    facets.into_iter().for_each(|facet| builder.facet(facet));
+    builder.finish(Unit::Millimetre, Facing::Up).unwrap()
+}
+
+/// How many plans there are; all of their figures are checked.
+fn plans_on(mesh: &Mesh) -> usize {
+    let selected = mesh.selected(&Selection::all(), &mesh.pieces()).unwrap();
+    let visibility = mesh.visibility(degrees(85.0));
+    let facets = mesh.facets_for_finishing(&visibility, &selected);
+    assert!(facets.iter().all(|facet| facet.normal[2] > 0.0 && facet.curvature.iter().all(|part| part.is_finite())));
+    let reach = ReachMap::new(mesh, &mesh.seen_from_above(64), &vec![true; selected.len()]);
+    for candidate in published_cutters() {
+        let uncut = reach.uncut(candidate.cutter, mm(0.01));
+        assert!((0.0..=1.0).contains(&uncut.share) && uncut.height.mm().is_finite());
+    }
+    let settings = ZigzagSettings { directions: Directions::Only(vec![degrees(0.0), degrees(40.0)]), ..settings(Model::Envelope) };
+    let ranking = rank(&facets, &published_cutters(), &settings, SurfaceEvidence::default(), &|| false).unwrap();
+    for plan in &ranking.plans {
+        assert!(plan.time.seconds() > 0.0 && plan.time.seconds().is_finite() && plan.path_length().mm().is_finite());
+    }
+    ranking.plans.len()
+}
+
+/// A square of 20 mm, its corners at these heights.
+fn square([a, b, c, d]: [f64; 4]) -> [[[f64; 3]; 3]; 2] {
+    let [a, b, c, d] = [[0.0, 0.0, a], [20.0, 0.0, b], [20.0, 20.0, c], [0.0, 20.0, d]];
+    [[a, b, c], [a, c, d]]
+}
+
+#[test]
+fn a_million_coincident_points_are_one() {
+    let mut builder = MeshBuilder::new();
+    for index in 0..1_000_000_u32 {
+        let point = if index % 250_000 == 7 { [f64::from(index) * 1e-5, f64::from(index % 3) * 10.0, 1.0] } else { [3.0, 4.0, 1.0] };
+        builder.point(point);
+    }
+    let mesh = builder.finish(Unit::Millimetre, Facing::Up).unwrap();
+    assert!(mesh.points().len() <= 5, "{}", mesh.points().len());
+    assert_eq!(plans_on(&mesh), 2);
+}
+
+#[test]
+fn a_point_shared_by_all_facets_costs_no_quadratic_time() {
+    let rim = |index: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(index) / 20_000.0).sin_cos();
+        [20.0 * cos, 20.0 * sin, 0.0]
+    };
+    let mesh = of_facets((0..20_000).map(|index| [[0.0, 0.0, 4.0], rim(index), rim(index + 1)]));
+    assert_eq!(mesh.triangles().len(), 20_000);
+    plans_on(&mesh);
+}
+
+#[test]
+fn an_edge_of_many_facets_has_a_plan() {
+    let wing = |index: u32| [[0.0, 0.0, 0.0], [0.0, 20.0, 0.0], [10.0, 10.0, f64::from(index) * 0.01 - 5.0]];
+    let wings = (0..1000).map(wing).chain((0..1000).map(|index| wing(index).map(|[x, y, z]| [-x, y, z])));
+    plans_on(&of_facets(wings));
+}
+
+#[test]
+fn sheets_that_cut_each_other_are_planned_by_what_is_seen() {
+    let mesh = of_facets([square([0.0, 0.0, 6.0, 6.0]), square([6.0, 6.0, 0.0, 0.0]), square([3.0, 3.0, 3.0, 3.0])].concat());
+    assert_eq!(plans_on(&mesh), 2);
+}
+
+#[test]
+fn slivers_beside_a_square_change_no_plan() {
+    let sliver = |index: u32| {
+        let y = f64::from(index) * 1e-3;
+        [[0.0, y, 0.0], [20.0, y, 0.0], [10.0, y + 1e-9, 0.0]]
+    };
+    let mesh = of_facets(square([0.0; 4]).into_iter().chain((0..2000).map(sliver)));
+    assert_eq!(plans_on(&mesh), 2);
+}
+
+#[test]
+fn a_part_of_a_kilometre_far_from_the_origin_ends() {
+    let far = |facet: [[f64; 3]; 3]| facet.map(|[x, y, z]| [5e4 * x + 1e8, 5e4 * y - 1e8, z]);
+    plans_on(&of_facets(square([0.0, 1.0, 2.0, 0.5]).map(far)));
+}
