@@ -83,8 +83,9 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
             // Beside the facets themselves, of 152 bytes, which are held already.
             let stated = bytes_to_rank(facets, cutters.len(), parallelism) - 152 * facets;
             let name = format!("8 cutters, {threads} threads, {height}");
-            let ranking = line(&name, facets, stated, || pool.install(|| rank(&finish, &cutters, &settings, SurfaceEvidence::default())));
-            let plan = ranking.plans.first().expect("a plan");
+            let ranking =
+                line(&name, facets, stated, || pool.install(|| rank(&finish, &cutters, &settings, SurfaceEvidence::default(), &|| false)));
+            let plan = ranking.as_ref().and_then(|ranking| ranking.plans.first()).expect("a plan");
             let candidate = &cutters[plan.candidate];
             let stated_one = bytes_to_rank(facets, 1, Parallelism { threads: *threads, candidates: 1 }) - 152 * facets;
             let stated = stated_one + bytes_of_passes(plan, &finish, 100_000);

@@ -1,13 +1,16 @@
 //! Measures the recommendation by method `surface`, stage by stage, for surfaces of 12 000, 100 000 and 1 000 000 facets: `cargo
 //! bench --bench recommendation [n ...]` takes meshes of 2 n^2 facets instead. Writes `target/benches/recommendation.json`.
 //!
+//! `cargo bench --bench recommendation memory n` plans once on a mesh of 2 n^2 facets, of which as many are held as the service holds, and prints
+//! the largest memory of the process.
+//!
 //! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions. With
 //! two cores, 60 ms of processor time are 30 ms of time where both are used.
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
 use scallopd::planning::reach::{ReachMap, Uncut};
-use scallopd::planning::zigzag::{CandidateCutter, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};
@@ -26,12 +29,12 @@ fn mm(value: f64) -> Length {
 }
 
 /// Waves over 60 x 60 mm as a mesh of 2 n^2 facets; convex, concave and twisted, with slopes up to 30 deg.
-fn waves(n: u32) -> Mesh {
+fn waves(n: u32, facet_limit: usize) -> Mesh {
     let at = |i: u32, j: u32| {
         let (x, y) = (60.0 * f64::from(i) / f64::from(n), 60.0 * f64::from(j) / f64::from(n));
         [x, y, 8.0 * (x / 30.0).sin() * (y / 37.0).cos() + 0.25 * x]
     };
-    let mut builder = MeshBuilder::new();
+    let mut builder = MeshBuilder::with_facet_limit(facet_limit);
     for i in 0..n {
         for j in 0..n {
             builder.facet([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
@@ -69,22 +72,56 @@ fn measured<T>(mut call: impl FnMut() -> T) -> [f64; 2] {
     [1e3 * (processor_seconds() - processor) / count, 1e3 * start.elapsed().as_secs_f64() / count]
 }
 
+/// How many facets the service holds.
+const SERVICE_LIMIT: usize = 500_000;
+
+/// A plan for these cutters, with everything that comes after reading.
+fn planned(mesh: &Mesh, cutters: &[Cutter], settings: &ZigzagSettings) -> Option<Ranking> {
+    let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
+    let facets = mesh.facets_for_finishing(&mesh.visibility(settings.max_slope), &selected);
+    let reach = ReachMap::new(mesh, &mesh.seen_from_above(256), &vec![true; mesh.triangles().len()]);
+    let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(cutters, settings.scallop_height)).map(with_reach).collect();
+    rank(&facets, &candidates, settings, SurfaceEvidence::default(), &|| false)
+}
+
+fn with_reach((cutter, uncut): (&Cutter, Uncut)) -> CandidateCutter {
+    CandidateCutter { reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }), ..CandidateCutter::new(*cutter) }
+}
+
+/// The largest memory of this process so far, in MB.
+fn largest_memory() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/status").expect("a system with /proc");
+    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("the line of the largest memory");
+    line.trim().trim_end_matches(" kB").parse::<f64>().expect("a number") / 1e3
+}
+
 fn main() {
     let machine = Machine::from(Preset::named("five_axis_vmc").expect("a preset").limits);
     let settings = ZigzagSettings::new(mm(0.01), machine);
     let max_slope = Angle::from_degrees(85.0).expect("an angle");
+    let stated: Vec<u32> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    if std::env::args().any(|argument| argument == "memory") {
+        let before = largest_memory();
+        for &n in &stated {
+            let mesh = waves(n, SERVICE_LIMIT);
+            let built = largest_memory();
+            black_box(planned(&mesh, &cutters(2), &settings));
+            let count = 2 * u64::from(n) * u64::from(n);
+            println!("{count} facets: {before:.0} MB at first, {built:.0} MB with the mesh, {:.0} MB at most", largest_memory());
+        }
+        return;
+    }
     let mut lines = Vec::new();
     println!("{:>9}  {:<24} {:>12} {:>9}", "facets", "stage", "processor ms", "ms");
     // 2 x 77^2 = 11 858, 2 x 224^2 = 100 352, 2 x 707^2 = 999 698; others as stated.
-    let stated: Vec<u32> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     for n in if stated.is_empty() { vec![77, 224, 707] } else { stated } {
-        let mesh = waves(n);
+        let mesh = waves(n, MeshBuilder::DEFAULT_FACET_LIMIT);
         let facets = mesh.triangles().len();
         let mut report = |stage: &str, [processor, time]: [f64; 2]| {
             println!("{facets:>9}  {stage:<24} {processor:>12.2} {time:>9.2}");
             lines.push(format!(r#"{{"facets":{facets},"stage":"{stage}","processor_ms":{processor:.3},"ms":{time:.3}}}"#));
         };
-        report("build", measured(|| waves(n)));
+        report("build", measured(|| waves(n, MeshBuilder::DEFAULT_FACET_LIMIT)));
         report("pieces", measured(|| mesh.pieces()));
         let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
         report("visibility", measured(|| mesh.visibility(max_slope)));
@@ -99,20 +136,9 @@ fn main() {
         for count in [2, 50] {
             let cutters = cutters(count);
             report(&format!("reach of {count}"), measured(|| reach.uncut_of_each(&cutters, mm(0.01))));
-            let with_reach = |(cutter, uncut): (&Cutter, Uncut)| CandidateCutter {
-                reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }),
-                ..CandidateCutter::new(*cutter)
-            };
             let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(&cutters, mm(0.01))).map(with_reach).collect();
             report(&format!("rank {count}"), measured(|| rank(&finished, &candidates, &settings, SurfaceEvidence::default(), &|| false)));
-            let whole = || {
-                let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
-                let facets = mesh.facets_for_finishing(&mesh.visibility(max_slope), &selected);
-                let reach = ReachMap::new(&mesh, &mesh.seen_from_above(256), &machined);
-                let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(&cutters, mm(0.01))).map(with_reach).collect();
-                rank(&facets, &candidates, &settings, SurfaceEvidence::default(), &|| false)
-            };
-            report(&format!("all, {count} cutters"), measured(whole));
+            report(&format!("all, {count} cutters"), measured(|| planned(&mesh, &cutters, &settings)));
         }
     }
     std::fs::create_dir_all("target/benches").expect("a folder to write to");

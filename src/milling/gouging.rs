@@ -38,12 +38,12 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     let [_, change] =
         eigenvalues(corner * steepest.along_per_mm(), level_radius * steepest.across_per_mm(), root * steepest.twist_per_mm());
     let lambda = 1.0 + change;
+    let footprint = Footprint { core, corner, sin, cos: pass.contact.slope().cos(), surface: steepest };
     if lambda <= 0.0 {
-        return Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change) });
+        return Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change, &footprint) });
     }
     // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact, which fits into any surface
     // that is less concave.
-    let footprint = Footprint { core, corner, sin, cos: pass.contact.slope().cos(), surface: steepest };
     if smallest * level_radius < -1.0 && footprint.is_cut() {
         return Err(NoAnswer::Gouges { smallest_radius: None });
     }
@@ -59,9 +59,24 @@ fn side_gouges(steepest: SurfaceCurvature, outer: f64) -> bool {
     bend < -rounding || twist.abs() > rounding && bend * level < twist * twist
 }
 
-/// The concave principal radius times 1 - lambda: with it, lambda is 0. `change` is lambda - 1.
-fn smallest_radius(smallest_curvature: f64, change: f64) -> Option<Length> {
-    let radius = change / smallest_curvature;
+/// The concave principal radius times 1 - lambda: with the whole curvature that much smaller, lambda is 0. Where the cutter then still cuts into the surface away from the contact, the
+/// radius with which it does not, to a thousandth. `change` is lambda - 1.
+fn smallest_radius(smallest_curvature: f64, change: f64, footprint: &Footprint) -> Option<Length> {
+    let cuts = |share: f64| Footprint { surface: footprint.surface.scaled(share), ..*footprint }.is_cut();
+    // The share of the curvature at which lambda is 0, less a rounding.
+    let fits_near = -(1.0 - 4.0 * f64::EPSILON) / change;
+    let share = if cuts(fits_near) {
+        let (mut fits, mut gouges) = (0.0, fits_near);
+        // Halving 14 times; the share that fits is above a half in all but the closest cases.
+        for _ in 0..14 {
+            let middle = f64::midpoint(fits, gouges);
+            if cuts(middle) { gouges = middle } else { fits = middle }
+        }
+        fits
+    } else {
+        -change.recip()
+    };
+    let radius = -(smallest_curvature * share).recip();
     (radius.is_finite() && radius > 0.0).then(|| Length::computed(radius))
 }
 
@@ -69,6 +84,7 @@ fn smallest_radius(smallest_curvature: f64, change: f64) -> Option<Length> {
 ///
 /// Its lowest place over a surface with a concave direction lies on the round, the rim of the flat included: over the flat's disc H is a quadratic form
 /// that is not definite, which has no least place inside.
+#[derive(Debug, Clone, Copy)]
 struct Footprint {
     core: f64,
     corner: f64,

@@ -226,22 +226,13 @@ fn length(v: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
     use crate::surface::Grid;
+    use crate::surface::mesh::shapes;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
     use proptest::prelude::*;
 
     /// A closed box of 40 x 20 x 10, each side two triangles.
     fn solid_box() -> Vec<[[f64; 3]; 3]> {
-        let at = |x: u8, y: u8, z: u8| [40.0 * f64::from(x), 20.0 * f64::from(y), 10.0 * f64::from(z)];
-        let quad = |a, b, c, d| [[a, b, c], [a, c, d]];
-        [
-            quad(at(0, 0, 1), at(1, 0, 1), at(1, 1, 1), at(0, 1, 1)),
-            quad(at(0, 0, 0), at(0, 1, 0), at(1, 1, 0), at(1, 0, 0)),
-            quad(at(0, 0, 0), at(1, 0, 0), at(1, 0, 1), at(0, 0, 1)),
-            quad(at(0, 1, 0), at(0, 1, 1), at(1, 1, 1), at(1, 1, 0)),
-            quad(at(0, 0, 0), at(0, 0, 1), at(0, 1, 1), at(0, 1, 0)),
-            quad(at(1, 0, 0), at(1, 1, 0), at(1, 1, 1), at(1, 0, 1)),
-        ]
-        .concat()
+        shapes::solid_box([0.0; 3], [40.0, 20.0, 10.0])
     }
 
     fn of_facets(facets: &[[[f64; 3]; 3]]) -> SampledSurface {

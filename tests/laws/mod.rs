@@ -5,6 +5,7 @@ mod curved_surfaces;
 mod cutting_parameters;
 mod heights;
 mod inverses;
+mod outline;
 mod passes;
 mod radii;
 mod reference;

@@ -66,3 +66,10 @@ pub(crate) fn passes() -> impl Strategy<Value = Pass> {
         Pass { runout, ..pass }
     })
 }
+
+/// Whether the height comes from a polygon that is good to a few percent: where lobes of the section join, near the floor, beside walls and in close fits of concave surfaces.
+pub(crate) fn has_lobes(pass: &Pass) -> bool {
+    let in_middle = (10.0..85.0).contains(&pass.contact.slope().degrees());
+    let lambda = JudgedPass::new(Model::Envelope, *pass).map_or(1.0, |judged| judged.relative_curvature());
+    pass.surface.principal_per_mm()[1] < 0.0 && !(in_middle && lambda > 0.6)
+}

@@ -129,7 +129,7 @@ fn models_without_a_surface_are_refused_with_their_file() {
 #[test]
 fn archives_other_than_packages_are_named() {
     for (name, found) in
-        [("xl/workbook.xml", "an Excel workbook"), ("Document.xml", "a FreeCAD document"), ("part.stl", "a ZIP archive that is no 3MF")]
+        [("xl/workbook.xml", "an Excel workbook"), ("Document.xml", "a FreeCAD document"), ("part.stl", "a ZIP archive that is not a 3MF")]
     {
         let fault = read(zip(&[(name, b"<a/>")])).unwrap_err();
         assert_eq!(fault.kind(), FaultKind::UnknownFormat);

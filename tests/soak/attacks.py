@@ -228,6 +228,18 @@ def many_planes(address):
     return side_by_side(16, lambda _: exchange(address, message))
 
 
+def comb(address):
+    """Two thousand strips side by side, each a run of its own in every plane."""
+    points, triangles = [], []
+    for strip in range(2000):
+        x, first = 0.2 * strip, 4 * strip
+        points += [[x, 0, 0.1 * x], [x + 0.05, 0, 0.1 * x], [x, 90, 9], [x + 0.05, 90, 9]]
+        triangles += [[first, first + 1, first + 2], [first + 1, first + 3, first + 2]]
+    job = {**JOB, "cutters": [{"type": "ball_end", "diameter_mm": 0.1}], "scallop_height_mm": 1e-5, "directions_deg": [0]}
+    message = post("/v1/cutter-recommendation", {**job, "surface": {"mesh": {"points": points, "triangles": triangles}}})
+    return side_by_side(4, lambda _: exchange(address, message))
+
+
 def fine_patches(address):
     net = [[[x, y, (x * y) % 7] for x in (0, 20, 40, 60)] for y in (0, 20, 40, 60)]
     message = post("/v1/cutter-recommendation", {**JOB, "directions_deg": [0], "surface": {"bezier": {"control_points": net}, "samples": 1000}})
@@ -398,7 +410,7 @@ ATTACKS = {
     "OBJ of 2e7 vertices": (vertex_flood_obj, {408, 413}),
     "four PLY of 2e7 vertices": (four_vertex_floods, {408, 413, 503}),
     "4096 expensive contacts": (expensive_contacts, {200, 408}),
-    "4 x 250,000 expensive contacts": (expensive_batches, {408}),
+    "4 x 250,000 expensive contacts": (expensive_batches, {408, 503}),
     "16 x 250,000, client leaves": (expensive_batches_left, {"left"}),
     "24 batches, answers unread": (unread_answers, {200, 503}),
     "2150 heads of 415 KB": (unfinished_heads, {431, "closed", "ConnectionResetError", "TimeoutError"}),
@@ -411,6 +423,7 @@ ATTACKS = {
     "64 uploads of 20 MB": (sixty_four_uploads, {200, 503}),
     "4 x 498,000 facets apart, map and passes": (separate_facets, {200, 503}),
     "16 x 200 cutters of 50,000 planes": (many_planes, {200, 408, 422, 503}),
+    "4 combs of 2000 strips": (comb, {200, 408, 422, 503}),
     "16 patches of a million samples": (fine_patches, {200, 408, 503}),
     "4 JSON meshes of 60 MB": (large_json_mesh, {200, 408, 413, 422, 503}),
     "4 x 64 MiB of NaN": (not_finite, {408, 413, 422, 503}),

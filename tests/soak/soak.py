@@ -80,7 +80,7 @@ def mixture():
     feed = {"cutter": CUTTER, "contact": CONTACT, "step_over_mm": 0.5, "scallop_tolerance_mm": 0.02}
     step = {"cutter": CUTTER, "contact": CONTACT, "scallop_tolerance_mm": 0.02}
     contacts = [{"slope_deg": 5 + i % 60, "feed_angle_deg": i % 180} for i in range(2000)]
-    toroidal, ball_end = SHAPES["cutters"]
+    toroidal, ball_end = ({name: value for name, value in cutter.items() if name != "type"} for cutter in SHAPES["cutters"])
     job = {"toroidal": toroidal, "ball_end": ball_end, "scallop_height_mm": SHAPES["scallop_height_mm"], "machine": SHAPES["machine"]}
     critical = {**job, "width_mm": 80, "height_mm": 40}
     surface = {"points": dome(30)}
@@ -103,7 +103,7 @@ def mixture():
         (3, "not JSON", 400, request("POST", "/v1/max-feed", b"{\"cutter\": ")),
         (2, "too large", 413, endless),
         (2, "no such path", 404, request("GET", "/v1/nothing")),
-        (2, "no such method", 405, request("GET", "/v1/max-feed")),
+        (2, "no such method", 405, request("DELETE", "/v1/max-feed")),
         (2, "no such type", 415, request("POST", "/v1/max-feed", b"x", "text/plain")),
         (1, "openapi", 200, request("GET", "/openapi.json")),
         (1, "metrics", 200, request("GET", "/metrics")),

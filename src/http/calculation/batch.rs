@@ -96,9 +96,9 @@ fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writ
                     break;
                 }
                 left_out -= 1;
-                of_contact.into_iter().for_each(|fault| {
+                for fault in of_contact {
                     faults.push(fault);
-                });
+                }
             }
             faults.add_left_out(left_out);
             return Err(Faulted);

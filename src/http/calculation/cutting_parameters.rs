@@ -96,6 +96,8 @@ impl FastestParameters {
 
 impl Calculation for FastestParameters {
     const STATES: States = States { step_over: false, feed_per_tooth: false };
+    // Dozens of searches for a step-over.
+    const TAKES_LONG: bool = true;
     type Members = CuttingParametersMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
 
@@ -150,8 +152,8 @@ described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParamet
     request_body = CuttingParametersRequest,
     responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
-    single::answer::<FastestParameters>(&body)
+pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    single::answer::<FastestParameters>(work, body).await
 }
 
 /// The fastest step-over and feed at one contact, by a query
@@ -162,8 +164,8 @@ pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     get, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters_query", params(CuttingParametersQuery),
     responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
-    single::answer_query::<FastestParameters>(&QUERY, text.as_deref())
+pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
+    single::answer_query::<FastestParameters>(work, &QUERY, text).await
 }
 
 /// The fastest step-overs and feeds of a tool path

@@ -118,8 +118,8 @@ described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
     request_body = MaxFeedRequest,
     responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
-    single::answer::<MaxFeed>(&body)
+pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    single::answer::<MaxFeed>(work, body).await
 }
 
 /// The largest feed at one contact, by a query
@@ -130,8 +130,8 @@ pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     get, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed_query", params(MaxFeedQuery),
     responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
-    single::answer_query::<MaxFeed>(&QUERY, text.as_deref())
+pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
+    single::answer_query::<MaxFeed>(work, &QUERY, text).await
 }
 
 /// The largest feeds of a tool path

@@ -21,6 +21,8 @@ use crate::quantity::Length;
 pub(crate) trait Calculation: Sized + Send + Sync {
     /// The parameters of a contact that requests state.
     const STATES: States;
+    /// Whether a single answer takes a thread too long for one that serves connections.
+    const TAKES_LONG: bool = false;
     /// The members that are specific to requests of this calculation.
     type Members: Members;
     /// The figures of an answer, in their order.

@@ -57,8 +57,8 @@ described!(ScallopHeightBatchAnswer, batch::describe_answer::<ScallopHeight>);
     request_body = ScallopHeightRequest,
     responses((status = 200, description = "The height, its parts, and the effective radii", body = ScallopHeightAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
-    single::answer::<ScallopHeight>(&body)
+pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    single::answer::<ScallopHeight>(work, body).await
 }
 
 /// The scallop height at one contact, by a query
@@ -69,8 +69,8 @@ pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     get, path = "/v1/scallop-height", tag = "calculations", operation_id = "scallop_height_query", params(ScallopHeightQuery),
     responses((status = 200, description = "The height, its parts, and the effective radii", body = ScallopHeightAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
-    single::answer_query::<ScallopHeight>(&QUERY, text.as_deref())
+pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
+    single::answer_query::<ScallopHeight>(work, &QUERY, text).await
 }
 
 /// The scallop heights of a tool path

@@ -9,6 +9,7 @@ use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members,
 use crate::http::wire::{
     CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
 };
+use crate::http::worker_pool::Work;
 use crate::milling::{Envelope, JudgedPass, Model, NoAnswer, Pass, StepOver};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::marker::PhantomData;
@@ -69,13 +70,28 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
 }
 
 /// Answers a request with one contact.
-pub(super) fn answer<C: Calculation>(body: &JsonBody) -> Result<WrittenJson, Problem> {
-    WrittenJson::of(&body.read(read::<C>)?)
+pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    let takes_long = C::TAKES_LONG || may_state_curvature(body.json(), b'\\');
+    let answer = move || WrittenJson::of(&body.read(read::<C>)?);
+    if takes_long { work.run_piece(answer).await } else { answer() }
 }
 
 /// Answers the same request as a query.
-pub(super) fn answer_query<C: Calculation>(query: &Query, text: Option<&str>) -> Result<WrittenJson, Problem> {
-    WrittenJson::of(&query.read(text.unwrap_or_default(), read::<C>)?)
+pub(super) async fn answer_query<C: Calculation + 'static>(
+    work: Work,
+    query: &'static Query,
+    text: Option<String>,
+) -> Result<WrittenJson, Problem> {
+    let text = text.unwrap_or_default();
+    let takes_long = C::TAKES_LONG || may_state_curvature(text.as_bytes(), b'%');
+    let answer = move || WrittenJson::of(&query.read(&text, read::<C>)?);
+    if takes_long { work.run_piece(answer).await } else { answer() }
+}
+
+/// Whether a request may state a curvature, with which a search can take tens of milliseconds: too long for a thread that serves
+/// connections. Names may be hidden behind escapes.
+fn may_state_curvature(request: &[u8], escape: u8) -> bool {
+    memchr::memmem::find(request, b"surface_").is_some() || memchr::memchr(escape, request).is_some()
 }
 
 fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {

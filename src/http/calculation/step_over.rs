@@ -54,8 +54,8 @@ described!(StepOverBatchAnswer, batch::describe_answer::<MaxStepOver>);
     request_body = StepOverRequest,
     responses((status = 200, description = "The step-over, and the heights at this step-over", body = StepOverAnswer), Problems),
 )]
-pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
-    single::answer::<MaxStepOver>(&body)
+pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
+    single::answer::<MaxStepOver>(work, body).await
 }
 
 /// The largest step-over at one contact, by a query
@@ -66,8 +66,8 @@ pub(crate) async fn answer(body: JsonBody) -> Result<WrittenJson, Problem> {
     get, path = "/v1/step-over", tag = "calculations", operation_id = "step_over_query", params(StepOverQuery),
     responses((status = 200, description = "The step-over, and the heights at this step-over", body = StepOverAnswer), QueryProblems),
 )]
-pub(crate) async fn answer_query(RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
-    single::answer_query::<MaxStepOver>(&QUERY, text.as_deref())
+pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
+    single::answer_query::<MaxStepOver>(work, &QUERY, text).await
 }
 
 /// The largest step-overs of a tool path

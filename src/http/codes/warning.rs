@@ -10,7 +10,7 @@ codes! {
         FeedPerToothLong = "feed-per-tooth-long": "The feed per tooth is long compared with the model's circle", "Use model \"envelope\".";
         EffectiveRadiusBeyondCutter = "effective-radius-beyond-cutter": "The model's circle is wider than the cutter", "Use model \"envelope\": the scallop can be far higher.";
         SharpMarks = "sharp-marks": "A flat-end cutter leaves sharp marks", "Use a cutter with a small corner radius.";
-        CurvatureApproximate = "curvature-approximate": "On a curved surface, the slope may change noticeably from mark to mark", "Keep a margin to the tolerance.";
+        CurvatureApproximate = "curvature-approximate": "The surface's normal turns so much between the marks that the height can be exceeded", "Keep a margin to the tolerance.";
         NearGouging = "near-gouging": "The cutter nearly fills the hollow, where the surface's second order is not enough", "Use a smaller cutter, or keep a margin to the tolerance.";
         OutsideAnalyticRange = "outside-analytic-range": "The analytic height is far below what the cutter leaves", "Use model \"envelope\".";
         StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";

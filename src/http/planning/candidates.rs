@@ -86,9 +86,10 @@ impl From<&Candidate> for CandidateAnswer {
     }
 }
 
-/// The direction of a line in degrees, in [0, 180). A line a rounding short of pi is 180 in degrees, which is 0.
+/// The direction of a line in degrees, in [0, 180), to 1e-9 deg: radians and back leave whole degrees a rounding off, and a line a rounding
+/// short of pi is 180 in degrees, which is 0.
 pub(super) fn line_degrees(line: Angle) -> f64 {
-    let degrees = line.degrees();
+    let degrees = (line.degrees() * 1e9).round() / 1e9;
     if degrees < 180.0 { degrees } else { 0.0 }
 }
 

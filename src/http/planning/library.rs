@@ -36,6 +36,11 @@ impl Libraries {
 
     /// The warning that counts the tools that are no finishing cutters, by type.
     pub(super) fn warning(&self) -> Option<Warning> {
+        self.left_out().map(|detail| Warning::new(WarningCode::OtherTools, detail))
+    }
+
+    /// The tools that are no finishing cutters, counted by type.
+    pub(super) fn left_out(&self) -> Option<String> {
         const MOST_LISTED: usize = 20;
         let mut others = BTreeMap::<&str, u64>::new();
         for (kind, count) in self.0.iter().flatten().flat_map(ToolLibrary::others) {
@@ -48,8 +53,7 @@ impl Libraries {
         if others.len() > MOST_LISTED {
             listed.push(format!("and {} further types", others.len() - MOST_LISTED));
         }
-        let detail = format!("tools that are no ball-end, bull-nose or flat end mill were left out: {}", listed.join(", "));
-        Some(Warning::new(WarningCode::OtherTools, detail))
+        Some(format!("tools that are no ball-end, bull-nose or flat end mill were left out: {}", listed.join(", ")))
     }
 
     /// The finishing cutters of all libraries, in their order.

@@ -91,22 +91,28 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow those of the request.
+    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow those of the request;
+    /// `libraries` has the tools that were left out of them.
     pub(super) fn read(
         object: &mut Object<'_, '_>,
         of_libraries: impl IntoIterator<Item = NamedCandidate>,
-        libraries: Result<(), Faulted>,
+        libraries: Result<Option<String>, Faulted>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
         let members = ParameterMembers::read(object, faults);
         let candidates = members.cutters.and_then(|own| {
             // The cutters may all have been in a refused library.
-            libraries?;
+            let left_out = libraries?;
             let candidates: Vec<_> = own.into_iter().flatten().chain(of_libraries).collect();
             let object = object.path();
             let path = object.member(CUTTERS.name);
             match candidates.len() {
-                0 => Err(faults.add(&path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about))),
+                0 => Err(match left_out {
+                    Some(left_out) => {
+                        faults.add(&path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}"))
+                    }
+                    None => faults.add(&path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about)),
+                }),
                 1..=MOST_CUTTERS => Ok(candidates),
                 count => {
                     let detail = format_args!("at most {MOST_CUTTERS} cutters, those of libraries included; there are {count}");

@@ -196,7 +196,7 @@ impl Task {
             return (&confidence).into();
         };
         let figures = simulation.ranking.surface;
-        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.pieces as usize, simulated: None };
+        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.machined_pieces, simulated: None };
         let simulated = |candidate: &RankedCandidate| {
             let plans = &simulation.ranking.plans;
             plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter()).map(|plan| (candidate.time(), plan.time))

@@ -47,7 +47,7 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
 fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Result<(Task, Reservation), Problem> {
     let mut exceeded = None;
     let task = body.read_until(cancelled, |object, faults| {
-        let parameters = Parameters::read(object, [], Ok(()), faults);
+        let parameters = Parameters::read(object, [], Ok(None), faults);
         let surface = object.required(&SURFACE, faults);
         let (parameters, surface) = (parameters?, surface?);
         if let Err(error) = memory.grow(bytes_of_workpiece(&surface.surface.mesh)) {

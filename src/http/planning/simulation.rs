@@ -10,6 +10,7 @@ use crate::planning::reach::{ReachMap, Uncut};
 use crate::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
 use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility};
 use crate::surface::{FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
+use std::collections::BTreeSet;
 
 /// The side of the raster on which cutters are tried and maps are drawn.
 const SIDE: usize = 256;
@@ -19,6 +20,8 @@ pub(super) struct Workpiece {
     pub(super) mesh: Mesh,
     pub(super) visibility: Visibility,
     pub(super) pieces: u32,
+    /// The number of pieces of which a facet is machined.
+    pub(super) machined_pieces: usize,
     /// Whether each facet of the mesh is selected and not too steep.
     machined: Vec<bool>,
     /// The facets that a plan is made for.
@@ -82,8 +85,10 @@ impl Workpiece {
         if !machined.contains(&true) {
             return Err(NoWorkpiece::NothingToMachine);
         }
+        let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
+        let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
         let view = mesh.seen_from_above(SIDE);
-        Ok(Self { mesh, visibility, pieces: pieces.count(), machined, facets, places, view })
+        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
     }
 
     /// Where the facet that a cell shows stands among those of the plan.
@@ -136,7 +141,7 @@ impl Simulation {
         if stop() {
             return None;
         }
-        let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.pieces as usize };
+        let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.machined_pieces };
         let ranking = rank(&workpiece.facets, &candidates, &settings, evidence, stop)?;
         Some(Self { settings, candidates, ranking, reach })
     }

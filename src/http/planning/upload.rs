@@ -150,7 +150,7 @@ impl Received {
         };
         let task = read_text(&parameters, budget, cancelled, |object, faults| {
             let libraries = std::mem::take(&mut self.libraries);
-            let (checked, warning) = (libraries.check(faults), libraries.warning());
+            let (checked, warning) = (libraries.check(faults).map(|()| libraries.left_out()), libraries.warning());
             let parameters = Parameters::read(object, libraries.into_candidates(), checked, faults);
             let surface = self.surface(faults);
             let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults)?;

@@ -28,7 +28,7 @@ pub(super) fn read_numbers(json: &str, most: usize) -> Option<Vec<Option<f64>>> 
         places.push(place);
         rest = after;
     }
-    blocks.into_par_iter().zip(places).try_for_each(|(block, place)| read_block(block, place))?;
+    blocks.into_par_iter().zip(places).try_for_each(|(block, place)| read_block(block, place)).ok()?;
     Some(values)
 }
 
@@ -45,19 +45,22 @@ fn blocks(items: &str) -> Vec<&str> {
     blocks
 }
 
-fn read_block(block: &str, place: &mut [Option<f64>]) -> Option<()> {
+/// An item that is neither null nor a number within doubles.
+struct Unusual;
+
+fn read_block(block: &str, place: &mut [Option<f64>]) -> Result<(), Unusual> {
     for (item, value) in block.split(',').zip(place) {
         *value = read_item(item.trim_ascii())?;
     }
-    Some(())
+    Ok(())
 }
 
-fn read_item(item: &str) -> Option<Option<f64>> {
-    match item.as_bytes().first()? {
-        // The text is JSON: a value that begins like a number is one.
-        b'-' | b'0'..=b'9' => item.parse().ok().filter(|value: &f64| value.is_finite()).map(Some),
-        b'n' => Some(None),
-        _ => None,
+fn read_item(item: &str) -> Result<Option<f64>, Unusual> {
+    match item.as_bytes().first() {
+        // The text is JSON: what begins like a number is one.
+        Some(b'-' | b'0'..=b'9') => item.parse().ok().filter(|value: &f64| value.is_finite()).map(Some).ok_or(Unusual),
+        Some(b'n') => Ok(None),
+        _ => Err(Unusual),
     }
 }
 

@@ -214,15 +214,13 @@ impl Kind for Triangles {
         // The pass above stops at the first fault without its location. This one finds all faults, and takes whole numbers
         // written as 1.0 or 1e3.
         triangles.clear();
-        let (mut index, mut result) = (0, Ok(()));
+        let mut index = 0;
         each_raw(raw, path, faults, |item, faults| {
-            match Self::one(item, path.item(index), faults) {
-                Ok(triangle) => triangles.push(triangle),
-                Err(Faulted) => result = Err(Faulted),
-            }
+            // In place of a faulty triangle, so that the points of the others are looked up as well. With a recorded fault nothing is planned.
+            triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
             index += 1;
         })?;
-        result.map(|()| triangles)
+        Ok(triangles)
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {

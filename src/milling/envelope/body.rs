@@ -64,7 +64,8 @@ impl Body {
             along_level: sin.abs(),
             axis: core + corner * slope.sin(),
             surface,
-            concave: (surface.principal_per_mm()[1] < 0.0).then(|| {
+            // On a wall that the cutter does not gouge the side bends away from the surface everywhere.
+            concave: (surface.principal_per_mm()[1] < 0.0 && slope.cos() != 0.0).then(|| {
                 let steepest = surface.turned(-sin.abs(), cos.abs());
                 [steepest.along_per_mm(), steepest.twist_per_mm()]
             }),
@@ -108,7 +109,7 @@ impl Body {
         2.0 * (self.core + self.corner)
     }
 
-    /// Whether the surface has a concave direction, so that the section need not be convex.
+    /// Whether the surface has a concave direction, so that the section need not be convex; on a wall that the cutter does not gouge it is.
     pub(super) fn is_concave(&self) -> bool {
         self.concave.is_some()
     }

@@ -26,22 +26,25 @@ impl Envelope {
         deep.cleared_by(pattern, shallow.as_ref())
     }
 
-    /// h for passes s apart: `found`, where the outline agrees with it, otherwise what is found from the outline; `None` where no height clears s.
-    pub(super) fn height_on_concave(&self, s: f64, pattern: Pattern, found: Option<f64>) -> Option<f64> {
+    /// h for passes s apart: `found`, where the outline agrees with it, otherwise what is found from the outline; `None` where no height clears s. Where `found` is known to clear s, only
+    /// lower heights are in question.
+    pub(super) fn height_on_concave(&self, s: f64, pattern: Pattern, found: Option<f64>, is_clear: bool) -> Option<f64> {
         let highest = 4.0 * self.cutter.outer_radius().mm();
         let found = found.filter(|found| *found < highest);
-        let outlook = Outlook::new(&self.body, found.unwrap_or_else(|| self.guess(s, pattern)));
+        let mut p = found.map_or_else(|| self.guess(s, pattern), |found| found * (1.0 - COARSE));
+        let outlook = Outlook::new(&self.body, p);
         let mut near = *outlook.first();
-        let mut cleared = |p: f64| {
-            near = outlook.at(p, &near);
+        let mut cleared = |p: f64, is_first: bool| {
+            if !is_first {
+                near = outlook.at(p, &near);
+            }
             Self::cleared_by(&outlook, &near, p, &pattern)
         };
         let width = |cleared: Option<&Cleared>| cleared.map_or(0.0, Cleared::width);
         let (mut low, mut high) = ((0.0, 0.0), (f64::INFINITY, f64::INFINITY));
         let mut at_high = None;
-        let mut p = found.map_or_else(|| outlook.height(), |found| found * (1.0 - COARSE));
         for step in 0..MOST_STEPS {
-            let outline = cleared(p);
+            let outline = cleared(p, step == 0);
             let wide = width(outline.as_ref());
             if wide >= s {
                 (high, at_high) = ((p, wide), outline);
@@ -52,21 +55,25 @@ impl Envelope {
                 && step == 0
                 && wide < s
             {
+                if is_clear {
+                    return Some(found);
+                }
                 // Where the outline is wide enough above, the height found is right.
                 p = found * (1.0 + CUT_OFF);
                 continue;
             }
             if let Some(found) = found
-                && low.0 == found * (1.0 - COARSE)
-                && high.0 == found * (1.0 + CUT_OFF)
+                && step == 1
+                && low.0 > 0.0
+                && wide >= s
             {
                 return Some(found);
             }
-            if high.0 < f64::INFINITY && high.0 - low.0 <= 0.2 * COARSE * high.0 || low.0 >= highest {
+            if high.0 < f64::INFINITY && high.0 - low.0 <= 0.5 * COARSE * high.0 || low.0 >= highest {
                 break;
             }
             // The square of the width is nearly linear in the height.
-            let linear = if high.0 < f64::INFINITY {
+            let linear = if high.0 < f64::INFINITY && high.1 > low.1 {
                 low.0 + (high.0 - low.0) * (s * s - low.1 * low.1) / (high.1 * high.1 - low.1 * low.1)
             } else {
                 p * (s / wide).powi(2)
@@ -76,7 +83,7 @@ impl Envelope {
             } else if step % 3 == 2 {
                 if high.0 > 4.0 * low.0 { (high.0 * low.0.max(high.0 / 4096.0)).sqrt() } else { f64::midpoint(low.0, high.0) }
             } else {
-                let room = 0.1 * COARSE * high.0;
+                let room = 0.2 * COARSE * high.0;
                 linear.clamp(low.0 + room, high.0 - room)
             };
         }
@@ -88,16 +95,18 @@ impl Envelope {
         Some(quick.or_else(general).unwrap_or(high))
     }
 
-    /// The largest step-over that keeps the height p, at most `largest`: `found`, where the outline agrees with it, otherwise what is found from the outline.
+    /// The largest step-over that keeps the height p, at most `largest`: `found`, which keeps it, where the outline has no larger one, otherwise what is found from the outline.
     pub(super) fn step_over_on_concave(&self, p: f64, pattern: Pattern, found: Option<f64>, largest: f64) -> f64 {
-        let outlook = Outlook::new(&self.body, p);
+        let under = p * (1.0 - COARSE);
+        let outlook = Outlook::new(&self.body, under);
         let cleared = |p: f64| Self::cleared_by(&outlook, &outlook.at(p, outlook.first()), p, &pattern);
         let width = |p: f64| cleared(p).map_or(0.0, |cleared| cleared.width()).min(largest);
-        let (least, most) = (width(p * (1.0 - COARSE)), width(p * (1.0 + CUT_OFF)));
-        let agrees = |step_over: &f64| (least..=most).contains(step_over);
-        if let Some(found) = found.filter(agrees) {
+        let least = Self::cleared_by(&outlook, outlook.first(), under, &pattern).map_or(0.0, |cleared| cleared.width()).min(largest);
+        if let Some(found) = found.filter(|found| *found >= least) {
             return found;
         }
+        let most = width(p * (1.0 + CUT_OFF));
+        let agrees = |step_over: &f64| (least..=most).contains(step_over);
         let quick = cleared(p).and_then(|cleared| {
             let lengths = Lengths { level: p, step_over: cleared.width(), mark_spacing: pattern.spacing };
             self.polished(&pattern, lengths, &cleared, Sought::StepOver).map(|lengths| lengths.step_over)
@@ -106,26 +115,24 @@ impl Envelope {
         quick.filter(agrees).or_else(general).unwrap_or_else(|| width(p))
     }
 
-    /// The largest feed per tooth that keeps the height p in passes s apart, at most `largest`: `found`, where the outline agrees with it, otherwise what is found from the
-    /// outline.
+    /// The largest feed per tooth that keeps the height p in passes s apart, at most `largest`: `found`, which keeps it, where the outline has no larger one, otherwise what is found
+    /// from the outline.
     pub(super) fn feed_on_concave(&self, p: f64, s: f64, found: Option<f64>, largest: f64) -> Option<f64> {
-        let outlook = Outlook::new(&self.body, p);
-        let outlines = |p: f64| {
-            let deep = outlook.at(p, outlook.first());
-            (deep, (self.drop > 0.0 && p > self.drop).then(|| outlook.at(p - self.drop, &deep)))
-        };
+        let outlook = Outlook::new(&self.body, p * (1.0 - COARSE));
+        let with_shallow = |deep: Outline, p: f64| (deep, (self.drop > 0.0 && p > self.drop).then(|| outlook.at(p - self.drop, &deep)));
+        let outlines = |p: f64| with_shallow(outlook.at(p, outlook.first()), p);
         let cleared = |(deep, shallow): &(Outline, Option<Outline>), feed: f64| {
             let pattern = self.pattern(feed);
             if pattern.is_even() { deep.cleared(feed) } else { deep.cleared_by(&pattern, shallow.as_ref()) }
         };
         let is_wide =
             |outlines: &(Outline, Option<Outline>), feed: f64| cleared(outlines, feed).is_some_and(|cleared| cleared.width() >= s);
-        let (under, over) = (outlines(p * (1.0 - COARSE)), outlines(p * (1.0 + CUT_OFF)));
-        let agrees = |feed: &f64| is_wide(&over, *feed) && !is_wide(&under, *feed);
-        if let Some(found) = found.filter(agrees) {
+        let under = with_shallow(*outlook.first(), outlook.height());
+        if let Some(found) = found.filter(|found| !is_wide(&under, *found)) {
             return Some(found);
         }
-        let here = outlines(p);
+        let (here, over) = (outlines(p), outlines(p * (1.0 + CUT_OFF)));
+        let agrees = |feed: &f64| is_wide(&over, *feed) && !is_wide(&under, *feed);
         if is_wide(&here, largest) {
             return Some(largest);
         }

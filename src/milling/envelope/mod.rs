@@ -97,6 +97,8 @@ impl Envelope {
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
         let step_over_height = self.height(step_over.mm(), Pattern::even(0.0))?;
         let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(step_over.mm(), self.pattern(feed.mm())))?;
+        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds for both.
+        let step_over_height = step_over_height.min(total);
         // h is never under h1; where marks leave next to nothing, rounding may put it there.
         let feed = (total - step_over_height).max(0.0);
         Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
@@ -122,7 +124,7 @@ impl Envelope {
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().min(largest);
         let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
         let quick = if self.drop == 0.0 { self.quickly(lengths, Sought::MarkSpacing) } else { None };
-        let height = |feed: f64| self.height(s, self.pattern(feed));
+        let height = |feed: f64| self.level(s, self.pattern(feed));
         let quick = quick.map(|found| found.mark_spacing).filter(|feed| (Length::SMALLEST..=largest).contains(feed));
         let found = self.feed_at(tolerance.mm(), s, quick, guess, largest);
         match found {
@@ -209,7 +211,7 @@ impl Envelope {
                 // Wider than the cutter on a concave surface: only where the height grows up to there.
                 self.height(width, pattern)?;
             }
-            let confirmed = self.confirmed(width, p, |step_over| self.height(step_over, pattern)).map(Length::computed);
+            let confirmed = self.confirmed(width, p, |step_over| self.level(step_over, pattern)).map(Length::computed);
             confirmed.map_or_else(|| Err(NoAnswer::FeedUsesUpTolerance { feed_height: tolerance }), Ok)
         }
     }
@@ -217,23 +219,18 @@ impl Envelope {
     /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` where the smallest does not keep it.
     ///
     /// Where the section is not convex an inverse and the height can differ by what their outlines do. The height has the last word, so that no answer exceeds the tolerance.
-    fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Option<f64> {
+    fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         if self.is_convex_up_to(tolerance) {
             return Some(found);
         }
-        let keeps = |value: &f64| height(*value).is_ok_and(|height| height <= tolerance * (1.0 + 1e-9));
+        let keeps = |value: &f64| height(*value).is_some_and(|height| height <= tolerance * (1.0 + 1e-9));
         let smaller = [1.0, 0.98, 0.95, 0.9, 0.7, 0.3].map(|share| share * found);
         smaller.into_iter().chain([Length::SMALLEST]).filter(|value| *value >= Length::SMALLEST).find(keeps)
     }
 
-    /// Whether the surface has a concave direction, so that sections need not be convex. On a wall that the cutter does not gouge they are.
-    fn is_curved_inwards(&self) -> bool {
-        self.body.is_concave() && self.contact().slope().cos() != 0.0
-    }
-
     /// Whether the section at the height p is known to be convex.
     fn is_convex_up_to(&self, p: f64) -> bool {
-        !self.is_curved_inwards() || self.body.is_convex_up_to(p)
+        !self.body.is_concave() || self.body.is_convex_up_to(p)
     }
 
     /// The marks of a feed per tooth.
@@ -264,19 +261,25 @@ impl Envelope {
         if across.hypot(along) > 2.0 * outer {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
+        self.level(s, pattern).ok_or_else(|| self.no_height(s))
+    }
+
+    /// h for passes and marks that overlap seen from above; `None` where on a curved surface no height clears s.
+    fn level(&self, s: f64, pattern: Pattern) -> Option<f64> {
+        let f = pattern.spacing;
         if !pattern.is_even() {
-            return self.searched_height(s, pattern, self.guess(s, pattern));
+            return self.searched_level(s, pattern, self.guess(s, pattern));
         }
         if self.pass.surface.is_plane()
             && let Some(closed) = self.closed_form(s, f)
         {
-            return Ok(closed);
+            return Some(closed);
         }
         let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
         match self.quickly(lengths, Sought::Level).map(|found| found.level) {
-            Some(level) if self.is_convex_up_to(level) => Ok(level),
-            Some(level) => self.height_on_concave(s, pattern, Some(level)).ok_or_else(|| self.no_height(s)),
-            None => self.searched_height(s, pattern, lengths.level),
+            Some(level) if self.is_convex_up_to(level) => Some(level),
+            Some(level) => self.height_on_concave(s, pattern, Some(level), true),
+            None => self.searched_level(s, pattern, lengths.level),
         }
     }
 
@@ -357,14 +360,12 @@ impl Envelope {
     }
 
     /// h by the general search.
-    fn searched_height(&self, s: f64, pattern: Pattern, guess: f64) -> Result<f64, NoAnswer> {
+    fn searched_level(&self, s: f64, pattern: Pattern, guess: f64) -> Option<f64> {
         let level = Some(Section::new(&self.body, pattern, 2.0 * s).level(s, guess)).filter(|level| *level <= Length::LARGEST);
-        let level = if level.is_some_and(|level| self.is_convex_up_to(level)) || !self.is_curved_inwards() {
-            level
-        } else {
-            self.height_on_concave(s, pattern, level)
-        };
-        level.ok_or_else(|| self.no_height(s))
+        if !self.body.is_concave() || level.is_some_and(|level| self.is_convex_up_to(level)) {
+            return level;
+        }
+        self.height_on_concave(s, pattern, level, false)
     }
 
     /// Why passes s apart leave no height although they and their marks overlap seen from above: on a curved surface the grooves, or with them the marks, do not meet.
@@ -373,7 +374,7 @@ impl Envelope {
         let levels = [0.25, 1.0, 2.0].map(|share| share * outer);
         let width = |p: f64| {
             let pattern = Pattern::even(0.0);
-            if self.is_curved_inwards() {
+            if self.body.is_concave() {
                 self.step_over_on_concave(p, pattern, None, 2.0 * s)
             } else {
                 Section::new(&self.body, pattern, 2.0 * s).width(p)

@@ -11,7 +11,7 @@
 //! roundings, it does not matter how the search came there.
 //!
 //! On a concave surface the distance is convex near the contact only. There the outcome is taken where the lines from the contact to all four
-//! places run inside the body.
+//! places, and the chords, run inside the body.
 
 use super::body::Body;
 use super::chord::{Accuracy, Chord, Marks, balance};
@@ -80,7 +80,13 @@ pub(super) fn solve_from(body: &Body, sought: Sought, mut lengths: Lengths, mut 
         if proved {
             let (t, f) = (place.t, marks.spacing);
             let places = [(place.x, t), (place.x - f, t), (place.neighbour_x, t - s), (place.neighbour_x - f, t - s)];
-            if body.is_concave() && !places.into_iter().all(|(x, y)| body.reaches(x, y, p)) {
+            let runs_inside = |share: f64| {
+                let inside = |x: f64, y: f64| body.distance(x - share * f, y, p).value <= 1e-9 * p;
+                inside(place.x, t) && inside(place.neighbour_x, t - s)
+            };
+            if body.is_concave()
+                && !(places.into_iter().all(|(x, y)| body.reaches(x, y, p)) && (f == 0.0 || [0.25, 0.5, 0.75].into_iter().all(runs_inside)))
+            {
                 return None;
             }
             return Some(lengths);

@@ -20,7 +20,7 @@ const EVEN_LINES: usize = 36;
 const MOST_STEPS: usize = 40;
 
 /// How near to the edge a corner of the polygon is, as a share of its distance from the contact.
-const CLOSE: f64 = 1e-3;
+const CLOSE: f64 = 1e-6;
 
 /// The directions of the lines, chosen for the section at one height and used for all.
 #[derive(Debug)]
@@ -57,7 +57,7 @@ impl<'a> Outlook<'a> {
     pub(super) fn new(body: &'a Body, p: f64) -> Self {
         let (along, across) = (body.along_steepest(), body.along_level());
         let mut outlook = Self { body, directions: [[0.0; 2]; LINES], first: Outline { corners: [[0.0; 2]; LINES] }, height: p };
-        let mut start = body.reach().min((2.0 * p * body.reach()).sqrt());
+        let mut start = body.reach().min((p * body.reach()).sqrt());
         #[expect(clippy::cast_precision_loss, reason = "at most 16")]
         for i in 0..FIRST_LINES {
             let (level, steep) = (i as f64 * (std::f64::consts::TAU / FIRST_LINES as f64)).sin_cos();
@@ -139,9 +139,9 @@ impl<'a> Outlook<'a> {
             let place = outside(at);
             let slope = place.by_feed * direction[0] + place.by_side * direction[1];
             if place.value > 0.0 {
-                high = at
+                high = at;
             } else {
-                low = at
+                low = at;
             }
             if high - low <= CLOSE * low {
                 break;

@@ -15,6 +15,7 @@
 use super::body::Body;
 use super::chord::{Accuracy, Chord, Marks};
 use crate::quantity::Length;
+use std::cell::Cell;
 
 /// The marks of one pass: teeth that reach delta deeper or less deep than their neighbours.
 #[derive(Debug, Clone, Copy)]
@@ -72,7 +73,12 @@ pub(super) struct Section<'a> {
     pattern: Pattern,
     /// Widths beyond this need not be distinguished.
     widest: f64,
+    /// How many chords may still be searched.
+    budget: Cell<u32>,
 }
+
+/// Chords that a search on a concave surface may take: where the section has lobes it need not come to an end, and the outline has the answer then. Some hundred suffice elsewhere.
+const CONCAVE_BUDGET: u32 = 1000;
 
 /// No offset beyond this one is searched, in mm: twice the largest length that can be stated.
 const FURTHEST: f64 = 2.0 * Length::LARGEST;
@@ -82,7 +88,8 @@ const MOST_STEPS: usize = 80;
 
 impl<'a> Section<'a> {
     pub(super) fn new(body: &'a Body, pattern: Pattern, widest: f64) -> Self {
-        Self { body, pattern, widest }
+        let budget = Cell::new(if body.is_concave() { CONCAVE_BUDGET } else { u32::MAX });
+        Self { body, pattern, widest, budget }
     }
 
     /// The width of the cleared interval at the height p, at most the widest one that is distinguished; 0 where the pass clears nothing down to p.
@@ -117,8 +124,8 @@ impl<'a> Section<'a> {
             if (newton - p).abs() <= 1e-12 * p {
                 return newton;
             }
-            if p > FURTHEST {
-                break;
+            if p > FURTHEST || self.budget.get() == 0 {
+                return f64::MAX;
             }
             let is_slow = high - low > 0.5 * lengths[step % 3];
             lengths[step % 3] = high - low;
@@ -210,6 +217,10 @@ impl<'a> Section<'a> {
         let mut is_inside = false;
         let (mut on_inner, mut on_outer) = (None::<(f64, Chord)>, None::<(f64, Chord)>);
         for _ in 0..MOST_STEPS {
+            self.budget.set(self.budget.get().saturating_sub(1));
+            if self.budget.get() == 0 {
+                return None;
+            }
             let chord = Chord::search(self.body, &mut x, t, p, marks, Accuracy::full(p), reach);
             let rise = chord.by_side * side;
             let edge = |t: f64| Edge { t, x: x + chord.shift.off, by_height: -chord.by_height / chord.by_side };

@@ -92,8 +92,8 @@ impl Plane {
 /// Why there are no planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NoPlanes {
-    /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`] or strips would meet more than
-    /// [`MOST_MET`] facets.
+    /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`], more than
+    /// [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them, or more than [`MOST_MET`] facets met by the strips.
     TooMany,
     /// Nobody waits for them any more.
     Cancelled,
@@ -107,14 +107,14 @@ const PLANES_AT_ONCE: usize = 32;
 const MOST_MET: usize = 50_000_000;
 
 /// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The visitor keeps those that
-/// reach beyond the plane.
+/// reach beyond the plane, and may end the walk.
 ///
 /// # Errors
 /// [`NoPlanes`]
 pub(super) fn march(
     spaced: &Spaced,
     stop: &(dyn Fn() -> bool + Sync),
-    mut visit: impl FnMut(Plane, &mut Vec<Reached>),
+    mut visit: impl FnMut(Plane, &mut Vec<Reached>) -> Result<(), NoPlanes>,
 ) -> Result<(), NoPlanes> {
     let (mut planes, mut met) = (0_usize, 0_usize);
     for band in spaced.sweep.bands(spaced.widest) {
@@ -151,7 +151,7 @@ pub(super) fn march(
             if is_last || rest <= widest / 2.0 {
                 // The half spacing beyond the last plane leaves as much as a whole one between two planes.
                 plane.after = plane.before;
-                visit(plane, &mut walk.reached);
+                visit(plane, &mut walk.reached)?;
                 break;
             }
             // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the border allows that.
@@ -160,7 +160,7 @@ pub(super) fn march(
             if planes == 1 {
                 plane.before = plane.after;
             }
-            visit(plane, &mut walk.reached);
+            visit(plane, &mut walk.reached)?;
             plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: [None; BINDING] };
         }
     }

@@ -24,6 +24,10 @@ impl Operation<'_> {
     }
 }
 
+/// The most runs of a zigzag, some more than there are planes at most: with their order each takes some 200 bytes, and a comb of thin strips has
+/// thousands in each plane.
+pub(super) const MOST_RUNS: usize = 65_536;
+
 /// A zigzag in one direction.
 #[derive(Debug, Clone)]
 pub(super) struct Simulated {
@@ -41,6 +45,8 @@ pub(super) fn simulate(spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -
     march(spaced, stop, |plane, reached| {
         finder.find(spaced, reached, planes.len(), &plane, operation.feeds);
         planes.push(plane);
+        // They are held until their order is known.
+        if finder.runs.len() > MOST_RUNS { Err(NoPlanes::TooMany) } else { Ok(()) }
     })?;
     let figures = TourFigures::of(&finder.runs, operation.machine, operation.pattern, &operation.links(spaced));
     Ok(Simulated { figures, planes })
@@ -55,6 +61,7 @@ pub(super) fn planes_of(spaced: &Spaced, stop: &(dyn Fn() -> bool + Sync)) -> Re
     march(spaced, stop, |plane, reached| {
         reached.retain(|reached| reached.high > plane.at);
         planes.push(plane);
+        Ok(())
     })?;
     Ok(planes)
 }

@@ -9,7 +9,7 @@ mod merge;
 mod pieces;
 mod selection;
 #[cfg(test)]
-mod shapes;
+pub(super) mod shapes;
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests;
@@ -193,13 +193,17 @@ impl Mesh {
         self.triangles[facet].map(|index| self.points[index as usize])
     }
 
-    /// The unit normal of a triangle, by the sense of its corners, and its area in mm^2.
+    /// The unit normal of a triangle, by the sense of its corners, and its area; both are 0 where rounding left none.in mm^2.
     #[must_use]
     pub fn normal_and_area(&self, facet: usize) -> ([f64; 3], f64) {
         let [a, b, c] = self.corners(facet);
         let normal = cross(a, b, c);
         // Scaled by the largest part, so that squares of tiny normals do not vanish.
         let largest = normal.iter().fold(0.0_f64, |largest, part| largest.max(part.abs()));
+        // A facet as thin as a rounding may lose its area when its corners are converted to mm.
+        if largest == 0.0 {
+            return ([0.0; 3], 0.0);
+        }
         let scaled = normal.map(|part| part / largest);
         let length = dot(scaled, scaled).sqrt();
         (scaled.map(|part| part / length), 0.5 * length * largest)

@@ -1,4 +1,4 @@
-//! Surfaces for the tests of this module.
+//! Surfaces for the tests of this module and of its parent.
 
 use super::{FinishFacet, Mesh, MeshBuilder, Selection};
 use crate::quantity::Angle;
@@ -16,7 +16,7 @@ pub(super) fn grid(rows: u32, columns: u32, at: impl Fn(f64, f64) -> [f64; 3]) -
 }
 
 /// A closed box, each side two triangles that face outwards.
-pub(super) fn solid_box(min: [f64; 3], max: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
+pub(in crate::surface) fn solid_box(min: [f64; 3], max: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
     let at = |x: usize, y: usize, z: usize| [[min[0], max[0]][x], [min[1], max[1]][y], [min[2], max[2]][z]];
     let quad = |a, b, c, d| [[a, b, c], [a, c, d]];
     [
