@@ -40,7 +40,7 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     let lambda = 1.0 + change;
     let footprint = Footprint { core, corner, sin, cos: pass.contact.slope().cos(), surface: steepest };
     if lambda <= 0.0 {
-        return Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change, &footprint) });
+        return Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change) });
     }
     // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact, which fits into any surface
     // that is less concave.
@@ -59,24 +59,10 @@ fn side_gouges(steepest: SurfaceCurvature, outer: f64) -> bool {
     bend < -rounding || twist.abs() > rounding && bend * level < twist * twist
 }
 
-/// The concave principal radius times 1 - lambda: with the whole curvature that much smaller, lambda is 0. Where the cutter then still cuts into the surface away from the contact, the
-/// radius with which it does not, to a thousandth. `change` is lambda - 1.
-fn smallest_radius(smallest_curvature: f64, change: f64, footprint: &Footprint) -> Option<Length> {
-    let cuts = |share: f64| Footprint { surface: footprint.surface.scaled(share), ..*footprint }.is_cut();
-    // The share of the curvature at which lambda is 0, less a rounding.
-    let fits_near = -(1.0 - 4.0 * f64::EPSILON) / change;
-    let share = if cuts(fits_near) {
-        let (mut fits, mut gouges) = (0.0, fits_near);
-        // Halving 14 times; the share that fits is above a half in all but the closest cases.
-        for _ in 0..14 {
-            let middle = f64::midpoint(fits, gouges);
-            if cuts(middle) { gouges = middle } else { fits = middle }
-        }
-        fits
-    } else {
-        -change.recip()
-    };
-    let radius = -(smallest_curvature * share).recip();
+/// The concave principal radius times 1 - lambda: with the whole curvature that much smaller, lambda is 0. `change` is lambda - 1. Beyond that
+/// radius the cutter fits near the contact; in a close fit it can still cut into the surface beside it, which has no such closed form.
+fn smallest_radius(smallest_curvature: f64, change: f64) -> Option<Length> {
+    let radius = change / smallest_curvature;
     (radius.is_finite() && radius > 0.0).then(|| Length::computed(radius))
 }
 

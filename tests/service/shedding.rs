@@ -79,9 +79,8 @@ async fn batches_past_their_limit_are_shed_while_single_requests_answer() {
 #[tokio::test]
 async fn only_routes_of_a_class_with_workers_get_a_permit() {
     let work = |work: Work| async move { work.run(|_| "done").await };
-    let routes =
-        Routes::new().undocumented(RouteClass::Single, "/single", get(work)).undocumented(RouteClass::Upload, "/upload", get(work));
+    let routes = Routes::new().undocumented(RouteClass::Probe, "/probe", get(work)).undocumented(RouteClass::Upload, "/upload", get(work));
     let server = server::start(defaults(), routes).await;
-    assert_eq!(server.get("/single").await.status(), 500);
+    assert_eq!(server.get("/probe").await.status(), 500);
     assert_eq!(server.get("/upload").await.status(), 200);
 }
