@@ -142,11 +142,6 @@ impl SurfaceCurvature {
         }
     }
 
-    /// A surface with a share of the curvature in every direction.
-    pub(super) fn scaled(self, share: f64) -> Self {
-        Self { along: share * self.along, across: share * self.across, twist: share * self.twist }
-    }
-
     /// The surface mirrored at the plane of normal and feed.
     pub(super) fn mirrored(self) -> Self {
         Self { twist: -self.twist, ..self }
