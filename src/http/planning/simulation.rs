@@ -43,8 +43,8 @@ impl NoWorkpiece {
     /// Whether the surface as such is sound: it only has no facets that can be seen from above.
     pub(super) fn is_sound(self) -> bool {
         match self {
-            Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. }) => true,
-            Self::NothingToMachine => true,
+            Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. })
+            | Self::NothingToMachine => true,
             Self::Mesh(_) | Self::Selection(_) => false,
         }
     }

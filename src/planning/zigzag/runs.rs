@@ -65,7 +65,7 @@ impl RunFinder {
             reached[kept] = one;
             self.cut[count] = one.place;
             kept += usize::from(at < one.high);
-            count += usize::from((at < one.high) & (at >= one.low));
+            count += usize::from((one.low..one.high).contains(&at));
         }
         reached.truncate(kept);
         for &place in &self.cut[..count] {
