@@ -192,10 +192,11 @@ fn stride(frame: Frame, radius: f64) -> usize {
         let (columns, rows) = ((frame.columns as f64 / stride).ceil() + 2.0 * offset, (frame.rows as f64 / stride).ceil() + 2.0 * offset);
         columns * rows * (std::f64::consts::PI * offset * offset).max(1.0)
     };
-    // The work falls with the stride. With a stride as long as the surface one cell is left of it, and the work is 4 pi (R/(h stride))^4.
+    // The work falls with the stride. With a stride as long as the surface one cell is left of it, which takes none, however small it is.
+    let most = frame.columns.max(frame.rows);
     let (mut least, mut enough) = (1_usize, 1_usize);
-    while work(enough) > WORK {
-        (least, enough) = (enough, enough.saturating_mul(2));
+    while enough < most && work(enough) > WORK {
+        (least, enough) = (enough, (2 * enough).min(most));
     }
     while least < enough {
         let middle = least.midpoint(enough);
@@ -266,7 +267,8 @@ impl Coarse {
     fn of(map: &ReachMap, stride: usize, radius: f64) -> Self {
         let (columns, rows) = (map.frame.columns.div_ceil(stride), map.frame.rows.div_ceil(stride));
         let cell = map.frame.cell * stride as f64;
-        let pad = (radius / cell).floor() as usize;
+        // A single cell holds the cutter where it is, whatever lies around it.
+        let pad = if columns == 1 && rows == 1 { 0 } else { (radius / cell).floor() as usize };
         let width = columns + 4 * pad;
         let mut heights = vec![f32::NEG_INFINITY; width * (rows + 4 * pad)];
         for row in 0..rows {

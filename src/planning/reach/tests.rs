@@ -182,3 +182,12 @@ fn cutters_of_any_size_have_an_answer() {
         assert!((0.0..=1.0).contains(&found.share) && found.height.mm().is_finite());
     }
 }
+
+/// The work is bounded by the raster, not by how often the surface would fit under the cutter.
+#[test]
+fn a_surface_far_smaller_than_any_rounding_of_the_cutter_is_reached() {
+    for side in [1e-3, 1e-12, 1e-30] {
+        let surface = surface(side, side, 3, 3, |_, _| 0.0);
+        assert_eq!(uncut(&surface, Cutter::ball_end(mm(500.0))).share, 0.0, "{side}");
+    }
+}
