@@ -79,7 +79,7 @@ impl Task {
         self.parameters.candidates.len()
     }
 
-    /// The answer, or the problem that no cutter fits. Once `stop` returns true nobody waits for it, and it may be any.
+    /// The answer, or the problem that no cutter fits. Once `stop` returns true the answer is discarded, and may be any.
     pub(super) fn answer(mut self, means: &mut Means, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.workpiece.take()) {
             (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, means, stop),

@@ -113,7 +113,7 @@ pub(super) struct Simulation {
 }
 
 impl Simulation {
-    /// Simulates the candidates in these places among those of the request; `None` as soon as `stop` says that nobody waits for the result.
+    /// Simulates the candidates in these places among those of the request; `None` as soon as `stop` returns true.
     pub(super) fn run(
         workpiece: &Workpiece,
         parameters: &Parameters,
@@ -152,7 +152,7 @@ impl Simulation {
     }
 }
 
-/// How many cutters are tried between two looks at whether anybody waits.
+/// How many cutters are tried between two checks for cancellation.
 const MOST_AT_ONCE: usize = 8;
 
 fn mesh_code(error: MeshError) -> RequestFault {

@@ -30,7 +30,7 @@ impl Marked {
     }
 }
 
-/// `json` with its tokens outside strings replaced; `None` where there are none. A cancelled scan ends early, and nobody waits for its result.
+/// `json` with its tokens outside strings replaced; `None` where there are none. A cancelled scan ends early, and its result is discarded.
 pub(crate) fn mark_not_finite(json: &[u8], budget: &MemoryBudget, cancel: &CancelFlag) -> Result<Option<Marked>, BudgetExceeded> {
     let growth: usize = Tokens::new(json, cancel).map(|(_, token, mark)| mark.len() - token.len()).sum();
     if growth == 0 {

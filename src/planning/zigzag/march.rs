@@ -95,11 +95,11 @@ pub(super) enum NoPlanes {
     /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`], more than
     /// [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them, or more than [`MOST_MET`] facets met by the strips.
     TooMany,
-    /// Nobody waits for them any more.
+    /// The work was cancelled.
     Cancelled,
 }
 
-/// How many planes are placed between two looks at whether anybody waits.
+/// How many planes are placed between two checks for cancellation.
 const PLANES_AT_ONCE: usize = 32;
 
 /// The most facets that strips may meet, over all strips: some 0.2 s. A mesh of a million facets meets 5e6; half a million facets that each cover a whole
