@@ -134,7 +134,11 @@ fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length)
         return Ok(Length::computed(2.0 * height.sqrt() * (2.0 * radius - height).sqrt()));
     }
     let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
-    JudgedPass::new(model, pass)?.max_step_over(scallop_height, None)
+    match JudgedPass::new(model, pass)?.max_step_over(scallop_height, None) {
+        // A scallop as high as the corner radius, to a rounding: the passes lie as far apart as they can.
+        Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => Ok(largest_step_over),
+        found => found,
+    }
 }
 
 #[cfg(test)]
