@@ -10,7 +10,7 @@ use axum::http::{StatusCode, header};
 use axum::routing::post;
 use axum::serve::ListenerExt;
 use axum::{Json, Router};
-use scallopd::milling::{Contact, Cutter, Envelope, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, Envelope, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Length;
 use serde::{Deserialize, Serialize};
 use std::error::Error;
@@ -104,7 +104,7 @@ struct Warning {
 }
 
 async fn scallop_height(Json(request): Json<Request>) -> Result<Json<Answer>, StatusCode> {
-    read(&request).and_then(|pass| work_out(&request, pass)).map(Json).map_err(|_| StatusCode::UNPROCESSABLE_ENTITY)
+    read(&request).and_then(|pass| compute(&request, pass)).map(Json).map_err(|_| StatusCode::UNPROCESSABLE_ENTITY)
 }
 
 fn read(request: &Request) -> Result<Pass, Box<dyn Error>> {
@@ -118,10 +118,10 @@ fn read(request: &Request) -> Result<Pass, Box<dyn Error>> {
     })
 }
 
-fn work_out(request: &Request, pass: Pass) -> Result<Answer, Box<dyn Error>> {
+fn compute(request: &Request, pass: Pass) -> Result<Answer, Box<dyn Error>> {
     let (step_over, feed) = (Length::from_mm(request.step_over_mm)?, Some(Length::from_mm(request.feed_per_tooth_mm)?));
-    let judged = JudgedPass::new(Model::Analytic, pass)?;
-    let height = judged.scallop_height(step_over, feed)?;
+    let evaluated = EvaluatedPass::new(Model::Analytic, pass)?;
+    let height = evaluated.scallop_height(step_over, feed)?;
     let envelope = Envelope::new(pass)?.scallop_height(step_over, feed)?.total().mm();
     let deviation = height.total().mm() / envelope - 1.0;
     let detail = || format!("the analytic height is {:.1} % under the {envelope:.6} mm of the cutter's exact shape", -deviation * 100.0);
@@ -132,8 +132,8 @@ fn work_out(request: &Request, pass: Pass) -> Result<Answer, Box<dyn Error>> {
         step_over_height_mm: height.step_over.mm(),
         feed_height_mm: height.feed.mm(),
         feed_share: height.feed_share(),
-        effective_radius_mm: judged.effective_radius().map(Length::mm),
-        transverse_effective_radius_mm: judged.transverse_effective_radius().map(Length::mm),
+        effective_radius_mm: evaluated.effective_radius().map(Length::mm),
+        transverse_effective_radius_mm: evaluated.transverse_effective_radius().map(Length::mm),
         step_over_mm: step_over.mm(),
         step_over_xy_mm: step_over.mm() * pass.contact.spacing_ratio(),
         check: Check { envelope_scallop_height_mm: envelope, deviation },

@@ -9,7 +9,7 @@
 //! A toroidal cutter of 10 mm with a corner radius of 2 mm, on a slope of 40 deg, fed at 30 deg to the steepest line:
 //!
 //! ```
-//! use scallopd::milling::{Contact, Cutter, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+//! use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 //! use scallopd::quantity::Length;
 //!
 //! let pass = Pass {
@@ -22,11 +22,11 @@
 //! let step_over = Length::from_mm(0.687)?;
 //! let feed_per_tooth = Length::from_mm(0.3)?;
 //!
-//! let analytic = JudgedPass::new(Model::Analytic, pass)?.scallop_height(step_over, Some(feed_per_tooth))?;
+//! let analytic = EvaluatedPass::new(Model::Analytic, pass)?.scallop_height(step_over, Some(feed_per_tooth))?;
 //! assert_eq!(format!("{:.5}", analytic.total().mm()), "0.01305");
 //!
 //! // The published formula puts circles in place of the cutter. The envelope of the cutter's exact shape leaves more.
-//! let envelope = JudgedPass::new(Model::Envelope, pass)?.scallop_height(step_over, Some(feed_per_tooth))?;
+//! let envelope = EvaluatedPass::new(Model::Envelope, pass)?.scallop_height(step_over, Some(feed_per_tooth))?;
 //! assert_eq!(format!("{:.5}", envelope.total().mm()), "0.01500");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -38,7 +38,7 @@
 //!
 //! ```
 //! # use scallopd::milling::{Contact, Cutter, Pass, Runout, SurfaceCurvature};
-//! use scallopd::milling::{JudgedPass, Model, NoAnswer};
+//! use scallopd::milling::{EvaluatedPass, Model, NoAnswer};
 //! # use scallopd::quantity::Length;
 //! # let pass = Pass {
 //! #     cutter: Cutter::toroidal(Length::from_mm(10.0)?, Length::from_mm(2.0)?)?,
@@ -49,7 +49,7 @@
 //! # };
 //! # let step_over = Length::from_mm(0.687)?;
 //!
-//! let pass = JudgedPass::new(Model::Envelope, pass)?;
+//! let pass = EvaluatedPass::new(Model::Envelope, pass)?;
 //! let feed_per_tooth = pass.max_feed_per_tooth(Length::from_mm(0.015)?, step_over)?;
 //! assert_eq!(format!("{:.3}", feed_per_tooth.mm()), "0.300");
 //!

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use scallopd::http::{self, AppState};
 use scallopd::server::App;
-use scallopd::settings::{Command, OpenApiVersion, Refusal, ServerSettings, Settings};
+use scallopd::settings::{Command, CommandLineError, OpenApiVersion, ServerSettings, Settings};
 use scallopd::telemetry::Telemetry;
 use scallopd::{health, server};
 use tokio::net::{TcpListener, TcpSocket};
@@ -37,8 +37,8 @@ fn main() -> ExitCode {
             exit(std::io::stdout().write_all(document.as_bytes()).map(|()| true))
         }
         Ok(Command::Healthcheck(listen)) => exit(health::is_ready(listen)),
-        Err(Refusal::Usage(usage)) => usage.exit(),
-        Err(Refusal::Faults(faults)) => {
+        Err(CommandLineError::Usage(usage)) => usage.exit(),
+        Err(CommandLineError::Faults(faults)) => {
             eprintln!("scallopd: {faults}");
             ExitCode::from(EXIT_USAGE)
         }

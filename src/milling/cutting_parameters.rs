@@ -1,6 +1,6 @@
 //! Cutting parameters: the step-over and feed per tooth that finish the most area per time under a tolerance on the scallop height.
 
-use super::{JudgedPass, NoAnswer};
+use super::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
 use std::fmt;
 
@@ -90,7 +90,7 @@ const CLOSE: f64 = 1e-4;
 /// Two lengths within this ratio count as equal where a limit is reached.
 const REACHED: f64 = 1e-9;
 
-impl JudgedPass {
+impl EvaluatedPass {
     /// The step-over s and feed per tooth f_z that maximise s f_z, the area finished per tooth and time, subject to h(s, f_z) <= `tolerance` and `limits`.
     ///
     /// h grows with both, so the tolerance binds unless limits on both do; along h = tolerance the search is over f_z alone, with the largest step-over at each.
@@ -99,7 +99,7 @@ impl JudgedPass {
     /// - [`NoAnswer::StepOverUsesUpTolerance`] where the smallest step-over leaves no feed, [`NoAnswer::RunoutUsesUpTolerance`],
     ///   [`NoAnswer::FeedUsesUpTolerance`];
     /// - [`NoAnswer::ToleranceLimitsNoFeed`], [`NoAnswer::ToleranceLimitsNoStepOver`] where neither tolerance nor limits bound the feed or the step-over;
-    /// - those of [`JudgedPass::scallop_height`].
+    /// - those of [`EvaluatedPass::scallop_height`].
     pub fn fastest(&self, tolerance: Length, limits: &CuttingLimits) -> Result<CuttingParameters, NoAnswer> {
         let smallest = limits.min_step_over.map_or(Length::computed(Length::SMALLEST), |smallest| smallest);
         let largest_feed = self.largest_feed(tolerance, smallest, limits.max_feed_per_tooth)?;

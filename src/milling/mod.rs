@@ -25,7 +25,7 @@ pub use curvature::{CurvatureComponent, CurvatureOutOfRange, SurfaceCurvature};
 pub use cutter::{CornerTooLarge, Cutter, CutterKind};
 pub use cutting_parameters::{CuttingLimits, CuttingLimitsError, CuttingParameters, LimitedBy};
 pub use envelope::Envelope;
-pub use model::{JudgedPass, Model};
+pub use model::{EvaluatedPass, Model};
 pub use model_warning::ModelWarning;
 pub use no_answer::NoAnswer;
 pub use pass::{Pass, Runout, ScallopHeight, StepOver};

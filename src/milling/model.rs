@@ -3,7 +3,7 @@
 use super::{Analytic, EffectiveRadius, Envelope, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::Length;
 
-/// Which model judges a pass.
+/// Which model evaluates a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Model {
     /// The published closed formulas: a circle of the effective radius in place of the cutter.
@@ -13,11 +13,11 @@ pub enum Model {
     Envelope,
 }
 
-/// A pass under the model that judges it.
+/// A pass under the model that evaluates it.
 #[derive(Debug, Clone, Copy)]
-pub struct JudgedPass {
+pub struct EvaluatedPass {
     pass: Pass,
-    judge: Judge,
+    evaluate: Judge,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -26,17 +26,17 @@ enum Judge {
     Envelope(Envelope),
 }
 
-impl JudgedPass {
+impl EvaluatedPass {
     /// Puts `pass` under `model`.
     ///
     /// # Errors
     /// Those of [`Analytic::new`] and [`Envelope::new`].
     pub fn new(model: Model, pass: Pass) -> Result<Self, NoAnswer> {
-        let judge = match model {
+        let evaluate = match model {
             Model::Analytic => Judge::Analytic(Analytic::new(pass)?),
             Model::Envelope => Judge::Envelope(Envelope::new(pass)?),
         };
-        Ok(Self { pass, judge })
+        Ok(Self { pass, evaluate })
     }
 
     /// The pass itself.
@@ -45,10 +45,10 @@ impl JudgedPass {
         &self.pass
     }
 
-    /// Which model judges.
+    /// Which model evaluates.
     #[must_use]
     pub fn model(&self) -> Model {
-        match self.judge {
+        match self.evaluate {
             Judge::Analytic(_) => Model::Analytic,
             Judge::Envelope(_) => Model::Envelope,
         }
@@ -57,7 +57,7 @@ impl JudgedPass {
     /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0 where the cutter gouges.
     #[must_use]
     pub fn relative_curvature(&self) -> f64 {
-        match &self.judge {
+        match &self.evaluate {
             Judge::Analytic(model) => model.relative_curvature(),
             Judge::Envelope(model) => model.relative_curvature(),
         }
@@ -67,7 +67,7 @@ impl JudgedPass {
     /// height itself changes with the square of it. 0 on a plane and under model `analytic`, infinite for a flat-end cutter where the surface's normal turns.
     #[must_use]
     pub fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        match &self.judge {
+        match &self.evaluate {
             Judge::Analytic(_) => 0.0,
             Judge::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
         }
@@ -76,7 +76,7 @@ impl JudgedPass {
     /// The effective radius across the feed, radial runout included; `None` where it is infinite.
     #[must_use]
     pub fn effective_radius(&self) -> Option<Length> {
-        match &self.judge {
+        match &self.evaluate {
             Judge::Analytic(model) => model.across_feed(),
             Judge::Envelope(_) => EffectiveRadius::across_feed(self.pass.cutter.widened(self.pass.runout.radial()), self.pass.contact),
         }
@@ -86,7 +86,7 @@ impl JudgedPass {
     /// The effective radius along the feed; `None` where it is infinite.
     #[must_use]
     pub fn transverse_effective_radius(&self) -> Option<Length> {
-        match &self.judge {
+        match &self.evaluate {
             Judge::Analytic(model) => model.along_feed(),
             Judge::Envelope(_) => EffectiveRadius::along_feed(self.pass.cutter, self.pass.contact),
         }
@@ -98,7 +98,7 @@ impl JudgedPass {
     /// # Errors
     /// Those of [`Analytic::scallop_height`] and [`Envelope::scallop_height`].
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        match &self.judge {
+        match &self.evaluate {
             Judge::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
             Judge::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
         }
@@ -109,7 +109,7 @@ impl JudgedPass {
     /// # Errors
     /// Those of [`Analytic::max_feed_per_tooth`] and [`Envelope::max_feed_per_tooth`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        match &self.judge {
+        match &self.evaluate {
             Judge::Analytic(model) => model.max_feed_per_tooth(tolerance, step_over),
             Judge::Envelope(model) => model.max_feed_per_tooth(tolerance, step_over),
         }
@@ -120,7 +120,7 @@ impl JudgedPass {
     /// # Errors
     /// Those of [`Analytic::max_step_over`] and [`Envelope::max_step_over`].
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        match &self.judge {
+        match &self.evaluate {
             Judge::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
             Judge::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
         }

@@ -1,7 +1,7 @@
 //! Warnings about an answer: assumptions of the models that are near their limits.
 
 use super::gouging::NEAR_GOUGING;
-use super::{CutterKind, EffectiveRadius, JudgedPass, Model, Pass};
+use super::{CutterKind, EffectiveRadius, EvaluatedPass, Model, Pass};
 use crate::quantity::Length;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
@@ -34,7 +34,7 @@ pub enum ModelWarning {
     /// A flat-end cutter's corner leaves sharp marks, and wears.
     SharpMarks,
     /// On a curved surface the cutter's position changes so much from mark to mark that terms of the third order count, which the
-    /// model leaves out: at every slope under 10 deg, where [`JudgedPass::third_order_share`] exceeds 0.03, and beside walls where
+    /// model leaves out: at every slope under 10 deg, where [`EvaluatedPass::third_order_share`] exceeds 0.03, and beside walls where
     /// the normal turns by more than a fifth of what is left to 90 deg between two marks.
     CurvatureApproximate,
     /// The cutter fits closely into the concave surface, so that the second order of its curvature is not enough.
@@ -97,7 +97,7 @@ const THIRD_ORDER_SMALL: f64 = 0.03;
 /// The slope in degrees under which the third order of a curved surface shows in model `envelope`.
 const STEEP_ENOUGH_DEG: f64 = 10.0;
 
-impl JudgedPass {
+impl EvaluatedPass {
     /// All warnings about this pass at a step-over along the surface and a feed per tooth; `None` leaves no marks.
     ///
     /// The limits of the circle and of the published runout concern model `analytic`, the third order of the curvature model `envelope`.

@@ -1,4 +1,4 @@
-//! What a finishing pass is made of, whatever the model that judges it: cutter, contact, the surface's curvature, runout, and the
+//! What a finishing pass is made of, whatever the model that evaluates it: cutter, contact, the surface's curvature, runout, and the
 //! spacing of the passes.
 
 use super::{Contact, Cutter, NoAnswer, SurfaceCurvature};

@@ -31,14 +31,14 @@ pub enum OpenApiVersion {
 
 /// Why the command line gives no [`Command`].
 #[derive(Debug)]
-pub enum Refusal {
+pub enum CommandLineError {
     /// Help or the version was requested, or a flag is unknown or malformed.
     Usage(clap::Error),
     /// Values that cannot be used.
     Faults(Faults),
 }
 
-impl fmt::Display for Refusal {
+impl fmt::Display for CommandLineError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Usage(usage) => write!(f, "{usage}"),
@@ -47,24 +47,24 @@ impl fmt::Display for Refusal {
     }
 }
 
-impl std::error::Error for Refusal {}
+impl std::error::Error for CommandLineError {}
 
 impl Command {
     /// The command of `arguments` (the program's name first) and the environment.
     ///
     /// # Errors
-    /// [`Refusal`], with every fault of every value.
-    pub fn read(arguments: impl IntoIterator<Item: Into<OsString> + Clone>) -> Result<Self, Refusal> {
-        let line = CommandLine::try_parse_from(arguments).map_err(Refusal::Usage)?;
+    /// [`CommandLineError`], with every fault of every value.
+    pub fn read(arguments: impl IntoIterator<Item: Into<OsString> + Clone>) -> Result<Self, CommandLineError> {
+        let line = CommandLine::try_parse_from(arguments).map_err(CommandLineError::Usage)?;
         match line.subcommand {
-            None => Settings::read(&line.given).map(Box::new).map(Self::Serve).map_err(Refusal::Faults),
+            None => Settings::read(&line.given).map(Box::new).map(Self::Serve).map_err(CommandLineError::Faults),
             Some(Subcommand::Openapi { is_3_0 }) => Ok(Self::OpenApi(if is_3_0 { OpenApiVersion::V3_0 } else { OpenApiVersion::V3_1 })),
             Some(Subcommand::Healthcheck) => {
                 let mut faults = Vec::new();
                 let listen = take(&mut faults, "SCALLOPD_LISTEN", &line.given.listen, address);
                 let health = take(&mut faults, "SCALLOPD_HEALTH_LISTEN", &line.given.health_listen, optional_address);
                 let asked = listen.zip(health).map(|(listen, health)| health.unwrap_or(listen));
-                asked.map(Self::Healthcheck).ok_or(Refusal::Faults(Faults(faults)))
+                asked.map(Self::Healthcheck).ok_or(CommandLineError::Faults(Faults(faults)))
             }
         }
     }
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn all_faults_are_reported_together() {
         let line = ["scallopd", "--listen", "here", "--max-in-flight", "0", "--log-format", "xml", "--otlp-endpoint", "nowhere"];
-        let Err(Refusal::Faults(faults)) = Command::read(line) else { panic!("faults are accepted") };
+        let Err(CommandLineError::Faults(faults)) = Command::read(line) else { panic!("faults are accepted") };
         let flags: Vec<_> = faults.0.iter().map(super::super::Fault::flag).collect();
         assert_eq!(flags, ["--listen", "--log-format", "--otlp-endpoint", "--max-in-flight"]);
     }
@@ -203,6 +203,6 @@ mod tests {
     fn a_health_check_reads_the_address_and_no_other_setting() {
         let checked = Command::read(["scallopd", "healthcheck", "--listen", "127.0.0.1:9"]);
         assert!(matches!(checked, Ok(Command::Healthcheck(address)) if address.port() == 9));
-        assert!(matches!(Command::read(["scallopd", "healthcheck", "--listen", "x"]), Err(Refusal::Faults(_))));
+        assert!(matches!(Command::read(["scallopd", "healthcheck", "--listen", "x"]), Err(CommandLineError::Faults(_))));
     }
 }

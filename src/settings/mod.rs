@@ -7,7 +7,7 @@ mod fault;
 use std::net::SocketAddr;
 use std::time::Duration;
 
-pub use command_line::{Command, OpenApiVersion, Refusal};
+pub use command_line::{Command, CommandLineError, OpenApiVersion};
 pub use fault::{Fault, Faults, Reason};
 use fault::{address, collector, count, level, log_format, optional_address, origins, seconds, take};
 

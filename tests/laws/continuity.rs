@@ -5,7 +5,7 @@
 use crate::laws::passes::mm;
 use proptest::test_runner::{Config, TestRunner};
 use proptest::{prelude::*, prop_oneof};
-use scallopd::milling::{Contact, Cutter, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::{Angle, Length};
 
 fn pairs() -> u32 {
@@ -40,8 +40,8 @@ fn heights_are_continuous_in_slope_direction_step_over_and_feed() {
             let find = |input: [f64; 4]| {
                 let contact = Contact::from_degrees(input[0], input[1]).unwrap();
                 let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
-                let judged = JudgedPass::new(Model::Envelope, pass).unwrap();
-                judged.scallop_height(mm(input[2]), (input[3] > 1e-6).then(|| mm(input[3]))).map(|height| height.total().mm())
+                let evaluated = EvaluatedPass::new(Model::Envelope, pass).unwrap();
+                evaluated.scallop_height(mm(input[2]), (input[3] > 1e-6).then(|| mm(input[3]))).map(|height| height.total().mm())
             };
             let here = [slope, alpha, share * outer, marks * outer];
             let mut beside = here;
@@ -80,12 +80,15 @@ fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
             let alpha = if slope >= 90.0 && alpha < 90.0 { 0.0 } else { alpha };
             let find = |input: [f64; 4]| {
                 let contact = Contact::from_degrees(input[0], input[1]).unwrap();
-                let judged = JudgedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout, teeth: None }).ok()?;
+                let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout, teeth: None }).ok()?;
                 let (s, f, tolerance) = (mm(input[2]), mm(input[3]), mm(2e-3 * outer));
-                let height = judged.scallop_height(s, Some(f)).ok()?.total().mm();
+                let height = evaluated.scallop_height(s, Some(f)).ok()?.total().mm();
                 // An inverse jumps where the deep marks alone begin to suffice; without runout there are no jumps.
                 let inverses = (runout == Runout::NONE).then(|| {
-                    (judged.max_step_over(tolerance, Some(f)).map(Length::mm), judged.max_feed_per_tooth(tolerance, s).map(Length::mm))
+                    (
+                        evaluated.max_step_over(tolerance, Some(f)).map(Length::mm),
+                        evaluated.max_feed_per_tooth(tolerance, s).map(Length::mm),
+                    )
                 });
                 Some((height, inverses))
             };

@@ -4,7 +4,7 @@ use crate::laws::passes::{at, cutters, feed_angles, has_lobes, height, mm, toroi
 use approx::assert_relative_eq;
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Angle;
 
 /// Toroidal, ball-end and flat-end cutters of 1 to 20 mm.
@@ -28,8 +28,8 @@ fn angle(degrees: f64) -> Angle {
     Angle::from_degrees(degrees).unwrap()
 }
 
-fn envelope(pass: Pass) -> Result<JudgedPass, NoAnswer> {
-    JudgedPass::new(Model::Envelope, pass)
+fn envelope(pass: Pass) -> Result<EvaluatedPass, NoAnswer> {
+    EvaluatedPass::new(Model::Envelope, pass)
 }
 
 /// Principal curvatures as shares of 1/R, of both signs, and their direction.
@@ -86,7 +86,7 @@ proptest! {
         let untwisted =
             SurfaceCurvature::from_components_per_mm(surface.along_per_mm(), surface.across_per_mm(), -surface.twist_per_mm()).unwrap();
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
-        let find = |contact, surface| envelope(on(cutter, contact, surface)).and_then(|judged| height(&judged, s, f));
+        let find = |contact, surface| envelope(on(cutter, contact, surface)).and_then(|evaluated| height(&evaluated, s, f));
         let Ok(found) = find(contact, surface) else { return Ok(()) };
         for same in [find(contact, components), find(back, surface), find(mirrored, untwisted)] {
             let epsilon = if has_lobes(&on(cutter, contact, surface)) { 0.02 } else { 1e-10 };
@@ -103,7 +103,7 @@ proptest! {
         let cutter = Cutter::ball_end(mm(2.0 * radius));
         let (s, f) = (s * radius, f * radius);
         let surface = bent(cutter, bend);
-        let find = |slope, alpha| envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), surface)).and_then(|judged| height(&judged, s, f));
+        let find = |slope, alpha| envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), surface)).and_then(|evaluated| height(&evaluated, s, f));
         let (Ok(one), Ok(other)) = (find(slope, alpha), find(0.0, alpha + turn)) else { return Ok(()) };
         assert_relative_eq!(one, other, max_relative = 1e-10);
     }
@@ -120,7 +120,7 @@ proptest! {
             Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed, None).unwrap()
         };
         let principal = bend.0.map(|share| share / cutter.outer_radius().mm());
-        let find = |turn: f64| envelope(on(cutter, by_theta(theta + turn), turned(principal, bend.1, turn))).map(|judged| judged.relative_curvature());
+        let find = |turn: f64| envelope(on(cutter, by_theta(theta + turn), turned(principal, bend.1, turn))).map(|evaluated| evaluated.relative_curvature());
         match (find(0.0), find(turn)) {
             (Ok(one), Ok(other)) => approx::assert_abs_diff_eq!(one, other, epsilon = 1e-12 * (1.0 + one.abs())),
             (one, other) => prop_assert!(one.is_err() && other.is_err(), "{one:?} {other:?}"),
@@ -133,11 +133,11 @@ proptest! {
         cutter in cutters(), slope in 1.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.01..0.4_f64, f in 0.01..0.2_f64,
         more in 1.001..1.5_f64,
     ) {
-        let Ok(judged) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
+        let Ok(evaluated) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
-        let Ok(low) = height(&judged, s, f) else { return Ok(()) };
-        let rounding = if has_lobes(judged.pass()) { 0.05 } else { 1e-12 };
-        for higher in [height(&judged, s * more, f), height(&judged, s, f * more)].into_iter().flatten() {
+        let Ok(low) = height(&evaluated, s, f) else { return Ok(()) };
+        let rounding = if has_lobes(evaluated.pass()) { 0.05 } else { 1e-12 };
+        for higher in [height(&evaluated, s * more, f), height(&evaluated, s, f * more)].into_iter().flatten() {
             prop_assert!(higher >= low * (1.0 - rounding), "{low} {higher}");
         }
     }
@@ -149,17 +149,17 @@ proptest! {
     fn the_inverses_leave_the_tolerance(
         cutter in cutters(), slope in 10.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.02..0.2_f64,
     ) {
-        let Ok(judged) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
+        let Ok(evaluated) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
-        let Ok(found) = judged.scallop_height(mm(s), Some(mm(f))) else { return Ok(()) };
+        let Ok(found) = evaluated.scallop_height(mm(s), Some(mm(f))) else { return Ok(()) };
         // In a close fit (and near the floor, at slopes that are left out) the section has lobes beside the contact, and the
         // step-over found can be that of the first ridge, which is narrower.
-        prop_assume!(judged.relative_curvature() > 0.6);
+        prop_assume!(evaluated.relative_curvature() > 0.6);
         prop_assume!(found.feed.mm() > 1e-3 * found.total().mm() && found.step_over.mm() > 1e-3 * found.total().mm());
         // Where a concave surface meets the flat or the side, an inverse can come from a polygon, which is narrower by a few percent.
-        let is_concave = judged.pass().surface.principal_per_mm()[1] < 0.0;
+        let is_concave = evaluated.pass().surface.principal_per_mm()[1] < 0.0;
         let comes_back = |back: f64, value: f64| (back / value - 1.0).abs() <= 1e-9 || is_concave && (0.97 * value..value).contains(&back);
-        let (step_over, feed) = (judged.max_step_over(found.total(), Some(mm(f))), judged.max_feed_per_tooth(found.total(), mm(s)));
+        let (step_over, feed) = (evaluated.max_step_over(found.total(), Some(mm(f))), evaluated.max_feed_per_tooth(found.total(), mm(s)));
         prop_assert!(comes_back(step_over.unwrap().mm(), s), "{step_over:?} {s}");
         prop_assert!(comes_back(feed.unwrap().mm(), f), "{feed:?} {f}");
     }
@@ -197,7 +197,7 @@ proptest! {
         let largest = (cutter.core_radius().mm() / slope.to_radians().sin()) + cutter.corner_radius().mm();
         let pass = on(cutter, contact, SurfaceCurvature::from_radius_mm(roundness * largest).unwrap());
         let s = share * cutter.corner_radius().mm();
-        let [published, found] = [Model::Analytic, Model::Envelope].map(|model| height(&JudgedPass::new(model, pass).unwrap(), s, 0.0).unwrap());
+        let [published, found] = [Model::Analytic, Model::Envelope].map(|model| height(&EvaluatedPass::new(model, pass).unwrap(), s, 0.0).unwrap());
         // The profile's curvature changes by tan(70 deg) = 2.7 times s/r, whose odd part cancels between the flanks; its square
         // stays, on a relative curvature of 2/3 of the cutter's or more.
         assert_relative_eq!(found, published, max_relative = 40.0 * share * share + 1e-9);
@@ -217,7 +217,7 @@ proptest! {
         let upright = Contact::from_vectors(normal.into(), feed.into(), None).unwrap();
         let tilted = Contact::from_vectors(rotated[0], rotated[1], Some(rotated[2])).unwrap();
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
-        let find = |contact| envelope(on(cutter, contact, bent(cutter, bend))).and_then(|judged| height(&judged, s, f));
+        let find = |contact| envelope(on(cutter, contact, bent(cutter, bend))).and_then(|evaluated| height(&evaluated, s, f));
         match (find(upright), find(tilted)) {
             // A rotation carries roundings of 1e-15, which slopes within 1 deg of wall or floor magnify by 57.
             (Ok(one), Ok(other)) => {
@@ -247,7 +247,7 @@ fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
             // The direction of the first principal curvature is the level line, a quarter turn from the steepest one.
             let surface = SurfaceCurvature::from_principal_per_mm(principal, angle(90.0 - contact.theta().degrees())).unwrap();
             for model in [Model::Analytic, Model::Envelope] {
-                let found = JudgedPass::new(model, on(cutter, contact, surface)).map(|judged| judged.relative_curvature());
+                let found = EvaluatedPass::new(model, on(cutter, contact, surface)).map(|evaluated| evaluated.relative_curvature());
                 match found {
                     Err(NoAnswer::Gouges { smallest_radius: Some(smallest) }) if gouges => {
                         assert_relative_eq!(smallest.mm(), 11.0, max_relative = 1e-12);
@@ -289,7 +289,7 @@ fn level_troughs_gouge_away_from_the_contact() {
         // The trough runs along the level line, so that it is curved along the steepest one.
         let surface = SurfaceCurvature::from_principal_per_mm([-1.0 / radius, 0.0], angle(-contact.theta().degrees())).unwrap();
         for model in [Model::Analytic, Model::Envelope] {
-            let found = JudgedPass::new(model, on(cutter, contact, surface)).map(|judged| judged.relative_curvature());
+            let found = EvaluatedPass::new(model, on(cutter, contact, surface)).map(|evaluated| evaluated.relative_curvature());
             assert_eq!(found, Err(NoAnswer::Gouges { smallest_radius: None }), "radius {radius}, alpha {alpha}, {model:?}");
         }
     }
@@ -299,10 +299,11 @@ fn level_troughs_gouge_away_from_the_contact() {
 #[test]
 fn passes_too_far_apart_on_a_concave_surface_do_not_gouge() {
     let pass = on(toroidal(6.0, 1.0 / 6.0), Contact::from_degrees(80.0, 20.0).unwrap(), SurfaceCurvature::from_radius_mm(-60.0).unwrap());
-    let judged = envelope(pass).unwrap();
-    assert!(height(&judged, 0.5, 0.1).is_ok());
-    assert!(matches!(height(&judged, 200.0, 0.1), Err(NoAnswer::PassesDoNotOverlap { .. })));
-    let seen_from_above = judged.max_step_over(mm(0.5), None).map_or(0.0, |widest| widest.mm() * judged.pass().contact.spacing_ratio());
+    let evaluated = envelope(pass).unwrap();
+    assert!(height(&evaluated, 0.5, 0.1).is_ok());
+    assert!(matches!(height(&evaluated, 200.0, 0.1), Err(NoAnswer::PassesDoNotOverlap { .. })));
+    let seen_from_above =
+        evaluated.max_step_over(mm(0.5), None).map_or(0.0, |widest| widest.mm() * evaluated.pass().contact.spacing_ratio());
     assert!(seen_from_above <= 12.0);
     assert!(envelope(at(pass, 40.0, 0.0)).is_ok());
 }

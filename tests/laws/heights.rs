@@ -1,9 +1,9 @@
 //! Laws of heights: symmetry, limits, monotony, and the height on a curved surface by another route.
 
-use crate::laws::passes::{BOTH, at, curved, feed_angles, has_lobes, height, judged, mm, passes, plane_passes, slopes};
+use crate::laws::passes::{BOTH, at, curved, evaluated, feed_angles, has_lobes, height, mm, passes, plane_passes, slopes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, StepOver, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, StepOver, SurfaceCurvature};
 
 /// Normal and feed of a contact in a frame turned about the tool axis, from the definition of the angles: the slope tilts the normal
 /// down-hill, and the feed, seen from above at `alpha` from down-hill, follows the surface.
@@ -18,7 +18,7 @@ fn vectors(slope: f64, alpha: f64, turn: f64) -> ([f64; 3], [f64; 3]) {
 /// Asserts that both passes have heights within `epsilon` of each other, or that neither has one.
 fn assert_same_heights(a: Pass, b: Pass, step_over: f64, feed: f64, epsilon: f64) {
     for model in BOTH {
-        let find = |pass: Pass| JudgedPass::new(model, pass).and_then(|judged| height(&judged, step_over, feed));
+        let find = |pass: Pass| EvaluatedPass::new(model, pass).and_then(|evaluated| height(&evaluated, step_over, feed));
         match (find(a), find(b)) {
             (Ok(one), Ok(other)) => {
                 let epsilon = if model == Model::Envelope && has_lobes(&a) { epsilon.max(0.02) } else { epsilon };
@@ -68,7 +68,7 @@ proptest! {
         let floor = Pass { cutter: Cutter::ball_end(mm(diameter)), contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
         let (s, f) = (s * diameter, f * diameter);
         assert_same_heights(floor, at(floor, slope, alpha), s, f, 1e-12);
-        let analytic = |pass| height(&judged(Model::Analytic, pass), s, f).unwrap();
+        let analytic = |pass| height(&evaluated(Model::Analytic, pass), s, f).unwrap();
         assert_relative_eq!(analytic(floor), analytic(at(floor, wall, alpha)), max_relative = 1e-14);
     }
 
@@ -76,12 +76,12 @@ proptest! {
     /// circle in place of the cutter by less.
     #[test]
     fn a_curved_surface_tends_to_a_plane_as_its_radius_grows(pass in plane_passes(), share in 0.01..1.0_f64, sign in prop_oneof![Just(1.0), Just(-1.0)]) {
-        let radius = judged(Model::Analytic, pass).effective_radius().unwrap().mm();
+        let radius = evaluated(Model::Analytic, pass).effective_radius().unwrap().mm();
         let s = share * radius.min(pass.cutter.outer_radius().mm());
         for model in BOTH {
-            let flat = height(&judged(model, pass), s, 0.0).unwrap();
+            let flat = height(&evaluated(model, pass), s, 0.0).unwrap();
             for rho in [1e5, 1e7, 1e9] {
-                let bent = JudgedPass::new(model, curved(pass, sign * rho)).and_then(|judged| height(&judged, s, 0.0));
+                let bent = EvaluatedPass::new(model, curved(pass, sign * rho)).and_then(|evaluated| height(&evaluated, s, 0.0));
                 match bent {
                     Ok(bent) => {
                         // In addition, the roundings of the envelope's search.
@@ -100,20 +100,20 @@ proptest! {
     #[test]
     fn heights_rise_with_step_over_and_feed(pass in passes(), s in 0.02..1.0_f64, f in 0.01..0.4_f64, more in 1.001..1.5_f64) {
         for model in BOTH {
-            let Ok(judged) = JudgedPass::new(model, pass) else { continue };
+            let Ok(evaluated) = EvaluatedPass::new(model, pass) else { continue };
             let has_lobes = model == Model::Envelope && has_lobes(&pass);
-            let Ok(low) = height(&judged, s, f) else { continue };
+            let Ok(low) = height(&evaluated, s, f) else { continue };
             // On a wall the cylinder leaves no height along its axis, and little near it, so that heights there must only not
             // fall, within the roundings of the search.
             let near_wall = pass.contact.slope().degrees() > 85.0;
             let rises = |model, low: f64, high: f64| {
                 high > low || (model == Model::Envelope && near_wall && high >= low * (1.0 - 1e-12)) || (has_lobes && high >= 0.95 * low)
             };
-            if let Ok(wider) = height(&judged, s * more, f) {
+            if let Ok(wider) = height(&evaluated, s * more, f) {
                 prop_assert!(rises(model, low, wider), "{model:?}: step-over {low} {wider}");
             }
             // Axial runout can shorten the step between marks where the feed climbs, as long as it exceeds the feed.
-            if pass.runout == Runout::NONE && let Ok(longer) = height(&judged, s, f * more) {
+            if pass.runout == Runout::NONE && let Ok(longer) = height(&evaluated, s, f * more) {
                 prop_assert!(rises(model, low, longer), "{model:?}: feed {low} {longer}");
             }
         }
@@ -122,7 +122,7 @@ proptest! {
     /// The height and the chord of a circle, by Pythagoras' theorem instead of the formulas.
     #[test]
     fn on_a_plane_the_height_is_that_of_circles(pass in plane_passes(), share in 0.01..0.99_f64) {
-        let analytic = judged(Model::Analytic, pass);
+        let analytic = evaluated(Model::Analytic, pass);
         let radius = analytic.effective_radius().unwrap().mm();
         let s = (2.0 * radius).min(2.0 * pass.cutter.outer_radius().mm() / pass.contact.spacing_ratio()) * share;
         let h = height(&analytic, s, 0.0).unwrap();
@@ -152,7 +152,7 @@ proptest! {
     #[test]
     fn on_a_curved_surface_the_height_is_where_two_placed_circles_meet(pass in plane_passes(), rho in prop_oneof![1.0..1e3_f64, -1e3..-1.0_f64], s in 0.05..1.0_f64) {
         let bent = curved(pass, rho);
-        let Ok(model) = JudgedPass::new(Model::Analytic, bent) else { return Ok(()) };
+        let Ok(model) = EvaluatedPass::new(Model::Analytic, bent) else { return Ok(()) };
         let Ok(found) = height(&model, s, 0.0) else { return Ok(()) };
         let effective = model.effective_radius().unwrap().mm();
         // The surface's centre at the origin; the contact at the half angle beta from the line of symmetry, the y axis.

@@ -3,7 +3,7 @@
 use crate::laws::passes::{BOTH, has_lobes, height, mm, passes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
-use scallopd::milling::{JudgedPass, NoAnswer, Pass, Runout};
+use scallopd::milling::{EvaluatedPass, NoAnswer, Pass, Runout};
 use scallopd::quantity::Angle;
 
 /// The height at a largest feed or step-over is the tolerance. With runout the height can jump where the deep marks alone cease
@@ -25,21 +25,21 @@ proptest! {
     #[test]
     fn the_height_at_the_largest_feed_is_the_tolerance(pass in passes(), step_over in 0.02..1.0_f64, tolerance in 0.001..0.05_f64) {
         for model in BOTH {
-            let Ok(judged) = JudgedPass::new(model, pass) else { continue };
-            match judged.max_feed_per_tooth(mm(tolerance), mm(step_over)) {
+            let Ok(evaluated) = EvaluatedPass::new(model, pass) else { continue };
+            match evaluated.max_feed_per_tooth(mm(tolerance), mm(step_over)) {
                 Ok(feed) => {
-                    let more = height(&judged, step_over, feed.mm() * (1.0 + 1e-9));
-                    assert_largest(&pass, height(&judged, step_over, feed.mm()).unwrap(), more, tolerance);
+                    let more = height(&evaluated, step_over, feed.mm() * (1.0 + 1e-9));
+                    assert_largest(&pass, height(&evaluated, step_over, feed.mm()).unwrap(), more, tolerance);
                 }
                 Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over }) => {
                     prop_assert!(step_over_height.mm() >= tolerance && max_step_over.mm() <= step_over * (1.0 + 1e-9));
-                    let left = height(&judged, max_step_over.mm(), 0.0).unwrap();
-                    assert_largest(&pass, left, height(&judged, max_step_over.mm() * (1.0 + 1e-9), 0.0), tolerance);
+                    let left = height(&evaluated, max_step_over.mm(), 0.0).unwrap();
+                    assert_largest(&pass, left, height(&evaluated, max_step_over.mm() * (1.0 + 1e-9), 0.0), tolerance);
                 }
                 Err(NoAnswer::RunoutUsesUpTolerance) => prop_assert!(pass.runout != Runout::NONE),
                 Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }) => {
                     let just_under = largest_feed_per_tooth.mm() * (1.0 - 1e-6);
-                    prop_assert!(height(&judged, step_over, just_under).is_ok_and(|height| height <= tolerance));
+                    prop_assert!(height(&evaluated, step_over, just_under).is_ok_and(|height| height <= tolerance));
                 }
                 Err(NoAnswer::PassesDoNotOverlap { largest_step_over }) => prop_assert!(largest_step_over.mm() < step_over),
                 Err(NoAnswer::MarksDoNotOverlap { .. } | NoAnswer::Gouges { .. }) => {}
@@ -51,16 +51,16 @@ proptest! {
     #[test]
     fn the_height_at_the_largest_step_over_is_the_tolerance(pass in passes(), feed in prop_oneof![1 => Just(0.0), 3 => 0.01..0.4_f64], tolerance in 0.001..0.05_f64) {
         for model in BOTH {
-            let Ok(judged) = JudgedPass::new(model, pass) else { continue };
-            match judged.max_step_over(mm(tolerance), (feed > 0.0).then(|| mm(feed))) {
+            let Ok(evaluated) = EvaluatedPass::new(model, pass) else { continue };
+            match evaluated.max_step_over(mm(tolerance), (feed > 0.0).then(|| mm(feed))) {
                 Ok(step_over) => {
-                    let more = height(&judged, step_over.mm() * (1.0 + 1e-9), feed);
-                    assert_largest(&pass, height(&judged, step_over.mm(), feed).unwrap(), more, tolerance);
+                    let more = height(&evaluated, step_over.mm() * (1.0 + 1e-9), feed);
+                    assert_largest(&pass, height(&evaluated, step_over.mm(), feed).unwrap(), more, tolerance);
                 }
                 Err(NoAnswer::FeedUsesUpTolerance { feed_height }) => prop_assert!(feed_height.mm() >= tolerance),
                 Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => {
                     let just_under = largest_step_over.mm() * (1.0 - 1e-6);
-                    prop_assert!(height(&judged, just_under, feed).map_or(true, |height| height <= tolerance));
+                    prop_assert!(height(&evaluated, just_under, feed).map_or(true, |height| height <= tolerance));
                 }
                 Err(NoAnswer::MarksDoNotOverlap { .. } | NoAnswer::Gouges { .. }) => {}
                 Err(other) => prop_assert!(false, "{other:?}"),

@@ -1,7 +1,7 @@
 //! Heights on concave surfaces against brute force: the section as it is seen from the contact, by places of the cutter's solid alone.
 
 use crate::laws::passes::mm;
-use scallopd::milling::{Contact, Cutter, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Angle;
 
 /// A cutter over a quadric surface: the axis in the plane of normal and steepest line.
@@ -126,11 +126,11 @@ fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
         let feed = [slope.cos() * theta.cos(), theta.sin(), -slope.sin() * theta.cos()];
         let contact = Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed, None).unwrap();
         let surface = SurfaceCurvature::from_principal_per_mm(principal, Angle::from_degrees(turn).unwrap()).unwrap();
-        let judged = JudgedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).unwrap();
-        let found = judged.scallop_height(mm(s), (f > 0.0).then(|| mm(f))).unwrap().total().mm();
+        let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).unwrap();
+        let found = evaluated.scallop_height(mm(s), (f > 0.0).then(|| mm(f))).unwrap().total().mm();
         let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
         let brute = Setup { outer, corner, slope, theta, curvature }.ridge(s, f);
-        println!("{found} {brute} at slope {slope_deg}, r/R {ratio}, lambda {}", judged.relative_curvature());
+        println!("{found} {brute} at slope {slope_deg}, r/R {ratio}, lambda {}", evaluated.relative_curvature());
         assert!((found / brute - 1.0).abs() <= 0.05, "{found} {brute} at slope {slope_deg}, r/R {ratio}, theta {theta_deg}");
     }
 }
@@ -141,14 +141,14 @@ fn marks_too_far_apart_on_a_strongly_convex_surface_do_not_gouge() {
     let contact = Contact::from_degrees(80.0, 0.0).unwrap();
     let surface = SurfaceCurvature::from_principal_per_mm([1.0, 0.8], Angle::ZERO).unwrap();
     let pass = Pass { cutter: Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), contact, surface, runout: Runout::NONE, teeth: None };
-    let judged = JudgedPass::new(Model::Envelope, pass).unwrap();
+    let evaluated = EvaluatedPass::new(Model::Envelope, pass).unwrap();
     let mut refused = 0;
     for f in [1.0, 4.0, 6.0, 8.0] {
-        match judged.scallop_height(mm(1.0), Some(mm(f))) {
+        match evaluated.scallop_height(mm(1.0), Some(mm(f))) {
             Err(scallopd::milling::NoAnswer::MarksDoNotOverlap { largest_mark_spacing }) => {
                 refused += 1;
                 assert!(largest_mark_spacing.mm() < f);
-                assert!(judged.scallop_height(mm(1.0), Some(mm(0.99 * largest_mark_spacing.mm()))).is_ok());
+                assert!(evaluated.scallop_height(mm(1.0), Some(mm(0.99 * largest_mark_spacing.mm()))).is_ok());
             }
             answer => assert!(answer.is_ok(), "{answer:?}"),
         }

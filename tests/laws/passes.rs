@@ -1,7 +1,7 @@
 //! Random passes for the laws, and functions to build and evaluate them.
 
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Length;
 
 pub(crate) const BOTH: [Model; 2] = [Model::Analytic, Model::Envelope];
@@ -11,12 +11,12 @@ pub(crate) fn mm(value: f64) -> Length {
 }
 
 /// The whole height at a step-over and a feed, in mm; a feed of 0 means no tooth marks.
-pub(crate) fn height(judged: &JudgedPass, step_over: f64, feed: f64) -> Result<f64, NoAnswer> {
-    judged.scallop_height(mm(step_over), (feed > 0.0).then(|| mm(feed))).map(|height| height.total().mm())
+pub(crate) fn height(evaluated: &EvaluatedPass, step_over: f64, feed: f64) -> Result<f64, NoAnswer> {
+    evaluated.scallop_height(mm(step_over), (feed > 0.0).then(|| mm(feed))).map(|height| height.total().mm())
 }
 
-pub(crate) fn judged(model: Model, pass: Pass) -> JudgedPass {
-    JudgedPass::new(model, pass).unwrap()
+pub(crate) fn evaluated(model: Model, pass: Pass) -> EvaluatedPass {
+    EvaluatedPass::new(model, pass).unwrap()
 }
 
 pub(crate) fn at(pass: Pass, slope: f64, alpha: f64) -> Pass {
@@ -70,6 +70,6 @@ pub(crate) fn passes() -> impl Strategy<Value = Pass> {
 /// Whether the height comes from a polygon that is good to a few percent: where lobes of the section join, near the floor, beside walls and in close fits of concave surfaces.
 pub(crate) fn has_lobes(pass: &Pass) -> bool {
     let in_middle = (10.0..85.0).contains(&pass.contact.slope().degrees());
-    let lambda = JudgedPass::new(Model::Envelope, *pass).map_or(1.0, |judged| judged.relative_curvature());
+    let lambda = EvaluatedPass::new(Model::Envelope, *pass).map_or(1.0, |evaluated| evaluated.relative_curvature());
     pass.surface.principal_per_mm()[1] < 0.0 && !(in_middle && lambda > 0.6)
 }

@@ -1,7 +1,7 @@
 //! Heights on curved surfaces and with runout against an independent implementation.
 
 use crate::laws::passes::mm;
-use scallopd::milling::{Contact, Cutter, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use serde_json::Value;
 
 fn contacts(file: &str) -> Vec<Value> {
@@ -25,9 +25,9 @@ fn pass(contact: &Value, surface: SurfaceCurvature, runout: Runout) -> Pass {
 }
 
 fn height(contact: &Value, pass: Pass) -> f64 {
-    let judged = JudgedPass::new(Model::Envelope, pass).unwrap();
+    let evaluated = EvaluatedPass::new(Model::Envelope, pass).unwrap();
     let (step_over, feed) = (mm(number(contact, "step_over_mm")), mm(number(contact, "feed_per_tooth_mm")));
-    judged.scallop_height(step_over, Some(feed)).unwrap().total().mm()
+    evaluated.scallop_height(step_over, Some(feed)).unwrap().total().mm()
 }
 
 #[test]

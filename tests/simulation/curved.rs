@@ -2,7 +2,7 @@
 //! tooth mark is placed by the surface's own normal there, so that the terms of the third order, which the model leaves out, are in the simulation.
 
 use super::{Random, mm, wanted};
-use scallopd::milling::{Contact, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use std::num::NonZeroU32;
 
 type Vector = [f64; 3];
@@ -162,11 +162,11 @@ fn simulate(random: &mut Random, curved: bool, harsh: bool) -> Result<Outcome, N
     let (radial, axial) = if curved { (0.0, 0.0) } else { (random.within(0.0, 0.008), random.within(-0.008, 0.008)) };
     let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
     let cutter = Cutter::toroidal(mm(2.0 * outer), mm(corner)).unwrap();
-    let judged = JudgedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout, teeth: NonZeroU32::new(count) })?;
+    let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout, teeth: NonZeroU32::new(count) })?;
     let feed = random.within(0.05, 0.3);
     let target = 0.002 * 12.5_f64.powf(random.unit());
-    let step_over = judged.max_step_over(mm(target), None)?;
-    let height = judged.scallop_height(step_over, Some(mm(feed)))?.total().mm();
+    let step_over = evaluated.max_step_over(mm(target), None)?;
+    let height = evaluated.scallop_height(step_over, Some(mm(feed)))?.total().mm();
     let mut share = || random.unit();
     let teeth = (0..count)
         .map(|tooth| {
@@ -178,8 +178,8 @@ fn simulate(random: &mut Random, curved: bool, harsh: bool) -> Result<Outcome, N
     let setup = Setup { teeth, frame: frame(contact), curvature, feed, step_over: step_over.mm() };
     let (along, across) = if curved { (16, 64) } else { (8, 32) };
     let share = setup.highest(along, across) / height;
-    let third_order = judged.third_order_share(step_over, Some(mm(feed)));
-    Ok(Outcome { slope_deg, corner_ratio: corner / outer, lambda: judged.relative_curvature(), third_order, share })
+    let third_order = evaluated.third_order_share(step_over, Some(mm(feed)));
+    Ok(Outcome { slope_deg, corner_ratio: corner / outer, lambda: evaluated.relative_curvature(), third_order, share })
 }
 
 fn outcomes(seed: u64, count: usize, curved: bool, harsh: bool) -> Vec<Outcome> {
@@ -265,7 +265,7 @@ fn two_shallow_teeth_in_a_row_exceed_the_height_for_alternating_teeth() {
     let (step_over, feed) = (0.3, 0.3);
     let height = |teeth| {
         let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout, teeth: NonZeroU32::new(teeth) };
-        JudgedPass::new(Model::Envelope, pass).unwrap().scallop_height(mm(step_over), Some(mm(feed))).unwrap().total().mm()
+        EvaluatedPass::new(Model::Envelope, pass).unwrap().scallop_height(mm(step_over), Some(mm(feed))).unwrap().total().mm()
     };
     let deep = Tooth { core: outer + radial - corner, corner, lift: 0.0 };
     let shallow = Tooth { core: outer - corner, corner, lift: axial };
@@ -290,22 +290,22 @@ fn promised_step_overs_keep_the_tolerance_on_cylinders_and_spheres() {
                         let surface = SurfaceCurvature::from_principal_per_mm(principal.map(|share| share * bend), direction).unwrap();
                         let cutter = Cutter::toroidal(mm(2.0 * outer), mm(corner)).unwrap();
                         let pass = Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None };
-                        let Ok(judged) = JudgedPass::new(Model::Envelope, pass) else { continue };
-                        if judged.relative_curvature() <= 0.6 {
+                        let Ok(evaluated) = EvaluatedPass::new(Model::Envelope, pass) else { continue };
+                        if evaluated.relative_curvature() <= 0.6 {
                             continue;
                         }
                         let feed = 0.1;
-                        let Ok(step_over) = judged.max_step_over(mm(0.01), Some(mm(feed))) else { continue };
+                        let Ok(step_over) = evaluated.max_step_over(mm(0.01), Some(mm(feed))) else { continue };
                         let teeth = vec![Tooth { core: outer - corner, corner, lift: 0.0 }];
                         let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
                         let setup = Setup { teeth, frame: frame(contact), curvature, feed, step_over: step_over.mm() };
                         let share = setup.highest(8, 48) / 0.01;
-                        let third_order = judged.third_order_share(step_over, Some(mm(feed)));
+                        let third_order = evaluated.third_order_share(step_over, Some(mm(feed)));
                         let steep = slope_deg >= 10.0;
                         if share > if steep { 1.01 } else { 1.04 } {
                             println!(
                                 "R {outer} r {corner} slope {slope_deg} alpha {alpha_deg} {principal:?} at {from_steepest} bend {bend:.4}: {share:.4}, third order {third_order:.3}, lambda {:.2}",
-                                judged.relative_curvature()
+                                evaluated.relative_curvature()
                             );
                         }
                         worst[usize::from(steep)] = worst[usize::from(steep)].max(share);

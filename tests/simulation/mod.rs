@@ -81,7 +81,7 @@ impl Case {
     }
 
     /// The simulated height as a share of the model's; where the model says that nothing is left, 1 if the simulation agrees to 1e-11 mm.
-    /// Elsewhere columns end at 1e-8 of the height, far below the 1e-6 by which it is judged.
+    /// Elsewhere columns end at 1e-8 of the height, far below the 1e-6 by which it is evaluated.
     fn reached(&self, grid: Grid) -> f64 {
         let resolution = (1e-8 * self.height).max(1e-11);
         let simulated = highest_uncut(self.setup, grid, 4.0 * self.setup.solid.outer_radius, resolution);

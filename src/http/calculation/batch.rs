@@ -15,7 +15,7 @@ use crate::http::wire::{
     Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer, warning_code,
 };
 use crate::http::worker_pool::Work;
-use crate::milling::{JudgedPass, NoAnswer};
+use crate::milling::{EvaluatedPass, NoAnswer};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
@@ -56,14 +56,14 @@ const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     let contacts = MOST_CONTACTS.min(body.json().len() / SHORTEST_CONTACT);
     let memory = work.reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
-    work.run(move |cancel| work_out::<C>(&body, cancel)?.holding(memory)).await?
+    work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
 }
 
-fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
+fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
     body.read_until(cancel, |object, faults| {
         let path = object.path();
         let shared = SharedParameters::read(object, faults);
-        let defaults = ContactParameters::read(object, C::STATES, faults);
+        let defaults = ContactParameters::read(object, C::STATED, faults);
         let members = C::Members::read(object, faults);
         let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
         let selection = Selection::read::<C>(object, faults);
@@ -79,9 +79,9 @@ fn work_out<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writ
         }
         let batch = Batch { shared: shared?, defaults, calculation: calculation?, selection: selection? };
         let (whole, count) = if are_columns {
-            batch.work_out_columns(contacts, path, cancel, faults)?
+            batch.compute_columns(contacts, path, cancel, faults)?
         } else {
-            batch.work_out_rows(contacts, path, cancel, faults)?
+            batch.compute_rows(contacts, path, cancel, faults)?
         };
         if cancel.is_cancelled() {
             // The answer of a cancelled batch is discarded.
@@ -118,16 +118,16 @@ fn check_contacts<C: Calculation>(
     if contacts.get().starts_with('{') {
         // Columns without faults of their own are read whatever else is wrong.
         let mut of_columns = Faults::default();
-        let columns = ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, &mut of_columns);
+        let columns = ContactColumns::read(contacts, C::STATED, MOST_CONTACTS, path, &mut of_columns);
         faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
         let columns = columns?;
         for index in (0..columns.count).take_while(|_| !cancel.is_cancelled()) {
-            let _recorded = columns.contact(index, C::STATES, defaults, columns.path(index, &path), faults);
+            let _recorded = columns.contact(index, C::STATED, defaults, columns.path(index, &path), faults);
         }
     } else {
         let contacts = items(contacts, MOST_CONTACTS, path, faults)?;
         for (index, contact) in contacts.into_iter().enumerate().take_while(|_| !cancel.is_cancelled()) {
-            let _recorded = BatchContact::read(contact, C::STATES, defaults, path.item(index), faults);
+            let _recorded = BatchContact::read(contact, C::STATED, defaults, path.item(index), faults);
         }
     }
     Ok(())
@@ -152,7 +152,7 @@ struct Part {
 
 impl<C: Calculation> Batch<C> {
     /// Reads an array of contacts. They are computed on other cores while this thread still splits the array into runs.
-    fn work_out_rows(
+    fn compute_rows(
         &self,
         contacts: &RawValue,
         path: JsonPath<'_>,
@@ -164,10 +164,10 @@ impl<C: Calculation> Batch<C> {
             for_runs_of_items(contacts, MOST_CONTACTS, CHUNK, path, faults, |first, contacts| {
                 let parts = &parts;
                 scope.spawn(move |_| {
-                    let part = self.work_out_chunk(first, contacts.len(), cancel, |index, faults| {
+                    let part = self.compute_chunk(first, contacts.len(), cancel, |index, faults| {
                         let path = path.item(index);
-                        let contact = BatchContact::read(contacts[index - first], C::STATES, &self.defaults, path, faults);
-                        contact.and_then(|contact| self.work_out_contact(contact, path, faults))
+                        let contact = BatchContact::read(contacts[index - first], C::STATED, &self.defaults, path, faults);
+                        contact.and_then(|contact| self.compute_contact(contact, path, faults))
                     });
                     parts.insert(first, part);
                 });
@@ -177,21 +177,21 @@ impl<C: Calculation> Batch<C> {
     }
 
     /// Reads columns of contacts, and then computes their rows on all cores.
-    fn work_out_columns(
+    fn compute_columns(
         &self,
         contacts: &RawValue,
         path: JsonPath<'_>,
         cancel: &CancelFlag,
         faults: &mut Faults,
     ) -> Result<(Part, usize), Faulted> {
-        let columns = ContactColumns::read(contacts, C::STATES, MOST_CONTACTS, path, faults)?;
+        let columns = ContactColumns::read(contacts, C::STATED, MOST_CONTACTS, path, faults)?;
         let parts = Parts::default();
         (0..columns.count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
             let first = chunk * CHUNK;
-            let part = self.work_out_chunk(first, CHUNK.min(columns.count - first), cancel, |index, faults| {
+            let part = self.compute_chunk(first, CHUNK.min(columns.count - first), cancel, |index, faults| {
                 let path = columns.path(index, &path);
-                let contact = columns.contact(index, C::STATES, &self.defaults, path, faults);
-                contact.and_then(|contact| self.work_out_contact(contact, path, faults))
+                let contact = columns.contact(index, C::STATED, &self.defaults, path, faults);
+                contact.and_then(|contact| self.compute_contact(contact, path, faults))
             });
             parts.insert(first, part);
         });
@@ -199,12 +199,12 @@ impl<C: Calculation> Batch<C> {
     }
 
     /// Computes a run of contacts; the rest of a cancelled batch is left out.
-    fn work_out_chunk(
+    fn compute_chunk(
         &self,
         first: usize,
         count: usize,
         cancel: &CancelFlag,
-        work_out: impl Fn(usize, &mut Faults) -> Result<(Figures, JudgedPass), Faulted>,
+        compute: impl Fn(usize, &mut Faults) -> Result<(Figures, EvaluatedPass), Faulted>,
     ) -> Part {
         let mut part = self.part(|| Column::with_capacity(count));
         for index in first..first + count {
@@ -212,7 +212,7 @@ impl<C: Calculation> Batch<C> {
                 break;
             }
             let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
-            match work_out(index, &mut faults) {
+            match compute(index, &mut faults) {
                 Ok((mut figures, pass)) => {
                     if self.selection.is_compared() {
                         let check = single::compare(&pass, &figures);
@@ -227,15 +227,15 @@ impl<C: Calculation> Batch<C> {
         part
     }
 
-    fn work_out_contact(&self, contact: BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Figures, JudgedPass), Faulted> {
+    fn compute_contact(&self, contact: BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Figures, EvaluatedPass), Faulted> {
         let BatchContact { contact, parameters } = contact;
-        let step_over = parameters.step_over(C::STATES, &path, faults)?;
+        let step_over = parameters.step_over(C::STATED, &path, faults)?;
         let member = self.calculation.step_over_member(&parameters);
         // The fault points to the contact as a whole: any of its parameters, defaults included, may be the cause.
         let mut fail =
             |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
-        let pass = single::judge(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
-        let figures = single::work_out(&self.calculation, &self.shared, &pass, step_over, &parameters)?.map_err(fail)?;
+        let pass = single::evaluate(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
+        let figures = single::compute(&self.calculation, &self.shared, &pass, step_over, &parameters)?.map_err(fail)?;
         Ok((figures, pass))
     }
 
@@ -272,7 +272,7 @@ impl Parts {
 }
 
 impl Part {
-    fn add(&mut self, index: usize, figures: &Figures, pass: &JudgedPass, selection: &Selection) {
+    fn add(&mut self, index: usize, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
         for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
             column.push(index, (figure.get)(figures).map(|value| value.rounded(selection.significant_digits)));
         }
@@ -330,14 +330,14 @@ impl Part {
 
 /// The schema of a request with many contacts.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
-    let contact = batch_contact_schemas(C::STATES, components);
+    let contact = batch_contact_schemas(C::STATED, components);
     let rows = ArrayBuilder::new().items(contact).max_items(Some(MOST_CONTACTS)).description(Some("an object for each contact"));
-    let columns = contact_columns_schema(C::STATES, MOST_CONTACTS, components);
+    let columns = contact_columns_schema(C::STATED, MOST_CONTACTS, components);
     let contacts = OneOfBuilder::new().item(rows).item(columns);
     let contacts = contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"));
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
     let schema = SharedParameters::describe(ObjectSchema::new(about, components));
-    let schema = ContactParameters::describe(schema, C::STATES).with::<C::Members>();
+    let schema = ContactParameters::describe(schema, C::STATED).with::<C::Members>();
     Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }
 

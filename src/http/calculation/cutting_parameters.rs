@@ -9,9 +9,9 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, FigureValue, Figures, SharedParameters, States, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, FigureValue, Figures, SharedParameters, StatedParameters, TOLERANCE};
 use crate::http::worker_pool::Work;
-use crate::milling::{CuttingLimits, JudgedPass, LimitedBy, NoAnswer};
+use crate::milling::{CuttingLimits, EvaluatedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
 use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
@@ -95,7 +95,7 @@ impl FastestParameters {
 }
 
 impl Calculation for FastestParameters {
-    const STATES: States = States { step_over: false, feed_per_tooth: false };
+    const STATED: StatedParameters = StatedParameters { step_over: false, feed_per_tooth: false };
     // Dozens of searches for a step-over.
     const TAKES_LONG: bool = true;
     type Members = CuttingParametersMembers;
@@ -120,7 +120,7 @@ impl Calculation for FastestParameters {
         if self.min_step_over.is_some() { MIN_STEP_OVER.name } else { TOLERANCE.name }
     }
 
-    fn work_out(&self, shared: &SharedParameters, pass: &JudgedPass, _: Option<Length>, _: Option<Length>) -> Result<Figures, NoAnswer> {
+    fn compute(&self, shared: &SharedParameters, pass: &EvaluatedPass, _: Option<Length>, _: Option<Length>) -> Result<Figures, NoAnswer> {
         let (per_tooth, by_machine) = (self.feed.per_tooth, self.feed.by_machine(shared));
         let feed_limit = per_tooth.into_iter().chain(by_machine).reduce(|a, b| if b < a { b } else { a });
         let limits = CuttingLimits::new(feed_limit, self.min_step_over, self.max_step_over);

@@ -7,9 +7,9 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, FigureValue, Figures, SharedParameters, States, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, Figure, FigureValue, Figures, SharedParameters, StatedParameters, TOLERANCE};
 use crate::http::worker_pool::Work;
-use crate::milling::{JudgedPass, NoAnswer};
+use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
@@ -61,7 +61,7 @@ const FIGURES: &[Figure] = &[
 ];
 
 impl Calculation for MaxFeed {
-    const STATES: States = States { step_over: true, feed_per_tooth: false };
+    const STATED: StatedParameters = StatedParameters { step_over: true, feed_per_tooth: false };
     type Members = MaxFeedMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
 
@@ -76,10 +76,10 @@ impl Calculation for MaxFeed {
         Ok(Self { tolerance: tolerance?, limits: limits? })
     }
 
-    fn work_out(
+    fn compute(
         &self,
         shared: &SharedParameters,
-        pass: &JudgedPass,
+        pass: &EvaluatedPass,
         step_over: Option<Length>,
         _: Option<Length>,
     ) -> Result<Figures, NoAnswer> {

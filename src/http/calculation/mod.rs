@@ -13,14 +13,14 @@ mod single;
 pub(crate) mod step_over;
 
 use super::reading::{Faulted, Faults, JsonPath, Members};
-use super::wire::{ContactParameters, Figure, Figures, SharedParameters, States};
-use crate::milling::{JudgedPass, NoAnswer};
+use super::wire::{ContactParameters, Figure, Figures, SharedParameters, StatedParameters};
+use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
 
 /// What differs between the calculations.
 pub(crate) trait Calculation: Sized + Send + Sync {
     /// The parameters of a contact that requests state.
-    const STATES: States;
+    const STATED: StatedParameters;
     /// Whether a single answer takes a thread too long for one that serves connections.
     const TAKES_LONG: bool = false;
     /// The members that are specific to requests of this calculation.
@@ -36,11 +36,11 @@ pub(crate) trait Calculation: Sized + Send + Sync {
         faults: &mut Faults,
     ) -> Result<Self, Faulted>;
 
-    /// The figures at a contact. `step_over` is along the surface; it is `None` where `STATES` has none.
-    fn work_out(
+    /// The figures at a contact. `step_over` is along the surface; it is `None` where `STATED` has none.
+    fn compute(
         &self,
         shared: &SharedParameters,
-        pass: &JudgedPass,
+        pass: &EvaluatedPass,
         step_over: Option<Length>,
         feed_per_tooth: Option<Length>,
     ) -> Result<Figures, NoAnswer>;

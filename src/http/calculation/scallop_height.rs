@@ -6,9 +6,9 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Faulted, Faults, JsonPath, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, States};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, StatedParameters};
 use crate::http::worker_pool::Work;
-use crate::milling::{JudgedPass, NoAnswer};
+use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::extract::RawQuery;
 
@@ -21,7 +21,7 @@ members! {
 pub(crate) struct ScallopHeight;
 
 impl Calculation for ScallopHeight {
-    const STATES: States = States { step_over: true, feed_per_tooth: true };
+    const STATED: StatedParameters = StatedParameters { step_over: true, feed_per_tooth: true };
     type Members = NoMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
 
@@ -29,10 +29,10 @@ impl Calculation for ScallopHeight {
         Ok(Self)
     }
 
-    fn work_out(
+    fn compute(
         &self,
         _: &SharedParameters,
-        pass: &JudgedPass,
+        pass: &EvaluatedPass,
         step_over: Option<Length>,
         feed: Option<Length>,
     ) -> Result<Figures, NoAnswer> {

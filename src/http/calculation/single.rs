@@ -10,7 +10,7 @@ use crate::http::wire::{
     CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
 };
 use crate::http::worker_pool::Work;
-use crate::milling::{Envelope, JudgedPass, Model, NoAnswer, Pass, StepOver};
+use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass, StepOver};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::marker::PhantomData;
 use std::num::NonZeroU32;
@@ -66,7 +66,7 @@ pub(super) fn warnings_schema(components: &mut Components) -> ArrayBuilder {
 /// The schema of a request with one contact.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
     let schema = SharedParameters::describe(ObjectSchema::new("A calculation at one contact", components)).required(&CONTACT);
-    ContactParameters::describe(schema, C::STATES).with::<C::Members>().build()
+    ContactParameters::describe(schema, C::STATED).with::<C::Members>().build()
 }
 
 /// Answers a request with one contact.
@@ -98,7 +98,7 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let path = object.path();
     let shared = SharedParameters::read(object, faults);
     let contact = object.required(&CONTACT, faults);
-    let parameters = ContactParameters::read(object, C::STATES, faults);
+    let parameters = ContactParameters::read(object, C::STATED, faults);
     let members = C::Members::read(object, faults);
     let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
     Request { shared, contact, parameters, calculation }.answer(&path, faults)
@@ -114,12 +114,12 @@ struct Request<C> {
 
 impl<C: Calculation> Request<C> {
     fn answer(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {
-        let step_over = self.parameters.step_over(C::STATES, path, faults);
-        let pass = self.judge(path, faults);
+        let step_over = self.parameters.step_over(C::STATED, path, faults);
+        let pass = self.evaluate(path, faults);
         let (shared, contact, pass) = (self.shared?, self.contact?, pass?);
         let calculation = self.calculation?;
         let step_over_member = calculation.step_over_member(&self.parameters);
-        let figures = work_out(&calculation, &shared, &pass, step_over?, &self.parameters)?;
+        let figures = compute(&calculation, &shared, &pass, step_over?, &self.parameters)?;
         let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, step_over_member)))?;
         let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
         let check = check(&pass, &figures, &mut warnings);
@@ -127,19 +127,19 @@ impl<C: Calculation> Request<C> {
     }
 
     /// The pass under its model, if cutter, contact and surface have no fault; other parts may.
-    fn judge(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<JudgedPass, Faulted> {
+    fn evaluate(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<EvaluatedPass, Faulted> {
         let (shared, contact) = (self.shared?, self.contact?);
-        judge(&shared, contact, &self.parameters)?
+        evaluate(&shared, contact, &self.parameters)?
             .map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, self.parameters.step_over_member())))
     }
 }
 
 /// Evaluates a contact by the request's model. The outer error is a fault that is recorded already, the inner one a reason that is not.
-pub(super) fn judge(
+pub(super) fn evaluate(
     shared: &SharedParameters,
     contact: StatedContact,
     parameters: &ContactParameters,
-) -> Result<Result<JudgedPass, NoAnswer>, Faulted> {
+) -> Result<Result<EvaluatedPass, NoAnswer>, Faulted> {
     let pass = Pass {
         cutter: shared.tool.cutter,
         contact: contact.contact,
@@ -147,27 +147,27 @@ pub(super) fn judge(
         runout: shared.runout,
         teeth: shared.tool.teeth.and_then(NonZeroU32::new),
     };
-    Ok(JudgedPass::new(shared.model, pass))
+    Ok(EvaluatedPass::new(shared.model, pass))
 }
 
 /// The figures at a contact. The outer error is a fault that is recorded already, the inner one a reason that is not.
-pub(super) fn work_out<C: Calculation>(
+pub(super) fn compute<C: Calculation>(
     calculation: &C,
     shared: &SharedParameters,
-    pass: &JudgedPass,
+    pass: &EvaluatedPass,
     step_over: Option<StepOver>,
     parameters: &ContactParameters,
 ) -> Result<Result<Figures, NoAnswer>, Faulted> {
     let feed_per_tooth = parameters.feed_per_tooth()?;
     let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
-    Ok(along.and_then(|along| calculation.work_out(shared, pass, along, feed_per_tooth)))
+    Ok(along.and_then(|along| calculation.compute(shared, pass, along, feed_per_tooth)))
 }
 
 /// The deviation below which the analytic model is outside its range: 5 % less than the cutter leaves.
 const OUTSIDE_RANGE: f64 = -0.05;
 
 /// Compares the height of a pass under its model with the envelope's.
-pub(super) fn compare(pass: &JudgedPass, figures: &Figures) -> Result<Check, NoAnswer> {
+pub(super) fn compare(pass: &EvaluatedPass, figures: &Figures) -> Result<Check, NoAnswer> {
     let height = figures.height.total().mm();
     let envelope = match pass.model() {
         Model::Analytic => Envelope::new(*pass.pass())?.scallop_height(figures.step_over, figures.feed_per_tooth)?.total().mm(),
@@ -183,7 +183,7 @@ pub(super) fn is_outside_range(check: &Result<Check, NoAnswer>) -> bool {
 }
 
 /// Compares the analytic height with the envelope's, and warns where it is far below.
-fn check(pass: &JudgedPass, figures: &Figures, warnings: &mut Vec<Warning>) -> Option<Check> {
+fn check(pass: &EvaluatedPass, figures: &Figures, warnings: &mut Vec<Warning>) -> Option<Check> {
     if pass.model() != Model::Analytic {
         return None;
     }

@@ -6,9 +6,9 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, States, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, StatedParameters, TOLERANCE};
 use crate::http::worker_pool::Work;
-use crate::milling::{JudgedPass, NoAnswer};
+use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
 use axum::extract::RawQuery;
 
@@ -25,7 +25,7 @@ pub(crate) struct MaxStepOver {
 }
 
 impl Calculation for MaxStepOver {
-    const STATES: States = States { step_over: false, feed_per_tooth: true };
+    const STATED: StatedParameters = StatedParameters { step_over: false, feed_per_tooth: true };
     type Members = ToleranceMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
 
@@ -33,7 +33,7 @@ impl Calculation for MaxStepOver {
         Ok(Self { tolerance: members.tolerance? })
     }
 
-    fn work_out(&self, _: &SharedParameters, pass: &JudgedPass, _: Option<Length>, feed: Option<Length>) -> Result<Figures, NoAnswer> {
+    fn compute(&self, _: &SharedParameters, pass: &EvaluatedPass, _: Option<Length>, feed: Option<Length>) -> Result<Figures, NoAnswer> {
         Figures::at(pass, pass.max_step_over(self.tolerance, feed)?, feed)
     }
 }

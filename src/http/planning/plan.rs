@@ -12,7 +12,7 @@ use super::simulation::{Simulation, Workpiece};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, Sourced, Warning};
+use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning};
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
@@ -33,12 +33,17 @@ pub(super) struct Task {
 
 impl Task {
     /// Takes shape and facets of the surface that was sent at `path`.
-    pub(super) fn new(parameters: Parameters, sourced: Sourced, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+    pub(super) fn new(
+        parameters: Parameters,
+        sourced: SurfaceWithSource,
+        path: &JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
         let unit = sourced.unit_of(parameters.unit, path, faults)?;
         let shape = sourced.surface.sampled.shape(unit, parameters.facing);
         let shape = shape.map_err(|error| faults.add(path, shape_code(error), error))?;
         let mut warnings = sourced.warnings(&shape);
-        let Sourced { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
+        let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let workpiece = match parameters.method {
             Method::Surface => Some(Workpiece::new(mesh, unit, &parameters).map_err(|fault| fault.report(path, faults))?),
             // Without facets the method loses evidence, not its answer.

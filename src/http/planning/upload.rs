@@ -15,7 +15,7 @@ use crate::http::document::described;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
-use crate::http::wire::{MOST_CUTTERS, ReceivedSurface, SURFACE, Sourced};
+use crate::http::wire::{MOST_CUTTERS, ReceivedSurface, SURFACE, SurfaceWithSource};
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 use crate::planning::memory::Parallelism;
@@ -87,7 +87,7 @@ pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form:
 #[derive(Debug, Default)]
 struct Received {
     parameters: Option<Vec<u8>>,
-    surface: Option<Result<Sourced, read::Fault>>,
+    surface: Option<Result<SurfaceWithSource, read::Fault>>,
     libraries: Libraries,
     /// Of the form itself.
     faults: Vec<Fault>,
@@ -161,7 +161,7 @@ impl Received {
     }
 
     /// The surface, with the faults of the form and the file recorded.
-    fn surface(&mut self, faults: &mut Faults) -> Result<Sourced, Faulted> {
+    fn surface(&mut self, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         for fault in std::mem::take(&mut self.faults) {
             faults.push(fault);
         }
@@ -201,7 +201,7 @@ async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics,
 }
 
 /// What was read of a file, with the memory that it holds.
-type ReadFile = (Result<Sourced, read::Fault>, Reservation);
+type ReadFile = (Result<SurfaceWithSource, read::Fault>, Reservation);
 
 /// A surface file as it is read.
 struct File {
@@ -238,7 +238,7 @@ impl File {
         memory.resize(surface.held_bytes())?;
         let sourced = finished.map(|summary| {
             metrics.upload_facets(format_label(summary.format), if summary.facets > 0 { summary.facets } else { summary.points });
-            Sourced::of_file(surface, summary)
+            SurfaceWithSource::of_file(surface, summary)
         });
         Ok((sourced, memory))
     }

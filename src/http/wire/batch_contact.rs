@@ -2,7 +2,7 @@
 //! any other is read again by the reader that collects faults.
 
 use super::contact::{self, AngleMembers, AngleSlots, StatedContact, VectorMembers, VectorSlots};
-use super::parameters::{ContactParameters, ParameterSlots, States};
+use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainMembers};
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 use serde_json::value::RawValue;
@@ -20,67 +20,67 @@ impl BatchContact {
     /// Reads a contact whose own parameters override `defaults`.
     pub(crate) fn read(
         raw: &RawValue,
-        states: States,
+        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
-        match Self::read_plain(raw, states) {
-            Some(plain) => plain.with_defaults(states, defaults, path, faults),
-            None => Self::read_faulty(raw, states, defaults, path, faults),
+        match Self::read_plain(raw, stated) {
+            Some(plain) => plain.with_defaults(stated, defaults, path, faults),
+            None => Self::read_faulty(raw, stated, defaults, path, faults),
         }
     }
 
     /// Its own parameters and, where it has none, `defaults`.
     pub(super) fn with_defaults(
         self,
-        states: States,
+        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
         let parameters = self.parameters.or(defaults);
-        parameters.step_over(states, &path, faults)?;
+        parameters.step_over(stated, &path, faults)?;
         Ok(Self { contact: self.contact, parameters })
     }
 
     /// Reads a contact that cannot be read in one pass.
     pub(super) fn read_faulty(
         raw: &RawValue,
-        states: States,
+        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
-        let (contact, parameters) = Self::read_with_faults(raw, states, path, faults)?;
+        let (contact, parameters) = Self::read_with_faults(raw, stated, path, faults)?;
         let parameters = parameters.or(defaults);
-        parameters.step_over(states, &path, faults)?;
+        parameters.step_over(stated, &path, faults)?;
         // The faults of defaults are recorded with the request; they concern a contact where it uses them.
         if faults.is_empty() { Ok(Self { contact: contact?, parameters }) } else { Err(Faulted) }
     }
 
     /// The contact, if it can be read in one pass.
-    fn read_plain(raw: &RawValue, states: States) -> Option<Self> {
+    fn read_plain(raw: &RawValue, stated: StatedParameters) -> Option<Self> {
         let slots = Slots::default().deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
-        Self::accept(&slots, states)
+        Self::accept(&slots, stated)
     }
 
     /// The contact whose values were read; `None` where there is any fault.
-    pub(super) fn accept(slots: &Slots, states: States) -> Option<Self> {
+    pub(super) fn accept(slots: &Slots, stated: StatedParameters) -> Option<Self> {
         let contact = contact::accept(slots.angles, slots.vectors)?;
-        Some(Self { contact, parameters: ContactParameters::accept(slots.parameters, states)? })
+        Some(Self { contact, parameters: ContactParameters::accept(slots.parameters, stated)? })
     }
 
     /// The contact and its parameters with all their faults.
     fn read_with_faults(
         raw: &RawValue,
-        states: States,
+        stated: StatedParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<(Result<StatedContact, Faulted>, ContactParameters), Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let contact = contact::read(&mut object, faults);
-        let parameters = ContactParameters::read(&mut object, states, faults);
+        let parameters = ContactParameters::read(&mut object, stated, faults);
         object.close(faults)?;
         Ok((contact, parameters))
     }
@@ -122,16 +122,16 @@ impl<'de> Visitor<'de> for Slots {
     }
 }
 
-/// The schema of a contact with the parameters that `states` allows.
-pub(crate) fn batch_contact_schemas(states: States, components: &mut Components) -> RefOr<Schema> {
-    let names = match (states.step_over, states.feed_per_tooth) {
+/// The schema of a contact with the parameters that `stated` allows.
+pub(crate) fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {
+    let names = match (stated.step_over, stated.feed_per_tooth) {
         (true, true) => ["AngleContactWithParameters", "VectorContactWithParameters"],
         (true, false) => ["AngleContactWithStepOver", "VectorContactWithStepOver"],
         (false, true) => ["AngleContactWithFeed", "VectorContactWithFeed"],
         (false, false) => ["AngleContactWithCurvature", "VectorContactWithCurvature"],
     };
     contact::forms(names, "A contact with the parameters that it states itself", components, |schema| {
-        ContactParameters::describe(schema, states)
+        ContactParameters::describe(schema, stated)
     })
     .into()
 }
@@ -140,17 +140,17 @@ pub(crate) fn batch_contact_schemas(states: States, components: &mut Components)
 mod tests {
     use super::*;
 
-    const ALL: States = States { step_over: true, feed_per_tooth: true };
-    const NONE: States = States { step_over: false, feed_per_tooth: false };
+    const ALL: StatedParameters = StatedParameters { step_over: true, feed_per_tooth: true };
+    const NONE: StatedParameters = StatedParameters { step_over: false, feed_per_tooth: false };
 
     /// A contact as read by both readers: in one pass, and with faults; `None` where there are any.
-    fn both(text: &str, states: States) -> [Option<String>; 2] {
+    fn both(text: &str, stated: StatedParameters) -> [Option<String>; 2] {
         let raw: &RawValue = serde_json::from_str(text).unwrap();
         let mut faults = Faults::default();
-        let slow = BatchContact::read_with_faults(raw, states, JsonPath::Root, &mut faults);
+        let slow = BatchContact::read_with_faults(raw, stated, JsonPath::Root, &mut faults);
         let slow = slow.and_then(|(contact, parameters)| Ok(BatchContact { contact: contact?, parameters }));
         let slow = slow.ok().filter(|_| faults.is_empty());
-        [BatchContact::read_plain(raw, states), slow].map(|read| read.map(|read| format!("{read:?}")))
+        [BatchContact::read_plain(raw, stated), slow].map(|read| read.map(|read| format!("{read:?}")))
     }
 
     #[test]
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn both_readers_refuse_contacts_with_faults() {
-        for (text, states) in [
+        for (text, stated) in [
             (r#"{"slope_deg":91,"feed_angle_deg":30}"#, ALL),
             (r#"{"slope_deg":"40","feed_angle_deg":30}"#, ALL),
             (r#"{"slope_deg":40,"slope_deg":40,"feed_angle_deg":30}"#, ALL),
@@ -209,7 +209,7 @@ mod tests {
             (r#"{"slope_deg":40,"feed_angle_deg":30,"surface_curvature":null}"#, ALL),
             ("[40, 30]", ALL),
         ] {
-            assert_eq!(both(text, states), [None, None], "{text}");
+            assert_eq!(both(text, stated), [None, None], "{text}");
         }
     }
 }

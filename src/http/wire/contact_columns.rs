@@ -2,7 +2,7 @@
 
 use super::batch_contact::{BatchContact, Slots};
 use super::contact::{AngleColumns, AngleMembers, VectorColumns, VectorMembers};
-use super::parameters::{ContactParameters, ParameterColumns, States};
+use super::parameters::{ContactParameters, ParameterColumns, StatedParameters};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainMembers, RowText, Rows};
 use serde_json::value::RawValue;
@@ -21,11 +21,17 @@ pub(crate) struct ContactColumns {
 
 impl ContactColumns {
     /// Reads columns of at most `most` contacts. Faults of a contact are found when it is read.
-    pub(crate) fn read(raw: &RawValue, states: States, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+    pub(crate) fn read(
+        raw: &RawValue,
+        stated: StatedParameters,
+        most: usize,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let angles = AngleMembers::read_columns(&mut object, most, faults);
         let vectors = VectorMembers::read_columns(&mut object, most, faults);
-        let parameters = ParameterColumns::read(&mut object, states, most, faults);
+        let parameters = ParameterColumns::read(&mut object, stated, most, faults);
         object.close(faults)?;
         let mut rows = Rows::default();
         AngleMembers::check_rows(&angles, &path, &mut rows, faults);
@@ -45,14 +51,14 @@ impl ContactColumns {
     pub(crate) fn contact(
         &self,
         index: usize,
-        states: States,
+        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
-        match self.row(index).and_then(|slots| BatchContact::accept(&slots, states)) {
-            Some(contact) => contact.with_defaults(states, defaults, path, faults),
-            None => BatchContact::read_faulty(&self.text(index), states, defaults, path, faults),
+        match self.row(index).and_then(|slots| BatchContact::accept(&slots, stated)) {
+            Some(contact) => contact.with_defaults(stated, defaults, path, faults),
+            None => BatchContact::read_faulty(&self.text(index), stated, defaults, path, faults),
         }
     }
 
@@ -79,9 +85,9 @@ impl ContactColumns {
     }
 }
 
-/// The schema of columns of at most `most` contacts, with the parameters that `states` allows.
-pub(crate) fn contact_columns_schema(states: States, most: usize, components: &mut Components) -> RefOr<Schema> {
-    let name = match (states.step_over, states.feed_per_tooth) {
+/// The schema of columns of at most `most` contacts, with the parameters that `stated` allows.
+pub(crate) fn contact_columns_schema(stated: StatedParameters, most: usize, components: &mut Components) -> RefOr<Schema> {
+    let name = match (stated.step_over, stated.feed_per_tooth) {
         (true, true) => "ContactColumnsWithParameters",
         (true, false) => "ContactColumnsWithStepOver",
         (false, true) => "ContactColumnsWithFeed",
@@ -89,8 +95,8 @@ pub(crate) fn contact_columns_schema(states: States, most: usize, components: &m
     };
     components.refer(name, "", |components| {
         let about =
-            "Contacts as columns of one length, by angles or by vectors; null is the default that the request states beside the contacts";
+            "Contacts as columns of one length, by angles or by vectors; null is the default that the request stated beside the contacts";
         let schema = VectorMembers::describe_columns(AngleMembers::describe_columns(ObjectSchema::new(about, components), most), most);
-        ParameterColumns::describe(schema, states, most).build()
+        ParameterColumns::describe(schema, stated, most).build()
     })
 }

@@ -3,7 +3,7 @@
 
 use super::summary::Check;
 use crate::http::reading::Components;
-use crate::milling::{JudgedPass, NoAnswer, ScallopHeight};
+use crate::milling::{EvaluatedPass, NoAnswer, ScallopHeight};
 use crate::quantity::Length;
 use serde::{Serialize, Serializer};
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, OneOfBuilder, SchemaFormat, SchemaType, Type};
@@ -34,7 +34,7 @@ pub(crate) struct Figures {
 
 impl Figures {
     /// At a step-over and a feed per tooth that are given or found.
-    pub(crate) fn at(pass: &JudgedPass, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Self, NoAnswer> {
+    pub(crate) fn at(pass: &EvaluatedPass, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Self, NoAnswer> {
         Ok(Self {
             height: pass.scallop_height(step_over, feed_per_tooth)?,
             step_over,

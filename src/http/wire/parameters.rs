@@ -47,7 +47,7 @@ impl SharedParameters {
 
 /// Which parameters of a contact a request states; a calculation computes the others.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct States {
+pub(crate) struct StatedParameters {
     pub(crate) step_over: bool,
     pub(crate) feed_per_tooth: bool,
 }
@@ -61,25 +61,25 @@ pub(crate) struct ContactParameters {
 }
 
 impl ContactParameters {
-    /// Takes out of `object` the parameters that `states` allows, all of them optional.
-    pub(crate) fn read(object: &mut Object<'_, '_>, states: States, faults: &mut Faults) -> Self {
+    /// Takes out of `object` the parameters that `stated` allows, all of them optional.
+    pub(crate) fn read(object: &mut Object<'_, '_>, stated: StatedParameters, faults: &mut Faults) -> Self {
         let path = object.path();
-        let step_over = if states.step_over { StepOverMembers::read(object, faults).build(&path, faults) } else { Ok(None) };
-        let feed_per_tooth = if states.feed_per_tooth { FeedMembers::read(object, faults).feed_per_tooth } else { Ok(None) };
+        let step_over = if stated.step_over { StepOverMembers::read(object, faults).build(&path, faults) } else { Ok(None) };
+        let feed_per_tooth = if stated.feed_per_tooth { FeedMembers::read(object, faults).feed_per_tooth } else { Ok(None) };
         Self { step_over, feed_per_tooth, curvature: CurvatureMembers::read(object, faults).build(&path, faults) }
     }
 
-    pub(crate) fn describe(schema: ObjectSchema<'_>, states: States) -> ObjectSchema<'_> {
-        let schema = if states.step_over { schema.with::<StepOverMembers>() } else { schema };
-        let schema = if states.feed_per_tooth { schema.with::<FeedMembers>() } else { schema };
+    pub(crate) fn describe(schema: ObjectSchema<'_>, stated: StatedParameters) -> ObjectSchema<'_> {
+        let schema = if stated.step_over { schema.with::<StepOverMembers>() } else { schema };
+        let schema = if stated.feed_per_tooth { schema.with::<FeedMembers>() } else { schema };
         schema.with::<CurvatureMembers>()
     }
 
     /// The parameters whose values were read in one pass; `None` where there is any fault.
-    pub(super) fn accept(slots: ParameterSlots, states: States) -> Option<Self> {
+    pub(super) fn accept(slots: ParameterSlots, stated: StatedParameters) -> Option<Self> {
         let ParameterSlots { step_over, feed, curvature } = slots;
         let unknown =
-            !(states.step_over || StepOverMembers::are_absent(&step_over)) || !(states.feed_per_tooth || FeedMembers::are_absent(&feed));
+            !(stated.step_over || StepOverMembers::are_absent(&step_over)) || !(stated.feed_per_tooth || FeedMembers::are_absent(&feed));
         if unknown {
             return None;
         }
@@ -102,10 +102,15 @@ impl ContactParameters {
         }
     }
 
-    /// The step-over; a missing one is a fault where `states` has a step-over.
-    pub(crate) fn step_over(&self, states: States, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
+    /// The step-over; a missing one is a fault where `stated` has a step-over.
+    pub(crate) fn step_over(
+        &self,
+        stated: StatedParameters,
+        path: &JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Option<StepOver>, Faulted> {
         match self.step_over? {
-            None if states.step_over => Err(step_over::missing(path, faults)),
+            None if stated.step_over => Err(step_over::missing(path, faults)),
             step_over => Ok(step_over),
         }
     }
@@ -156,18 +161,18 @@ pub(super) struct ParameterColumns {
 }
 
 impl ParameterColumns {
-    /// Takes out of `object` the columns of the parameters that `states` allows.
-    pub(super) fn read(object: &mut Object<'_, '_>, states: States, most: usize, faults: &mut Faults) -> Self {
+    /// Takes out of `object` the columns of the parameters that `stated` allows.
+    pub(super) fn read(object: &mut Object<'_, '_>, stated: StatedParameters, most: usize, faults: &mut Faults) -> Self {
         Self {
-            step_over: if states.step_over { StepOverMembers::read_columns(object, most, faults) } else { StepOverColumns::default() },
-            feed: if states.feed_per_tooth { FeedMembers::read_columns(object, most, faults) } else { FeedColumns::default() },
+            step_over: if stated.step_over { StepOverMembers::read_columns(object, most, faults) } else { StepOverColumns::default() },
+            feed: if stated.feed_per_tooth { FeedMembers::read_columns(object, most, faults) } else { FeedColumns::default() },
             curvature: CurvatureMembers::read_columns(object, most, faults),
         }
     }
 
-    pub(super) fn describe(schema: ObjectSchema<'_>, states: States, most: usize) -> ObjectSchema<'_> {
-        let schema = if states.step_over { StepOverMembers::describe_columns(schema, most) } else { schema };
-        let schema = if states.feed_per_tooth { FeedMembers::describe_columns(schema, most) } else { schema };
+    pub(super) fn describe(schema: ObjectSchema<'_>, stated: StatedParameters, most: usize) -> ObjectSchema<'_> {
+        let schema = if stated.step_over { StepOverMembers::describe_columns(schema, most) } else { schema };
+        let schema = if stated.feed_per_tooth { FeedMembers::describe_columns(schema, most) } else { schema };
         CurvatureMembers::describe_columns(schema, most)
     }
 

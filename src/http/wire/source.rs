@@ -109,7 +109,7 @@ impl Sink for ReceivedSurface {
 
 /// A surface with its source.
 #[derive(Debug)]
-pub(crate) struct Sourced {
+pub(crate) struct SurfaceWithSource {
     pub(crate) surface: ReceivedSurface,
     pub(crate) source: Source,
     /// The unit that the file states.
@@ -118,7 +118,7 @@ pub(crate) struct Sourced {
     pub(crate) notes: Notes,
 }
 
-impl Sourced {
+impl SurfaceWithSource {
     /// A surface out of a JSON request, of which nothing is left out.
     pub(crate) fn stated(surface: ReceivedSurface, source: Source) -> Self {
         Self { surface, source, unit: None, notes: Notes::default() }

@@ -1,7 +1,7 @@
 //! Surfaces in JSON: points, a grid, a mesh, or a Bezier patch.
 
 use super::points::{Points, each_point, point, point_schema};
-use super::source::{ReceivedSurface, Source, Sourced};
+use super::source::{ReceivedSurface, Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
     AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each, each_raw, members,
@@ -41,15 +41,15 @@ const SAMPLES: Member<Whole> = Member {
 pub(crate) struct StatedSurface;
 
 impl Kind for StatedSurface {
-    type Value = Sourced;
+    type Value = SurfaceWithSource;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let forms = [POINTS.name, GRID.name, MESH.name, BEZIER.name].map(|form| object.has(form));
         let surface = match forms {
             [true, false, false, false] => points(&mut object, faults),
-            [false, true, false, false] => object.required(&GRID, faults).map(|surface| Sourced::stated(surface, Source::Grid)),
-            [false, false, true, false] => object.required(&MESH, faults).map(|surface| Sourced::stated(surface, Source::Mesh)),
+            [false, true, false, false] => object.required(&GRID, faults).map(|surface| SurfaceWithSource::stated(surface, Source::Grid)),
+            [false, false, true, false] => object.required(&MESH, faults).map(|surface| SurfaceWithSource::stated(surface, Source::Mesh)),
             [false, false, false, true] => bezier(&mut object, faults),
             [false, false, false, false] => {
                 Err(faults.add(&path, RequestFault::MissingField, "give points, grid, mesh, or bezier with samples"))
@@ -82,15 +82,15 @@ impl Kind for StatedSurface {
     }
 }
 
-fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
+fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
     let mut surface = ReceivedSurface::new();
     each_point(raw, path.member(POINTS.name), faults, |point| surface.point(point))?;
-    Ok(Sourced::stated(surface, Source::Points))
+    Ok(SurfaceWithSource::stated(surface, Source::Points))
 }
 
-fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, Faulted> {
+fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
     // The shape comes from the samples, as published; the facets only from the corners between them.
@@ -98,7 +98,7 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Sourced, F
     let surface = patch.sampled(samples).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
         faults.add(&object.path().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
     })?;
-    Ok(Sourced::stated(surface, Source::Bezier))
+    Ok(SurfaceWithSource::stated(surface, Source::Bezier))
 }
 
 pub(crate) struct GridKind;

@@ -1,7 +1,7 @@
 //! The zigzag of any one cutter on the rectangle that stands for a surface, for comparison with a simulation.
 
 use super::{InclinedRectangle, Zigzag};
-use crate::milling::{Contact, Cutter, CutterKind, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::milling::{Contact, Cutter, CutterKind, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::motion::MachineLimits;
 use crate::quantity::{Angle, Length, OutOfRange};
 use crate::surface::Shape;
@@ -45,7 +45,7 @@ pub fn plan_on_rectangle(
 fn step_over(cutter: Cutter, slope: Angle, scallop_height: Length, model: Model) -> Option<Length> {
     let diameter = cutter.outer_radius() + cutter.outer_radius();
     let pass = Pass { cutter, contact: Contact::up_the_slope(slope), surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
-    let step_over = match JudgedPass::new(model, pass).and_then(|judged| judged.max_step_over(scallop_height, None)) {
+    let step_over = match EvaluatedPass::new(model, pass).and_then(|evaluated| evaluated.max_step_over(scallop_height, None)) {
         Ok(step_over) => step_over,
         Err(NoAnswer::FlatFloor) => diameter,
         Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => largest_step_over,

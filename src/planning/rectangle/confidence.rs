@@ -192,7 +192,7 @@ impl Confidence {
         &self.reasons
     }
 
-    /// Judges a plan for a surface of this shape.
+    /// The confidence in a plan for a surface of this shape.
     pub(super) fn in_plan(plan: &Plan, job: &Job, rectangle: InclinedRectangle, shape: &Shape) -> Self {
         let found = [of_directions(shape), of_form(shape), of_decision(plan, shape), of_assumptions(plan, job, rectangle)];
         Self::from_reasons(found.into_iter().flatten().collect())
@@ -203,7 +203,7 @@ impl Confidence {
         Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons }
     }
 
-    /// Judges the rectangle that stands for a surface of this shape, for cutters that are not one toroidal and one ball-end. `times` are those of the
+    /// The confidence in the rectangle that stands for a surface of this shape, for cutters that are not one toroidal and one ball-end. `times` are those of the
     /// candidates on it, fastest first.
     #[must_use]
     pub fn of_shape(shape: &Shape, times: &[Time]) -> Self {

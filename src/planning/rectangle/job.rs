@@ -1,6 +1,6 @@
 //! What is given whatever the surface: two cutters to choose from, the scallop they may leave, and the machine.
 
-use crate::milling::{Contact, Cutter, CutterKind, EffectiveRadius, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::milling::{Contact, Cutter, CutterKind, EffectiveRadius, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::motion::MachineLimits;
 use crate::quantity::{Angle, Length};
 use std::fmt;
@@ -134,7 +134,7 @@ fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length)
         return Ok(Length::computed(2.0 * height.sqrt() * (2.0 * radius - height).sqrt()));
     }
     let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
-    match JudgedPass::new(model, pass)?.max_step_over(scallop_height, None) {
+    match EvaluatedPass::new(model, pass)?.max_step_over(scallop_height, None) {
         // A scallop as high as the corner radius, to a rounding: the passes lie as far apart as they can.
         Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => Ok(largest_step_over),
         found => found,

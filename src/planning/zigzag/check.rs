@@ -57,7 +57,7 @@ pub(super) struct Inspector<'a> {
 
 /// A height at a place, and which strip it is in.
 #[derive(Debug, Clone, Copy)]
-struct Judged {
+struct Evaluated {
     strip: usize,
     facet: u32,
     height: Option<f64>,
@@ -82,17 +82,17 @@ pub(super) fn checked(
     let mut kept = None;
     for round in 0..if follows { ROUNDS } else { 0 } {
         let planes = planes_of(&spaced, stop)?;
-        let judged = inspector.judge(&spaced, &planes, &drawn);
+        let evaluated = inspector.evaluate(&spaced, &planes, &drawn);
         let widens = round < 2;
-        let Some(next) = corrected(&spaced, &planes, &judged, &inspector, widens) else {
-            kept = Some(judged);
+        let Some(next) = corrected(&spaced, &planes, &evaluated, &inspector, widens) else {
+            kept = Some(evaluated);
             break;
         };
         spaced.factors = next;
     }
     let simulated = simulate(&spaced, operation, stop)?;
-    let judged = kept.unwrap_or_else(|| inspector.judge(&spaced, &simulated.planes, &drawn));
-    let figures = figures(&judged, drawn.len(), inspector.tolerance);
+    let evaluated = kept.unwrap_or_else(|| inspector.evaluate(&spaced, &simulated.planes, &drawn));
+    let figures = figures(&evaluated, drawn.len(), inspector.tolerance);
     Ok((simulated, figures))
 }
 
@@ -109,11 +109,11 @@ impl<'a> Inspector<'a> {
 
     /// The heights at these facets, in their order.
     pub(super) fn heights(&self, spaced: &Spaced, planes: &[Plane], facets: &[u32]) -> Vec<Option<f64>> {
-        self.judge_all(spaced, planes, &Self::by_strip(spaced, planes, facets)).into_iter().map(|judged| judged.height).collect()
+        self.evaluate_all(spaced, planes, &Self::by_strip(spaced, planes, facets)).into_iter().map(|evaluated| evaluated.height).collect()
     }
 
     /// The heights at the drawn facets and at those that bind the strips, in this order.
-    fn judge(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Judged> {
+    fn evaluate(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Evaluated> {
         let stride = planes.len().div_ceil(STRIPS).max(1);
         let by_area = Self::by_strip(spaced, planes, drawn);
         let binding = planes
@@ -122,7 +122,7 @@ impl<'a> Inspector<'a> {
             .step_by(stride)
             .flat_map(|(strip, plane)| plane.binding.into_iter().flatten().map(move |facet| (strip, facet)));
         let places: Vec<(usize, u32)> = by_area.into_iter().chain(binding).collect();
-        self.judge_all(spaced, planes, &places)
+        self.evaluate_all(spaced, planes, &places)
     }
 
     /// Each facet with the strip in which its middle lies.
@@ -135,12 +135,12 @@ impl<'a> Inspector<'a> {
         facets.iter().map(|&facet| (strip_of(planes, middle(facet)), facet)).collect()
     }
 
-    fn judge_all(&self, spaced: &Spaced, planes: &[Plane], places: &[(usize, u32)]) -> Vec<Judged> {
-        let judge = |&(strip, facet): &(usize, u32)| {
+    fn evaluate_all(&self, spaced: &Spaced, planes: &[Plane], places: &[(usize, u32)]) -> Vec<Evaluated> {
+        let evaluate = |&(strip, facet): &(usize, u32)| {
             let spacing = planes[strip].after;
-            Judged { strip, facet, height: self.height(spaced, facet, spacing) }
+            Evaluated { strip, facet, height: self.height(spaced, facet, spacing) }
         };
-        places.par_iter().with_min_len(64).map(judge).collect()
+        places.par_iter().with_min_len(64).map(evaluate).collect()
     }
 
     /// The height at a facet; `None` where there is none, and infinite where uncut material stands between the passes.
@@ -172,9 +172,9 @@ impl<'a> Inspector<'a> {
     fn widest(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
         let index = facet as usize;
         let contact = FacetContact::new(&self.facets[index], spaced.sweep.heading.e).ok()?;
-        let judged = contact.judged(self.cutter, Model::Envelope).ok()?;
+        let evaluated = contact.evaluated(self.cutter, Model::Envelope).ok()?;
         let feed = self.feed(spaced, index, spacing).map(Length::computed);
-        match judged.max_step_over(Length::computed(AIM * self.tolerance), feed) {
+        match evaluated.max_step_over(Length::computed(AIM * self.tolerance), feed) {
             Ok(step_over) | Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: step_over }) => {
                 Some(step_over.mm() * contact.contact.spacing_ratio())
             }
@@ -189,10 +189,10 @@ fn strip_of(planes: &[Plane], at: f64) -> usize {
 }
 
 /// The factors of the next round; `None` when the spacing may stay.
-fn corrected(spaced: &Spaced, planes: &[Plane], judged: &[Judged], inspector: &Inspector, widens: bool) -> Option<Vec<(f64, f64)>> {
+fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspector: &Inspector, widens: bool) -> Option<Vec<(f64, f64)>> {
     let tolerance = inspector.tolerance;
     let mut highest: Vec<Option<(f64, u32)>> = vec![None; planes.len()];
-    for place in judged {
+    for place in evaluated {
         if let Some(height) = place.height
             && highest[place.strip].is_none_or(|(other, _)| height > other)
         {
@@ -228,8 +228,8 @@ fn corrected(spaced: &Spaced, planes: &[Plane], judged: &[Judged], inspector: &I
     changes.then_some(factors)
 }
 
-fn figures(judged: &[Judged], drawn: usize, tolerance: f64) -> ScallopFigures {
-    let by_area = &judged[..drawn];
+fn figures(evaluated: &[Evaluated], drawn: usize, tolerance: f64) -> ScallopFigures {
+    let by_area = &evaluated[..drawn];
     let mut heights: Vec<f64> = by_area.iter().filter_map(|place| place.height).filter(|height| height.is_finite()).collect();
     heights.sort_by(f64::total_cmp);
     #[expect(clippy::cast_precision_loss, reason = "at most 2,000")]
@@ -237,7 +237,7 @@ fn figures(judged: &[Judged], drawn: usize, tolerance: f64) -> ScallopFigures {
     let percentile = |hundredths: usize| {
         Length::computed(heights.get((heights.len() * hundredths / 100).min(heights.len().saturating_sub(1))).copied().unwrap_or(0.0))
     };
-    let max = judged.iter().filter_map(|place| place.height).filter(|height| height.is_finite()).fold(0.0, f64::max);
+    let max = evaluated.iter().filter_map(|place| place.height).filter(|height| height.is_finite()).fold(0.0, f64::max);
     ScallopFigures {
         p50: percentile(50),
         p90: percentile(90),
@@ -245,7 +245,7 @@ fn figures(judged: &[Judged], drawn: usize, tolerance: f64) -> ScallopFigures {
         max: Length::computed(max),
         over_tolerance_share: share(heights.iter().filter(|&&height| height > OVER * tolerance).count()),
         without_height_share: share(drawn - heights.len()),
-        places: judged.len(),
+        places: evaluated.len(),
     }
 }
 

@@ -101,7 +101,7 @@ impl SurfaceConfidence {
         &self.reasons
     }
 
-    /// Judges plans that are sorted by time; `None` without a plan.
+    /// The confidence in plans that are sorted by time; `None` without a plan.
     pub(super) fn of(plans: &[ZigzagPlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
         let best = plans.first()?;
         let mut reasons = Vec::new();

@@ -1,6 +1,6 @@
 //! One facet under the models of `milling`: its contact, its curvature in the axes of the feed, heights and feeds there.
 
-use crate::milling::{Contact, ContactError, CurvatureOutOfRange, Cutter, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::milling::{Contact, ContactError, CurvatureOutOfRange, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::quantity::Length;
 use crate::surface::FinishFacet;
 
@@ -38,18 +38,18 @@ impl FacetContact {
         spacing / self.contact.spacing_ratio()
     }
 
-    pub(super) fn judged(&self, cutter: Cutter, model: Model) -> Result<JudgedPass, NoContact> {
+    pub(super) fn evaluated(&self, cutter: Cutter, model: Model) -> Result<EvaluatedPass, NoContact> {
         let [along, across, twist] = self.curvature;
         let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).map_err(NoContact::Curvature)?;
         let pass = Pass { cutter, contact: self.contact, surface, runout: Runout::NONE, teeth: None };
-        JudgedPass::new(model, pass).map_err(NoContact::Model)
+        EvaluatedPass::new(model, pass).map_err(NoContact::Model)
     }
 
     /// The height that planes `spacing` apart and a feed per tooth leave, in mm.
     pub(super) fn height(&self, cutter: Cutter, model: Model, spacing: f64, feed: Option<f64>) -> Result<f64, NoContact> {
-        let judged = self.judged(cutter, model)?;
+        let evaluated = self.evaluated(cutter, model)?;
         let step_over = Length::computed(self.step_over(spacing));
-        let height = judged.scallop_height(step_over, feed.map(Length::computed)).map_err(NoContact::Model)?;
+        let height = evaluated.scallop_height(step_over, feed.map(Length::computed)).map_err(NoContact::Model)?;
         Ok(height.total().mm())
     }
 }

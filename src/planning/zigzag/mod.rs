@@ -6,7 +6,7 @@
 //!
 //! The files, in the order in which they are used: `workpiece` prepares facets, `slopes` and `spacing` hold what a cutter allows, `sweep` orders facets
 //! across a direction, `march` places the planes, `runs` cuts the facets, `regions` and `links` order the runs, `tour` adds up times, `simulate`
-//! joins these, `prepared` holds a candidate, `search` tries directions, `contacts` and `check` judge a plan, `least_time` bounds it, `plan` holds it,
+//! joins these, `prepared` holds a candidate, `search` tries directions, `contacts` and `check` evaluate a plan, `least_time` bounds it, `plan` holds it,
 //! `ranking` is the entry, `confidence` rates the order of the plans, `passes` gives a plan point by point, `heights` its scallops facet by facet.
 
 mod candidate;

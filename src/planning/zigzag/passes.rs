@@ -10,7 +10,7 @@ use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::sweep::{Heading, Sweep};
 use super::workpiece::Workpiece;
-use crate::milling::{Cutter, JudgedPass, NoAnswer, ScallopHeight};
+use crate::milling::{Cutter, EvaluatedPass, NoAnswer, ScallopHeight};
 use crate::quantity::{Length, Speed};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
@@ -317,9 +317,9 @@ impl Pointing<'_> {
         if let Ok(of_facet) = FacetContact::new(&self.facets[index], e) {
             curvature = of_facet.curvature;
             step_over = of_facet.step_over(spacing);
-            if let Ok(judged) = of_facet.judged(self.prepared.candidate.cutter, self.settings.model) {
-                feed = range.and_then(|range| self.largest_feed(&judged, step_over, range)).or(feed);
-                height = judged.scallop_height(Length::computed(step_over), feed.map(Length::computed)).ok().map(ScallopHeight::total);
+            if let Ok(evaluated) = of_facet.evaluated(self.prepared.candidate.cutter, self.settings.model) {
+                feed = range.and_then(|range| self.largest_feed(&evaluated, step_over, range)).or(feed);
+                height = evaluated.scallop_height(Length::computed(step_over), feed.map(Length::computed)).ok().map(ScallopHeight::total);
             }
         }
         let rate = range.zip(feed).map_or(planned, |(range, feed)| range.rate(feed));
@@ -336,14 +336,14 @@ impl Pointing<'_> {
     }
 
     /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over alone uses it up.
-    fn largest_feed(&self, judged: &JudgedPass, step_over: f64, range: FeedRange) -> Option<f64> {
+    fn largest_feed(&self, evaluated: &EvaluatedPass, step_over: f64, range: FeedRange) -> Option<f64> {
         // Most feeds are bound by the range, which one height shows.
         let tolerance = self.settings.scallop_height;
-        let at_largest = judged.scallop_height(Length::computed(step_over), Some(Length::computed(range.largest)));
+        let at_largest = evaluated.scallop_height(Length::computed(step_over), Some(Length::computed(range.largest)));
         if at_largest.is_ok_and(|height| height.total() <= tolerance) {
             return Some(range.largest);
         }
-        match judged.max_feed_per_tooth(tolerance, Length::computed(step_over)) {
+        match evaluated.max_feed_per_tooth(tolerance, Length::computed(step_over)) {
             Ok(feed) => Some(feed.mm().min(range.largest)),
             Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }) => Some(largest_feed_per_tooth.mm().min(range.largest)),
             Err(_) => None,

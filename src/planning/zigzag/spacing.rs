@@ -3,7 +3,7 @@
 use super::candidate::FeedRange;
 use super::slopes::{SlopePlace, sines};
 use super::workpiece::Tangent;
-use crate::milling::{Contact, Cutter, CutterKind, CuttingLimits, JudgedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use crate::milling::{Contact, Cutter, CutterKind, CuttingLimits, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::quantity::Length;
 use rayon::prelude::*;
 
@@ -235,13 +235,13 @@ fn best_step_over(
 ) -> Option<Best> {
     let pass = Pass { cutter, contact: contact?, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
     let widest = widest.min(Length::LARGEST);
-    let judged = match JudgedPass::new(model, pass) {
-        Ok(judged) => judged,
+    let evaluated = match EvaluatedPass::new(model, pass) {
+        Ok(evaluated) => evaluated,
         // The circle's radius is infinite: nothing but the cutter's width limits the step-over.
         Err(NoAnswer::FlatFloor) => return Some(Best { step_over: widest, feed_per_tooth: largest_feed.unwrap_or(0.0) }),
         Err(_) => return None,
     };
-    let step_over = |feed: Option<f64>| match judged.max_step_over(height, feed.map(Length::computed)) {
+    let step_over = |feed: Option<f64>| match evaluated.max_step_over(height, feed.map(Length::computed)) {
         Ok(step_over) => step_over.mm().min(widest),
         Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => largest_step_over.mm().min(widest),
         Err(_) => 0.0,
@@ -258,7 +258,7 @@ fn best_step_over(
     }
     // A smaller feed gains more by the step-over than it loses: search.
     let limits = CuttingLimits::new(Some(Length::computed(largest)), None, Some(Length::computed(widest))).ok()?;
-    let best = judged.fastest(height, &limits).ok()?;
+    let best = evaluated.fastest(height, &limits).ok()?;
     Some(Best { step_over: best.step_over.mm(), feed_per_tooth: best.feed_per_tooth.mm() })
 }
 

@@ -57,7 +57,7 @@ impl Polygon {
             emit([a, b, c]);
             return Ok(Cut::Exact);
         }
-        let verdict = judge(corners);
+        let verdict = evaluate(corners);
         if let Fan::Fits | Fan::Crosses = verdict {
             for pair in corners[1..].windows(2) {
                 emit([corners[0], pair[0], pair[1]]);
@@ -84,7 +84,7 @@ enum Fan {
     Crosses,
 }
 
-fn judge(corners: &[[f64; 3]]) -> Fan {
+fn evaluate(corners: &[[f64; 3]]) -> Fan {
     let first = corners[0];
     let triangles = || corners[1..].windows(2).map(|pair| edge(first, pair[0]).cross(&edge(first, pair[1])));
     let extent = corners.iter().map(|corner| edge(first, *corner).norm_squared()).fold(0.0, f64::max);

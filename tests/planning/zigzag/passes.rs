@@ -2,7 +2,7 @@
 
 use super::surfaces::{facets, published};
 use super::{degrees, drive, in_direction, mm, published_cutters, ranked};
-use scallopd::milling::{Contact, JudgedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::motion::{MachineLimits, travel_time};
 use scallopd::planning::zigzag::{Passes, passes};
 use scallopd::quantity::{Length, Speed};
@@ -75,7 +75,7 @@ fn points_lie_in_the_planes_and_have_the_heights_of_the_model() {
                 runout: Runout::NONE,
                 teeth: None,
             };
-            let height = JudgedPass::new(Model::Envelope, pass).unwrap().scallop_height(point.step_over, point.feed_per_tooth).unwrap();
+            let height = EvaluatedPass::new(Model::Envelope, pass).unwrap().scallop_height(point.step_over, point.feed_per_tooth).unwrap();
             approx::assert_relative_eq!(height.total().mm(), point.scallop_height.unwrap().mm(), max_relative = 1e-9);
             over += usize::from(height.total().mm() > 1.001 * 0.01);
             approx::assert_relative_eq!(point.feed_rate.mm_min(), point.feed_per_tooth.unwrap().mm() * 20_000.0, max_relative = 1e-12);
