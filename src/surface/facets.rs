@@ -1,4 +1,5 @@
-//! Sums over facets, taken in blocks of several facets at a time, apart for facets that point up, are level or point down.
+//! Sums over facets, taken in blocks of several facets at a time, apart for facets that point up, are level or point
+//! down.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
@@ -118,7 +119,8 @@ impl Block {
         facing
     }
 
-    /// The facets of one side, of which there is at least one. The other places are filled with its first corner: facets without area.
+    /// The facets of one side, of which there is at least one. The other places are filled with its first corner:
+    /// facets without area.
     fn those_of(&self, side: usize, facing: &Facing) -> (Corners, [f64; SIZE], [f64; SIZE]) {
         let mut chosen = (0..self.count).filter(|at| facing.side[*at] == side).collect::<Vec<_>>();
         let count = chosen.len();
@@ -257,7 +259,8 @@ mod tests {
             assert_eq!(block.bounds, Bounds::NONE);
             return;
         }
-        // Areas of 300 mm^2 within 1e-13 where corners are 1e-14 mm off, in sums of up to 200; moments of 1e4 mm^2 likewise.
+        // Areas of 300 mm^2 within 1e-13 where corners are 1e-14 mm off, in sums of up to 200; moments of 1e4 mm^2
+        // likewise.
         assert_relative_eq!(block.area, single.area, max_relative = 1e-11);
         assert_relative_eq!(block.slope_by_weight, single.slope_by_weight, max_relative = 1e-11, epsilon = 1e-11);
         let ((mean, covariance), (other_mean, other_covariance)) = (moments_of(&block.moments), moments_of(&single.moments));
