@@ -1,5 +1,7 @@
 #!/bin/sh
-# Checks the deployment files without deploying them: manifests against the Kubernetes schemas, the compose file against its own, alert\n# rules and dashboard as far as possible without Prometheus, and the Dockerfile. A test of the service checks the names of metrics. The Python tools go into a virtual environment under target/. promtool and docker are used
+# Checks the deployment files without deploying them: manifests against the Kubernetes schemas, the compose file against its own, alert
+# rules and dashboard as far as possible without Prometheus, and the Dockerfile. A test of the service checks the names of metrics.
+# The Python tools go into a virtual environment under target/. promtool and docker are used
 # where they are; checks that were skipped are listed at the end.
 set -eu
 
