@@ -174,7 +174,7 @@ where
     match receiver.await {
         Ok(Ok(result)) => result,
         Ok(Err(panic)) => resume_unwind(panic),
-        Err(_) => unreachable!("the sender lives until it has sent, as long as the receiver does"),
+        Err(_) => unreachable!("the sender sends before it is dropped, and the receiver exists"),
     }
 }
 

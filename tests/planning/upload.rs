@@ -124,7 +124,7 @@ async fn hostile_files_are_refused_with_their_line_or_byte() {
     let app = TestApp::start().await;
     let mut promising = vec![0; 84 + 50];
     promising[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
-    let promising_ply = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    let ply_with_large_count = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
     // Long enough to be read in several blocks.
     let late = format!("{}1,2\n3,4,5\n", "0.5,0,0\n".repeat(100_000)).into_bytes();
     for (file, status, code, place) in [
@@ -138,7 +138,7 @@ async fn hostile_files_are_refused_with_their_line_or_byte() {
         (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 up\n".to_vec(), 400, "malformed-file", "line 4"),
         (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n".to_vec(), 400, "truncated-file", "line 5"),
         (promising, 400, "truncated-file", "byte"),
-        (promising_ply.into(), 400, "truncated-file", "byte"),
+        (ply_with_large_count.into(), 400, "truncated-file", "byte"),
         (b"%PDF-1.7\n\x00\x01\x02".to_vec(), 415, "unknown-format", ""),
     ] {
         let shown = String::from_utf8_lossy(&file[..file.len().min(40)]).into_owned();

@@ -33,7 +33,7 @@ impl Program {
     pub(crate) fn run(command: &mut Command) -> Self {
         let mut child = command.env("SCALLOPD_LISTEN", "127.0.0.1:0").stdout(Stdio::piped()).spawn().unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap());
-        let first: serde_json::Value = lines.next().expect("a line that says where it listens");
+        let first: serde_json::Value = lines.next().expect("a line with the address");
         let address = first["address"].as_str().expect("an address").parse().unwrap();
         Self { child, address, log: Some(std::thread::spawn(move || lines.collect())) }
     }

@@ -77,7 +77,7 @@ async fn an_endless_body_is_read_up_to_the_limit_and_refused() {
 async fn a_gzip_bomb_is_decompressed_up_to_the_limit_and_refused() {
     let (server, count) = start().await;
     let bomb = gzip(&vec![0; 200 << 20]);
-    assert!(bomb.len() < LIMIT, "the bomb is small before it unfolds: {}", bomb.len());
+    assert!(bomb.len() < LIMIT, "the bomb is small before decompression: {}", bomb.len());
     let answer = post_gzip(&server, "/read/batch", bomb).await;
     assert_eq!(answer.status(), 413);
     let read = count.load(Ordering::SeqCst);

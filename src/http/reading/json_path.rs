@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// The path to a value, displayed as a JSON pointer (RFC 6901). It lives on the stack of the reader and is formatted
+/// The path to a value, displayed as a JSON pointer (RFC 6901). It is on the stack of the reader and is formatted
 /// only for a fault.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum JsonPath<'p> {

@@ -30,9 +30,9 @@ use super::{Bounds, Sink};
 use nalgebra::Vector3;
 use std::fmt;
 
-/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of vertical.
-/// Single precision moves corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half a metre
-/// from the origin by 3e-5.
+/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of
+/// vertical. Single precision moves corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half a
+/// metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
 /// Points in mm, and triangles by the numbers of their points. There is at least one triangle; all have an area.
