@@ -100,6 +100,7 @@ pub mod milling;
 pub mod motion;
 pub mod numerics;
 pub mod planning;
+mod priority;
 pub mod quantity;
 pub mod server;
 pub mod settings;

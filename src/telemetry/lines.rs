@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 use tracing_subscriber::fmt::MakeWriter;
 
+use crate::priority;
+
 /// How long lines are gathered before they are written.
 const GATHERING: Duration = Duration::from_millis(10);
 
@@ -43,7 +45,12 @@ impl Lines {
     /// The system starts no thread.
     pub(super) fn write_to(&self, mut output: impl Write + Send + 'static) -> io::Result<JoinHandle<()>> {
         let lines = self.clone();
-        std::thread::Builder::new().name("log".to_owned()).spawn(move || while lines.write_some(&mut output) {})
+        let write = move || {
+            // Requests come first where cores are few: a write takes as long as some requests.
+            priority::lower();
+            while lines.write_some(&mut output) {}
+        };
+        std::thread::Builder::new().name("log".to_owned()).spawn(write)
     }
 
     /// Marks the queue as complete.
