@@ -1,4 +1,5 @@
-//! The memory that planning takes, stated beforehand so that a caller can reserve it. `cargo bench --bench memory` measures it.
+//! The memory that planning takes, stated beforehand so that a caller can reserve it. `cargo bench --bench memory`
+//! measures it.
 
 use super::zigzag::PlanRoom;
 use crate::surface::FinishFacet;
@@ -21,11 +22,12 @@ const CURVATURE_POINT: usize = 60;
 /// Of each facet that is planned: [`FinishFacet`](crate::surface::FinishFacet), and what the simulation prepares of it.
 const PLANNED_FACET: usize = 152 + 168;
 
-/// For each candidate or direction in work: a facet in the order of its direction, and while it is between two planes, which all facets may be at once.
+/// For each candidate or direction in work: a facet in the order of its direction, and while it is between two
+/// planes, which all facets may be at once.
 const ORDERED_FACET: usize = 128 + 80;
 
-/// For each candidate or direction in work: a plane with those of the check before, factors and heights, in vectors that move to twice their size;
-/// a run with its order; a cell of a plane.
+/// For each candidate or direction in work: a plane with those of the check before, factors and heights, in vectors
+/// that move to twice their size; a run with its order; a cell of a plane.
 const PLANE: usize = 210;
 const RUN: usize = 200;
 const CELL: usize = 56;
@@ -33,15 +35,16 @@ const CELL: usize = 56;
 /// The most cells of a plane.
 const MOST_CELLS: usize = 100_000;
 
-/// The most facets that the search over directions samples for the directions around the best, some more than it draws; for all directions half as
-/// many; and what is held of each.
+/// The most facets that the search over directions samples for the directions around the best, some more than it
+/// draws; for all directions half as many; and what is held of each.
 const SAMPLED: usize = 7_000;
 const SAMPLED_FACET: usize = 176;
 
 /// Of each candidate: tables of spacings and feeds, and times by direction.
 const CANDIDATE: usize = 64 << 10;
 
-/// The side of the raster on which cutters are tried, and what is held of each cell: height and facet seen, height and area.
+/// The side of the raster on which cutters are tried, and what is held of each cell: height and facet seen, height
+/// and area.
 pub const TRIAL_SIDE: usize = 256;
 const TRIAL_CELL: usize = 20;
 
@@ -77,8 +80,8 @@ pub fn bytes_of_mesh(MeshSize { facets, points }: MeshSize) -> usize {
     facets * MESH_FACET + points * MESH_POINT
 }
 
-/// The memory that it takes to class the facets of a mesh of this size, to estimate their curvatures and to see the mesh from above, in bytes, beside
-/// the mesh.
+/// The memory that it takes to class the facets of a mesh of this size, to estimate their curvatures and to see the
+/// mesh from above, in bytes, beside the mesh.
 #[must_use]
 pub fn bytes_to_prepare(MeshSize { facets, points }: MeshSize) -> usize {
     let view = (8 * facets).clamp(1 << 12, 1 << 20) * VIEW_CELL;
@@ -105,8 +108,8 @@ pub fn bytes_to_rank(size: RankingSize, parallelism: Parallelism, room: PlanRoom
     held + search.max(plans).max(trial) + FIXED
 }
 
-/// The most threads and candidates at once, of at most `threads`, with which ranking takes at most `most` bytes, and these bytes; one of each where none
-/// fits.
+/// The most threads and candidates at once, of at most `threads`, with which ranking takes at most `most` bytes, and
+/// these bytes; one of each where none fits.
 #[must_use]
 pub fn fitting(size: RankingSize, threads: usize, room: PlanRoom, most: usize) -> (Parallelism, usize) {
     let ways = (1..=threads).rev().flat_map(|threads| (1..=threads).rev().map(move |candidates| Parallelism { threads, candidates }));

@@ -1,4 +1,4 @@
-//! The memory that a recommendation takes, which is reserved from the budget before it is worked out.
+//! The memory of a recommendation, which is reserved from the budget before the calculation.
 
 use crate::http::wire::ReceivedSurface;
 use crate::http::worker_pool::Work;
@@ -9,7 +9,7 @@ use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
 use std::time::Duration;
 
-/// What a recommendation may use.
+/// The resources that a recommendation holds.
 #[derive(Debug)]
 pub(super) struct Means {
     pub(super) memory: Reservation,
@@ -38,8 +38,8 @@ impl Means {
         Self { memory, ..self }
     }
 
-    /// The memory that a ranking on a mesh of this size takes, in bytes, and how it may use threads: as many and as many candidates at once as fit one
-    /// request.
+    /// The memory that a ranking on a mesh of this size takes, in bytes, and how it may use threads: as many and as
+    /// many candidates at once as fit one request.
     pub(super) fn needed(&self, mesh: MeshSize, size: RankingSize) -> (u64, Parallelism) {
         let mesh = bytes_of_mesh(mesh);
         let (parallelism, bytes) = fitting(size, self.parallelism.threads, self.room, self.largest.saturating_sub(mesh));
@@ -67,7 +67,7 @@ impl Means {
     }
 }
 
-/// The memory that it takes to make facets to plan on out of a surface, in bytes, beside what is held of the surface.
+/// The memory in bytes to prepare the facets of the plan, beside the memory of the surface itself.
 pub(super) fn bytes_of_workpiece(mesh: &MeshBuilder) -> u64 {
     let size = mesh.size();
     (bytes_of_mesh(size) + mesh.bytes_to_finish().max(bytes_to_prepare(size))) as u64
@@ -76,18 +76,19 @@ pub(super) fn bytes_of_workpiece(mesh: &MeshBuilder) -> u64 {
 /// The memory that a map takes: figures of each cell and their text, in a vector that moves to twice its size.
 pub(super) const BYTES_OF_A_MAP: u64 = 256 * (TRIAL_SIDE * TRIAL_SIDE) as u64;
 
-/// The memory that the facets of a surface in JSON take for each byte in which the body states it, while their vectors move to twice their size. A point
-/// takes 8 bytes at least, `[0,0,0],`, and in a grid stands for two facets: 72 bytes and 15 of the table that finds it, and 36 for each facet.
+/// The memory that the facets of a surface in JSON take for each byte in which the body states it, while their
+/// vectors move to twice their size. A point takes 8 bytes at least, `[0,0,0],`, and in a grid stands for two facets:
+/// 72 bytes and 15 of the table that finds it, and 36 for each facet.
 const BYTES_OF_A_BYTE: usize = 20;
 
-/// The points and triangles of a JSON mesh, held until all have come: 24 bytes for each 8 of the body.
+/// The points and triangles of a JSON mesh, which are held until all are read: 24 bytes for each 8 of the body.
 const BYTES_OF_A_BYTE_OF_A_MESH: usize = 3;
 
-/// The facets of a patch as it is sampled: a million, which are merged.
+/// The facets of a sampled patch: one million, before they are merged.
 const BYTES_OF_A_PATCH: usize = 48 << 20;
 
-/// A facet of a patch, with the half of a point and of its place in the table that belong to it, in vectors that move to twice their size, and the
-/// samples.
+/// A facet of a patch, with the half of a point and of its place in the table that belong to it, in vectors that move
+/// to twice their size, and the samples.
 const BYTES_OF_A_SAMPLED_FACET: usize = 120;
 
 /// The most samples along a parameter of a patch.
@@ -99,8 +100,8 @@ pub(super) fn bytes_to_read(json: &[u8]) -> u64 {
     (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets) as u64
 }
 
-/// The memory that the facets of a patch take as it is sampled, where the JSON may hold one: two for each square of the largest number that stands after
-/// the name `samples`.
+/// The memory that the facets of a patch take as it is sampled, where the JSON may hold one: two for each square of
+/// the largest number that stands after the name `samples`.
 fn bytes_of_patch(json: &[u8]) -> usize {
     // The name of a member may be written with escapes.
     if memchr::memchr(b'\\', json).is_some() {

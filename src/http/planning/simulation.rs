@@ -1,4 +1,4 @@
-//! A surface seen as facets, and the simulation of all candidates on it.
+//! The facets of a surface, and the simulation of all candidates on them.
 
 use super::memory::Means;
 use super::parameters::Parameters;
@@ -25,18 +25,18 @@ pub(super) struct Workpiece {
     pub(super) mesh: Mesh,
     pub(super) visibility: Visibility,
     pub(super) pieces: u32,
-    /// The number of pieces of which a facet is machined.
+    /// The number of pieces with a machined facet.
     pub(super) machined_pieces: usize,
     /// Whether each facet of the mesh is selected and not too steep.
     machined: Vec<bool>,
     /// The facets that a plan is made for.
     pub(super) facets: Vec<FinishFacet>,
-    /// Where each of the mesh's facets stands among those.
+    /// The position of each facet of the mesh among those of the plan.
     places: Vec<Option<u32>>,
     pub(super) view: ViewFromAbove,
 }
 
-/// Why a surface has no facets to machine.
+/// The reason why a surface has no facets to machine.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum NoWorkpiece {
     Mesh(MeshError),
@@ -45,7 +45,7 @@ pub(super) enum NoWorkpiece {
 }
 
 impl NoWorkpiece {
-    /// Whether the surface as such is sound: it only has no facets that can be seen from above.
+    /// Whether the surface is valid and only has no facets that are visible from above.
     pub(super) fn is_sound(self) -> bool {
         match self {
             Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. })
@@ -54,7 +54,7 @@ impl NoWorkpiece {
         }
     }
 
-    /// The fault of a surface that was sent at `path`.
+    /// Records the fault of the surface at `path`.
     pub(super) fn report(self, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
         match self {
             Self::Mesh(error) => faults.add(path, mesh_code(error), error),
@@ -103,7 +103,7 @@ impl Workpiece {
         Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
     }
 
-    /// Where the facet that a cell shows stands among those of the plan.
+    /// The position of a cell's facet among those of the plan.
     pub(super) fn facet_of_cell(&self, cell: usize) -> Option<u32> {
         self.view.facet(cell).and_then(|facet| self.places[facet])
     }
@@ -118,15 +118,15 @@ impl Workpiece {
 /// All candidates simulated on a surface.
 pub(super) struct Simulation {
     pub(super) settings: ZigzagSettings,
-    /// The candidates with what they cannot reach.
+    /// The candidates, each with the material it cannot reach.
     pub(super) candidates: Vec<CandidateCutter>,
     pub(super) ranking: Ranking,
     reach: ReachMap,
 }
 
 impl Simulation {
-    /// Simulates the candidates in these places among those of the request, in larger room where a plan needs it; `None` as soon as `stop` returns
-    /// true.
+    /// Simulates the candidates in these places among those of the request, in larger room where a plan needs it;
+    /// `None` as soon as `stop` returns true.
     pub(super) fn run(
         workpiece: &Workpiece,
         parameters: &Parameters,

@@ -4,8 +4,8 @@ use super::march::{MOST_PLANES, NoPlanes};
 use super::simulate::MOST_RUNS;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How many planes and runs the plan of each candidate may have. Most plans have some hundred of each; memory for the most that there may be is
-/// reserved for those that need it.
+/// How many planes and runs the plan of each candidate may have. Most plans have some hundred of each; memory for the
+/// most that there may be is reserved for those that need it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlanRoom {
     /// The most planes.
