@@ -22,11 +22,10 @@ pub struct ScallopFigures {
     pub p99: Length,
     /// The largest of all heights that were calculated.
     pub max: Length,
-    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, to which
-    /// spacings are found.
+    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, to which spacings are found.
     pub over_tolerance_share: f64,
-    /// The share of the area where the cutter gouges the surface beside the contact, or leaves uncut material between
-    /// the passes: it has no height and is not in the percentiles.
+    /// The share of the area where the cutter gouges the surface beside the contact, or leaves uncut material between the passes: it has no
+    /// height and is not in the percentiles.
     pub without_height_share: f64,
     /// At how many places the height was calculated.
     pub places: usize,
@@ -41,8 +40,7 @@ const STRIPS: usize = 400;
 /// How often the spacing follows from a check.
 const ROUNDS: usize = 4;
 
-/// Heights from this share of the tolerance on count as tight, and over this one as too high; spacings are set to
-/// `AIM` of it.
+/// Heights from this share of the tolerance on count as tight, and over this one as too high; spacings are set to `AIM` of it.
 const TIGHT: f64 = 0.97;
 const AIM: f64 = 0.995;
 const OVER: f64 = 1.0033;
@@ -65,13 +63,11 @@ struct Evaluated {
     height: Option<f64>,
 }
 
-/// Simulates with spacings as they come, or, where `follows` is set, with spacings that follow from the check of each
-/// strip.
+/// Simulates with spacings as they come, or, where `follows` is set, with spacings that follow from the check of each strip.
 ///
-/// In each round the heights at the facets that bind the strips, and at places drawn by area, give each strip's
-/// highest; where that is over the tolerance, the strip's spacing becomes the one that keeps [`AIM`] of the tolerance
-/// at that place. In the first two rounds strips under [`TIGHT`] of it widen in the same way, by a fifth at most;
-/// afterwards they only narrow. There are [`ROUNDS`] rounds at most.
+/// In each round the heights at the facets that bind the strips, and at places drawn by area, give each strip's highest; where that is over
+/// the tolerance, the strip's spacing becomes the one that keeps [`AIM`] of the tolerance at that place. In the first two rounds strips under [`TIGHT`] of it widen
+/// in the same way, by a fifth at most; afterwards they only narrow. There are [`ROUNDS`] rounds at most.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -187,8 +183,7 @@ impl<'a> Inspector<'a> {
     }
 }
 
-/// The strip in which a place across the passes lies: that after the last plane before it, the first one's before the
-/// first plane.
+/// The strip in which a place across the passes lies: that after the last plane before it, the first one's before the first plane.
 fn strip_of(planes: &[Plane], at: f64) -> usize {
     planes.partition_point(|plane| plane.at <= at).saturating_sub(1)
 }

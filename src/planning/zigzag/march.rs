@@ -69,8 +69,7 @@ pub(super) struct Reached {
     density: f64,
 }
 
-/// A plane of passes with the spacings to its neighbours; the first and the last have their one neighbour's on both
-/// sides.
+/// A plane of passes with the spacings to its neighbours; the first and the last have their one neighbour's on both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plane {
     pub(super) at: f64,
@@ -105,12 +104,12 @@ pub(super) enum NoPlanes {
 /// How many planes are placed between two checks for cancellation.
 const PLANES_AT_ONCE: usize = 32;
 
-/// The most facets that strips may meet, over all strips: some 0.2 s. A mesh of a million facets meets 5e6; half a
-/// million facets that each cover a whole part meet it in every strip.
+/// The most facets that strips may meet, over all strips: some 0.2 s. A mesh of a million facets meets 5e6; half a million facets that each cover a whole
+/// part meet it in every strip.
 const MOST_MET: usize = 50_000_000;
 
-/// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The
-/// visitor keeps those that reach beyond the plane, and may end the walk.
+/// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The visitor keeps those that
+/// reach beyond the plane, and may end the walk.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -157,8 +156,7 @@ pub(super) fn march(
                 visit(plane, &mut walk.reached)?;
                 break;
             }
-            // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the
-            // border allows that.
+            // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the border allows that.
             is_last = widest > rest;
             plane.after = if is_last { rest - widest / 2.0 } else { widest };
             if planes == 1 {
@@ -187,8 +185,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// The largest d that all facets allow that meet the strip from `at` to `at` + d, but for the share of its area
-    /// that may be left out.
+    /// The largest d that all facets allow that meet the strip from `at` to `at` + d, but for the share of its area that may be left out.
     fn widest_from(&mut self, at: f64) -> Result<f64, NoPlanes> {
         let widest = self.spaced.widest;
         loop {
@@ -249,8 +246,8 @@ impl Walk<'_> {
                 }
             }
         }
-        // The area of a strip grows in proportion to its width, about. A strip may be as wide as the bound of a facet
-        // if a wider one, up to the next bound, would hold more of tighter facets than may be left out.
+        // The area of a strip grows in proportion to its width, about. A strip may be as wide as the bound of a facet if a wider one, up to the next bound,
+        // would hold more of tighter facets than may be left out.
         let left_out_per_width = self.spaced.left_out * area / width;
         let next_bound = |index: usize| self.tightest.get(index + 1).map_or(width, |&(bound, _)| bound);
         let holds_too_much = |index: &usize| {

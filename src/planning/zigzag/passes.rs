@@ -31,8 +31,7 @@ pub struct Passes {
 /// A point of a pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassPoint {
-    /// Where the cutter touches the surface, in mm; `None` where the tip is raised because the cutter would gouge the
-    /// surface elsewhere.
+    /// Where the cutter touches the surface, in mm; `None` where the tip is raised because the cutter would gouge the surface elsewhere.
     pub contact: Option<[f64; 3]>,
     /// The unit normal of the surface there.
     pub normal: [f64; 3],
@@ -40,8 +39,7 @@ pub struct PassPoint {
     pub tip: [f64; 3],
     /// The step-over to the farther of the neighbouring passes, along the surface.
     pub step_over: Length,
-    /// The largest feed per tooth that keeps the scallop height, within the limits of cutter and machine; `None` for
-    /// cutters without a drive.
+    /// The largest feed per tooth that keeps the scallop height, within the limits of cutter and machine; `None` for cutters without a drive.
     pub feed_per_tooth: Option<Length>,
     /// The feed rate: that of the feed per tooth, else the machine's.
     pub feed_rate: Speed,
@@ -51,8 +49,7 @@ pub struct PassPoint {
     pub curvature: [f64; 3],
 }
 
-/// The passes have more points than allowed, even without those between the ends of runs that are not needed for the
-/// shape.
+/// The passes have more points than allowed, even without those between the ends of runs that are not needed for the shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyPoints {
     /// How many points may be.
@@ -73,8 +70,7 @@ const CHORD_SHARE: f64 = 0.1;
 /// How often the chord tolerance is doubled before passes count as having too many points: up to a thousand times.
 const DOUBLINGS: u32 = 10;
 
-/// How far under the height at which the cutter rests a tip may be, as a share of the scallop height, before it is
-/// raised.
+/// How far under the height at which the cutter rests a tip may be, as a share of the scallop height, before it is raised.
 const SUNK_SHARE: f64 = 0.5;
 
 /// A place on a pass before points are left out.
@@ -85,13 +81,11 @@ struct Place {
     tip: [f64; 3],
 }
 
-/// The passes of `plan`, which [`super::rank`] made from the same facets, candidate and settings, with at most
-/// `limit` points.
+/// The passes of `plan`, which [`super::rank`] made from the same facets, candidate and settings, with at most `limit` points.
 ///
-/// Contacts lie where the planes cross the facets' middles and at the ends of runs; a point is left out where contact
-/// and tip are within the chord tolerance of the lines between their neighbours: a tenth of the scallop height,
-/// doubled until the points are few enough. `tip_height` is the height at which the cutter's tip rests on the surface
-/// with its axis at (x, y), `None` where that is not known; tips deeper than half a scallop height under it are
+/// Contacts lie where the planes cross the facets' middles and at the ends of runs; a point is left out where contact and tip are within the chord
+/// tolerance of the lines between their neighbours: a tenth of the scallop height, doubled until the points are few enough. `tip_height` is the height at
+/// which the cutter's tip rests on the surface with its axis at (x, y), `None` where that is not known; tips deeper than half a scallop height under it are
 /// raised to it.
 ///
 /// # Errors
@@ -136,8 +130,8 @@ pub fn passes(
     Ok(Passes { run_starts, points: points.into_iter().flatten().collect(), chord_tolerance: Length::computed(chord) })
 }
 
-/// The memory that [`passes`] takes with at most `limit` points, in bytes, beside what ranking a candidate takes: the
-/// places of all planes and the points.
+/// The memory that [`passes`] takes with at most `limit` points, in bytes, beside what ranking a candidate takes: the places of all planes
+/// and the points.
 #[must_use]
 pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
     let heading = Heading::new(plan.direction);
@@ -147,8 +141,8 @@ pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) 
         before(across.into_iter().fold(f64::NEG_INFINITY, f64::max)) - before(across.into_iter().fold(f64::INFINITY, f64::min))
     };
     let cuts: usize = facets.par_iter().with_min_len(4096).map(crossed).sum();
-    // A run has two places beside those of its cuts; the simulation, whose gaps may be a little wider, joins some
-    // runs. The cuts of a plane make way for its places.
+    // A run has two places beside those of its cuts; the simulation, whose gaps may be a little wider, joins some runs. The cuts of a plane make way
+    // for its places.
     let places = cuts + (2 * cuts).min(4 * plan.tour.runs);
     places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
 }
@@ -254,8 +248,8 @@ fn runs_of(
     runs
 }
 
-/// The tip of a cutter that touches a plane with the normal n at the contact c: the corner's centre is r n above it,
-/// the axis R - r further along the horizontal part of n, and the tip r below the centre.
+/// The tip of a cutter that touches a plane with the normal n at the contact c: the corner's centre is r n above it, the axis R - r further along
+/// the horizontal part of n, and the tip r below the centre.
 fn tip_of(cutter: Cutter, contact: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
     let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
     let horizontal = normal[0].hypot(normal[1]);
@@ -264,8 +258,8 @@ fn tip_of(cutter: Cutter, contact: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
     [contact[0] + (corner + out) * normal[0], contact[1] + (corner + out) * normal[1], contact[2] + corner * normal[2] - corner]
 }
 
-/// Which places to keep so that none left out is farther from the line between its kept neighbours than `chord`: the
-/// two ends, and again and again the farthest place (Douglas and Peucker), by contact and tip.
+/// Which places to keep so that none left out is farther from the line between its kept neighbours than `chord`: the two ends, and again and again the
+/// farthest place (Douglas and Peucker), by contact and tip.
 fn thinned(places: &[Place], chord: f64) -> Vec<usize> {
     let mut keep = vec![false; places.len()];
     let Some(last) = places.len().checked_sub(1) else { return Vec::new() };
@@ -344,8 +338,7 @@ impl Pointing<'_> {
         }
     }
 
-    /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over
-    /// alone uses it up.
+    /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over alone uses it up.
     fn largest_feed(&self, evaluated: &EvaluatedPass, step_over: f64, range: FeedRange) -> Option<f64> {
         // Most feeds are bound by the range, which one height shows.
         let tolerance = self.settings.scallop_height;

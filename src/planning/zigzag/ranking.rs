@@ -58,8 +58,7 @@ pub enum NoRanking {
     NoRoom,
 }
 
-/// The same as [`rank`] with bounds on the size of plans, and thereby on memory. The result does not depend on the
-/// room.
+/// The same as [`rank`] with bounds on the size of plans, and thereby on memory. The result does not depend on the room.
 ///
 /// # Errors
 /// [`NoRanking`]
@@ -101,8 +100,7 @@ fn ranked(
     let times = times_by_direction(&workpiece, &prepared, settings, room, stop)?;
     let work: Vec<_> = prepared.iter().zip(times).collect();
     let mut plans = Vec::new();
-    // A candidate in work holds all facets in the order of its direction: no more of them at once than there are
-    // threads.
+    // A candidate in work holds all facets in the order of its direction: no more of them at once than there are threads.
     for group in work.chunks(settings.candidates_at_once.clamp(1, rayon::current_num_threads())) {
         let planned: Vec<Result<ZigzagPlan, NotRanked>> = group
             .par_iter()
@@ -128,8 +126,7 @@ fn ranked(
     Some(Ranking { plans, not_ranked, surface, confidence })
 }
 
-/// Drops the planes of all plans but the fastest: fifty thousand planes of two hundred cutters would take half a
-/// gigabyte.
+/// Drops the planes of all plans but the fastest: fifty thousand planes of two hundred cutters would take half a gigabyte.
 fn keep_planes_of_fastest(plans: &mut [ZigzagPlan]) {
     let fastest = plans.iter().enumerate().min_by(|(_, a), (_, b)| a.time.seconds().total_cmp(&b.time.seconds())).map(|(index, _)| index);
     plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != fastest).for_each(|(_, plan)| plan.passes = Vec::new());

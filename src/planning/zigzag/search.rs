@@ -28,8 +28,7 @@ const MOST_FACETS: usize = 6_000;
 /// How many of the fastest directions of the first pass are simulated again.
 const BEST_AT_FIRST: usize = 2;
 
-/// The times of each contender in the directions that are asked for, in rising order of direction; `None` as soon as
-/// `stop` returns true.
+/// The times of each contender in the directions that are asked for, in rising order of direction; `None` as soon as `stop` returns true.
 pub(super) fn times_by_direction(
     workpiece: &Workpiece,
     contenders: &[Prepared],
