@@ -98,13 +98,11 @@ impl WorkerPool {
     }
 
     async fn acquire(&self, semaphore: &Arc<Semaphore>, longest: Duration) -> Result<OwnedSemaphorePermit, Overload> {
-        match timeout(longest, Arc::clone(semaphore).acquire_owned()).await {
-            Ok(Ok(permit)) => Ok(permit),
-            _ => {
-                self.0.metrics.shed(Overload::Workers);
-                Err(Overload::Workers)
-            }
-        }
+        let Ok(Ok(permit)) = timeout(longest, Arc::clone(semaphore).acquire_owned()).await else {
+            self.0.metrics.shed(Overload::Workers);
+            return Err(Overload::Workers);
+        };
+        Ok(permit)
     }
 }
 
