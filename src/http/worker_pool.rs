@@ -36,6 +36,8 @@ struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
+    /// Half of the permits, for recommendations: so many at once keep all cores busy, and batches find a permit beside them.
+    plans: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
     threads_of_a_permit: usize,
@@ -75,6 +77,7 @@ impl WorkerPool {
         let shared = Shared {
             free: Mutex::new(free),
             permits: Arc::new(Semaphore::new(most)),
+            plans: Arc::new(Semaphore::new(most.div_ceil(2))),
             pieces: threads("piece", cores)?,
             threads_of_a_permit,
             metrics: metrics.clone(),
@@ -87,14 +90,21 @@ impl WorkerPool {
     /// # Errors
     /// [`Overload::Workers`] if none becomes free.
     pub async fn admit(&self, longest: Duration) -> Result<WorkPermit, Overload> {
-        let Ok(Ok(permit)) = timeout(longest, Arc::clone(&self.0.permits).acquire_owned()).await else {
-            self.0.metrics.shed(Overload::Workers);
-            return Err(Overload::Workers);
-        };
+        let permit = self.acquire(&self.0.permits, longest).await?;
         // Threads return before their permit: see the order in the `Drop` of `Held`.
         let threads = self.0.free().pop();
         let held = Held { threads, _permit: permit, pool: self.clone() };
         Ok(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
+    }
+
+    async fn acquire(&self, semaphore: &Arc<Semaphore>, longest: Duration) -> Result<OwnedSemaphorePermit, Overload> {
+        match timeout(longest, Arc::clone(semaphore).acquire_owned()).await {
+            Ok(Ok(permit)) => Ok(permit),
+            _ => {
+                self.0.metrics.shed(Overload::Workers);
+                Err(Overload::Workers)
+            }
+        }
     }
 }
 
@@ -210,20 +220,27 @@ impl Work {
         work: impl FnOnce(Reservation, &CancelFlag) -> T + Send + 'static,
     ) -> Result<T, Problem> {
         let deadline = Instant::now() + longest;
-        let permit = loop {
+        let (permit, plan) = loop {
             // Before the attempt, so that bytes that return after it are noticed.
             let returned = self.budget.returned();
-            let permit = self.workers.admit(deadline.saturating_duration_since(Instant::now())).await?;
+            let left = || deadline.saturating_duration_since(Instant::now());
+            let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
+            let permit = self.workers.admit(left()).await?;
             match memory.try_grow(bytes) {
-                Ok(()) => break permit,
+                Ok(()) => break (permit, plan),
                 Err(BudgetExceeded::Always) => return Err(self.budget.refuse(BudgetExceeded::Always).into()),
-                Err(BudgetExceeded::Now) => drop(permit),
+                Err(BudgetExceeded::Now) => drop((permit, plan)),
             }
             if timeout_at(deadline, returned).await.is_err() {
                 return Err(self.budget.refuse(BudgetExceeded::Now).into());
             }
         };
-        Ok(permit.run(move |cancelled| work(memory, cancelled)).await)
+        let work = move |cancelled: &CancelFlag| {
+            let result = work(memory, cancelled);
+            drop(plan);
+            result
+        };
+        Ok(permit.run(work).await)
     }
 
     /// Runs `work` on `count` new threads instead of the permit's, because each thread takes memory.
