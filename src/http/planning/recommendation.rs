@@ -28,7 +28,7 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 ///
 /// Which of the cutters finishes a surface soonest, in which direction and with which step-over and feed, and how
 /// reliable the recommendation is. By default zigzag passes are simulated on the surface itself; method `rectangle`
-/// compares the surface with an inclined rectangle that spreads as much.
+/// plans on the equivalent inclined rectangle of the surface.
 #[utoipa::path(
     post, path = "/v1/cutter-recommendation", tag = "planning", operation_id = "cutter_recommendation",
     request_body = RecommendationRequest,

@@ -20,6 +20,14 @@ pub(super) enum Clearing {
     },
 }
 
+/// A row of the section: its lateral offset, its height, and the feed per tooth of the marks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    pub(super) t: f64,
+    pub(super) p: f64,
+    pub(super) feed: f64,
+}
+
 /// The chord that holds least, and how the chords' ends follow when the other unknowns change.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Held {
@@ -50,8 +58,9 @@ impl Clearing {
         }
     }
 
-    /// The chord at the offset t and the height p of whose ends the further one is furthest outside; `x` has each chord's front end, where its search starts and ends.
-    pub(super) fn search(&self, body: &Body, x: &mut [f64; 2], t: f64, p: f64, feed: f64, accuracy: Accuracy, reach: f64) -> Held {
+    /// The chord in a row of whose ends the further one is furthest outside; `x` has each chord's front end, where its search starts and ends.
+    pub(super) fn search(&self, body: &Body, x: &mut [f64; 2], row: Row, accuracy: Accuracy, reach: f64) -> Held {
+        let Row { t, p, feed } = row;
         let (one, other) = self.pairs(feed);
         let first = Chord::search(body, &mut x[0], t, p, &one, accuracy, reach);
         let second = other.map(|marks| Chord::search(body, &mut x[1], t, p, &marks, accuracy, reach));
@@ -72,13 +81,13 @@ impl Clearing {
         Held { chord, shifts }
     }
 
-    /// How far outside the section the chords at the offset t and the height p are, negative inside, searched from `x` on.
-    pub(super) fn outside(&self, body: &Body, mut x: [f64; 2], t: f64, p: f64, feed: f64, reach: f64) -> f64 {
-        self.search(body, &mut x, t, p, feed, Accuracy::full(p), reach).chord.value
+    /// How far outside the section the chords in a row are, negative inside, searched from `x` on.
+    pub(super) fn outside(&self, body: &Body, mut x: [f64; 2], row: Row, reach: f64) -> f64 {
+        self.search(body, &mut x, row, Accuracy::full(row.p), reach).chord.value
     }
 
     /// Whether the chords and the lines from the contact to their ends run inside the body, as far as a few places on them show.
-    pub(super) fn is_seen(&self, body: &Body, x: [f64; 2], t: f64, p: f64, feed: f64) -> bool {
+    pub(super) fn is_seen(&self, body: &Body, x: [f64; 2], Row { t, p, feed }: Row) -> bool {
         let (one, other) = self.pairs(feed);
         [Some(one), other].into_iter().zip(x).filter_map(|(marks, x)| Some((marks?, x))).all(|(marks, x)| {
             let (front, back) = (p - marks.front_drop, p - marks.back_drop);

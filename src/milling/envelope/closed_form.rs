@@ -128,7 +128,7 @@ impl Envelope {
         let (deep, shallow) = (disc.half_chord(p, across), disc.half_chord(p - pattern.drop, across));
         let by_deep = deep.map_or(0.0, |deep| 2.0 * deep / pattern.deep_spacing);
         let alternating = deep.zip(shallow).map_or(0.0, |(deep, shallow)| shallow + if pattern.shallow_pairs { shallow } else { deep });
-        Some(by_deep.max(alternating) / disc.shares[1])
+        Some(at_share(by_deep.max(alternating), disc.shares[1]))
     }
 
     /// The largest step-over that keeps the height p on a plane floor or wall; 0 where none does.
@@ -147,8 +147,13 @@ impl Envelope {
             let from_shallow = (along - (deep - shallow) * (deep + shallow) / along) / 2.0;
             if from_shallow <= 0.0 { shallow } else { ((shallow - from_shallow) * (shallow + from_shallow)).max(0.0).sqrt() }
         };
-        Some(2.0 * by_deep.max(alternating) / disc.shares[0])
+        Some(at_share(2.0 * by_deep.max(alternating), disc.shares[0]))
     }
+}
+
+/// The length of which the share `share` is `length`; 0 for 0 whatever the share.
+fn at_share(length: f64, share: f64) -> f64 {
+    if length > 0.0 { length / share } else { 0.0 }
 }
 
 /// P - sqrt(P^2 - c^2/4), what circles of radius P leave at the distance c <= 2P, without cancellation.

@@ -15,7 +15,7 @@
 
 use super::body::Body;
 use super::chord::{Accuracy, balance};
-use super::clearing::{Clearing, Held};
+use super::clearing::{Clearing, Held, Row};
 
 /// The height of the ridge, the step-over and the distance of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
@@ -61,8 +61,9 @@ pub(super) fn solve_from(
         let s = lengths.step_over;
         let f = lengths.mark_spacing;
         let (p, reach) = (lengths.level, s + f);
-        let near_held = near_marks.search(body, &mut place.x, place.t, p, f, Accuracy::rough(p), reach);
-        let far_held = far_marks.search(body, &mut place.neighbour_x, place.t - s, p, f, Accuracy::rough(p), reach);
+        let row = |t: f64| Row { t, p, feed: f };
+        let near_held = near_marks.search(body, &mut place.x, row(place.t), Accuracy::rough(p), reach);
+        let far_held = far_marks.search(body, &mut place.neighbour_x, row(place.t - s), Accuracy::rough(p), reach);
         let (near, far) = (&near_held.chord, &far_held.chord);
         if !(near.by_side > 0.0 && far.by_side < 0.0) {
             // The chords have to lie on both sides of the deepest one; the change of slope between them shows about where that is.
@@ -95,7 +96,7 @@ pub(super) fn solve_from(
         lengths.mark_spacing += change.longer;
         if proved {
             if body.is_concave()
-                && !(near_marks.is_seen(body, place.x, place.t, p, f) && far_marks.is_seen(body, place.neighbour_x, place.t - s, p, f))
+                && !(near_marks.is_seen(body, place.x, row(place.t)) && far_marks.is_seen(body, place.neighbour_x, row(place.t - s)))
             {
                 return None;
             }

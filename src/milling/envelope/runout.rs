@@ -4,7 +4,7 @@
 //! and an edge of the other. With all edges of one kind of marks, and with one edge of each, the search is that for one convex function, and its outcome is proved as without runout.
 
 use super::Envelope;
-use super::clearing::Clearing;
+use super::clearing::{Clearing, Row};
 use super::newton::{self, Lengths, Place, Ridge, Sought};
 use super::section::Pattern;
 use crate::quantity::Length;
@@ -41,7 +41,8 @@ impl Envelope {
             let middle = f64::midpoint(x[0] - marks[0].spacing(mark_spacing) / 2.0, neighbour_x[0] - marks[1].spacing(mark_spacing) / 2.0);
             marks.into_iter().all(|marks| {
                 let x = [middle + marks.spacing(mark_spacing) / 2.0; 2];
-                marks.outside(&self.body, x, t - share * step_over, level, mark_spacing, step_over + mark_spacing) <= INSIDE * level
+                let row = Row { t: t - share * step_over, p: level, feed: mark_spacing };
+                marks.outside(&self.body, x, row, step_over + mark_spacing) <= INSIDE * level
             })
         })
     }
@@ -53,7 +54,7 @@ impl Envelope {
         let longer = (other.spacing(mark_spacing) - best.marks.spacing(mark_spacing)) / 2.0;
         let [near_x, far_x] = [x, neighbour_x].map(|x| [x[0] + longer; 2]);
         let reach = step_over + mark_spacing;
-        let clears = |x: [f64; 2], t: f64| other.outside(&self.body, x, t, level, mark_spacing, reach) < -INSIDE * level;
+        let clears = |x: [f64; 2], t: f64| other.outside(&self.body, x, Row { t, p: level, feed: mark_spacing }, reach) < -INSIDE * level;
         let (place, marks) = if clears(near_x, t) {
             (Place { t, x: near_x, neighbour_x }, [other, best.marks])
         } else if clears(far_x, t - step_over) {

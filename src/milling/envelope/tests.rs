@@ -70,7 +70,7 @@ fn assert_widest_leave_most(cutter: Cutter, slope: f64, alpha: f64, share: f64) 
 #[test]
 fn the_largest_step_over_and_feed_are_in_the_domain() {
     let cutter = Cutter::toroidal(mm(10.145_104_240_978_43), mm(1.446_994_298_805_383_7)).unwrap();
-    assert_widest_leave_most(cutter, 67.405_866_252_726_36, 12.228_362_219_247_067, 0.952_840_327_116_880_1);
+    assert_widest_leave_most(cutter, 67.405_866_252_726_36, 12.228_362_219_247_067, 0.952_840_327_116_88);
 }
 
 /// The general search, also where the model has a closed form.
