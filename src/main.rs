@@ -11,7 +11,6 @@ use scallopd::settings::{Command, CommandLineError, OpenApiVersion, ServerSettin
 use scallopd::telemetry::Telemetry;
 use scallopd::{health, server};
 use tokio::net::{TcpListener, TcpSocket};
-use tokio::runtime::{Builder, Runtime};
 use tokio::sync::oneshot;
 
 // The static build uses musl, whose allocator is several times slower with threads.
@@ -58,24 +57,14 @@ fn exit(outcome: std::io::Result<bool>) -> ExitCode {
 }
 
 fn run(settings: &Settings) -> std::io::Result<bool> {
-    let runtime = runtime()?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     let telemetry = runtime.block_on(async { Telemetry::start(&settings.telemetry) })?;
-    // A task of its own, so that connections are accepted by the threads that serve them.
-    let serving = serve(settings.clone());
-    let served = runtime.block_on(async { tokio::spawn(serving).await })?;
-    // The last traces are sent on the runtime, which works while it waits here.
-    runtime.block_on(async { tokio::task::spawn_blocking(|| telemetry.stop()).await })?;
+    let served = runtime.block_on(serve(settings));
+    telemetry.stop();
     served.map(|()| true)
 }
 
-/// A runtime with a thread for each core. With one core it has the calling thread alone, so that no thread wakes another.
-fn runtime() -> std::io::Result<Runtime> {
-    let cores = std::thread::available_parallelism()?.get();
-    let mut builder = if cores == 1 { Builder::new_current_thread() } else { Builder::new_multi_thread() };
-    builder.enable_all().build()
-}
-
-async fn serve(settings: Settings) -> std::io::Result<()> {
+async fn serve(settings: &Settings) -> std::io::Result<()> {
     let state = AppState::start(&settings.http)?;
     let app = |routes| App {
         router: http::service(routes, &settings.http, &state),
@@ -114,7 +103,7 @@ fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
 /// load.
 fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std::io::Result<oneshot::Sender<()>> {
     let settings = ServerSettings { max_connections: HEALTH_CONNECTIONS, shutdown_grace: Duration::ZERO, ..settings.clone() };
-    let runtime = Builder::new_current_thread().enable_all().build()?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let listener = std::net::TcpListener::bind(address)?;
     listener.set_nonblocking(true)?;
     let (stop, stopped) = oneshot::channel::<()>();
