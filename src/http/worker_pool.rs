@@ -91,9 +91,9 @@ impl WorkerPool {
     /// [`Overload::Workers`] if none becomes free.
     pub async fn admit(&self, longest: Duration) -> Result<WorkPermit, Overload> {
         let permit = self.acquire(&self.0.permits, longest).await?;
-        // Threads return before their permit: see the order in the `Drop` of `Held`.
+        // Threads return before their permit: see the order in the `Drop` of `PermitThreads`.
         let threads = self.0.free().pop();
-        let held = Held { threads, _permit: permit, pool: self.clone() };
+        let held = PermitThreads { threads, _permit: permit, pool: self.clone() };
         Ok(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
     }
 
@@ -109,13 +109,13 @@ impl WorkerPool {
 }
 
 /// The threads of one permit, which return to the pool when this is dropped.
-struct Held {
+struct PermitThreads {
     threads: Option<ThreadPool>,
     _permit: OwnedSemaphorePermit,
     pool: WorkerPool,
 }
 
-impl Drop for Held {
+impl Drop for PermitThreads {
     // The fields, and with them the permit, are dropped after this.
     fn drop(&mut self) {
         self.pool.0.free().extend(self.threads.take());
@@ -125,7 +125,7 @@ impl Drop for Held {
 /// One request's permit and its threads. Dropping it cancels the work that it runs; the threads are free once that
 /// has ended.
 pub struct WorkPermit {
-    held: Arc<Held>,
+    held: Arc<PermitThreads>,
     cancel: CancelOnDrop,
 }
 
