@@ -9,6 +9,7 @@
 //! such as materials, are ignored; a model that requires any other extension is refused.
 
 mod build;
+mod cycle;
 mod model;
 mod xml;
 
@@ -16,6 +17,7 @@ use super::fault::{Fault, FaultKind, Flaw};
 use super::{Format, Notes, Sink, Summary};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
 use build::Build;
+use cycle::refuse_cycles;
 use model::{Model, Room};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -76,6 +78,7 @@ impl Reader {
             wanted.extend(models_named_by(&part));
             models.insert(path.to_lowercase(), part);
         }
+        refuse_cycles(&models, &root, &items)?;
         let mut build = Build::new(&models, self.vertex_limit);
         build.place_all(&root, &items, sink)?;
         if build.facets() == 0 {
