@@ -7,13 +7,20 @@ use serde_json::{Value, json};
 
 const SURFACE: &str = "x,y,z\n0,0,0\n60,0,0\n0,20,11\n60,20,11\n30,10,5.7\n";
 
-/// The answer to a surface with these libraries and no other cutters than `own`.
+/// A groove whose sides are at 18 deg.
+const GROOVE: &str = "x,y,z\n0,0,10\n30,0,0\n60,0,10\n0,20,10\n30,20,0\n60,20,10\n";
+
 async fn upload(app: &TestApp, libraries: &[&[u8]], own: Value) -> Answer {
+    upload_surface(app, SURFACE, libraries, own).await
+}
+
+/// The answer to a surface with these libraries and no other cutters than `own`.
+async fn upload_surface(app: &TestApp, surface: &str, libraries: &[&[u8]], own: Value) -> Answer {
     let mut parameters = with(job(), json!({"method": "surface", "directions_deg": [0], "cutters": own}));
     if parameters["cutters"].is_null() {
         parameters.as_object_mut().unwrap().remove("cutters");
     }
-    let mut parts = vec![("surface", SURFACE.as_bytes().to_vec()), ("parameters", parameters.to_string().into_bytes())];
+    let mut parts = vec![("surface", surface.as_bytes().to_vec()), ("parameters", parameters.to_string().into_bytes())];
     parts.extend(libraries.iter().map(|library| ("library", library.to_vec())));
     app.upload_parts(parts).await
 }
@@ -82,9 +89,10 @@ async fn a_library_that_cannot_be_read_is_refused_with_the_faults_of_its_tools()
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_surface_that_no_cutter_fits_names_the_faulty_tools_too() {
     let app = TestApp::start().await;
-    let answer = upload(&app, &[&table("bad,ball_end,-6,,\n")], json!([{"name": "F", "type": "flat_end", "diameter_mm": 400000}])).await;
+    let own = json!([{"name": "B500", "type": "ball_end", "diameter_mm": 500}]);
+    let answer = upload_surface(&app, GROOVE, &[&table("bad,ball_end,-6,,\n")], own).await;
     assert_eq!((answer.status, &answer.body["type"]), (422, &json!("no-cutter-fits")), "{}", answer.body);
-    assert_eq!(names(&answer.body, "not_ranked"), ["F", "bad"]);
+    assert_eq!(names(&answer.body, "not_ranked"), ["B500", "bad"]);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -2,6 +2,8 @@
 //! where the program itself is what is tested.
 
 mod budget;
+#[cfg(target_os = "linux")]
+mod cancellation;
 mod connections;
 mod launch;
 mod limits;
@@ -12,6 +14,7 @@ mod observability;
 mod panics;
 mod program;
 mod server;
+mod shares;
 mod shedding;
 mod shutdown;
 mod slow_clients;

@@ -47,7 +47,7 @@ described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. Its content shows the format; the part's type and file name help where it does not",
+        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. Its content shows the format; the part's type and file name help where it does not. A text with further columns beside x, y and z has a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
         Parameters::describe(ObjectSchema::new("The cutters to choose from, unless libraries have them, and the machine", components))

@@ -140,7 +140,7 @@ impl Table {
             return Ok(());
         };
         if let Some(doubt) = &mut self.doubt {
-            doubt.look_at(line);
+            doubt.look_at(&without_hard_blanks(line));
         }
         self.points += 1;
         sink.point(point);
