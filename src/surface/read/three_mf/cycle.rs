@@ -31,7 +31,7 @@ pub(super) fn refuse_cycles(models: &HashMap<String, Model>, root: &str, items: 
             *followed += 1;
             let inner = key(component, &current.0);
             if open.contains(&inner) {
-                return Err(cycle(&chain, &inner));
+                return Err(cycle(&chain, &inner, root));
             }
             if !done.contains(&inner) {
                 open.insert(inner.clone());
@@ -47,8 +47,9 @@ fn key(reference: &Reference, path: &str) -> Key {
     (reference.path.as_deref().unwrap_or(path).to_lowercase(), reference.object)
 }
 
-/// The fault of the cycle that the last object of `chain` closes with its component `first`.
-fn cycle(chain: &[(Key, usize)], first: &Key) -> Fault {
+/// The fault of the cycle that the last object of `chain` closes with its component `first`. Its place is the root model, from which the
+/// objects are placed.
+fn cycle(chain: &[(Key, usize)], first: &Key, root: &str) -> Fault {
     let start = chain.iter().position(|(key, _)| key == first).unwrap_or(0);
     let mut numbers: Vec<String> = chain[start..].iter().take(MOST_NAMED).map(|((_, number), _)| number.to_string()).collect();
     if chain.len() - start > MOST_NAMED {
@@ -56,5 +57,5 @@ fn cycle(chain: &[(Key, usize)], first: &Key) -> Fault {
     }
     numbers.push(first.1.to_string());
     let found = format!("a cycle of objects: {}", numbers.join(" > "));
-    Flaw::new(FaultKind::Malformed, "objects that do not contain themselves", found).in_entry(&first.0, 0)
+    Flaw::new(FaultKind::Malformed, "objects that do not contain themselves", found).in_entry(root, 0)
 }
