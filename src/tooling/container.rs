@@ -32,7 +32,7 @@ pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Resul
     Ok(())
 }
 
-/// The members of a JSON file by which its format is recognised.
+/// The members of a JSON file that identify its format.
 #[derive(Deserialize)]
 struct Members {
     data: Option<IgnoredAny>,
@@ -70,7 +70,8 @@ struct ListedFile {
 }
 
 impl Listed {
-    /// Reads all lists of an archive. The inner `None` stands for an archive without lists, of which all tools are read.
+    /// Reads all lists of an archive. The inner `None` stands for an archive without lists, of which all tools are
+    /// read.
     fn read(archive: &Archive, path: impl Fn(&str) -> String) -> Result<Option<Self>, LibraryFaults> {
         let (mut listed, mut faults, mut has_lists) = (Self::default(), Vec::new(), false);
         for entry in archive.files().filter(|entry| extension(entry.name()) == "fctl" && !is_companion(entry.name())) {
@@ -109,8 +110,8 @@ impl Listed {
     }
 }
 
-/// Reads all libraries and tools of a zip, in the order of its directory. Where it has lists of FreeCAD, tool files that none of them
-/// names are counted, not read.
+/// Reads all libraries and tools of a zip, in the order of its directory. Where it has lists of FreeCAD, tool files
+/// that none of them names are counted, not read.
 fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
     let archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?;
     let path = |name: &str| format!("{file}/{name}");

@@ -1,7 +1,9 @@
-//! Autodesk Fusion's tool libraries: JSON with the tools in `data`, each with its type, its unit, its geometry and its presets.
+//! Autodesk Fusion's tool libraries: JSON with the tools in `data`, each with its type, its unit, its geometry and its
+//! presets.
 //!
-//! Each tool is read and dropped before the next, so that memory grows with the finishing cutters alone. A tool's lengths are in its
-//! `unit`; its `holder`, which has another unit, is not read. The preset with "finish" in its name, else the first, gives speed and feed.
+//! Each tool is read and dropped before the next, so that memory grows with the finishing cutters alone. A tool's
+//! lengths are in its `unit`; its `holder`, which has another unit, is not read. The preset with "finish" in its name,
+//! else the first, gives speed and feed.
 
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
 use super::fault::{Flaw, Flaws, LibraryFault};

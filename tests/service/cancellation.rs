@@ -13,14 +13,15 @@ use crate::service::launch::Program;
 /// Cells on each side of the surface, of two facets each.
 const CELLS: u16 = 150;
 
-/// As many as an upload may have. Each is simulated in all directions, which takes minutes of processor time altogether.
+/// As many as an upload may have. Each is simulated in all directions, which takes minutes of processor time
+/// altogether.
 const CUTTERS: u32 = 200;
 
 /// The work begins to plan after this processor time, in s: the upload itself takes less.
 const BEGUN: f64 = 1.5;
 
-/// The most processor time, in s, that may follow the end of the request. Every processor may go on for 50 ms, and for 1 s where the client
-/// may only have closed its sending side; half a second more is for one that is slow to notice.
+/// The most processor time, in s, that may follow the end of the request. Every processor may go on for 50 ms, and for
+/// 1 s where the client may only have closed its sending side; half a second more is for one that is slow to notice.
 fn most_afterwards() -> f64 {
     let processors = std::thread::available_parallelism().map_or(1, |count| u32::try_from(count.get()).unwrap_or(u32::MAX));
     1.0 + 1.5 * f64::from(processors)

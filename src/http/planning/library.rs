@@ -1,4 +1,4 @@
-//! The tool libraries of an upload.
+//! The tool libraries of an upload: their cutters, faults and warnings.
 
 use crate::http::codes::{FileFault, NotRankedCode, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -6,22 +6,27 @@ use crate::http::wire::{NamedCandidate, NotRanked, Warning};
 use crate::tooling::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
 
-/// The name of the parts.
+/// The name of the form's parts that hold libraries.
 pub(super) const LIBRARY: &str = "library";
 
-/// The most bytes of a library as it is sent. Fusion writes 2 kB for a tool.
+/// The most bytes of a library file. Fusion writes 2 kB for a tool.
 pub(super) const LARGEST_LIBRARY: usize = 16 << 20;
 
 /// The most faulty tools that an answer lists, over all libraries.
 const MOST_FAULTY_LISTED: usize = 100;
 
-/// What was read of each part `library`.
+/// The result of reading each part `library`.
 #[derive(Debug, Default)]
 pub(super) struct Libraries(Vec<Result<ToolLibrary, LibraryFaults>>);
 
 impl Libraries {
     pub(super) fn push(&mut self, read: Result<ToolLibrary, LibraryFaults>) {
         self.0.push(read);
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// Records the faults of libraries that cannot be read, each with file, tool and member.
@@ -61,7 +66,8 @@ impl Libraries {
         (count > 0).then(|| Warning::new(WarningCode::FaultyTools, detail))
     }
 
-    /// The tools that are left out on purpose: no finishing cutters, counted by type, and those that no list of their zip names.
+    /// The tools that are left out on purpose: no finishing cutters, counted by type, and those that no list of their
+    /// zip names.
     pub(super) fn left_out(&self) -> Option<String> {
         const MOST_LISTED: usize = 20;
         let mut others = BTreeMap::<&str, u64>::new();

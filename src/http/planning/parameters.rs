@@ -95,7 +95,8 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow those of the request.
+    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow
+    /// those of the request.
     pub(super) fn read(object: &mut Object<'_, '_>, libraries: Libraries, faults: &mut Faults) -> Result<Self, Faulted> {
         let checked = libraries.check(faults);
         let members = ParameterMembers::read(object, faults);
@@ -129,7 +130,8 @@ impl Parameters {
         schema.with::<ParameterMembers>()
     }
 
-    /// The model of the plan: as stated, else `envelope` on the surface and the published `analytic` on the rectangle.
+    /// The model of the plan: the stated one, else `envelope` on the surface and the published `analytic` on the
+    /// rectangle.
     pub(super) fn model(&self) -> Model {
         self.model.unwrap_or(match self.method {
             Method::Surface => Model::Envelope,

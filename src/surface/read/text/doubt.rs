@@ -1,5 +1,5 @@
-//! Tables without a header that can be read in two ways: as columns between commas or numbers with decimal commas, as points or as a
-//! matrix of heights, with or without a number before each point.
+//! Tables without a header that can be read in two ways: as columns between commas or numbers with decimal commas, as
+//! points or as a matrix of heights, with or without a number before each point.
 
 use super::super::fault::{FaultKind, Flaw, quoted};
 use super::super::lines::trimmed;
@@ -50,8 +50,8 @@ impl Doubt {
         }
     }
 
-    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal point has shown that
-    /// commas separate columns.
+    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal
+    /// point has shown that commas separate columns.
     pub(super) fn flaw(&self, points: u64, has_mark: bool) -> Option<(Flaw, u64)> {
         if let Some((least, most)) = self.commas.filter(|_| !has_mark)
             && (least == 6 || least != most)
@@ -76,8 +76,9 @@ impl Doubt {
 /// The remedy where heights are meant.
 const AS_POINTS: &str = "send heights as points x, y, z";
 
-/// The number of fields between commas in a line that can also be read as three numbers with decimal commas between commas: three
-/// to six whole numbers, of which the second, fourth and sixth of six have no sign and no blank before them.
+/// The number of fields between commas in a line that can also be read as three numbers with decimal commas between
+/// commas: three to six whole numbers, of which the second, fourth and sixth of six have no sign and no blank before
+/// them.
 fn decimal_comma_fields(line: &[u8]) -> Option<usize> {
     let fields: Vec<&[u8]> = trimmed(line).split(|byte| *byte == b',').take(7).collect();
     let is_possible = |(index, field): (usize, &&[u8])| {

@@ -1,11 +1,11 @@
-//! What the numbers of a table without a header show about its columns: whether it can be a matrix of heights, and whether its first
-//! column numbers the lines.
+//! What the numbers of a table without a header show about its columns: whether it can be a matrix of heights, and
+//! whether its first column numbers the lines.
 
 use super::super::decimal::number;
 use super::layout::Separator;
 
-/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with opacity,
-/// intensity and time.
+/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with
+/// opacity, intensity and time.
 pub(super) const WIDEST_POINT: usize = 12;
 
 /// The lines that are examined: they are parsed twice.
@@ -14,10 +14,12 @@ const MOST_LINES: u64 = 10_000;
 /// Fewer lines than these are no surface, and show nothing.
 const FEWEST_LINES: u64 = 3;
 
-/// A matrix of heights has at most so many rows for each column; a longer table can still be one where its columns are alike.
+/// A matrix of heights has at most so many rows for each column; a longer table can still be one where its columns are
+/// alike.
 const LONGEST_MATRIX: u64 = 50;
 
-/// The columns of a table in which each line examined so far has the same number of numbers, more than three, and nothing else.
+/// The columns of a table in which each line examined so far has the same number of numbers, more than three, and
+/// nothing else.
 #[derive(Debug)]
 pub(super) struct Evidence {
     separator: Separator,
@@ -88,8 +90,9 @@ impl Evidence {
         self.lines >= FEWEST_LINES && self.columns[0].is_whole && self.step.is_some_and(|step| step > 0.0)
     }
 
-    /// Whether a table of `lines` lines can be a matrix of heights. A normal, a colour or whole numbers beside coordinates with decimals
-    /// show that it has points. So does a table far longer than wide, unless the numbers in each pair of adjacent columns are alike.
+    /// Whether a table of `lines` lines can be a matrix of heights. A normal, a colour or whole numbers beside
+    /// coordinates with decimals show that it has points. So does a table far longer than wide, unless the numbers in
+    /// each pair of adjacent columns are alike.
     pub(super) fn can_be_matrix(&self, lines: u64) -> bool {
         let further = &self.columns[3..];
         let has_normal = self.unit_vectors.contains(&true);
@@ -112,8 +115,8 @@ fn are_alike(one: Column, other: Column) -> bool {
     shared >= 0.5 * (one.most - one.least).max(other.most - other.least)
 }
 
-/// The numbers in a line, each with whether it is written as a whole number; `None` where a field is something else. Empty fields are
-/// left out: a separator may stand at the end of each line.
+/// The numbers in a line, each with whether it is written as a whole number; `None` where a field is something else.
+/// Empty fields are left out: a separator may stand at the end of each line.
 fn numbers(line: &[u8], separator: Separator) -> Option<impl Iterator<Item = (f64, bool)>> {
     let mut numbers = [(0.0, false); WIDEST_POINT + 1];
     let mut count = 0;

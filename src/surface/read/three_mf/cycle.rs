@@ -47,8 +47,8 @@ fn key(reference: &Reference, path: &str) -> Key {
     (reference.path.as_deref().unwrap_or(path).to_lowercase(), reference.object)
 }
 
-/// The fault of the cycle that the last object of `chain` closes with its component `first`. Its place is the root model, from which the
-/// objects are placed.
+/// The fault of the cycle that the last object of `chain` closes with its component `first`. Its place is the root
+/// model, from which the objects are placed.
 fn cycle(chain: &[(Key, usize)], first: &Key, root: &str) -> Fault {
     let start = chain.iter().position(|(key, _)| key == first).unwrap_or(0);
     let mut numbers: Vec<String> = chain[start..].iter().take(MOST_NAMED).map(|((_, number), _)| number.to_string()).collect();
