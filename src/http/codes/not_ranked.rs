@@ -9,6 +9,7 @@ codes! {
         CannotReach = "cannot-reach": "The cutter leaves too much of the surface uncut", "Use a smaller cutter, select the facets that it reaches, or raise max_uncut_share.";
         NoStepOver = "no-step-over": "No step-over keeps the scallop height", "Allow more height, or use another cutter.";
         Gouges = "gouges": "The cutter gouges the surface beside its contacts", "Use a cutter with a larger corner radius, or a smaller one.";
+        FaultyTool = "faulty-tool": "The tool's entry in its library has faults", "Correct the members that the detail names; the other tools of the library are used.";
     }
 }
 

@@ -12,6 +12,7 @@
 
 mod blocks;
 mod doubt;
+mod evidence;
 mod header;
 mod layout;
 
@@ -134,10 +135,12 @@ impl Table {
             if matches!(cleaned, Cow::Owned(_)) && self.layout.is_some_and(|layout| layout.separator == Separator::Blanks) {
                 refuse_mixed_blanks(line)?;
             }
-            point
+            self.points += 1;
+            sink.point(point);
+            return Ok(());
         };
         if let Some(doubt) = &mut self.doubt {
-            doubt.look_at(line);
+            doubt.look_at(&without_hard_blanks(line));
         }
         self.points += 1;
         sink.point(point);
