@@ -50,6 +50,10 @@ const BYTES_OF_A_BYTE: usize = 20;
 /// The points and triangles of a JSON mesh, held until all have come: 24 bytes for each 8 of the body.
 const BYTES_OF_A_BYTE_OF_A_MESH: usize = 3;
 
+/// The points that are read of a body's blocks at once, and the parts that are summed of them: 72 bytes for each 8 of a million bytes.
+const BYTES_OF_A_BYTE_OF_BLOCKS: usize = 9;
+const MOST_BYTES_OF_BLOCKS: usize = 1 << 20;
+
 /// The facets of a patch as it is sampled: a million, which are merged.
 const BYTES_OF_A_PATCH: usize = 48 << 20;
 
@@ -58,7 +62,8 @@ pub(super) fn bytes_to_read(json: &[u8]) -> u64 {
     // The name of a member may be written with escapes.
     let may_be_patch = memchr::memchr(b'\\', json).is_some() || memchr::memmem::find(json, b"bezier").is_some();
     let facets = (BYTES_OF_A_BYTE * json.len()).min(bytes_of_most_facets()).max(if may_be_patch { BYTES_OF_A_PATCH } else { 0 });
-    (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets) as u64
+    let blocks = BYTES_OF_A_BYTE_OF_BLOCKS * json.len().min(MOST_BYTES_OF_BLOCKS);
+    (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets + blocks) as u64
 }
 
 /// The memory that the facets of a surface take at most while they are taken in, in bytes.

@@ -11,7 +11,7 @@ use super::layout::Separator;
 const WIDEST_POINT: usize = 12;
 
 /// The readings that the lines so far leave open.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Doubt {
     first_line: u64,
     first: String,
@@ -47,6 +47,16 @@ impl Doubt {
         if let Some((least, most)) = self.commas {
             self.commas = decimal_comma_fields(line).map(|count| (least.min(count), most.max(count)));
         }
+    }
+
+    /// The same doubt about lines that follow.
+    pub(super) fn of_more_lines(&self) -> Self {
+        Self { commas: self.commas.map(|_| (usize::MAX, 0)), ..self.clone() }
+    }
+
+    /// Takes lines into account that `more` looked at.
+    pub(super) fn add(&mut self, more: &Self) {
+        self.commas = self.commas.zip(more.commas).map(|(own, others)| (own.0.min(others.0), own.1.max(others.1)));
     }
 
     /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal point has shown that
