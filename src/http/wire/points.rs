@@ -31,7 +31,9 @@ pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut Received
     let mut in_bounds = true;
     let part = |points: Vec<[f64; 3]>| {
         let mut part = ReceivedPart::default();
-        points.iter().for_each(|point| part.point(*point));
+        for point in &points {
+            part.point(*point);
+        }
         (points.into_iter().all(is_in_bounds), part)
     };
     let read = read_triples(json, faults.cancel_flag().as_ref(), part, |(is_fine, part)| {

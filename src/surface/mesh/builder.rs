@@ -208,7 +208,9 @@ impl MeshBuilder {
         self.out_of_range |= out_of_range;
         self.degenerate += degenerate;
         if self.facets == 0 {
-            points.into_iter().for_each(|point| self.cloud.add(point));
+            for point in points {
+                self.cloud.add(point);
+            }
         }
         if self.lattice.is_none() && self.triangles.len() + triangles.len() <= self.limit {
             self.facets += triangles.len() as u64;

@@ -39,7 +39,8 @@ impl Sink for MeshPart {
             return;
         }
         let [a, b, c] = corners;
-        if cross(a, b, c) == [0.0; 3] {
+        let [x, y, z] = cross(a, b, c);
+        if x == 0.0 && y == 0.0 && z == 0.0 {
             self.degenerate += 1;
             return;
         }

@@ -83,13 +83,11 @@ pub(super) fn read<S: PartedSink>(body: &mut Body, blocks: Vec<Block>, sink: &mu
         let (mut linked, mut serial) = (Vec::new(), None);
         for Parsed { bytes, mut run } in parsed.by_ref() {
             let is_linked = run.as_mut().is_some_and(|run| body.link(run, &bytes));
-            match run.filter(|_| is_linked) {
-                Some(run) => linked.push((run, bytes)),
-                None => {
-                    serial = Some(bytes);
-                    break;
-                }
-            }
+            let Some(run) = run.filter(|_| is_linked) else {
+                serial = Some(bytes);
+                break;
+            };
+            linked.push((run, bytes));
         }
         let read: &Body = body;
         let emit = |(run, bytes): &(Run, Vec<u8>)| {

@@ -288,20 +288,16 @@ impl Reader {
 
     /// Detects the format by the first bytes of the file, and returns those that the body takes.
     fn open<'a>(&mut self, start: Cow<'a, [u8]>) -> Result<Cow<'a, [u8]>, Fault> {
-        let (start, head) = match Utf16::by_mark(&start) {
-            Some(mut decoder) => {
-                // The head ends at the same byte of the file, wherever the chunks end.
-                let (head, rest) = start.split_at(start.len().min(HEAD));
-                let head = decoder.decode(head);
-                let decoded = [head.as_slice(), &decoder.decode(rest)].concat();
-                self.utf_16 = Some(decoder);
-                (decoded.into(), head.len())
-            }
-            None => {
-                let head = start.len().min(HEAD);
-                (start, head)
-            }
-        };
+        let mut head = start.len().min(HEAD);
+        let mut start = start;
+        if let Some(mut decoder) = Utf16::by_mark(&start) {
+            // The head ends at the same byte of the file, wherever the chunks end.
+            let (first, rest) = start.split_at(head);
+            let first = decoder.decode(first);
+            head = first.len();
+            start = [first.as_slice(), &decoder.decode(rest)].concat().into();
+            self.utf_16 = Some(decoder);
+        }
         let Detected { format, mark } = format::detect(&start[..head], self.hint, self.utf_16.is_some())?;
         self.stage = Stage::Body(Box::new(match format {
             format::Family::Text => Body::Text(text::Reader::new(self.block)),
