@@ -1,8 +1,10 @@
-//! ZIP archives in memory, read within limits on the number of entries, the length of their names and the size after inflation.
+//! ZIP archives in memory, read within limits on the number of entries, the length of their names and the size after
+//! inflation.
 //!
-//! The directory is read entry by entry without trusting its counts, an entry is inflated as it is read, and every inflated byte
-//! counts against one limit for the whole archive: overlapping entries and entries that are read twice cannot exceed it.
+//! The directory is read entry by entry without trusting its counts, an entry is inflated as it is read, and every
+//! inflated byte counts towards one limit of the whole archive, which overlapping or repeated entries cannot exceed.
 
+use crate::cancellation::CancelFlag;
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use std::cell::Cell;
 use std::fmt;
@@ -20,7 +22,7 @@ pub(crate) struct ArchiveLimits {
     pub(crate) inflated_bytes: u64,
 }
 
-/// Why an archive cannot be read.
+/// The reason why an archive cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum ArchiveFault {
     /// The directory is missing or damaged.
@@ -65,6 +67,7 @@ pub(crate) struct Archive<'a> {
     limits: ArchiveLimits,
     /// The bytes that may still be inflated.
     left: Cell<u64>,
+    cancel: CancelFlag,
 }
 
 /// A file of an archive.
@@ -84,7 +87,7 @@ impl ArchiveEntry {
 }
 
 impl<'a> Archive<'a> {
-    /// Whether `bytes` begin as an archive does, one without entries included.
+    /// Whether `bytes` start like an archive, with or without entries.
     pub(crate) fn is_archive(bytes: &[u8]) -> bool {
         bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
     }
@@ -113,7 +116,12 @@ impl<'a> Archive<'a> {
                 position: entry.wayfinder(),
             });
         }
-        Ok(Self { zip, entries, limits, left: Cell::new(limits.inflated_bytes) })
+        Ok(Self { zip, entries, limits, left: Cell::new(limits.inflated_bytes), cancel: CancelFlag::default() })
+    }
+
+    /// The same archive, of which nothing more is inflated once `cancel` is set.
+    pub(crate) fn until(self, cancel: &CancelFlag) -> Self {
+        Self { cancel: cancel.clone(), ..self }
     }
 
     /// The files of the archive, in the order of its directory; folders are left out.
@@ -141,7 +149,7 @@ impl<'a> Archive<'a> {
             CompressionMethod::DEFLATE => Content::Deflated(flate2::bufread::DeflateDecoder::new(local.data())),
             other => return Err(ArchiveFault::Compression(other.as_u16())),
         };
-        Ok(Inflating { content: local.verifying_reader(content), left: &self.left })
+        Ok(Inflating { content: local.verifying_reader(content), left: &self.left, cancel: &self.cancel })
     }
 
     /// The whole content of a file.
@@ -154,7 +162,7 @@ impl<'a> Archive<'a> {
         Ok(content)
     }
 
-    /// The fault behind an error of [`Inflating`].
+    /// The fault that caused an error of [`Inflating`].
     pub(crate) fn fault(&self, error: &io::Error) -> ArchiveFault {
         match error.kind() {
             io::ErrorKind::FileTooLarge => ArchiveFault::TooLarge(self.limits.inflated_bytes),
@@ -167,11 +175,12 @@ fn damaged(error: impl fmt::Display) -> ArchiveFault {
     ArchiveFault::Damaged(error.to_string())
 }
 
-/// A file of an archive while it is inflated. It fails with [`io::ErrorKind::FileTooLarge`] beyond the archive's limit, and at
-/// the end where size or checksum differ from the directory's.
+/// A file of an archive that is being inflated. Reading fails with [`io::ErrorKind::FileTooLarge`] beyond the archive's
+/// limit, and at the end if size or checksum differ from the directory's.
 pub(crate) struct Inflating<'a> {
     content: rawzip::ZipSliceVerifier<Content<'a>>,
     left: &'a Cell<u64>,
+    cancel: &'a CancelFlag,
 }
 
 enum Content<'a> {
@@ -190,6 +199,9 @@ impl Read for Content<'_> {
 
 impl Read for Inflating<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.cancel.is_cancelled() {
+            return Err(io::Error::other("it is no longer needed"));
+        }
         let read = self.content.read(buffer)?;
         match self.left.get().checked_sub(read as u64) {
             Some(left) => self.left.set(left),

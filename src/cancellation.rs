@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A flag that is set once. Clones share it. A computation of more than some 10 ms checks it between steps and returns early with
-/// any result, which is discarded.
+/// A flag that is set once. Clones share it. A computation of more than some 10 ms checks it between steps and returns
+/// early; its result is discarded.
 #[derive(Debug, Clone, Default)]
 pub struct CancelFlag(Arc<AtomicBool>);
 
@@ -18,5 +18,23 @@ impl CancelFlag {
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// A flag that is set when this is dropped: with the future whose result the computation is for.
+#[derive(Debug, Default)]
+pub struct CancelOnDrop(CancelFlag);
+
+impl std::ops::Deref for CancelOnDrop {
+    type Target = CancelFlag;
+
+    fn deref(&self) -> &CancelFlag {
+        &self.0
+    }
+}
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.cancel();
     }
 }

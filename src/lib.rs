@@ -1,8 +1,8 @@
-//! Scallop heights of ball-end, toroidal and flat-end finish milling: the height that a pass leaves, the largest feed or step-over
-//! within a tolerance, and the fastest cutter for a surface.
+//! Scallop heights of ball-end, toroidal and flat-end finish milling: the height that a pass leaves, the largest feed
+//! or step-over within a tolerance, and the fastest cutter for a surface.
 //!
-//! The mathematics is in [`milling`], [`motion`], [`surface`] and [`planning`] and can be called without the service. [`http`] and
-//! [`server`] offer it over HTTP.
+//! The mathematics is in [`milling`], [`motion`], [`surface`] and [`planning`] and can be called without the service.
+//! [`http`] and [`server`] offer it over HTTP.
 //!
 //! # A scallop height
 //!
@@ -25,7 +25,7 @@
 //! let analytic = EvaluatedPass::new(Model::Analytic, pass)?.scallop_height(step_over, Some(feed_per_tooth))?;
 //! assert_eq!(format!("{:.5}", analytic.total().mm()), "0.01305");
 //!
-//! // The published formula puts circles in place of the cutter. The envelope of the cutter's exact shape leaves more.
+//! // The published formula replaces the cutter by circles. The envelope of the cutter's exact shape leaves more.
 //! let envelope = EvaluatedPass::new(Model::Envelope, pass)?.scallop_height(step_over, Some(feed_per_tooth))?;
 //! assert_eq!(format!("{:.5}", envelope.total().mm()), "0.01500");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -33,8 +33,8 @@
 //!
 //! # The largest feed per tooth
 //!
-//! The same pass, with at most 15 um of scallop. Where there is no answer, the error has the reason, and figures that help to
-//! correct the request:
+//! The same pass, with at most 15 um of scallop. If there is no answer, the error has the reason and figures that help
+//! to correct the parameters:
 //!
 //! ```
 //! # use scallopd::milling::{Contact, Cutter, Pass, Runout, SurfaceCurvature};
@@ -62,8 +62,8 @@
 //!
 //! # A recommendation
 //!
-//! An inclined rectangle of 80 mm by 40 mm as a mesh, two cutters, 10 um of scallop. The passes of each cutter are simulated in all
-//! directions:
+//! An inclined rectangle of 80 mm by 40 mm as a mesh, two cutters, 10 um of scallop. The passes of each cutter are
+//! simulated in several directions:
 //!
 //! ```
 //! use scallopd::milling::Cutter;
@@ -81,10 +81,11 @@
 //! let facets = mesh.facets_for_finishing(&mesh.visibility(Angle::from_degrees(85.0)?), &selected);
 //!
 //! let diameter = Length::from_mm(10.0)?;
-//! let candidates = [Cutter::toroidal(diameter, Length::from_mm(2.0)?)?, Cutter::ball_end(diameter)].map(CandidateCutter::new);
-//! let machine = Machine::from(Preset::named("five_axis_vmc").ok_or("no such machine")?.limits);
-//! let settings = ZigzagSettings::new(Length::from_mm(0.01)?, machine);
-//! let ranking = rank(&facets, &candidates, &settings, SurfaceEvidence::default(), &|| false).ok_or("it was cancelled")?;
+//! let candidates = [Cutter::toroidal(diameter, Length::from_mm(2.0)?)?,
+//! Cutter::ball_end(diameter)].map(CandidateCutter::new); let machine =
+//! Machine::from(Preset::named("five_axis_vmc").ok_or("no such machine")?.limits); let settings =
+//! ZigzagSettings::new(Length::from_mm(0.01)?, machine); let ranking = rank(&facets, &candidates, &settings,
+//! SurfaceEvidence::default(), &|| false).ok_or("it was cancelled")?;
 //!
 //! let fastest = &ranking.plans[0];
 //! assert_eq!(fastest.candidate, 0);
@@ -100,6 +101,7 @@ pub mod milling;
 pub mod motion;
 pub mod numerics;
 pub mod planning;
+mod priority;
 pub mod quantity;
 pub mod server;
 pub mod settings;

@@ -1,9 +1,10 @@
-//! The worker pool: threads for computations of more than about a millisecond, so that probes and single calculations stay fast.
+//! The worker pool: threads for computations of more than about a millisecond, so that probes and single calculations
+//! stay fast.
 //!
-//! Whole computations need a permit, of which there are few; each permit has its own threads: the kernel shares the cores
-//! between requests, so that a short batch does not wait for the steps of a long one. Pieces of a few milliseconds, such as a block of
-//! an upload, need no permit; they run in turn on threads that all requests share. Worker threads have a lower priority than those that
-//! serve connections.
+//! A whole computation needs one of few permits. Each permit has its own threads, so that the kernel shares the cores
+//! between requests and a short batch does not wait for a long one. Pieces of a few milliseconds, such as a block of an
+//! upload, need no permit; they run in turn on threads that all requests share. Worker threads have a lower priority
+//! than the threads that serve connections.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,18 +16,17 @@ use axum::http::request::Parts;
 use axum::response::{IntoResponse, Response};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
-use tokio::time::timeout;
+use tokio::time::{Instant, timeout, timeout_at};
 
 use super::metrics::Metrics;
 use super::overload::Overload;
-use crate::cancellation::CancelFlag;
+use super::problem::Problem;
+use crate::cancellation::{CancelFlag, CancelOnDrop};
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
+use crate::priority;
 
-/// The largest number of threads for each permit; more gain little.
+/// The largest number of threads for each permit; more bring little.
 const MAX_THREADS_PER_REQUEST: usize = 8;
-
-/// The niceness of worker threads: a third of the weight of the threads that serve connections.
-const NICENESS: i32 = 5;
 
 /// The worker threads and the permits to use them. Clones share both.
 #[derive(Clone)]
@@ -36,6 +36,8 @@ struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
+    /// Half of the permits, for recommendations: so many at once keep all cores busy, and batches find a permit beside them.
+    plans: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
     threads_of_a_permit: usize,
@@ -58,24 +60,16 @@ fn threads(name: &'static str, count: usize) -> std::io::Result<ThreadPool> {
     ThreadPoolBuilder::new()
         .num_threads(count)
         .thread_name(move |index| format!("{name}-{index}"))
-        .start_handler(|_| lower_priority())
+        .start_handler(|_| priority::lower())
         .build()
         .map_err(std::io::Error::other)
-}
-
-/// Where the system refuses, the thread works at the usual priority.
-fn lower_priority() {
-    #[cfg(target_os = "linux")]
-    if let Err(error) = rustix::process::nice(NICENESS) {
-        tracing::debug!(%error, "a worker thread keeps its priority");
-    }
 }
 
 impl WorkerPool {
     /// Permits for `most` requests at once, each with a thread for each core that the process may use.
     ///
     /// # Errors
-    /// The system starts no threads.
+    /// The system cannot start the threads.
     pub fn start(most: usize, metrics: &Metrics) -> std::io::Result<Self> {
         let cores = std::thread::available_parallelism()?.get();
         let threads_of_a_permit = cores.min(MAX_THREADS_PER_REQUEST);
@@ -83,6 +77,7 @@ impl WorkerPool {
         let shared = Shared {
             free: Mutex::new(free),
             permits: Arc::new(Semaphore::new(most)),
+            plans: Arc::new(Semaphore::new(most.div_ceil(2))),
             pieces: threads("piece", cores)?,
             threads_of_a_permit,
             metrics: metrics.clone(),
@@ -90,19 +85,26 @@ impl WorkerPool {
         Ok(Self(Arc::new(shared)))
     }
 
-    /// A permit for one request, after waiting `longest` for one to come free.
+    /// A permit for one request. Waits at most `longest` for one to become free.
     ///
     /// # Errors
-    /// [`Overload::Workers`] when none comes free.
+    /// [`Overload::Workers`] if none becomes free.
     pub async fn admit(&self, longest: Duration) -> Result<WorkPermit, Overload> {
-        let Ok(Ok(permit)) = timeout(longest, Arc::clone(&self.0.permits).acquire_owned()).await else {
-            self.0.metrics.shed(Overload::Workers);
-            return Err(Overload::Workers);
-        };
-        // Threads return before their permit does: see the order in `Held`'s drop.
+        let permit = self.acquire(&self.0.permits, longest).await?;
+        // Threads return before their permit: see the order in the `Drop` of `Held`.
         let threads = self.0.free().pop();
         let held = Held { threads, _permit: permit, pool: self.clone() };
         Ok(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
+    }
+
+    async fn acquire(&self, semaphore: &Arc<Semaphore>, longest: Duration) -> Result<OwnedSemaphorePermit, Overload> {
+        match timeout(longest, Arc::clone(semaphore).acquire_owned()).await {
+            Ok(Ok(permit)) => Ok(permit),
+            _ => {
+                self.0.metrics.shed(Overload::Workers);
+                Err(Overload::Workers)
+            }
+        }
     }
 }
 
@@ -114,22 +116,14 @@ struct Held {
 }
 
 impl Drop for Held {
-    // Fields are dropped, and the permit is free, after this.
+    // The fields, and with them the permit, are dropped after this.
     fn drop(&mut self) {
         self.pool.0.free().extend(self.threads.take());
     }
 }
 
-#[derive(Debug, Default)]
-struct CancelOnDrop(CancelFlag);
-
-impl Drop for CancelOnDrop {
-    fn drop(&mut self) {
-        self.0.cancel();
-    }
-}
-
-/// One request's permit and its threads. Dropping it cancels the work that it runs; the threads are free once that has ended.
+/// One request's permit and its threads. Dropping it cancels the work that it runs; the threads are free once that
+/// has ended.
 pub struct WorkPermit {
     held: Arc<Held>,
     cancel: CancelOnDrop,
@@ -142,11 +136,11 @@ impl std::fmt::Debug for WorkPermit {
 }
 
 impl WorkPermit {
-    /// Runs `work` on a thread of the permit's; parallel iterators in it use its other threads. `work` is given a flag that is set when
-    /// the future is dropped. A panic in `work` continues in the caller.
+    /// Runs `work` on a thread of the permit; parallel iterators in it use the permit's other threads. `work` gets a
+    /// flag that is set when the future is dropped. A panic in `work` continues in the caller.
     pub async fn run<T: Send + 'static>(self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> T {
         let held = Arc::clone(&self.held);
-        let cancel = self.cancel.0.clone();
+        let cancel = CancelFlag::clone(&self.cancel);
         let threads = self.held.threads.as_ref().unwrap_or_else(|| unreachable!("each permit has threads"));
         run_on(threads, held, move || work(&cancel)).await
     }
@@ -165,15 +159,15 @@ where
             return;
         }
         let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
-        // Before the result is sent: the permit of an answered request must be free.
+        // Dropped before the result is sent, because the permit of an answered request must be free.
         drop(held);
-        // Without a receiver the result is not needed.
+        // If the receiver is gone, the result is not needed.
         let _ = sender.send(done);
     });
     match receiver.await {
         Ok(Ok(result)) => result,
         Ok(Err(panic)) => resume_unwind(panic),
-        Err(_) => unreachable!("the sender lives until it has sent, as long as the receiver does"),
+        Err(_) => unreachable!("the sender sends before it is dropped, and the receiver exists"),
     }
 }
 
@@ -185,20 +179,22 @@ pub struct Work {
 }
 
 impl Work {
-    /// How long a request whose body has arrived waits for a permit. Permits are held for milliseconds unless the load persists.
+    /// The longest time that a request whose body has arrived waits for a permit. Permits are held for milliseconds
+    /// unless the load persists.
     const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
-    /// How long an upload waits: sending the file again would cost its client more.
-    const LONGEST_WAIT_OF_UPLOAD: Duration = Duration::from_secs(20);
+    /// How long an upload or a recommendation waits: sending a file again would cost its client more, and of dozens
+    /// of recommendations at once, each of which takes some 0.1 s, the last waits some seconds.
+    pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
 
     pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget) -> Self {
         Self { workers, budget }
     }
 
-    /// Runs `work` with a permit, which is taken now and not while the body arrives.
+    /// Runs `work` with a permit. The permit is taken now, not while the body arrives.
     ///
     /// # Errors
-    /// [`Overload::Workers`] when no permit comes free.
+    /// [`Overload::Workers`] if no permit becomes free.
     pub async fn run<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
         Ok(self.workers.admit(Self::LONGEST_WAIT).await?.run(work).await)
     }
@@ -206,27 +202,63 @@ impl Work {
     /// The same for the work that follows an upload.
     ///
     /// # Errors
-    /// [`Overload::Workers`] when no permit comes free.
+    /// [`Overload::Workers`] if no permit becomes free.
     pub async fn run_after_upload<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
-        Ok(self.workers.admit(Self::LONGEST_WAIT_OF_UPLOAD).await?.run(work).await)
+        Ok(self.workers.admit(Self::LONGEST_WAIT_OF_PLAN).await?.run(work).await)
     }
 
-    /// Runs `work` on `count` threads instead of those of the permit whose thread calls this: each thread takes memory.
+    /// Runs `work` with a permit and with `bytes` more in `memory`, for both of which it waits at most `longest`.
+    /// While it waits for memory it holds no permit, so that requests which need less are worked on meanwhile.
     ///
     /// # Errors
-    /// The system starts no threads.
+    /// [`Overload`] as a problem to answer with.
+    pub(crate) async fn run_with_memory<T: Send + 'static>(
+        &self,
+        mut memory: Reservation,
+        bytes: u64,
+        longest: Duration,
+        work: impl FnOnce(Reservation, &CancelFlag) -> T + Send + 'static,
+    ) -> Result<T, Problem> {
+        let deadline = Instant::now() + longest;
+        let (permit, plan) = loop {
+            // Before the attempt, so that bytes that return after it are noticed.
+            let returned = self.budget.returned();
+            let left = || deadline.saturating_duration_since(Instant::now());
+            let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
+            let permit = self.workers.admit(left()).await?;
+            match memory.try_grow(bytes) {
+                Ok(()) => break (permit, plan),
+                Err(BudgetExceeded::Always) => return Err(self.budget.refuse(BudgetExceeded::Always).into()),
+                Err(BudgetExceeded::Now) => drop((permit, plan)),
+            }
+            if timeout_at(deadline, returned).await.is_err() {
+                return Err(self.budget.refuse(BudgetExceeded::Now).into());
+            }
+        };
+        let work = move |cancelled: &CancelFlag| {
+            let result = work(memory, cancelled);
+            drop(plan);
+            result
+        };
+        Ok(permit.run(work).await)
+    }
+
+    /// Runs `work` on `count` new threads instead of the permit's, because each thread takes memory.
+    ///
+    /// # Errors
+    /// The system cannot start the threads.
     pub fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
         if count >= rayon::current_num_threads() { Ok(work()) } else { Ok(threads("few", count)?.install(work)) }
     }
 
-    /// The threads of a permit.
+    /// The number of threads of a permit.
     #[must_use]
     pub fn threads(&self) -> usize {
         self.workers.0.threads_of_a_permit
     }
 
-    /// Runs a piece of work of a few milliseconds, without a permit. Pieces take turns in the order in which they come. Dropping the
-    /// future cancels a piece that has not begun.
+    /// Runs a piece of work of a few milliseconds, without a permit. Pieces run in the order of the calls. Dropping the
+    /// future cancels a piece that has not started.
     pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce() -> T + Send + 'static) -> T {
         run_on(&self.workers.0.pieces, (), piece).await
     }
@@ -239,15 +271,7 @@ impl Work {
         self.budget.reserve(bytes)
     }
 
-    /// Adds `bytes` to a reservation for work that follows an upload, after waiting for others to return theirs as long as for a permit.
-    ///
-    /// # Errors
-    /// [`BudgetExceeded`], which is a problem to answer with.
-    pub async fn grow_after_upload(&self, memory: &mut Reservation, bytes: u64) -> Result<(), BudgetExceeded> {
-        memory.grow_within(bytes, Self::LONGEST_WAIT_OF_UPLOAD).await
-    }
-
-    /// The same for other requests.
+    /// Adds `bytes` to a reservation, after waiting for others to return theirs as long as for a permit.
     ///
     /// # Errors
     /// [`BudgetExceeded`], which is a problem to answer with.
@@ -266,7 +290,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Work {
     type Rejection = Response;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Response> {
-        // The middleware adds it to requests for routes whose class uses workers.
+        // The middleware adds the pool to requests for routes whose class uses workers.
         parts.extensions.get::<Self>().cloned().ok_or_else(|| {
             tracing::error!("the route's class does not include the worker pool");
             StatusCode::INTERNAL_SERVER_ERROR.into_response()
@@ -277,7 +301,6 @@ impl<S: Send + Sync> FromRequestParts<S> for Work {
 #[cfg(test)]
 mod tests {
     use std::sync::mpsc;
-    use std::time::Instant;
 
     use super::*;
 
@@ -297,14 +320,14 @@ mod tests {
         let work = work(1);
         let permit = work.workers.admit(Duration::ZERO).await.unwrap();
         assert_eq!(work.run(|_| ()).await, Err(Overload::Workers));
-        // Short pieces need none.
+        // Short pieces need no permit.
         assert_eq!(work.run_piece(|| 7).await, 7);
         drop(permit);
         assert_eq!(work.run(|_| 7).await, Ok(7));
     }
 
     #[tokio::test]
-    async fn a_request_waits_for_a_permit_that_comes_free() {
+    async fn a_request_waits_for_a_permit_that_becomes_free() {
         let work = work(1);
         let permit = work.workers.admit(Duration::ZERO).await.unwrap();
         let (result, ()) = tokio::join!(work.run(|_| 7), async { drop(permit) });
@@ -333,7 +356,7 @@ mod tests {
         task.abort();
         assert!(task.await.unwrap_err().is_cancelled());
         let ended = tokio::task::spawn_blocking(move || ended.recv().unwrap()).await.unwrap();
-        // It takes microseconds; a loaded machine may be late to schedule the thread.
+        // The cancellation takes microseconds, but a loaded machine may schedule the thread late.
         assert!(ended - dropped < Duration::from_secs(5), "{:?}", ended - dropped);
         assert!(work.workers.admit(Duration::from_secs(10)).await.is_ok());
     }
@@ -350,10 +373,10 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn requests_work_side_by_side() {
+    async fn requests_run_side_by_side() {
         let work = work(2);
         let (send, receive) = mpsc::channel::<()>();
-        // As many pieces as one request has threads wait for the other request.
+        // As many pieces as a request has threads wait for the other request.
         let waiting = work.run(move |_| receive.recv().is_ok());
         let other = work.run(move |_| send.send(()).is_ok());
         assert_eq!(tokio::join!(waiting, other), (Ok(true), Ok(true)));

@@ -1,9 +1,13 @@
-//! Triangles between points that sample a surface: Delaunay in the XY plane, without the edges that bridge gaps.
+//! Triangulation of sample points: Delaunay in the XY plane, without the triangles that bridge gaps.
 
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
-/// An edge is left out when it is longer than this many times the spacing of the points at its ends.
+/// The length of an edge, in multiples of the spacing of the points at its ends, above which its triangles are left
+/// out.
 pub const LONG_EDGE: f64 = 4.0;
+
+/// How many points are inserted between two checks for cancellation: about a millisecond.
+const INSERTED_AT_ONCE: usize = 1024;
 
 /// A point of the plane and its number.
 struct Site {
@@ -18,19 +22,23 @@ impl HasPosition for Site {
     }
 }
 
-/// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise seen from
-/// above, so they face up. Of points above each other, the highest counts. Empty where all points lie in one vertical plane.
+/// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise
+/// seen from above, so they face up. Of points above each other, the highest is used. Empty if all points lie in one
+/// vertical plane.
 ///
-/// **Long edges.** A Delaunay triangulation fills the convex hull, notches and holes included. So a triangle is left out when one
-/// of its edges is longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the length of its third shortest
-/// edge: scan lines have two close neighbours along the line and the third on the next line. At an edge the smaller spacing of
-/// its ends counts, or half the median of all points where that is larger, so that two points close together by chance leave no
-/// hole.
+/// **Long edges.** A Delaunay triangulation fills the convex hull, including notches and holes. A triangle is therefore
+/// left out if one of its edges is longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the
+/// length of its third shortest edge: a point of a scan line has two close neighbours along the line and the third on
+/// the next line. The spacing at an edge is the smaller spacing of its ends, but at least half the median of all
+/// points, so that two points close together by chance leave no hole.
 ///
-/// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random, each round
-/// along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and Rote 2003), after three
-/// that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time for points near a line.
-pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+/// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random,
+/// each round along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and
+/// Rote 2003), after three that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time for
+/// points near a line.
+///
+/// Once `stop` returns true the triangulation ends within milliseconds, without triangles.
+pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut points = points;
     for point in &mut points {
         // The library refuses magnitudes under 1.8e-43 other than 0; -0 becomes 0.
@@ -40,11 +48,14 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]
     }
     points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(b[2].total_cmp(&a[2])));
     points.dedup_by(|b, a| a[..2] == b[..2]);
-    let Some(order) = insertion_order(&points) else {
+    let Some(order) = insertion_order(&points, stop) else {
         return (points, Vec::new());
     };
     let mut delaunay = DelaunayTriangulation::<Site>::with_capacity(points.len(), 3 * points.len(), 2 * points.len());
-    for &index in &order {
+    for (count, &index) in order.iter().enumerate() {
+        if count.is_multiple_of(INSERTED_AT_ONCE) && stop() {
+            return (points, Vec::new());
+        }
         let [x, y, _] = points[index as usize];
         // Coordinates are in the library's range: finite, at most 1e12 in magnitude, 0 or at least 1e-40.
         if delaunay.insert(Site { at: Point2::new(x, y), index }).is_err() {
@@ -52,6 +63,9 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]
         }
     }
     let spacing = spacing(&delaunay, points.len());
+    if stop() {
+        return (points, Vec::new());
+    }
     let length = |a: u32, b: u32| {
         let (a, b) = (points[a as usize], points[b as usize]);
         (a[0] - b[0]).hypot(a[1] - b[1])
@@ -73,7 +87,7 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]
     (points, triangles)
 }
 
-/// The length of the third shortest edge of each point, or of the longest where it has fewer.
+/// The length of the third shortest edge of each point, or of the longest if it has fewer.
 fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
     let mut shortest = vec![[f64::INFINITY; 3]; count];
     for edge in delaunay.undirected_edges() {
@@ -91,15 +105,22 @@ fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
     shortest.into_iter().map(|three| three.into_iter().rev().find(|length| length.is_finite()).unwrap_or(0.0)).collect()
 }
 
-/// The order in which points are inserted; `None` where all lie on one line. `points` are sorted by x, then y, and differ.
-fn insertion_order(points: &[[f64; 3]]) -> Option<Vec<u32>> {
+/// The order in which points are inserted; `None` where all lie on one line or `stop` returns true. `points` are
+/// sorted by x, then y, and differ.
+fn insertion_order(points: &[[f64; 3]], stop: &dyn Fn() -> bool) -> Option<Vec<u32>> {
+    if stop() {
+        return None;
+    }
     let coordinate = |point: &[f64; 3]| robust::Coord { x: point[0], y: point[1] };
     let (first, last) = (coordinate(points.first()?), coordinate(points.last()?));
     let off_line = points.iter().position(|point| robust::orient2d(first, last, coordinate(point)) != 0.0)?;
     let count = u32::try_from(points.len()).expect("the bound on points is below 2^32");
-    // Ranks rather than coordinates, so that points in tight clusters are ordered within their cluster.
+    // Ranks in place of coordinates order the points within tight clusters.
     let mut by_y: Vec<u32> = (0..count).collect();
     by_y.sort_unstable_by(|&a, &b| points[a as usize][1].total_cmp(&points[b as usize][1]).then(a.cmp(&b)));
+    if stop() {
+        return None;
+    }
     let mut keys = vec![0_u32; points.len()];
     let scaled = |rank: usize| u32::try_from((rank * 65_536) / points.len()).expect("under 65536");
     for (rank, &index) in by_y.iter().enumerate() {
@@ -112,13 +133,16 @@ fn insertion_order(points: &[[f64; 3]]) -> Option<Vec<u32>> {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         order.swap(i, usize::try_from((state >> 33) % (i as u64 + 1)).expect("at most i"));
     }
+    if stop() {
+        return None;
+    }
     let (mut start, mut end) = (0, 64);
     while start < order.len() {
         let round = end.min(order.len());
         order[start..round].sort_unstable_by_key(|&index| (keys[index as usize], index));
         (start, end) = (round, 4 * end);
     }
-    // Until three points span a triangle each insertion takes time in proportion to the points before it.
+    // Until three points span a triangle, each insertion takes time in proportion to the number of points before it.
     let spanning = [0, count - 1, u32::try_from(off_line).expect("under the count")];
     Some(spanning.into_iter().chain(order.into_iter().filter(|index| !spanning.contains(index))).collect())
 }
@@ -143,8 +167,12 @@ fn hilbert(mut x: u32, mut y: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::cell::Cell;
     use std::time::{Duration, Instant};
+
+    fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        super::triangulate(points, &|| false)
+    }
 
     /// The area of the triangles seen from above.
     fn area((points, triangles): &(Vec<[f64; 3]>, Vec<[u32; 3]>)) -> f64 {
@@ -157,7 +185,8 @@ mod tests {
         triangles.iter().map(|triangle| twice(triangle) / 2.0).sum()
     }
 
-    /// Points of a lattice of `dx` x `dy` over `columns` x `rows`, moved by up to `shake` of the spacing, where `inside` holds.
+    /// Points of a lattice of `dx` x `dy` over `columns` x `rows`, moved by up to `shake` of the spacing, where
+    /// `inside` holds.
     fn lattice(columns: u32, rows: u32, [dx, dy]: [f64; 2], shake: f64, inside: impl Fn(f64, f64) -> bool) -> Vec<[f64; 3]> {
         let mut state = 7_u64;
         let mut random = || {
@@ -175,8 +204,8 @@ mod tests {
         for (spacing, shake) in [([1.0, 1.0], 0.0), ([1.0, 1.0], 0.8), ([0.2, 1.0], 0.0)] {
             let l = lattice(if spacing[0] < 1.0 { 201 } else { 41 }, 41, spacing, shake, |x, y| x <= 20.1 || y <= 20.1);
             let found = area(&triangulate(l));
-            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2 at its
-            // corner; a shaken border loses up to half a spacing along its 160 mm.
+            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2
+            // at its corner; a shaken border loses up to half a spacing along its 160 mm.
             assert!(found > 1200.0 - if shake > 0.0 { 80.0 } else { 1e-9 } && found < 1210.0 + 20.0 * shake, "{spacing:?} {shake} {found}");
         }
     }
@@ -206,11 +235,32 @@ mod tests {
     }
 
     #[test]
+    fn a_triangulation_that_is_cancelled_ends_without_triangles() {
+        let points = lattice(100, 100, [1.0, 1.0], 0.5, |_, _| true);
+        let asked = Cell::new(0);
+        let stop_at = |count: usize| {
+            asked.set(0);
+            super::triangulate(points.clone(), &|| {
+                asked.set(asked.get() + 1);
+                asked.get() >= count
+            })
+        };
+        assert!(!stop_at(usize::MAX).1.is_empty());
+        let in_all = asked.get();
+        // Ten thousand points, a thousand at once, and the steps before and after.
+        assert!(in_all >= 14, "{in_all}");
+        for count in 1..=in_all {
+            assert_eq!(stop_at(count).1.len(), 0, "stopped at {count} of {in_all}");
+            assert_eq!(asked.get(), count);
+        }
+    }
+
+    #[test]
     fn points_near_a_line_a_circle_or_two_lines_take_no_longer_than_others() {
         let count = 20_000_u32;
         let each = |at: &dyn Fn(f64) -> [f64; 2]| (0..count).map(|i| at(f64::from(i))).map(|[x, y]| [x, y, 0.0]).collect::<Vec<_>>();
         let clouds = [
-            // Rounding moves these points off their line.
+            // Rounding moves these points off the line.
             each(&|i| [0.1 * i, 0.3 * i]),
             each(&|i| [(i * 1e-3).cos(), (i * 1e-3).sin()]),
             each(&|i| [i % 2.0, (i / 2.0).floor()]),
@@ -220,7 +270,7 @@ mod tests {
         for (number, cloud) in clouds.into_iter().enumerate() {
             let start = Instant::now();
             triangulate(cloud);
-            // Some 50 ms where quadratic time would take minutes.
+            // Some 50 ms; quadratic time would be minutes.
             assert!(start.elapsed() < Duration::from_secs(5), "{number} {:?}", start.elapsed());
         }
     }

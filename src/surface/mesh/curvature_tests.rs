@@ -6,7 +6,7 @@ use crate::surface::{Facing, Sink, Unit};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use std::f64::consts::PI;
 
-/// The smallest and the largest normal curvature, by sampling directions: another route than eigenvalues.
+/// The smallest and the largest normal curvature, by sampling directions, independently of eigenvalues.
 fn extremes(facet: &FinishFacet) -> (f64, f64) {
     let (t, u) = super::curvature::tangents(facet.normal);
     (0..180).map(|i| f64::from(i).to_radians().sin_cos()).map(|(sin, cos)| [0, 1, 2].map(|a| cos * t[a] + sin * u[a])).fold(
@@ -35,8 +35,8 @@ fn a_sphere_is_convex_by_its_radius_in_every_direction() {
     };
     for facet in finish_facets(&grid(31, 31, sphere(25.0))) {
         let (least, most) = extremes(&facet);
-        // The mean of the normals around a point is the sphere's up to the asymmetry of the fan, (4 deg)^2 = 0.005, times a factor of
-        // order 1; at the border the normals lie inside, where neighbours decide by 250 to 1.
+        // The mean of the normals around a point is the sphere's up to the asymmetry of the fan, (4 deg)^2 = 0.005,
+        // times a factor of order 1; at the border the normals lie inside, where neighbours decide by 250 to 1.
         assert!(least > 0.95 / 25.0 && most < 1.05 / 25.0, "{least} {most}");
         assert_in_tangent_plane(&facet);
     }
@@ -50,7 +50,8 @@ fn a_sphere_is_convex_by_its_radius_in_every_direction() {
 
 #[test]
 fn a_saddle_is_convex_one_way_and_concave_the_other_and_twisted_between() {
-    // z = (x^2 - y^2)/60: curvatures -1/30 along x (up, concave), 1/30 along y; z = x y/30 is the same turned by 45 deg.
+    // z = (x^2 - y^2)/60: curvatures -1/30 along x (up, concave), 1/30 along y; z = x y/30 is the same turned by 45
+    // deg.
     let at = |f: fn(f64, f64) -> f64| move |u: f64, v: f64| [4.0 * u - 2.0, 4.0 * v - 2.0, f(4.0 * u - 2.0, 4.0 * v - 2.0)];
     let (x, y) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     for facet in finish_facets(&grid(21, 21, at(|x, y| (x * x - y * y) / 60.0))) {
@@ -79,8 +80,8 @@ fn a_plane_has_no_curvature_in_any_tessellation() {
     }
 }
 
-/// Facets of a cylinder along y with `around` flat strips of two triangles on the whole turn; of them those from `from` to `to`
-/// deg, from X.
+/// Facets of a cylinder along y with `around` flat strips of two triangles on the whole turn; of them those from `from`
+/// to `to` deg, from X.
 fn strips(around: u32, radius: f64, from: f64, to: f64, length: f64) -> Vec<[[f64; 3]; 3]> {
     let at = |i: u32, y: f64| {
         let (sin, cos) = (2.0 * PI * f64::from(i) / f64::from(around)).sin_cos();
@@ -106,8 +107,8 @@ fn a_cylinder_of_flat_facets_is_as_curved_as_the_cylinder_through_its_corners() 
             assert!(facets.len() >= around as usize - 4, "{around}");
             for facet in facets {
                 let across = [facet.normal[2], 0.0, -facet.normal[0]];
-                // Chords are shorter than arcs: the normals of neighbouring points differ by 2 sin(a/2) over a chord of 2 R
-                // sin(a/2), exactly 1/R; turned into the facet's plane by cos(a/2), which is 0.966 for 12 facets.
+                // Chords are shorter than arcs: the normals of neighbouring points differ by 2 sin(a/2) over a chord of
+                // 2 R sin(a/2), exactly 1/R; turned into the facet's plane by cos(a/2), which is 0.966 for 12 facets.
                 let expected = (PI / f64::from(around)).cos() / radius;
                 // The strips at both ends have one side only; there the neighbours weigh 250 times as much.
                 assert_relative_eq!(facet.curvature_between(across, across), expected, max_relative = 0.05);
@@ -135,8 +136,8 @@ fn a_sharp_edge_does_not_curve_the_faces_beside_it() {
 
 #[test]
 fn a_fillet_keeps_its_curvature_beside_large_planes() {
-    // A level plane of 40 mm, then a concave quarter cylinder of radius 3 mm up to a wall; 16 strips on the quarter, as a CAD
-    // system writes it.
+    // A level plane of 40 mm, then a concave quarter cylinder of radius 3 mm up to a wall; 16 strips on the quarter, as
+    // a CAD system writes it.
     let mut facets =
         vec![[[-40.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 30.0, 0.0]], [[-40.0, 0.0, 0.0], [0.0, 30.0, 0.0], [-40.0, 30.0, 0.0]]];
     let at = |i: u32, y: f64| {
@@ -155,8 +156,8 @@ fn a_fillet_keeps_its_curvature_beside_large_planes() {
         let k = facet.curvature_between(across, across);
         match facet.slope().degrees() {
             0.0 => assert!(k > -0.02 && k <= 0.0, "{k}"),
-            // The strip on the border has the mean normal of strip and plane on one side, half the turn: 3/4 of the curvature, less the
-            // neighbours' share.
+            // The strip on the border has the mean normal of strip and plane on one side, half the turn: 3/4 of the
+            // curvature, less the neighbours' share.
             slope if slope < 3.0 => assert!(k < -0.5 / 3.0 && k > -1.0 / 3.0, "{k}"),
             slope if slope < 9.0 => assert!(k < -0.8 / 3.0 && k > -1.02 / 3.0, "{k}"),
             _ => assert_relative_eq!(k, -1.0 / 3.0, max_relative = 0.05),

@@ -4,8 +4,9 @@ use super::weld::HashKeys;
 use crate::surface::Bounds;
 use hashbrown::HashTable;
 
-/// At most `limit` points. Of more points, the one nearest to the centre of each cell of a lattice is kept, unmoved; the cells are the
-/// smallest, by powers of two, that leave at most half of the limit, and double in size where later points exceed it.
+/// A cloud of at most `limit` points. If there are more, the point nearest to the centre of each cell of a lattice is
+/// kept, unmoved; the cells are the smallest, by powers of two, that leave at most half of the limit, and double in size
+/// when later points exceed the limit.
 #[derive(Debug)]
 pub(super) struct PointCloud {
     limit: usize,
@@ -29,7 +30,7 @@ impl PointCloud {
         self.received
     }
 
-    /// The side of the cells, where points were thinned.
+    /// The side of the cells, if points were thinned.
     pub(super) fn cell(&self) -> Option<f64> {
         self.cells.as_ref().map(|cells| cells.side)
     }
@@ -44,7 +45,7 @@ impl PointCloud {
             }
             return;
         }
-        // Scanners repeat a point that did not move; repetitions must not cause thinning.
+        // Scanners repeat points; repetitions must not cause thinning.
         if self.points.last() == Some(&point) {
             return;
         }
@@ -59,7 +60,7 @@ impl PointCloud {
         self.cells.as_ref().map_or(self.points.len(), |cells| cells.points.len())
     }
 
-    /// The memory that `more` points take beside what is held, in bytes: the vector moves to twice its size, and points that are thinned to
+    /// The further memory in bytes for `more` points: the vector grows to twice its size, and points that are thinned to
     /// larger cells are held twice.
     pub(super) fn bytes_to_take(&self, more: usize) -> usize {
         let count = self.len() + more;
@@ -192,7 +193,7 @@ mod tests {
         let cell = cloud.cell().unwrap();
         let points = cloud.into_points();
         assert!(points.len() > 200 && points.len() <= 1000, "{} of {cell}", points.len());
-        // Each is a point that came, and the only one of its cell.
+        // Each is one of the received points, and the only one of its cell.
         assert!(points.iter().all(|&[x, y, z]| z == x + 200.0 * y));
         let places: std::collections::HashSet<_> =
             points.iter().map(|[x, y, _]| [(x / cell).floor().to_bits(), (y / cell).floor().to_bits()]).collect();

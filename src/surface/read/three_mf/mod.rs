@@ -1,12 +1,13 @@
-//! Reader of 3MF: a ZIP package with models in XML, whose objects are meshes or components of other objects, placed by build items.
+//! Reader of 3MF: a ZIP package with models in XML, whose objects are meshes or components of other objects, placed by
+//! build items.
 //!
-//! The directory of a ZIP archive stands at its end, so the compressed file is held, up to [`DEFAULT_ARCHIVE_LIMIT`]; the models are
-//! inflated and parsed as streams. The meshes are held, too, up to the limit on vertices, because components place them. Objects of
-//! the types `support` and `other` are not part of the surface and are counted. The model's unit is passed on in the summary, and every
-//! coordinate is in that unit.
+//! The directory of a ZIP archive stands at its end, so the compressed file is held, up to [`DEFAULT_ARCHIVE_LIMIT`];
+//! the models are inflated and parsed as streams. The meshes are held, too, up to the limit on vertices, because
+//! components place them. Objects of the types `support` and `other` are not part of the surface and are counted. The
+//! model's unit is passed on in the summary, and every coordinate is in that unit.
 //!
-//! The core specification and its production extension (models in several files) are read. Extensions that do not change the surface,
-//! such as materials, are ignored; a model that requires any other extension is refused.
+//! The core specification and its production extension (models in several files) are read. Extensions that do not
+//! change the surface, such as materials, are ignored; a model that requires any other extension is refused.
 
 mod build;
 mod model;
@@ -15,14 +16,15 @@ mod xml;
 use super::fault::{Fault, FaultKind, Flaw};
 use super::{Format, Notes, Sink, Summary};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
+use crate::cancellation::CancelFlag;
 use build::Build;
 use model::{Model, Room};
 use std::collections::HashMap;
 use std::sync::Arc;
 use xml::Event;
 
-/// The default limit on the size of a compressed 3MF file, in bytes; [`Reader::with_archive_limit`](super::Reader::with_archive_limit)
-/// changes it.
+/// The default limit on the size of a compressed 3MF file, in bytes;
+/// [`Reader::with_archive_limit`](super::Reader::with_archive_limit) changes it.
 pub const DEFAULT_ARCHIVE_LIMIT: usize = 256 << 20;
 
 /// The limits of a package: 2 GiB after inflation are some 25 million facets.
@@ -55,15 +57,17 @@ impl Reader {
         self.bytes.capacity()
     }
 
-    pub(super) fn finish<S: Sink>(self, sink: &mut S) -> Result<Summary, Fault> {
-        let archive = Archive::open(&self.bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?;
+    /// Once `cancel` is set, reading ends early with any result.
+    pub(super) fn finish<S: Sink>(self, sink: &mut S, cancel: &CancelFlag) -> Result<Summary, Fault> {
+        let archive = Archive::open(&self.bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?.until(cancel);
         let root = root_model(&archive)?;
         let mut room = Room::for_vertices(self.vertex_limit);
         let model = Model::read(&archive, &root, &mut room)?;
         let unit = model.unit;
         let items = model.items.clone();
         let mut models = HashMap::from([(root.to_lowercase(), model)]);
-        // Models in other files, named by build items and components; the files that these name are read in the next round.
+        // Models in other files, named by build items and components; the files that these name are read in the next
+        // round.
         let mut wanted = models_named_by(&models[&root.to_lowercase()]);
         while let Some(path) = wanted.pop() {
             if models.contains_key(&path.to_lowercase()) {
@@ -76,7 +80,7 @@ impl Reader {
             wanted.extend(models_named_by(&part));
             models.insert(path.to_lowercase(), part);
         }
-        let mut build = Build::new(&models, self.vertex_limit);
+        let mut build = Build::new(&models, self.vertex_limit, cancel);
         build.place_all(&root, &items, sink)?;
         if build.facets() == 0 {
             return Err(Flaw::new(FaultKind::Empty, "a build item with a mesh", "none").in_entry(&root, 0));
