@@ -84,6 +84,11 @@ const BYTES_OF_A_BYTE: usize = 20;
 /// The points and triangles of a JSON mesh, which are held until all are read: 24 bytes for each 8 of the body.
 const BYTES_OF_A_BYTE_OF_A_MESH: usize = 3;
 
+/// The points that are read from blocks of a body at once, and the parts that are summed of them: 72 bytes for each 8
+/// of a million bytes.
+const BYTES_OF_A_BYTE_OF_BLOCKS: usize = 9;
+const MOST_BYTES_OF_BLOCKS: usize = 1 << 20;
+
 /// The facets of a sampled patch: one million, before they are merged.
 const BYTES_OF_A_PATCH: usize = 48 << 20;
 
@@ -97,7 +102,8 @@ const MOST_SAMPLES: usize = 1000;
 /// The memory in bytes to read the surface of a JSON body, beside the body itself.
 pub(super) fn bytes_to_read(json: &[u8]) -> u64 {
     let facets = (BYTES_OF_A_BYTE * json.len()).min(bytes_of_most_facets()).max(bytes_of_patch(json));
-    (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets) as u64
+    let blocks = BYTES_OF_A_BYTE_OF_BLOCKS * json.len().min(MOST_BYTES_OF_BLOCKS);
+    (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets + blocks) as u64
 }
 
 /// The memory of the facets of a sampled patch, if the JSON may contain one: two facets for each square of the largest

@@ -6,6 +6,7 @@ mod curvature;
 mod curvature_tests;
 mod finish_facet;
 mod merge;
+mod part;
 mod pieces;
 mod selection;
 #[cfg(test)]
@@ -21,6 +22,7 @@ mod weld;
 pub use builder::{MeshBuilder, MeshSize};
 pub use curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
+pub use part::MeshPart;
 pub use pieces::Pieces;
 pub use selection::{Selection, SelectionError};
 pub use view::{NO_FACET, ViewFromAbove};

@@ -7,7 +7,7 @@ use super::evidence::{Evidence, WIDEST_POINT};
 use super::layout::Separator;
 
 /// The readings that the lines so far leave open.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Doubt {
     first_line: u64,
     first: String,
@@ -50,8 +50,18 @@ impl Doubt {
         }
     }
 
-    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal
-    /// point has shown that commas separate columns.
+    /// The same doubt about lines that follow.
+    pub(super) fn of_more_lines(&self) -> Self {
+        Self { commas: self.commas.map(|_| (usize::MAX, 0)), ..self.clone() }
+    }
+
+    /// Takes lines into account that `more` looked at.
+    pub(super) fn add(&mut self, more: &Self) {
+        self.commas = self.commas.zip(more.commas).map(|(own, others)| (own.0.min(others.0), own.1.max(others.1)));
+    }
+
+    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal point has shown that
+    /// commas separate columns.
     pub(super) fn flaw(&self, points: u64, has_mark: bool) -> Option<(Flaw, u64)> {
         if let Some((least, most)) = self.commas.filter(|_| !has_mark)
             && (least == 6 || least != most)
