@@ -1,16 +1,17 @@
-//! Measures the recommendation by method `surface`, stage by stage, for surfaces of 12 000, 100 000 and 1 000 000 facets: `cargo
-//! bench --bench recommendation [n ...]` takes meshes of 2 n^2 facets instead. Writes `target/benches/recommendation.json`.
+//! Measures the recommendation by method `surface`, stage by stage, for surfaces of 12 000, 100 000 and 1 000 000
+//! facets: `cargo bench --bench recommendation [n ...]` takes meshes of 2 n^2 facets instead. Writes
+//! `target/benches/recommendation.json`.
 //!
-//! `cargo bench --bench recommendation memory n` plans once on a mesh of 2 n^2 facets, of which as many are held as the service holds, and prints
-//! the largest memory of the process.
+//! `cargo bench --bench recommendation memory n` plans once on a mesh of 2 n^2 facets, of which as many are held as
+//! the service holds, and prints the largest memory of the process.
 //!
-//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions. With
-//! two cores, 60 ms of processor time are 30 ms of time where both are used.
+//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence
+//! repetitions. With two cores, 60 ms of processor time are 30 ms of time where both are used.
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
 use scallopd::planning::reach::{ReachMap, Uncut};
-use scallopd::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::planning::zigzag::{CandidateCutter, Ranking, SurfaceEvidence, ZigzagSettings, rank};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};
@@ -85,7 +86,7 @@ fn planned(mesh: &Mesh, cutters: &[Cutter], settings: &ZigzagSettings) -> Option
 }
 
 fn with_reach((cutter, uncut): (&Cutter, Uncut)) -> CandidateCutter {
-    CandidateCutter { reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }), ..CandidateCutter::new(*cutter) }
+    CandidateCutter { reach: Some((&uncut).into()), ..CandidateCutter::new(*cutter) }
 }
 
 /// The largest memory of this process so far, in MB.

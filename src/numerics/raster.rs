@@ -14,7 +14,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Cells of the given side over the box from `min` to `max`, at least one each way. The box is finite and the side positive.
+    /// Cells of the given side over the box from `min` to `max`, at least one each way. The box is finite and the
+    /// side positive.
     #[must_use]
     pub fn covering(min: [f64; 2], max: [f64; 2], cell: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "callers bound the quotient; the cast saturates")]
@@ -86,15 +87,16 @@ impl<T: Clone> Raster<T> {
     }
 }
 
-/// How near to a triangle's edge, in cells, a cell centre counts as lying on it: coordinates of up to a million cells are rounded by 1e-10.
+/// How near to a triangle's edge, in cells, a cell centre counts as lying on it: coordinates of up to a million cells
+/// are rounded by 1e-10.
 const ON_EDGE: f64 = 1e-9;
 
-/// Calls `visit` with column, row, height and "on an edge" for each point with whole coordinates from `first` to `last` that a triangle,
-/// its border included, covers. The triangle's coordinates are counted in cells.
+/// Calls `visit` with column, row, height and "on an edge" for each point with whole coordinates from `first` to
+/// `last` that a triangle, its border included, covers. The triangle's coordinates are counted in cells.
 ///
-/// Where two triangles share an edge no point between them is missed: the crossing of the edge with a row is computed from its ends in
-/// the order of their coordinates, hence to the same bits for both. Heights come from the crossings with the two edges, so that they stay
-/// between the corners' heights however steep the triangle is.
+/// Where two triangles share an edge no point between them is missed: the crossing of the edge with a row is computed
+/// from its ends in the order of their coordinates, hence to the same bits for both. Heights come from the crossings
+/// with the two edges, so that they stay between the corners' heights however steep the triangle is.
 pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut visit: impl FnMut(i64, i64, f64, bool)) {
     let before = |a: &[f64; 3], b: &[f64; 3]| (a[1], a[0]) < (b[1], b[0]);
     for (i, j) in [(0, 1), (1, 2), (0, 1)] {
@@ -123,7 +125,8 @@ pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut vis
         for column in from..=to {
             #[expect(clippy::cast_precision_loss, reason = "columns are far under 2^53")]
             let u = column as f64;
-            // A span narrower than a rounding has a meaningless slope; the bounds keep the height between the two crossings.
+            // A span narrower than a rounding has a meaningless slope; the bounds keep the height between the two
+            // crossings.
             let z = (left.1 + slope * (u - left.0)).clamp(left.1.min(right.1), left.1.max(right.1));
             visit(column, row, z, level_edge || u - left.0 < ON_EDGE || right.0 - u < ON_EDGE);
         }
@@ -161,7 +164,8 @@ mod tests {
             let plane = |[x, y]: [f64; 2]| g * x + h * y + 1.0;
             #[allow(clippy::cast_precision_loss)]
             for (column, row, z) in covered(corners.map(|c| [c[0], c[1], plane(c)])) {
-                // Crossings are rounded by 1e-15 of 20 cells; heights follow with slopes of up to 6. Thin spans are bounded by their ends.
+                // Crossings are rounded by 1e-15 of 20 cells; heights follow with slopes of up to 6. Thin spans are
+                // bounded by their ends.
                 prop_assert!((z - plane([column as f64, row as f64])).abs() < 1e-11, "{column} {row} {z}");
             }
         }
@@ -179,7 +183,8 @@ mod tests {
             for i in 0..rim.len() {
                 cells.extend(covered([[centre[0], centre[1], 0.0], at(i), at(i + 1)]).into_iter().map(|(column, row, _)| (column, row)));
             }
-            // The disc of radius 5/2, the inner radius of the smallest triangle, lies inside when the centre does; so scan a smaller one.
+            // The disc of radius 5/2, the inner radius of the smallest triangle, lies inside when the centre does; so
+            // scan a smaller one.
             for column in -1..=1_i64 {
                 for row in -1..=1_i64 {
                     prop_assert!(rim.len() < 4 || cells.contains(&(column, row)));

@@ -52,8 +52,8 @@ async fn sides_and_form_are_two_ways_to_say_the_same() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_cutter_that_is_always_faster_is_named() {
     let app = TestApp::start().await;
-    // A ball of 1 mm takes far more passes than the torus even on a wall; on a strip that the ball's step-over of 0.63 mm spans, the torus
-    // would take at least 2000 mm of steps.
+    // A ball of 1 mm takes far more passes than the torus even on a wall; on a strip that the ball's step-over of
+    // 0.63 mm spans, the torus would take at least 2000 mm of steps.
     for (members, critical, faster) in [
         (json!({"width_mm": 30, "height_mm": 30, "ball_end": {"diameter_mm": 1}, "scallop_height_mm": 0.001}), 90.0, "toroidal"),
         (json!({"width_mm": 2000, "height_mm": 0.2}), 0.0, "ball_end"),

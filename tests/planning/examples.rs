@@ -89,11 +89,13 @@ async fn the_files_of_surface_2_give_the_answer_of_its_patch() {
         assert_eq!(answer["surface"]["source"], source);
         assert_eq!(answer["recommended"]["name"], "toroidal");
         assert_eq!(answer["warnings"], patch["warnings"]);
-        // 40 x 40 samples or quads in place of 80 x 80 samples, and facets weighted by area in place of parameters: under a hundredth.
+        // 40 x 40 samples or quads in place of 80 x 80 samples, and facets weighted by area in place of parameters:
+        // under a hundredth.
         for pointer in ["/critical_slope_deg", "/surface/slope_deg", "/surface/form_factor"] {
             approx::assert_relative_eq!(figure(&answer, pointer), figure(&patch, pointer), max_relative = 0.02);
         }
-        // The points are the centres of quads, which span (39/40)^2 = 0.95 of the area, and the passes are that much shorter and fewer.
+        // The points are the centres of quads, which span (39/40)^2 = 0.95 of the area, and the passes are that much
+        // shorter and fewer.
         let area = if source == "text" { (39.0_f64 / 40.0).powi(2) } else { 1.0 };
         let (time, whole) = (figure(&answer, "/recommended/machining_time_s"), figure(&patch, "/recommended/machining_time_s"));
         approx::assert_relative_eq!(time / area, whole, max_relative = 0.02);

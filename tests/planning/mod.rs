@@ -9,6 +9,7 @@ mod recommendation;
 mod simulated;
 mod surfaces;
 mod upload;
+mod warned;
 mod wavy;
 mod zigzag;
 

@@ -1,5 +1,5 @@
-//! `POST /v1/cutter-recommendation` by method `surface` on parts as they come: pockets, several pieces, turned and refined surfaces, large files, several
-//! libraries, and the passes against the part as a solid.
+//! `POST /v1/cutter-recommendation` by method `surface` on parts as they come: pockets, several pieces, turned and
+//! refined surfaces, large files, several libraries, and the passes against the part as a solid.
 
 use crate::app::{TestApp, figure, warnings};
 use crate::planning::wavy::{self, COLUMNS, ROWS, triangles};
@@ -108,7 +108,8 @@ async fn two_pieces_side_by_side_take_the_sum_of_their_runs_and_one_lift() {
     assert!(codes.contains(&&json!("several-pieces")), "{codes:?}");
 }
 
-/// A pocket of 30 x 30 mm with corners of 6 mm, 6 mm deep, in a plate of 40 x 40 mm; fillets of 3 mm between floor and walls.
+/// A pocket of 30 x 30 mm with corners of 6 mm, 6 mm deep, in a plate of 40 x 40 mm; fillets of 3 mm between floor
+/// and walls.
 fn pocket(u: f64, v: f64) -> [f64; 3] {
     let (x, y) = (40.0 * u - 20.0, 40.0 * v - 20.0);
     let (dx, dy) = (x.abs() - 9.0, y.abs() - 9.0);
@@ -128,7 +129,8 @@ fn pocket(u: f64, v: f64) -> [f64; 3] {
 async fn of_a_library_of_50_only_cutters_that_fit_the_pocket_are_ranked() {
     let app = TestApp::start().await;
     let surface = grid(161, 161, pocket);
-    // The top of the fillet is left out: between nodes 0.25 mm apart the wall leans, and would keep off a ball that just fits.
+    // The top of the fillet is left out: between nodes 0.25 mm apart the wall leans, and would keep off a ball that
+    // just fits.
     let select = json!({"select": {"slope_deg": [0, 50]}, "max_uncut_share": 0.02});
     let request = with(with(in_directions(&[0.0]), surface), select);
     let two = app.recommend(&with(request.clone(), json!({"cutters": [ball(10.0), ball(4.0)]}))).await.ok();
@@ -191,7 +193,8 @@ async fn a_file_of_more_facets_than_are_held_is_merged() {
     );
 }
 
-/// The height of a cutter's bottom over its tip at the distance d from the axis, R and r being its radii; `None` beyond R.
+/// The height of a cutter's bottom over its tip at the distance d from the axis, R and r being its radii; `None`
+/// beyond R.
 fn bottom(d: f64, [outer, corner]: [f64; 2]) -> Option<f64> {
     let over = (d - (outer - corner)).max(0.0);
     (over <= corner).then(|| corner - (corner * corner - over * over).max(0.0).sqrt())

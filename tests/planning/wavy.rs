@@ -5,7 +5,8 @@ pub(crate) const ROWS: usize = 13;
 /// How many nodes a row has.
 pub(crate) const COLUMNS: usize = 17;
 
-/// The nodes row after row, `apart` along X and Y, with waves of a height and a frequency. They are in single precision, which all formats can hold.
+/// The nodes row after row, `apart` along X and Y, with waves of a height and a frequency. They are in single
+/// precision, which all formats can hold.
 pub(crate) fn nodes(apart: [f32; 2], [height, frequency]: [f32; 2]) -> Vec<[f32; 3]> {
     let at = |row: u8, column: u8| {
         let (x, y) = (f32::from(column) * apart[0], f32::from(row) * apart[1]);

@@ -7,7 +7,7 @@ use crate::http::wire::{PIECES_NAME, SELECT};
 use crate::milling::Model;
 use crate::planning::memory::Parallelism;
 use crate::planning::reach::{ReachMap, Uncut};
-use crate::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
+use crate::planning::zigzag::{CandidateCutter, Ranking, SurfaceEvidence, ZigzagSettings, rank};
 use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility};
 use crate::surface::{FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
 use std::collections::BTreeSet;
@@ -96,6 +96,13 @@ impl Workpiece {
         self.view.facet(cell).and_then(|facet| self.places[facet])
     }
 
+    /// The share of the seen area whose facets face the other way than the rest: up to a half.
+    fn turned_area_share(&self) -> f64 {
+        let seen = self.visible_area_share() * self.visibility.area();
+        let from_behind = if seen > 0.0 { (self.visibility.area_from_behind() / seen).min(1.0) } else { 0.0 };
+        from_behind.min(1.0 - from_behind)
+    }
+
     /// The share of the whole area that is seen from above.
     pub(super) fn visible_area_share(&self) -> f64 {
         let shares = self.visibility.shares();
@@ -133,15 +140,21 @@ impl Simulation {
             }
             let cutters: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate.cutter).collect();
             let uncut = reach.uncut_of_each(&cutters, parameters.scallop_height);
-            candidates.extend(places.iter().zip(uncut).map(|(&place, uncut)| CandidateCutter {
-                reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }),
-                ..parameters.candidates[place].candidate
-            }));
+            candidates.extend(
+                places
+                    .iter()
+                    .zip(uncut)
+                    .map(|(&place, uncut)| CandidateCutter { reach: Some((&uncut).into()), ..parameters.candidates[place].candidate }),
+            );
         }
         if stop() {
             return None;
         }
-        let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.machined_pieces };
+        let evidence = SurfaceEvidence {
+            visible_area_share: workpiece.visible_area_share(),
+            pieces: workpiece.machined_pieces,
+            turned_area_share: workpiece.turned_area_share(),
+        };
         let ranking = rank(&workpiece.facets, &candidates, &settings, evidence, stop)?;
         Some(Self { settings, candidates, ranking, reach })
     }

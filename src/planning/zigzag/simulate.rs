@@ -24,8 +24,8 @@ impl Operation<'_> {
     }
 }
 
-/// The most runs of a zigzag, some more than there are planes at most: with their order each takes some 200 bytes, and a comb of thin strips has
-/// thousands in each plane.
+/// The most runs of a zigzag, some more than there are planes at most: with their order each takes some 200 bytes,
+/// and a comb of thin strips has thousands in each plane.
 pub(super) const MOST_RUNS: usize = 65_536;
 
 /// A zigzag in one direction.
@@ -46,7 +46,7 @@ pub(super) fn simulate(spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -
         finder.find(spaced, reached, planes.len(), &plane, operation.feeds);
         planes.push(plane);
         // They are held until their order is known.
-        if finder.runs.len() > MOST_RUNS { Err(NoPlanes::TooMany) } else { Ok(()) }
+        if finder.runs.len() > MOST_RUNS { Err(NoPlanes::TooManyRuns) } else { Ok(()) }
     })?;
     let figures = TourFigures::of(&finder.runs, operation.machine, operation.pattern, &operation.links(spaced));
     Ok(Simulated { figures, planes })

@@ -11,21 +11,23 @@ pub struct FinishFacet {
     pub normal: [f64; 3],
     /// The area in mm^2.
     pub area: f64,
-    /// The curvature tensor of the surface in 1/mm, positive where the surface is convex: the symmetric 3 x 3 matrix K as xx, xy, xz, yy,
-    /// yz, zz. It maps the normal to 0; the normal curvature along a unit tangent vector t is t'Kt, the twist between tangents t and u is
-    /// t'Ku.
+    /// The curvature tensor of the surface in 1/mm, positive where the surface is convex: the symmetric 3 x 3 matrix
+    /// K as xx, xy, xz, yy, yz, zz. It maps the normal to 0; the normal curvature along a unit tangent vector t is
+    /// t'Kt, the twist between tangents t and u is t'Ku.
     pub curvature: [f64; 6],
 }
 
 impl FinishFacet {
-    /// The angle between the normal and the vertical, from 0 to under 90 deg: atan2(|(n_x, n_y)|, n_z), exact near both ends.
+    /// The angle between the normal and the vertical, from 0 to under 90 deg: atan2(|(n_x, n_y)|, n_z), exact near
+    /// both ends.
     #[must_use]
     pub fn slope(&self) -> Angle {
         let [x, y, z] = self.normal;
         Angle::from_radians(x.hypot(y).atan2(z))
     }
 
-    /// t'Ku for vectors t and u: with t = u a unit tangent vector the normal curvature along it, with t and u perpendicular the twist.
+    /// t'Ku for vectors t and u: with t = u a unit tangent vector the normal curvature along it, with t and u
+    /// perpendicular the twist.
     #[must_use]
     pub fn curvature_between(&self, t: [f64; 3], u: [f64; 3]) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.curvature;

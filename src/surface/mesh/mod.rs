@@ -1,10 +1,12 @@
-//! A surface as triangles that share corners: building, visibility from above, connected pieces, selection and curvature.
+//! A surface as triangles that share corners: building, visibility from above, connected pieces, selection and
+//! curvature.
 
 mod builder;
 mod curvature;
 #[cfg(test)]
 mod curvature_tests;
 mod finish_facet;
+mod flat_regions;
 mod merge;
 mod pieces;
 mod selection;
@@ -30,8 +32,8 @@ use super::{Bounds, Sink};
 use std::fmt;
 
 /// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of vertical.
-/// Files in single precision move corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from
-/// the origin by 3e-5.
+/// Files in single precision move corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a
+/// metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
 /// Points in mm, and triangles by the numbers of their points. There is at least one triangle; all have an area.
@@ -61,7 +63,8 @@ pub enum MeshError {
         /// The number of points received.
         points: u64,
     },
-    /// More facets than are held, and none of them covers a node of the lattice on which they are merged: all are walls.
+    /// More facets than are held, and none of them covers a node of the lattice on which they are merged: all are
+    /// walls.
     NothingFromAbove,
     /// A triangle of an index list names a missing point.
     IndexOutOfRange {
@@ -107,7 +110,8 @@ impl MeshBuilder {
     /// Adds the triangles of an index list, with points numbered from 0.
     ///
     /// # Errors
-    /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number of a missing point.
+    /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number
+    /// of a missing point.
     pub fn indexed(&mut self, points: &[[f64; 3]], triangles: &[[u64; 3]]) -> Result<(), MeshError> {
         if let Some(point) = points.iter().position(|&point| !builder::in_range(point)) {
             return Err(MeshError::PointOutOfRange { point });
@@ -168,14 +172,15 @@ impl Mesh {
         self.degenerate
     }
 
-    /// The number of facets with an area that were added; more than the triangles where they were merged, 0 where points were triangulated.
+    /// The number of facets with an area that were added; more than the triangles where they were merged, 0 where
+    /// points were triangulated.
     #[must_use]
     pub fn received_facets(&self) -> u64 {
         self.received
     }
 
-    /// The spacing in mm of the lattice on which the surface was merged because it had more facets or points than are held;
-    /// `None` where it was not.
+    /// The spacing in mm of the lattice on which the surface was merged because it had more facets or points than are
+    /// held; `None` where it was not.
     #[must_use]
     pub fn merged_cell(&self) -> Option<f64> {
         self.merged_cell
@@ -193,7 +198,8 @@ impl Mesh {
         self.triangles[facet].map(|index| self.points[index as usize])
     }
 
-    /// The unit normal of a triangle, by the sense of its corners, and its area; both are 0 where rounding left none.in mm^2.
+    /// The unit normal of a triangle, by the sense of its corners, and its area; both in mm^2; both are 0 where
+    /// rounding left none.
     #[must_use]
     pub fn normal_and_area(&self, facet: usize) -> ([f64; 3], f64) {
         let [a, b, c] = self.corners(facet);

@@ -67,8 +67,8 @@ fn root(parent: &mut [u32], mut point: u32) -> u32 {
     point
 }
 
-/// Joins the sets of two points under the lower representative, which it returns. Linking by number with path halving is O(log n)
-/// a step, amortised.
+/// Joins the sets of two points under the lower representative, which it returns. Linking by number with path halving
+/// is O(log n) a step, amortised.
 fn join(parent: &mut [u32], a: u32, b: u32) -> u32 {
     let (a, b) = (root(parent, a), root(parent, b));
     let (low, high) = (a.min(b), a.max(b));

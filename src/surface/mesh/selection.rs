@@ -5,7 +5,8 @@ use crate::quantity::Angle;
 use crate::surface::Bounds;
 use std::fmt;
 
-/// Conditions that a facet must meet, all of them, to be machined. Other facets still hide those below them and must not be gouged.
+/// Conditions that a facet must meet, all of them, to be machined. Other facets still hide those below them and must
+/// not be gouged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Selection {
     slope: Option<(Angle, Angle)>,
@@ -79,7 +80,8 @@ impl Selection {
 }
 
 impl Mesh {
-    /// Whether each facet meets the conditions of a selection, by its own slope (whichever side is up), centroid and piece.
+    /// Whether each facet meets the conditions of a selection, by its own slope (whichever side is up), centroid and
+    /// piece.
     ///
     /// # Errors
     /// [`SelectionError::UnknownPiece`] for a number that is not a piece's.
@@ -115,9 +117,9 @@ impl Mesh {
         Ok((0..self.triangles().len()).map(|facet| in_pieces(facet) && in_box(facet) && in_band(facet)).collect())
     }
 
-    /// The facets to plan for: visible from above, selected, not vertical, in the order of the mesh. Facets steeper than the limit
-    /// of [`Mesh::visibility`] are among them, because passes run over them although they set no spacing; leave them out by
-    /// [`FinishFacet::slope`]. `selected` comes from [`Mesh::selected`].
+    /// The facets to plan for: visible from above, selected, not vertical, in the order of the mesh. Facets steeper
+    /// than the limit of [`Mesh::visibility`] are among them, because passes run over them although they set no
+    /// spacing; leave them out by [`FinishFacet::slope`]. `selected` comes from [`Mesh::selected`].
     #[must_use]
     pub fn facets_for_finishing(&self, visibility: &Visibility, selected: &[bool]) -> Vec<FinishFacet> {
         let wanted: Vec<u32> = (0_u32..)

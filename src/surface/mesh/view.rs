@@ -19,7 +19,8 @@ pub struct ViewFromAbove {
     pub facets: Vec<u32>,
 }
 
-/// Rows and cells that a raster pass may visit: about 0.2 s. Facets that each cover the whole part are seen on larger cells.
+/// Rows and cells that a raster pass may visit: about 0.2 s. Facets that each cover the whole part are seen on larger
+/// cells.
 const VISITS: f64 = 5e7;
 
 impl ViewFromAbove {
@@ -37,12 +38,13 @@ impl ViewFromAbove {
 }
 
 impl Mesh {
-    /// The mesh seen from above on at most `side` x `side` square cells, `side` from 1 to 4096; a number outside these bounds
-    /// becomes the nearer one.
+    /// The mesh seen from above on at most `side` x `side` square cells, `side` from 1 to 4096; a number outside
+    /// these bounds becomes the nearer one.
     ///
-    /// The longer side of the bounds is divided into `side` cells, or fewer where facets cover each other so often that the work,
-    /// the cells covered by all facets together, would exceed 5e7. Heights are exact at cell centres; where two facets have the
-    /// same height the one that points up is seen, then the one that comes first. Walls are not seen.
+    /// The longer side of the bounds is divided into `side` cells, or fewer where facets cover each other so often
+    /// that the work, the cells covered by all facets together, would exceed 5e7. Heights are exact at cell centres;
+    /// where two facets have the same height the one that points up is seen, then the one that comes first. Walls are
+    /// not seen.
     ///
     /// # Panics
     /// Never: the bound on facets keeps their numbers within 32 bits.
@@ -73,12 +75,13 @@ impl Mesh {
         ViewFromAbove { frame, heights, facets }
     }
 
-    /// Square cells over the bounds: `side` along the longer side, fewer where facets cover more cells than may be visited.
+    /// Square cells over the bounds: `side` along the longer side, fewer where facets cover more cells than may be
+    /// visited.
     fn frame(&self, side: usize) -> Frame {
         let Bounds { min, max } = self.bounds();
         let (min, max) = ([min[0], min[1]], [max[0], max[1]]);
-        // Twice the area seen from above and the extents along y of all facets: with cells of side c they cover area/c^2 cells in
-        // height/c rows.
+        // Twice the area seen from above and the extents along y of all facets: with cells of side c they cover
+        // area/c^2 cells in height/c rows.
         let (area, height) = self.triangles().iter().fold((0.0, 0.0), |(area, height), triangle| {
             let [a, b, c] = triangle.map(|index| self.points()[index as usize]);
             (area + 0.5 * cross(a, b, c)[2].abs(), height + a[1].max(b[1]).max(c[1]) - a[1].min(b[1]).min(c[1]))

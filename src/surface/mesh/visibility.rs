@@ -87,11 +87,12 @@ impl Visibility {
 impl Mesh {
     /// The class of each facet; facets with a slope over `max_slope` are steep.
     ///
-    /// A raster of depth with about 8 cells for each facet, from 64 x 64 to 1024 x 1024 over the longer side of the bounds, holds
-    /// what is seen at cell centres ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]). A facet that points up is
-    /// visible when at least half of the centres that it covers show it, or no other facet above it. One that covers no centre is
-    /// visible when its centroid is not below everything seen in its cell and the eight around it; so is a wall. A facet that
-    /// points down and is seen at half of its centres has the wrong orientation: it counts as turned. A closed solid has none.
+    /// A raster of depth with about 8 cells for each facet, from 64 x 64 to 1024 x 1024 over the longer side of the
+    /// bounds, holds what is seen at cell centres ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]).
+    /// A facet that points up is visible when at least half of the centres that it covers show it, or no other facet
+    /// above it. One that covers no centre is visible when its centroid is not below everything seen in its cell and
+    /// the eight around it; so is a wall. A facet that points down and is seen at half of its centres has the wrong
+    /// orientation: it counts as turned. A closed solid has none.
     #[must_use]
     pub fn visibility(&self, max_slope: Angle) -> Visibility {
         let facets = self.triangles().len();

@@ -1,7 +1,9 @@
-//! Zigzag passes simulated on the surface: against the published and independent times, section 6 of the method on planes, laws, and the cutter's solid.
+//! Zigzag passes simulated on the surface: against the published and independent times, section 6 of the method on
+//! planes, laws, and the cutter's solid.
 
 mod hostile;
 mod laws;
+mod meshes;
 mod passes;
 mod published;
 mod random_patches;

@@ -8,8 +8,9 @@ use scallopd::planning::zigzag::{Passes, ZigzagPlan, passes};
 use scallopd::quantity::Length;
 use serde_json::Value;
 
-/// The time by the rules of section 4 of the paper: each plane is one pass, whose cuts count with their whole length, and each link is as long as the
-/// spacing. Runs split at gaps, lifts, and links along an oblique border are the simulation's own.
+/// The time by the rules of section 4 of the paper: each plane is one pass, whose cuts count with their whole length,
+/// and each link is as long as the spacing. Runs split at gaps, lifts, and links along an oblique border are the
+/// simulation's own.
 fn by_the_papers_rules(plan: &ZigzagPlan, passes: &Passes) -> f64 {
     let limits = Preset::named("five_axis_vmc").unwrap().limits;
     let time = |length: f64| travel_time(Length::from_mm(length.max(1e-6)).unwrap(), limits).seconds();
@@ -40,7 +41,7 @@ fn the_papers_four_simulated_times_are_met_within_4_percent() {
         let (settings, cutters) = (in_direction(Model::Analytic, direction), published_cutters());
         let ranking = ranked(&facets, &cutters[cutter..=cutter], &settings);
         let plan = &ranking.plans[0];
-        let passes = passes(plan, &facets, &cutters[cutter], &settings, &|_, _| None, 200_000).unwrap();
+        let passes = passes(plan, &facets, &cutters[cutter], &settings, &|tip| tip[2], 200_000).unwrap();
         let time = by_the_papers_rules(plan, &passes);
         println!(
             "surface {surface}, cutter {cutter}: {time:.2} s, printed {printed}; by section 12 {:.2} {:?}",
@@ -65,8 +66,9 @@ fn an_independent_simulation_takes_the_same_time_in_every_direction() {
                 let expected = reference[name][["toroidal", "ball_end"][plan.candidate]][index].as_f64().unwrap();
                 // The reference knows no lifts.
                 let ratio = (plan.time.seconds() - plan.tour.lift_seconds) / expected;
-                // It is good to about 1 %, and its links are as long as the spacing. Along a border at 45 deg they are sqrt(2) as long, which takes the
-                // cube root of that, 1.12 times as long: 10 ms of about 0.6 s for a pass and its link, 1.6 %.
+                // It is good to about 1 %, and its links are as long as the spacing. Along a border at 45 deg they
+                // are sqrt(2) as long, which takes the cube root of that, 1.12 times as long: 10 ms of about 0.6 s
+                // for a pass and its link, 1.6 %.
                 assert!((ratio - 1.0).abs() < 0.032, "{name}, cutter {} at {direction} deg: {ratio}", plan.candidate);
                 ratios.push(ratio);
             }

@@ -1,4 +1,5 @@
-//! Which cutter is named on random smooth patches, against a simulation of its own kind: on samples of the patch in place of facets.
+//! Which cutter is named on random smooth patches, against a simulation of its own kind: on samples of the patch in
+//! place of facets.
 
 use super::surfaces::{BezierPatch, Patch, cross, dot, facets, unit};
 use super::{published_cutters, ranked, settings};
@@ -9,7 +10,8 @@ use scallopd::quantity::Length;
 /// How many patches are compared. A run of 200 is stated in benches/README.md.
 const PATCHES: u32 = 5;
 
-/// Samples in each parameter. The worst of a strip's samples stands for its worst point; with a quarter as many it allows up to a sixth too much.
+/// Samples in each parameter. The worst of a strip's samples stands for its worst point; with a quarter as many it
+/// allows up to a sixth too much.
 const SAMPLES: u32 = 180;
 
 /// Numbers from 0 to 1 that look random (Knuth's multiplier).
@@ -51,8 +53,9 @@ fn samples(patch: &BezierPatch) -> Vec<Sample> {
     (0..SAMPLES).flat_map(|i| (0..SAMPLES).map(move |j| at(i, j))).collect()
 }
 
-/// The time of zigzag passes in one direction by the rules of the paper: the spacing of each strip is that of its worst sample, the length of a pass that of
-/// the samples in a window around its plane, and links are as long as the spacing.
+/// The time of zigzag passes in one direction by the rules of the paper: the spacing of each strip is that of its
+/// worst sample, the length of a pass that of the samples in a window around its plane, and links are as long as the
+/// spacing.
 fn time(samples: &[Sample], direction: f64, core: f64, corner: f64) -> f64 {
     let limits = Preset::named("five_axis_vmc").unwrap().limits;
     let (sin, cos) = direction.to_radians().sin_cos();

@@ -1,4 +1,5 @@
-//! Plans against the cutter's solid on smooth surfaces: what the imprints of two neighbouring passes leave between them.
+//! Plans against the cutter's solid on smooth surfaces: what the imprints of two neighbouring passes leave between
+//! them.
 
 use super::surfaces::{Height, dot, facets, unit};
 use super::{mm, ranked, settings};
@@ -36,7 +37,8 @@ impl Solid {
         [x + out * n[0], y + out * n[1], z + self.corner * (n[2] - 1.0)]
     }
 
-    /// How far over `from` along `n` the solid with its tip at `tip` begins, up to `most`: by halving, since a ray up enters it once.
+    /// How far over `from` along `n` the solid with its tip at `tip` begins, up to `most`: by halving, since a ray up
+    /// enters it once.
     fn height(self, tip: [f64; 3], from: [f64; 3], n: [f64; 3], most: f64) -> f64 {
         let inside = |t: f64| {
             let p = [0, 1, 2].map(|axis| from[axis] + t * n[axis] - tip[axis]);
@@ -64,7 +66,7 @@ fn scallops_between_imprints_keep_the_tolerance_and_use_it() {
     for (cutter, outer, corner) in [(Cutter::toroidal(mm(10.0), mm(1.5)).unwrap(), 5.0, 1.5), (Cutter::ball_end(mm(8.0)), 4.0, 4.0)] {
         let (solid, candidate) = (Solid { outer, corner }, CandidateCutter::new(cutter));
         let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
-        let points = passes(&plan, &facets, &candidate, &settings, &|_, _| None, 200_000).unwrap();
+        let points = passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
         let (e, q) = ([plan.direction.cos(), plan.direction.sin()], [-plan.direction.sin(), plan.direction.cos()]);
         let mut planes: Vec<f64> = points.points.iter().filter_map(|point| point.contact).map(|c| q[0] * c[0] + q[1] * c[1]).collect();
         planes.sort_by(f64::total_cmp);

@@ -1,4 +1,5 @@
-//! Surfaces for the tests as facets with exact normals' slopes left to the facets and exact curvatures: Bezier patches, planes, quadrics.
+//! Surfaces for the tests as facets with exact normals' slopes left to the facets and exact curvatures: Bezier
+//! patches, planes, quadrics.
 
 use scallopd::surface::FinishFacet;
 
@@ -14,7 +15,8 @@ pub(crate) struct BezierPatch {
     pub(crate) net: Vec<Vec<[f64; 3]>>,
 }
 
-/// Bernstein polynomials of one degree at t with their first two derivatives, by the product rule on each one's own form.
+/// Bernstein polynomials of one degree at t with their first two derivatives, by the product rule on each one's own
+/// form.
 fn bernstein(degree: i32, t: f64) -> Vec<[f64; 3]> {
     let power = |base: f64, exponent: i32| if exponent < 0 { 0.0 } else { base.powi(exponent) };
     let mut binomial = 1.0;
@@ -96,7 +98,8 @@ pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
 
 /// The curvature tensor of a patch, positive where convex seen against the upward normal, as xx, xy, xz, yy, yz, zz.
 ///
-/// With the dual vectors g^u, g^v of the tangents the tensor is -(L g^u g^u + M (g^u g^v + g^v g^u) + N g^v g^v), L = n r_uu and so on.
+/// With the dual vectors g^u, g^v of the tangents the tensor is -(L g^u g^u + M (g^u g^v + g^v g^u) + N g^v g^v), L =
+/// n r_uu and so on.
 pub(crate) fn curvature([_, ru, rv, ruu, ruv, rvv]: [[f64; 3]; 6]) -> [f64; 6] {
     let up = |n: [f64; 3]| if n[2] < 0.0 { n.map(|c| -c) } else { n };
     let n = up(unit(cross(ru, rv)));
