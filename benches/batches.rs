@@ -1,10 +1,10 @@
-//! Measures batches of 100 000 contacts through the service's routes and middleware, compared with reading and writing the same JSON
-//! without a computation, and the same contacts as columns with one column of the answer: `cargo bench --bench batches [contacts]`. Writes
-//! `target/benches/batches.json`.
+//! Measures batches of 100 000 contacts through the service's routes and middleware, compared with reading and writing
+//! the same JSON without a computation, and the same contacts as columns with one column of the answer:
+//! `cargo bench --bench batches [contacts]`. Writes `target/benches/batches.json`.
 //!
-//! The comparison reads the request into numbers with serde's derived code and writes the same columns from numbers, on one core.
-//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence repetitions.
-//! The ratios compare processor time, since the service uses all cores and the comparison one.
+//! The comparison reads the request into numbers with serde's derived code and writes the same columns from numbers, on
+//! one core. Processor time is the system's count for all threads of this process, in ticks of 10 ms, so calls are
+//! repeated. The ratios compare processor time, since the service uses all cores and the comparison one.
 
 use axum::Router;
 use axum::body::{Body, Bytes};
@@ -23,7 +23,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const TICKS_A_SECOND: f64 = 100.0;
 const ROUNDS: usize = 3;
-/// Thirty ticks, so that a tick is 3 %.
+/// At least thirty ticks, so that a tick is 3 %.
 const LEAST_ROUND: Duration = Duration::from_millis(300);
 
 /// Each calculation with its parameters and its result.
@@ -33,7 +33,7 @@ const CALCULATIONS: [(&str, &str, &str); 3] = [
     ("step-over", r#""scallop_tolerance_mm": 0.03, "feed_per_tooth_mm": 0.15"#, "step_over_mm"),
 ];
 
-/// A request as the comparison reads it: the contacts only.
+/// The request of the comparison: the contacts only.
 #[derive(Deserialize)]
 struct Contacts {
     contacts: Vec<Contact>,
@@ -64,7 +64,7 @@ impl Columns {
     }
 }
 
-/// Contacts spread over slopes and directions, with the digits that a CAM system writes.
+/// Contacts spread over slopes and directions, with as many digits as a CAM system writes.
 fn request(contacts: u32, terms: &str, model: &str) -> Bytes {
     let mut json = format!(
         r#"{{"cutter": {{"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}}, {terms}, "model": "{model}", "contacts": ["#
@@ -78,7 +78,7 @@ fn request(contacts: u32, terms: &str, model: &str) -> Bytes {
     (json + "]}").into()
 }
 
-/// The same contacts as columns, answered with the column `named` alone.
+/// The same contacts as columns, answered with the column `named` only.
 fn request_of_columns(contacts: u32, terms: &str, model: &str, named: &str) -> Bytes {
     let (mut slopes, mut feeds) = (String::new(), String::new());
     for index in 0..contacts {

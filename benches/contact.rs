@@ -1,4 +1,4 @@
-//! One contact: heights and both inverses, in both models. `cargo bench --bench contact`
+//! Times the calculations at one contact: heights and both inverses, in both models. `cargo bench --bench contact`
 
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main, measurement::WallTime};
 use scallopd::milling::{Analytic, Contact, Cutter, Envelope, Pass, Runout, SurfaceCurvature};

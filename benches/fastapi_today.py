@@ -1,5 +1,5 @@
 """The analytic scallop height as a FastAPI service, which is what a Python user would write otherwise: FastAPI, pydantic, uvicorn with uvloop
-and httptools, one process, no access log. It answers the figures of `/v1/scallop-height` without its check by the envelope.
+and httptools, one process, no access log. It answers with the figures of `/v1/scallop-height` except the check by the envelope.
 
 Started by benches/requests; prints the address on which it listens."""
 

@@ -80,7 +80,7 @@ def running(name: str, command: list, cores: str | None = None):
             address = re.search(r"127\.0\.0\.1:\d+", line)
             if address is None:
                 sys.exit(f"{name} did not start: {line!r}")
-            # A process that discards the log: the cost of a log collector is not the server's.
+            # A process that discards the log: the cost of a log collector does not count for the server.
             with subprocess.Popen(["cat"], stdin=process.stdout, stdout=subprocess.DEVNULL) as reader:
                 yield Server(name, process, address.group())
                 process.terminate()

@@ -1,6 +1,7 @@
 //! The memory that a surface takes at each stage, counted by the allocator: `cargo bench --bench memory`
 //!
-//! It prints bytes for each facet: what is held, what is taken at most beside it while the stage runs, and what `planning::memory` states of that.
+//! It prints bytes for each facet: the memory held, the further peak while the stage runs, and the reservation that
+//! `planning::memory` makes for it.
 
 #![allow(clippy::cast_precision_loss, reason = "figures to print, under 2^53")]
 
@@ -24,7 +25,8 @@ fn mm(value: f64) -> Length {
     Length::from_mm(value).expect("a length in its bounds")
 }
 
-/// What the allocator's peak was over its level at the start while `stage` ran, what it holds after it, and its result.
+/// The allocator's peak while `stage` ran and its growth afterwards, both over the level at the start, and the result
+/// of `stage`.
 fn counted<T>(stage: impl FnOnce() -> T) -> (usize, isize, T) {
     ALLOCATOR.reset_peak_usage();
     let before = ALLOCATOR.current_usage();
@@ -33,7 +35,7 @@ fn counted<T>(stage: impl FnOnce() -> T) -> (usize, isize, T) {
     (ALLOCATOR.peak_usage() - before, after.cast_signed() - before.cast_signed(), result)
 }
 
-/// A stage's line, with its figures for each of `facets`.
+/// Prints the line of a stage, with its figures divided by `facets`.
 fn line<T>(name: &str, facets: usize, stated: usize, stage: impl FnOnce() -> T) -> T {
     let (peak, held, result) = counted(stage);
     let each = |bytes: f64| bytes / facets as f64;
@@ -42,7 +44,7 @@ fn line<T>(name: &str, facets: usize, stated: usize, stage: impl FnOnce() -> T) 
     result
 }
 
-/// Facets of waves over 100 x 100 mm; with `gap` over 0 no two of them share a corner.
+/// Facets of waves over 100 x 100 mm. With `gap` over 0, no two facets share a corner.
 fn waves(count: usize, gap: f64, mut take: impl FnMut([[f64; 3]; 3])) {
     let side = (count / 2).isqrt();
     let step = 100.0 / side as f64;
@@ -80,7 +82,7 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
         let settings = ZigzagSettings::new(mm(height), machine);
         for (threads, pool) in pools {
             let parallelism = Parallelism { threads: *threads, candidates: *threads };
-            // Beside the facets themselves, of 152 bytes, which are held already.
+            // The memory beside the facets themselves, of 152 bytes each, which are already held.
             let stated = bytes_to_rank(facets, cutters.len(), parallelism) - 152 * facets;
             let name = format!("8 cutters, {threads} threads, {height}");
             let ranking =

@@ -1,4 +1,4 @@
-//! What a recommendation is made of: travel time, critical slope in closed form and by bracketing, principal axes.
+//! Times the parts of a recommendation: travel time, critical slope in closed form and by bracketing, principal axes.
 //! `cargo bench --bench planning`
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -1,7 +1,9 @@
-//! Measures the speed of the readers on one core, compared with adding up the same bytes: `cargo bench --bench readers [facets]`.
+//! Measures the speed of the readers on one core, compared with adding up the same bytes:
+//! `cargo bench --bench readers [facets]`.
 //!
-//! Every file holds the same surface, a million facets unless stated otherwise (text: their vertices twice), and arrives in chunks of
-//! 64 KiB. The best of several readings counts, since other work on the machine can only slow them down.
+//! Every file holds the same surface, a million facets unless stated otherwise (text: their vertices twice), and
+//! arrives in chunks of 64 KiB. The shortest of several times is printed, because other work on the machine can only
+//! add to it.
 
 use scallopd::surface::Sink;
 use scallopd::surface::read::{FormatHint, Reader};
@@ -147,7 +149,7 @@ fn read(file: &[u8]) {
     black_box(sum.0);
 }
 
-/// The upper limit of the machine's speed: reads every byte without parsing.
+/// Reads every byte without parsing, as the upper limit of the machine's speed.
 fn add_bytes(file: &[u8]) {
     black_box(file.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte)));
 }

@@ -2,11 +2,11 @@
 //! facets: `cargo bench --bench recommendation [n ...]` takes meshes of 2 n^2 facets instead. Writes
 //! `target/benches/recommendation.json`.
 //!
-//! `cargo bench --bench recommendation memory n` plans once on a mesh of 2 n^2 facets, of which as many are held as
-//! the service holds, and prints the largest memory of the process.
+//! `cargo bench --bench recommendation memory n` plans once on a mesh of 2 n^2 facets with the service's limit on
+//! facets, and prints the peak memory of the process.
 //!
-//! Processor time is what the system counts for this process, all threads together, in ticks of 10 ms: hence
-//! repetitions. With two cores, 60 ms of processor time are 30 ms of time where both are used.
+//! Processor time is the system's count for all threads of this process, in ticks of 10 ms, so calls are repeated. 60
+//! ms of processor time on two cores are 30 ms of time.
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const TICKS_A_SECOND: f64 = 100.0;
-/// Fifty ticks, so that a tick is 2 %.
+/// At least fifty ticks, so that a tick is 2 %.
 const LEAST_ROUND: Duration = Duration::from_millis(500);
 
 fn mm(value: f64) -> Length {
@@ -54,7 +54,7 @@ fn cutters(count: u32) -> Vec<Cutter> {
     (0..count).map(cutter).collect()
 }
 
-/// The system's count of the processor time of this process, in s.
+/// The processor time of this process, in s.
 fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").expect("a system with /proc");
     // The name in parentheses may hold blanks; utime and stime are the 14th and 15th fields.
@@ -73,10 +73,10 @@ fn measured<T>(mut call: impl FnMut() -> T) -> [f64; 2] {
     [1e3 * (processor_seconds() - processor) / count, 1e3 * start.elapsed().as_secs_f64() / count]
 }
 
-/// How many facets the service holds.
+/// The service's limit on facets.
 const SERVICE_LIMIT: usize = 500_000;
 
-/// A plan for these cutters, with everything that comes after reading.
+/// The ranking of these cutters, with all stages after reading.
 fn planned(mesh: &Mesh, cutters: &[Cutter], settings: &ZigzagSettings) -> Option<Ranking> {
     let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
     let facets = mesh.facets_for_finishing(&mesh.visibility(settings.max_slope), &selected);

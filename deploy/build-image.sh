@@ -1,7 +1,7 @@
 #!/bin/sh
-# Builds the image without Docker and without a registry, and proves it: the bases are made here (Debian by debootstrap, with this
+# Builds the image without Docker and without a registry, and tests it: the bases are made here (Debian by debootstrap, with this
 # machine's Rust toolchain), buildah builds the Dockerfile on them, and the server is started from the image's root file system,
-# read-only and as its own user, and asked for its health.
+# read-only and as its own user, and its health is checked.
 #
 #   deploy/build-image.sh [IMAGE]          as root, on Debian with: apt-get install buildah debootstrap
 #
@@ -46,7 +46,7 @@ make_base() {
     # Compiler, linker and both standard libraries; no documentation, no tools.
     cp -a "$sysroot/bin/rustc" "$sysroot/bin/cargo" "$work/base/usr/local/rust/bin/"
     cp -a "$sysroot"/lib/*.so* "$sysroot/lib/rustlib" "$work/base/usr/local/rust/lib/"
-    # What this machine trusts, the build trusts: a mirror may have an authority of its own.
+    # The build uses this machine's certificates, because a mirror may have its own authority.
     cp /etc/ssl/certs/ca-certificates.crt "$work/base/etc/ssl/certs/ca-certificates.crt"
     from=$(build from scratch)
     build copy --quiet "$from" "$work/base" / > /dev/null

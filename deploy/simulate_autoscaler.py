@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The autoscaler of the manifests on a step of load, simulated from its own rules; no cluster is needed.
+"""Simulates the autoscaler of the manifests on a step of load by the rules of its controller, without a cluster.
 
     python3 deploy/simulate_autoscaler.py                                # base and production, steps of 2, 5 and 10 times
     python3 deploy/simulate_autoscaler.py --pod-start-s 90               # where each new pod needs a new node
@@ -10,9 +10,9 @@ whose first full window of metrics is not over count as idle when more are asked
 phases of both clocks against the step are unknown: each row is the worst of nine pairs.
 
 Requests are a stream of work that all ready pods share evenly, as behind a proxy that balances requests; a pod works at most with its
-limit of processors. What would wait longer than the service lets it is shed (503) and comes back after Retry-After, five attempts in all;
-"lost" is what was shed five times. 1x is the load that keeps the least number of replicas at the target. The step lasts
-ten minutes. It needs PyYAML.
+limit of processors. Requests that would wait longer than the service allows are shed (503) and repeated after Retry-After, five attempts in
+all; "lost" are those shed five times. 1x is the load that keeps the least number of replicas at the target. The step lasts ten minutes. It
+needs PyYAML.
 """
 
 import argparse
@@ -57,7 +57,7 @@ def desired_replicas(current, usages, unready, missing, request, target, toleran
     rebalance = unready > 0 and usage_ratio > 1
     if not rebalance and not missing:
         return current if changes_little(usage_ratio) else math.ceil(usage_ratio * len(usages))
-    # Pods of which nothing is known count against the change: as fully used when fewer are wanted, as idle when more.
+    # Pods without metrics count against the change: as fully used when fewer are wanted, as idle when more are.
     usages = usages + [request * max(1.0, target / 100) if usage_ratio < 1 else 0.0] * missing
     usages += [0.0] * (unready if rebalance else 0)
     new_ratio = ratio(usages)
@@ -72,7 +72,7 @@ DEFAULT_DOWN = [{"type": "Percent", "value": 100, "periodSeconds": 15}]
 
 
 class Behaviour:
-    """What the autoscaler makes of a desired number: stabilisation windows, then policies, then the bounds."""
+    """The limits on a desired number of replicas: stabilisation windows, then policies, then bounds."""
 
     def __init__(self, behaviour, least, most):
         self.least, self.most = least, most
@@ -100,7 +100,7 @@ class Behaviour:
         return chosen
 
     def limit(self, now, current, rules, sign):
-        """The furthest that the policies let the number go."""
+        """The limit of the policies on the number."""
         if rules["selectPolicy"] == "Disabled":
             return current
         limits = []
@@ -121,7 +121,7 @@ class Behaviour:
 
 @dataclasses.dataclass
 class Manifest:
-    """What of the manifests the simulation needs."""
+    """The parts of the manifests that the simulation uses."""
 
     name: str
     least: int
@@ -174,7 +174,7 @@ def manifest_of(name):
 
 @dataclasses.dataclass
 class Outcome:
-    """What a step of load does."""
+    """The results of a step of load."""
 
     replicas: list = dataclasses.field(default_factory=list)
     arrived: float = 0.0
@@ -204,7 +204,7 @@ def simulate(manifest, factor, longest_wait_s, pod_start_s, sync_phase_s, scrape
     behaviour = Behaviour(manifest.behaviour, manifest.least, manifest.most)
     pods = [Pod(-math.inf) for _ in range(manifest.least)]
     outcome, queue, published = Outcome([(0.0, manifest.least)]), 0.0, []
-    # Work that was shed, by the tick at which it comes back: amounts by the number of attempts so far.
+    # Shed work, by the tick of its repetition: amounts by the number of attempts so far.
     returning = {}
     ticks = range(round(-SETTLING_S / TICK_S), round((STEP_S + REST_S) / TICK_S))
     sync_every, scrape_every = round(SYNC_S / TICK_S), round(METRICS_WINDOW_S / TICK_S)

@@ -1,4 +1,4 @@
-"""The rule of simulate_autoscaler.py against what Kubernetes documents, and against the cases of its controller's own tests.
+"""Tests the rules of simulate_autoscaler.py against Kubernetes' documentation and the cases of its controller's own tests.
 
     python3 -m unittest discover --start-directory deploy
 
@@ -91,7 +91,7 @@ class Simulation(unittest.TestCase):
         self.assertEqual((max(number for _, number in outcome.replicas), outcome.shed), (4, 0.0))
         self.assertEqual(outcome.replicas[-1][1], 2)
 
-    def test_what_is_over_the_most_replicas_is_lost(self):
+    def test_load_beyond_the_most_replicas_is_lost(self):
         # 14 cores of work for 6 pods of 2: a seventh has no answer, and more while pods start.
         outcome = simulate(manifest_of("base"), 10.0, 0.5, 5.0, 0.1, 5.1)
         self.assertGreater(outcome.lost / outcome.arrived, 1 / 7)

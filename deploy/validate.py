@@ -1,4 +1,4 @@
-"""What no schema here covers: Prometheus' files and Grafana's, and that the parts name one another rightly."""
+"""Checks that no schema covers: the files of Prometheus and Grafana, and the references between the parts."""
 
 import json
 import pathlib
@@ -21,7 +21,7 @@ def load(path):
 
 
 def balanced(expression):
-    """Brackets close in order outside of quoted strings: what can be said of PromQL without its parser."""
+    """Whether brackets are balanced outside quoted strings, which can be checked without a parser of PromQL."""
     open_ones = []
     for character in re.sub(r'"(\\.|[^"\\])*"', '""', expression):
         if character in "([{":

@@ -1,8 +1,8 @@
 #!/bin/sh
-# Checks what is deployed without deploying it: manifests against the Kubernetes schemas, the compose file against its own, alert
-# rules and dashboard as far as can be said without Prometheus, and the Dockerfile. That rules and dashboard name metrics that the
-# server has is a test of the service. The Python tools go into a virtual environment under target/. promtool and docker are used
-# where they are; what was left out for want of them is said at the end.
+# Checks the deployment files without deploying them: manifests against the Kubernetes schemas, the compose file against its own, alert
+# rules and dashboard as far as possible without Prometheus, and the Dockerfile. A test of the service checks the names of metrics.
+# The Python tools go into a virtual environment under target/. promtool and docker are used
+# where they are; checks that were skipped are listed at the end.
 set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)

@@ -1,4 +1,5 @@
-//! Writes the tables of `docs/analytic-shortfall.md`: by how much the scallop of a simulated cutter exceeds the analytic model's height.
+//! Writes the tables of `docs/analytic-shortfall.md`: the excess of a simulated cutter's scallop over the analytic
+//! model's height.
 //!
 //! ```sh
 //! cargo run --release --example analytic_shortfall > docs/analytic-shortfall.md
@@ -47,7 +48,7 @@ struct Comparison {
     simulated: f64,
 }
 
-/// `None` where the passes or marks do not overlap.
+/// An error if the passes or marks do not overlap.
 fn compare(slope_deg: f64, alpha_deg: f64, feed: f64) -> Result<Comparison, NoAnswer> {
     let cutter = Cutter::toroidal(mm(2.0 * OUTER_RADIUS), mm(CORNER_RADIUS)).expect("a corner that fits");
     let contact = Contact::from_degrees(slope_deg, alpha_deg).expect("a contact");
@@ -84,7 +85,7 @@ fn table(feed: f64) -> String {
         for alpha in ALPHAS {
             match compare(slope, alpha, feed) {
                 Ok(Comparison { analytic, envelope, simulated }) => {
-                    // Rounded as it is printed, and 0 without a sign.
+                    // Rounded to the printed digits, and 0 without a sign.
                     let shortfall = (1000.0 * (simulated / analytic - 1.0)).round() / 10.0 + 0.0;
                     largest = largest.max(shortfall);
                     least_share = least_share.min(simulated / envelope);

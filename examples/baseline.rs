@@ -1,9 +1,10 @@
-//! Two servers with which `benches/requests` compares the service. Both have the service's allocator and runtime, and the framework's own
-//! accept loop, without time-outs, limits, logs or metrics.
+//! Two servers to which `benches/requests` compares the service. Both use the service's allocator and runtime and the
+//! framework's accept loop, without time-outs, limits, logs or metrics.
 //!
-//! `baseline LENGTH` is the least work for a JSON service on this framework: it answers every POST of `/` with LENGTH bytes, once the
-//! whole body is in memory. `baseline job` does the job of `/v1/scallop-height` and nothing else: the body by serde's derived code,
-//! the library's formulas, the answer by serde's derived code. Each listens on a free port of 127.0.0.1 and prints its address.
+//! `baseline LENGTH` is the least work for a JSON service on this framework: it reads the body of every POST of `/` and
+//! answers with LENGTH bytes. `baseline job` does only the job of `/v1/scallop-height`: it reads the body by serde's
+//! derived code, calls the library, and writes the answer by serde's derived code. Each listens on a free port of
+//! 127.0.0.1 and prints its address.
 
 use axum::body::Bytes;
 use axum::http::{StatusCode, header};

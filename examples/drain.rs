@@ -1,7 +1,7 @@
-//! The lower bound of an upload's cost: the same server with the same middleware and settings, whose routes for surfaces read the body
-//! and discard it. `benches/uploads` compares the cost of reading a surface with it.
+//! The lower bound of an upload's cost: a server with the service's middleware and settings, whose routes for surfaces
+//! read and discard the body. `benches/uploads` compares the cost of reading a surface with it.
 //!
-//! It takes the program's settings and logs its address in the same way.
+//! It has the program's settings and logs its address in the same way.
 
 use axum::body::Bytes;
 use axum::extract::Request;
@@ -45,7 +45,7 @@ async fn serve(settings: &Settings) -> Result<()> {
     Ok(())
 }
 
-/// Reads and discards every frame of the body, and answers the number of bytes.
+/// Reads and discards every frame of the body, and answers with the number of bytes.
 async fn drain(request: Request) -> ([(header::HeaderName, &'static str); 1], String) {
     let mut body = request.into_body();
     let mut bytes = 0;

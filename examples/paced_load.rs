@@ -1,8 +1,10 @@
-//! Sends a request at a fixed rate, whatever the time of the answers, and prints the distribution of latencies, for `benches/requests`.
+//! Sends a request at a fixed rate, whatever the time of the answers, and prints the distribution of latencies, for
+//! `benches/requests`.
 //!
-//! `paced_load ADDRESS PATH RATE SECONDS CONNECTIONS`, the JSON body on standard input. A request is due every 1/RATE seconds and goes out
-//! on the first free connection; its latency counts from when it was due, so that the latencies of a stalled server include the
-//! requests that wait meanwhile. The program spins on one core: a sleep would be coarser than the latencies.
+//! `paced_load ADDRESS PATH RATE SECONDS CONNECTIONS`, with the JSON body on standard input. A request is due every
+//! 1/RATE seconds and is sent on the first free connection. Its latency counts from the time at which it was due, so
+//! that the latencies of a stalled server include the waiting requests. The program polls on one core, because a sleep
+//! would be coarser than the latencies.
 
 use std::error::Error;
 use std::io::{ErrorKind, Read, Write};
@@ -12,7 +14,7 @@ use std::time::{Duration, Instant};
 /// A connection and the request on it.
 struct Connection {
     stream: TcpStream,
-    /// The time at which the request on it was due; `None` where it is free.
+    /// The time at which its request was due; `None` if the connection is free.
     due: Option<Instant>,
     received: Vec<u8>,
 }
@@ -25,7 +27,7 @@ impl Connection {
         Ok(Self { stream, due: None, received: Vec::new() })
     }
 
-    /// The latency, once the whole answer has arrived.
+    /// The latency if the whole answer has arrived.
     fn poll(&mut self) -> Result<Option<Duration>, Box<dyn Error>> {
         let Some(due) = self.due else { return Ok(None) };
         let mut buffer = [0; 16 * 1024];

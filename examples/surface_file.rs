@@ -1,7 +1,8 @@
-//! Writes one wavy surface to a file, in the formats and sizes that `benches/uploads` sends: `surface_file FORMAT COUNT FILE`.
+//! Writes a wavy surface to a file, in the formats and sizes that `benches/uploads` sends:
+//! `surface_file FORMAT COUNT FILE`.
 //!
-//! COUNT is the number of points for `csv` and `json`, of facets for the others. Coordinates have four decimals (0.1 um) in text,
-//! seven digits in ASCII STL, as CAD systems write it, and single precision in binary files.
+//! COUNT is the number of points for `csv` and `json`, of facets for the others. Coordinates have four decimals (0.1
+//! um) in text, seven digits in ASCII STL, as CAD systems write it, and single precision in binary files.
 
 use std::fs::File;
 use std::io::{BufWriter, Error, Result, Write};

@@ -1,7 +1,8 @@
-//! ZIP archives in memory, read within limits on the number of entries, the length of their names and the size after inflation.
+//! ZIP archives in memory, read within limits on the number of entries, the length of their names and the size after
+//! inflation.
 //!
-//! The directory is read entry by entry without trusting its counts, an entry is inflated as it is read, and every inflated byte
-//! counts against one limit for the whole archive: overlapping entries and entries that are read twice cannot exceed it.
+//! The directory is read entry by entry without trusting its counts, an entry is inflated as it is read, and every
+//! inflated byte counts towards one limit of the whole archive, which overlapping or repeated entries cannot exceed.
 
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use std::cell::Cell;
@@ -20,7 +21,7 @@ pub(crate) struct ArchiveLimits {
     pub(crate) inflated_bytes: u64,
 }
 
-/// Why an archive cannot be read.
+/// The reason why an archive cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum ArchiveFault {
     /// The directory is missing or damaged.
@@ -84,7 +85,7 @@ impl ArchiveEntry {
 }
 
 impl<'a> Archive<'a> {
-    /// Whether `bytes` begin as an archive does, one without entries included.
+    /// Whether `bytes` start like an archive, with or without entries.
     pub(crate) fn is_archive(bytes: &[u8]) -> bool {
         bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
     }
@@ -154,7 +155,7 @@ impl<'a> Archive<'a> {
         Ok(content)
     }
 
-    /// The fault behind an error of [`Inflating`].
+    /// The fault that caused an error of [`Inflating`].
     pub(crate) fn fault(&self, error: &io::Error) -> ArchiveFault {
         match error.kind() {
             io::ErrorKind::FileTooLarge => ArchiveFault::TooLarge(self.limits.inflated_bytes),
@@ -167,8 +168,8 @@ fn damaged(error: impl fmt::Display) -> ArchiveFault {
     ArchiveFault::Damaged(error.to_string())
 }
 
-/// A file of an archive while it is inflated. It fails with [`io::ErrorKind::FileTooLarge`] beyond the archive's limit, and at
-/// the end where size or checksum differ from the directory's.
+/// A file of an archive that is being inflated. Reading fails with [`io::ErrorKind::FileTooLarge`] beyond the archive's
+/// limit, and at the end if size or checksum differ from the directory's.
 pub(crate) struct Inflating<'a> {
     content: rawzip::ZipSliceVerifier<Content<'a>>,
     left: &'a Cell<u64>,

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A flag that is set once. Clones share it. A computation of more than some 10 ms checks it between steps and returns early with
-/// any result, which is discarded.
+/// A flag that is set once. Clones share it. A computation of more than some 10 ms checks it between steps and returns
+/// early; its result is discarded.
 #[derive(Debug, Clone, Default)]
 pub struct CancelFlag(Arc<AtomicBool>);
 

@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream};
 use std::time::Duration;
 
-/// Longer than a busy server takes, shorter than the usual time-outs of probes.
+/// The time-out: longer than a busy server needs, shorter than the usual time-outs of probes.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Whether the server that listens at `listen` answers `/readyz` with 200.
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_server_on_all_addresses_is_asked_on_loopback() {
+    fn a_server_on_all_addresses_is_reached_on_loopback() {
         for (listen, asked) in [("0.0.0.0:80", "127.0.0.1:80"), ("[::]:80", "[::1]:80"), ("10.1.2.3:80", "10.1.2.3:80")] {
             assert_eq!(reachable(listen.parse().unwrap()), asked.parse().unwrap());
         }

@@ -1,8 +1,8 @@
-//! Scallop heights of ball-end, toroidal and flat-end finish milling: the height that a pass leaves, the largest feed or step-over
-//! within a tolerance, and the fastest cutter for a surface.
+//! Scallop heights of ball-end, toroidal and flat-end finish milling: the height that a pass leaves, the largest feed
+//! or step-over within a tolerance, and the fastest cutter for a surface.
 //!
-//! The mathematics is in [`milling`], [`motion`], [`surface`] and [`planning`] and can be called without the service. [`http`] and
-//! [`server`] offer it over HTTP.
+//! The mathematics is in [`milling`], [`motion`], [`surface`] and [`planning`] and can be called without the service.
+//! [`http`] and [`server`] offer it over HTTP.
 //!
 //! # A scallop height
 //!
@@ -25,7 +25,7 @@
 //! let analytic = EvaluatedPass::new(Model::Analytic, pass)?.scallop_height(step_over, Some(feed_per_tooth))?;
 //! assert_eq!(format!("{:.5}", analytic.total().mm()), "0.01305");
 //!
-//! // The published formula puts circles in place of the cutter. The envelope of the cutter's exact shape leaves more.
+//! // The published formula replaces the cutter by circles. The envelope of the cutter's exact shape leaves more.
 //! let envelope = EvaluatedPass::new(Model::Envelope, pass)?.scallop_height(step_over, Some(feed_per_tooth))?;
 //! assert_eq!(format!("{:.5}", envelope.total().mm()), "0.01500");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -33,8 +33,8 @@
 //!
 //! # The largest feed per tooth
 //!
-//! The same pass, with at most 15 um of scallop. Where there is no answer, the error has the reason, and figures that help to
-//! correct the request:
+//! The same pass, with at most 15 um of scallop. If there is no answer, the error has the reason and figures that help
+//! to correct the parameters:
 //!
 //! ```
 //! # use scallopd::milling::{Contact, Cutter, Pass, Runout, SurfaceCurvature};
@@ -62,8 +62,8 @@
 //!
 //! # A recommendation
 //!
-//! An inclined rectangle of 80 mm by 40 mm as a mesh, two cutters, 10 um of scallop. The passes of each cutter are simulated in all
-//! directions:
+//! An inclined rectangle of 80 mm by 40 mm as a mesh, two cutters, 10 um of scallop. The passes of each cutter are
+//! simulated in several directions:
 //!
 //! ```
 //! use scallopd::milling::Cutter;

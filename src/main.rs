@@ -1,4 +1,4 @@
-//! The server's entry point.
+//! The program `scallopd`: reads the command line and starts the server, or runs a subcommand.
 
 use std::io::Write;
 use std::net::SocketAddr;
@@ -13,14 +13,14 @@ use scallopd::{health, server};
 use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::oneshot;
 
-// The allocator of musl, which the static build uses, is several times slower under threads.
+// The static build uses musl, whose allocator is several times slower with threads.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// The largest number of connections that wait to be accepted; the system may allow fewer.
+/// The length of the queue of connections to accept; the system may allow fewer.
 const BACKLOG: u32 = 4096;
 
-/// The largest number of connections to the address for probes: a few probers and scrapers.
+/// The largest number of connections to the address for probes and scrapes.
 const HEALTH_CONNECTIONS: usize = 64;
 
 /// The exit code for invalid settings; other failures exit with 1.
@@ -89,17 +89,18 @@ async fn serve(settings: &Settings) -> std::io::Result<()> {
     served
 }
 
-/// Listens at `address`. The queue takes bursts of connections; where it is full, clients must try again after a second.
+/// Listens at `address`. The queue absorbs bursts of connections; if it is full, clients try again after a second.
 fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
     let socket = if address.is_ipv4() { TcpSocket::new_v4() } else { TcpSocket::new_v6() }?;
-    // A restarted server can listen while old connections of its predecessor are in TIME_WAIT.
+    // A restarted server can listen while connections of the previous process are in TIME_WAIT.
     #[cfg(unix)]
     socket.set_reuseaddr(true)?;
     socket.bind(address)?;
     socket.listen(BACKLOG)
 }
 
-/// Serves probes and metrics on a separate thread until the sender is dropped, so that they are answered under any load.
+/// Serves probes and metrics on a separate thread until the sender is dropped, so that they are answered under any
+/// load.
 fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std::io::Result<oneshot::Sender<()>> {
     let settings = ServerSettings { max_connections: HEALTH_CONNECTIONS, shutdown_grace: Duration::ZERO, ..settings.clone() };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -110,7 +111,7 @@ fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std
     let serve = move || {
         runtime.block_on(async {
             let listener = TcpListener::from_std(listener)?;
-            // The error means that the sender was dropped.
+            // An error means that the sender was dropped.
             server::serve(listener, app, &settings, async { _ = stopped.await }).await
         })
     };

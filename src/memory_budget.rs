@@ -1,5 +1,5 @@
-//! The budget of memory for everything whose size a client determines: bodies, vertices, answers not yet sent, heads. A part of the
-//! program reserves bytes before it allocates them and returns them by dropping the reservation.
+//! The memory budget for all data whose size a client determines: heads, bodies, vertices, unsent answers. Code
+//! reserves bytes before it allocates them, and returns them by dropping the reservation.
 
 use std::fmt;
 use std::sync::Arc;
@@ -18,11 +18,11 @@ struct Shared {
     total: u64,
     reserved: AtomicU64,
     refusals: AtomicU64,
-    /// Notifies those that wait for bytes when some return.
+    /// Notified when bytes return.
     returned: Notify,
 }
 
-/// Why bytes were not reserved.
+/// The reason why bytes were not reserved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BudgetExceeded {
     /// Other requests hold too much of the budget at this moment.
@@ -49,8 +49,8 @@ impl MemoryBudget {
         Self(Arc::new(Shared { total, reserved: AtomicU64::new(0), refusals: AtomicU64::new(0), returned: Notify::new() }))
     }
 
-    /// The largest reservation, three quarters of the budget: the rest is for the other memory of a request, such as the end of its body,
-    /// so that a request that is too large is refused as such and not because the budget is used up.
+    /// The largest reservation, three quarters of the budget. The rest is for the other memory of a request, such as
+    /// the end of its body, so that a request that is too large fails with `Always` and not with `Now`.
     #[must_use]
     pub fn largest(&self) -> u64 {
         self.0.total - self.0.total / 4
@@ -68,7 +68,7 @@ impl MemoryBudget {
         self.0.refusals.load(Ordering::Relaxed)
     }
 
-    /// A reservation of no bytes, to grow.
+    /// An empty reservation.
     pub fn open(&self) -> Reservation {
         Reservation { budget: self.clone(), bytes: 0 }
     }
@@ -76,7 +76,7 @@ impl MemoryBudget {
     /// A reservation of `bytes`.
     ///
     /// # Errors
-    /// [`BudgetExceeded`]: nothing is reserved.
+    /// [`BudgetExceeded`]; nothing is reserved then.
     pub fn reserve(&self, bytes: u64) -> Result<Reservation, BudgetExceeded> {
         let mut reservation = self.open();
         reservation.grow(bytes)?;
@@ -102,21 +102,21 @@ impl Reservation {
     /// Reserves `bytes` more.
     ///
     /// # Errors
-    /// [`BudgetExceeded`]: the reservation is as before.
+    /// [`BudgetExceeded`]; the reservation is unchanged then.
     pub fn grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
         self.try_grow(bytes).inspect_err(|_| {
             self.budget.0.refusals.fetch_add(1, Ordering::Relaxed);
         })
     }
 
-    /// Reserves `bytes` more, after waiting at most `longest` for others to return theirs.
+    /// Reserves `bytes` more. Waits at most `longest` for bytes to return.
     ///
     /// # Errors
-    /// [`BudgetExceeded`]: the reservation is as before.
+    /// [`BudgetExceeded`]; the reservation is unchanged then.
     pub async fn grow_within(&mut self, bytes: u64, longest: Duration) -> Result<(), BudgetExceeded> {
         let deadline = Instant::now() + longest;
         loop {
-            // Before the attempt, so that bytes that return after it are noticed.
+            // Registered before the attempt, so that bytes that return after it are noticed.
             let budget = self.budget.clone();
             let returned = budget.0.returned.notified();
             match self.try_grow(bytes) {
@@ -140,7 +140,7 @@ impl Reservation {
         Ok(())
     }
 
-    /// Returns all but `bytes`; keeps the reservation where it is smaller.
+    /// Returns all but `bytes`; a smaller reservation is kept.
     pub fn shrink_to(&mut self, bytes: u64) {
         let returned = self.bytes.saturating_sub(bytes);
         self.bytes -= returned;
@@ -153,7 +153,7 @@ impl Reservation {
     /// Grows or shrinks to `bytes`.
     ///
     /// # Errors
-    /// [`BudgetExceeded`]: the reservation is as before.
+    /// [`BudgetExceeded`]; the reservation is unchanged then.
     pub fn resize(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
         self.shrink_to(bytes);
         self.grow(bytes - self.bytes)
@@ -174,7 +174,7 @@ mod tests {
     const A_MINUTE: Duration = Duration::from_mins(1);
 
     #[test]
-    fn dropped_reservations_are_free_for_others() {
+    fn bytes_of_dropped_reservations_can_be_reserved_again() {
         let budget = MemoryBudget::new(100);
         let first = budget.reserve(60).unwrap();
         assert_eq!(budget.reserve(41).unwrap_err(), BudgetExceeded::Now);
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn a_reservation_waits_no_longer_than_allowed_and_not_for_what_never_fits() {
+    async fn a_reservation_waits_at_most_the_allowed_time_and_not_if_it_never_fits() {
         let budget = MemoryBudget::new(100);
         let _first = budget.reserve(60).unwrap();
         let mut second = budget.open();

@@ -1,5 +1,5 @@
-//! Checked physical quantities: every value is finite and within bounds in which no formula of this crate overflows or underflows.
-//! Internal units are mm, rad and s. Conversions from other units belong in `http`.
+//! Checked physical quantities: every value is finite and within bounds in which no formula of this crate overflows or
+//! underflows. Internal units are mm, rad and s. Conversions from other units belong in `http`.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ impl fmt::Display for OutOfRange {
 impl std::error::Error for OutOfRange {}
 
 impl OutOfRange {
-    /// `value` if it lies in `[minimum, maximum]`; NaN lies nowhere.
+    /// Returns `value` if it is in `[minimum, maximum]`; NaN is not.
     ///
     /// # Errors
     /// The bounds, when `value` is outside them.
@@ -101,7 +101,8 @@ impl Area {
     }
 }
 
-/// The form factor mu of a rectangle, or of a surface that a rectangle stands for: long side over short side, at least 1.
+/// The form factor mu of a rectangle, or of a surface that a rectangle stands for: long side over short side, at least
+/// 1.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct FormFactor(f64);
 
@@ -178,7 +179,7 @@ impl Speed {
         }
     }
 
-    /// A speed that a formula yields, in mm/s. The formula's domain makes it finite and positive.
+    /// A computed speed, in mm/s. The formula's domain makes it finite and positive.
     pub(crate) fn computed(mm_s: f64) -> Self {
         debug_assert!(mm_s.is_finite() && mm_s > 0.0, "a computed speed must be finite and positive, got {mm_s}");
         Self(mm_s)
@@ -202,12 +203,12 @@ impl Speed {
 pub struct SpindleSpeed(f64);
 
 impl SpindleSpeed {
-    /// The smallest spindle speed that can be stated, in rev/min.
+    /// The smallest spindle speed that is accepted, in rev/min.
     pub const SMALLEST: f64 = 1e-3;
-    /// The largest spindle speed that can be stated, in rev/min; air-bearing spindles reach 3e5.
+    /// The largest spindle speed that is accepted, in rev/min; air-bearing spindles reach 3e5.
     pub const LARGEST: f64 = 1e6;
 
-    /// A spindle speed that somebody states, in rev/min.
+    /// A user-supplied spindle speed, in rev/min.
     ///
     /// # Errors
     /// [`OutOfRange`] outside [`SpindleSpeed::SMALLEST`] to [`SpindleSpeed::LARGEST`].
@@ -278,8 +279,8 @@ impl Jerk {
     }
 }
 
-/// An angle with its sine and cosine, exact at quarter turns: the cosine of 90 deg is 0, not 6e-17, so that a vertical wall is
-/// vertical.
+/// An angle with its sine and cosine, exact at quarter turns: the cosine of 90 deg is 0, not 6e-17, so that a vertical
+/// wall is vertical.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angle {
     radians: f64,
@@ -294,7 +295,8 @@ impl Angle {
     /// A right angle, 90 deg.
     pub const RIGHT: Self = Self { radians: std::f64::consts::FRAC_PI_2, sin: 1.0, cos: 0.0 };
 
-    /// An angle given in degrees; any finite number. Whole turns are taken off before the sine and cosine are, exactly.
+    /// An angle given in degrees, which may be any finite number. Whole turns are subtracted exactly before sine and
+    /// cosine are computed.
     ///
     /// # Errors
     /// [`OutOfRange`] when `degrees` is not finite.
@@ -310,7 +312,7 @@ impl Angle {
             2 => (-sin, -cos),
             _ => (-cos, sin),
         };
-        // Adding 0 takes the sign off a zero, which a division would turn into an infinity of that sign.
+        // Adding 0 removes the sign of a negative zero, which a division would turn into a negative infinity.
         Ok(Self { radians: in_turn.to_radians(), sin: sin + 0.0, cos: cos + 0.0 })
     }
 
@@ -320,10 +322,11 @@ impl Angle {
         (length > 0.0).then(|| Self { radians: y.atan2(x), sin: y / length, cos: x / length })
     }
 
-    /// The direction of the line along (x, y), from the X axis counter-clockwise, in [0, pi); `None` for the null vector.
+    /// The direction of the line along (x, y), from the X axis counter-clockwise, in [0, pi); `None` for the null
+    /// vector.
     ///
-    /// Vectors that a calculation yields are rounded, and one a rounding below the X axis would give a line of almost pi, half a
-    /// turn away in writing from the line that is meant: within 1e-12 of an axis, the line is the axis.
+    /// Computed vectors have rounding errors, and a vector just below the X axis would give a line of almost pi in
+    /// place of 0. Within 1e-12 of an axis, the line is therefore the axis.
     pub(crate) fn of_line(x: f64, y: f64) -> Option<Self> {
         if y.abs() <= 1e-12 * x.abs() {
             return (x != 0.0).then_some(Self::ZERO);
@@ -417,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_length_is_refused_with_its_bounds() {
+    fn numbers_that_are_no_lengths_are_refused_with_the_bounds() {
         for wrong in [f64::NAN, f64::INFINITY, -1.0, 0.0, 9.9e-7, 1.1e6] {
             assert_eq!(Length::from_mm(wrong), Err(OutOfRange { minimum: 1e-6, maximum: 1e6 }));
         }

@@ -67,7 +67,7 @@ export class LineChart {
     const options = {
       width,
       height: this.height,
-      // Whole pixels would make steps of slight slopes.
+      // Whole pixels would turn slight slopes into steps.
       pxAlign: 0,
       cursor: { points: { size: 6 }, drag: { x: false, y: false } },
       legend: { live: true },

@@ -3,7 +3,7 @@
 
 import { el } from './dom.js';
 
-/** Copies `text` and shows on the button that it did. */
+/** Copies `text` and shows the success on the button. */
 export async function copy(text, button) {
   try {
     await navigator.clipboard.writeText(text);
@@ -44,7 +44,7 @@ export function curlOfForm(address, parts) {
   return [`curl -sS ${quoted(address)}`, ...parts.map((part) => `  ${option(part)}`)].join(' \\\n');
 }
 
-/** Offers `text` as a file. */
+/** Offers `text` for download as a file. */
 export function save(name, text, type) {
   const address = URL.createObjectURL(new Blob([text], { type }));
   const link = el('a', { href: address, download: name });

@@ -1,5 +1,5 @@
 // Forms: fields described by a name of the glossary, which hold values in the service's units and show the faults that the
-// service reports. The page judges no value itself.
+// service reports. The page checks no value itself.
 
 import { el } from './dom.js';
 import { TERMS } from './terms.js';
@@ -83,7 +83,7 @@ export class Field {
     this.show();
   }
 
-  /** Shows the value in the units in use; a text that is being typed stays. */
+  /** Shows the value in the units in use; a text that is being typed is kept. */
   show() {
     if (this.#inputs.length > 1 || this.#inputs[0].type === 'radio') {
       for (const input of this.#inputs) input.checked = input.value === String(this.value);
@@ -103,7 +103,7 @@ export class Field {
   fault(text) {
     this.#fault.hidden = !text;
     this.#fault.textContent = text ?? '';
-    // A fault is seen, also in a group that was closed.
+    // Opens a closed group, so that the fault is visible.
     if (text) this.element.closest('details')?.setAttribute('open', '');
     for (const input of this.#inputs) {
       if (text) {

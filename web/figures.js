@@ -15,7 +15,7 @@ export function figure(name, value, kind = TERMS[name]?.kind) {
   return el('span', { class: 'figure', 'data-help': TERMS[name]?.help }, valueOf(name, value, kind), unit && el('span', { class: 'unit' }, unit));
 }
 
-/** A label that explains itself under the pointer and with the keyboard. */
+/** A label with an explanation under the pointer and with the keyboard. */
 export function term(name, label = TERMS[name].label) {
   return el('span', { class: 'term', tabindex: '0', role: 'note', 'data-help': TERMS[name].help }, label);
 }

@@ -7,7 +7,7 @@ export function fragmentOf(view, unitsInUse, values) {
   return `#${view}?${query}`;
 }
 
-/** {view, units, values} of a fragment. Texts that read as numbers are numbers. */
+/** {view, units, values} of a fragment. Texts that can be parsed as numbers become numbers. */
 export function readFragment(fragment) {
   const [view, query = ''] = fragment.replace(/^#/, '').split('?');
   const values = {};

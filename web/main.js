@@ -1,4 +1,4 @@
-// The page: its views, the units and the theme, the link that holds the state, and the notice while the service is away.
+// The page: its views, the units and the theme, the link that holds the state, and the notice while the service cannot be reached.
 
 import { redrawCharts } from './charts.js';
 import { ContactView } from './contact/view.js';
@@ -25,7 +25,7 @@ let active = null;
 function viewOf(name) {
   if (!made.has(name)) {
     const making = make(name);
-    // A view whose files could not be fetched is tried again.
+    // A view whose files could not be loaded is tried again.
     making.catch(() => made.delete(name));
     made.set(name, making);
   }
@@ -56,7 +56,7 @@ const remember = (name, value) => {
   try {
     localStorage.setItem(name, value);
   } catch {
-    // A browser that stores nothing forgets the choice.
+    // The choice is lost if the browser stores nothing.
   }
 };
 
@@ -148,7 +148,7 @@ useTheme(themeField.value);
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redrawCharts);
 addEventListener('hashchange', readLink);
 await readLink();
-// The rest of the page, so that it is there even when the service goes away.
+// Loads the rest of the page, so that it works even if the service stops.
 const makeAll = () => setTimeout(() => NAMES.forEach((name) => viewOf(name).catch(() => {})), 300);
 if (document.readyState === 'complete') makeAll();
 else addEventListener('load', makeAll);

@@ -1,5 +1,4 @@
-// Calls to the service, and whether it can be reached. A call returns {answer} or {problem}, or throws `Unreachable` when there is no
-// service, and an AbortError when the caller aborted it.
+// Calls to the service, and its reachability. A call returns {answer} or {problem}, throws `Unreachable` if there is no service, and an AbortError if the caller aborted it.
 
 export class Unreachable extends Error {}
 
@@ -7,7 +6,7 @@ const RETRY_EVERY_MS = 1000;
 const listeners = new Set();
 let reachable = true;
 
-/** Calls `listener(reachable)` when the service goes away and when it comes back. */
+/** Calls `listener(reachable)` when the service becomes unreachable and when it is back. */
 export function onReachable(listener) {
   listeners.add(listener);
 }
@@ -24,7 +23,7 @@ async function lookForService() {
     const { ok } = await fetch('livez', { cache: 'no-store' });
     if (ok) return setReachable(true);
   } catch {
-    // Still away.
+    // Still unreachable.
   }
   setTimeout(lookForService, RETRY_EVERY_MS);
 }
@@ -35,7 +34,7 @@ export const addressOf = (path) => new URL(path, document.baseURI).href;
 async function read(response) {
   const type = response.headers.get('content-type') ?? '';
   if (response.ok) return { answer: await response.json() };
-  // A proxy in front of a service that is gone answers 502 or 504 of its own.
+  // A proxy before a stopped service answers 502 or 504 itself.
   if (!type.includes('json')) {
     if (response.status >= 502) throw new Unreachable(`status ${response.status}`);
     return { problem: { title: 'The request failed', detail: `status ${response.status}`, status: response.status } };

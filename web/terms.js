@@ -1,5 +1,4 @@
-// The page's glossary: for each name of the service its label, the kind of its quantity, and what it is. Fields, figures, charts
-// and tables take their labels and tooltips from here.
+// The page's glossary: for each name of the service its label, the kind of its quantity, and its explanation. Fields, figures, charts and tables take their labels and tooltips from here.
 
 /** Names of requests and answers. */
 export const NAMES = {
@@ -16,7 +15,7 @@ export const NAMES = {
   slope_deg: { label: 'Slope', kind: 'angle', help: 'Angle between the surface normal and the tool axis: 0° is a floor, 90° a wall.' },
   feed_angle_deg: { label: 'Feed angle', kind: 'angle', help: 'Angle from the uphill steepest line to the feed, seen from above along the tool axis, counter-clockwise. 0° runs uphill, 90° along the contour.' },
   normal: { label: 'Surface normal', help: 'Vector x, y, z out of the part, of any length.' },
-  feed: { label: 'Feed vector', help: 'Vector x, y, z of the feed; its part in the tangent plane counts.' },
+  feed: { label: 'Feed vector', help: 'Vector x, y, z of the feed; only its component in the tangent plane is used.' },
   tool_axis: { label: 'Tool axis', help: 'Vector x, y, z of the tool axis for five-axis milling. Empty: +Z.' },
   surface_radius_mm: { label: 'Surface radius', kind: 'length', help: 'Radius of the surface across the feed: positive where convex, negative where concave.' },
   along_per_mm: { label: 'Along the feed', kind: 'curvature', help: 'Curvature (1/radius) along the feed: positive where convex.' },
@@ -40,8 +39,8 @@ export const NAMES = {
   feed_share: { label: 'Feed’s share', kind: 'share', help: 'The feed’s part of the scallop height.' },
   effective_radius_mm: { label: 'Effective radius', kind: 'length', help: 'Radius of curvature of the groove across the feed.' },
   transverse_effective_radius_mm: { label: 'Transverse radius', kind: 'length', help: 'Transverse effective radius: the same for the direction at 90° seen from above; it governs the feed marks.' },
-  deviation: { label: 'Deviation', kind: 'share', help: '(height − exact height) / exact height: how far this model’s height is from the one that the cutter’s whole shape leaves.' },
-  limited_by: { label: 'Limited by', help: 'What keeps the answer from being larger.' },
+  deviation: { label: 'Deviation', kind: 'share', help: '(height − exact height) / exact height: the deviation of this model’s height from the height by the cutter’s exact shape.' },
+  limited_by: { label: 'Limited by', help: 'The limit that the answer reaches.' },
   // Plan
   machining_time_s: { label: 'Time', kind: 'time', help: 'Machining time: all passes and links with the machine’s limited acceleration and jerk.' },
   direction_deg: { label: 'Direction', kind: 'angle', help: 'Direction of the passes seen from above, from +X counter-clockwise.' },
@@ -50,28 +49,28 @@ export const NAMES = {
   over_tolerance_share: { label: 'Over tolerance', kind: 'share', help: 'Share of the area whose scallops exceed the tolerance.' },
   uncut_share: { label: 'Uncut', kind: 'share', help: 'Share of the area that the cutter cannot reach.' },
   uncut_height_mm: { label: 'Uncut height', kind: 'height', help: 'Largest height of the material that the cutter cannot reach.' },
-  least_time_s: { label: 'Least time', kind: 'time', help: 'Bound from below: no zigzag of this cutter is faster on this surface. The gap is what other strategies could gain.' },
+  least_time_s: { label: 'Least time', kind: 'time', help: 'Lower bound: no zigzag of this cutter is faster on this surface. The difference is the most that other strategies could gain.' },
   machine: { label: 'Preset', help: 'A machine by its name. Limits that are stated override its own.' },
   acceleration_m_s2: { label: 'Acceleration', kind: 'acceleration', help: 'The machine’s acceleration along the path.' },
-  jerk_m_s3: { label: 'Jerk', kind: 'jerk', help: 'The machine’s jerk: how fast the acceleration changes.' },
+  jerk_m_s3: { label: 'Jerk', kind: 'jerk', help: 'The machine’s jerk: the rate of change of the acceleration.' },
   rapid_rate_mm_min: { label: 'Rapid rate', kind: 'feedRate', help: 'Rate of moves off the surface. Empty: the feed rate.' },
   max_spindle_speed_rpm: { label: 'Max speed', kind: 'speed', help: 'The machine’s largest spindle speed. Cutters that state a higher one run at it.' },
   clearance_height_mm: { label: 'Clearance', kind: 'length', help: 'Height over the highest point at which the tool crosses gaps.' },
   pattern: { label: 'Pattern', help: 'Zigzag cuts in both senses; one-way returns at the rapid rate over the clearance height.' },
   method: { label: 'Method', help: 'Surface: the passes are simulated on the surface itself. Rectangle: the published method on an equivalent inclined rectangle.' },
   model: { label: 'Model', help: 'Exact shape: the cutter’s whole body. Published: circles of the effective radii.' },
-  max_slope_deg: { label: 'Max slope', kind: 'angle', help: 'Steeper facets set no spacing and count as steep.' },
+  max_slope_deg: { label: 'Max slope', kind: 'angle', help: 'Steeper facets do not limit the spacing and count as steep.' },
   max_uncut_share: { label: 'Max uncut', kind: 'share', help: 'A cutter that leaves more of the area uncut is listed, not ranked.' },
   directions_deg: { label: 'Directions', help: 'Directions of the passes to try, in degrees from +X counter-clockwise, with commas between them. Empty: all.' },
   unit: { label: 'File’s unit', help: 'Unit of length of the coordinates in the file. A 3MF file states its own.' },
-  facing: { label: 'Facing', help: 'Which facets count: those that face up, or all.' },
+  facing: { label: 'Facing', help: 'The facets of the shape: those that face up, or all.' },
   // Surface
   area_mm2: { label: 'Area', kind: 'area', help: 'Area of the surface.' },
   facets: { label: 'Facets', kind: 'count', help: 'Triangles of the surface.' },
-  points: { label: 'Points', kind: 'count', help: 'Points that the shape was taken of; 0 where it was taken of facets.' },
+  points: { label: 'Points', kind: 'count', help: 'Points from which the shape was computed; 0 if it was computed from facets.' },
   mean_slope_deg: { label: 'Mean slope', kind: 'angle', help: 'Mean slope over the area.' },
-  form_factor: { label: 'Form factor', kind: 'number', help: 'Long side over short side of the rectangle that spreads as much.' },
-  characteristic_size_mm2: { label: 'Characteristic size', kind: 'area', help: 'Area of the rectangle that spreads as much.' },
+  form_factor: { label: 'Form factor', kind: 'number', help: 'Long side over short side of the equivalent rectangle, which has the same variances.' },
+  characteristic_size_mm2: { label: 'Characteristic size', kind: 'area', help: 'Area of the equivalent rectangle.' },
   principal_direction_deg: { label: 'Principal direction', kind: 'angle', help: 'Direction of the longest extent seen from above.' },
   steepest_direction_deg: { label: 'Steepest direction', kind: 'angle', help: 'Direction of the steepest line of the mean plane, seen from above.' },
   flatness: { label: 'Flatness', kind: 'number', help: 'Extent out of the mean plane over the longest extent: 0 for a plane.' },
@@ -85,7 +84,7 @@ export const NAMES = {
 
 const SIDE_OF_BOX = 'Only facets whose centroid lies in this box are machined. Drag over the map to choose it.';
 
-// Names that the page gives to members of members, and to fields that the service calls otherwise.
+// The page’s own names, for nested members and for fields with another name in the service.
 const OF_THE_PAGE = {
   tolerance_of_plan: { label: 'Scallop height', kind: 'height', help: 'Largest scallop height that the plan may leave.' },
   machine_feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'The feed rate of the machine for finishing.' },
@@ -99,13 +98,13 @@ const OF_THE_PAGE = {
   height_over_datum: { label: 'Height', kind: 'length', help: 'Z of the surface.' },
   select_slope_from_deg: { label: 'Slope from', kind: 'angle', help: 'Only facets at least as steep are machined.' },
   select_slope_to_deg: { label: 'Slope to', kind: 'angle', help: 'Only facets at most as steep are machined.' },
-  pieces_selected: { label: 'Pieces', help: 'Numbers of the connected pieces to machine, from 0 in the order in which their first facets come, with commas between them. Empty: all.' },
+  pieces_selected: { label: 'Pieces', help: 'Numbers of the connected pieces to machine, from 0 in the order of their first facets, separated by commas. Empty: all.' },
   ...Object.fromEntries(['x', 'y', 'z'].flatMap((axis) => [['min', 'from'], ['max', 'to']].map(([end, word]) => [`box_${end}_${axis}_mm`, { label: `${axis.toUpperCase()} ${word}`, kind: 'length', help: SIDE_OF_BOX }]))),
 };
 
 export const TERMS = { ...NAMES, ...OF_THE_PAGE };
 
-// Words of the service's closed sets as the page writes them.
+// The page’s texts for words of the service.
 const WORDS = {
   scallop_tolerance: 'the tolerance',
   max_feed_per_tooth: 'the cutter’s feed limit',

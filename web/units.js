@@ -40,7 +40,7 @@ export const factorOf = (kind) => measure(kind).factor;
 /** A number with `digits` significant digits, never in exponent form unless it is very small. */
 export function plainNumber(value, digits) {
   if (value === 0) return '0';
-  // Of the rounded value: 0.99999 is shown as 1.000.
+  // Uses the rounded value: 0.99999 is shown as 1.000.
   const magnitude = Math.floor(Math.log10(Math.abs(Number(value.toPrecision(digits)))));
   if (magnitude < -7 || magnitude > 14) return value.toExponential(digits - 1);
   return value.toFixed(Math.max(0, digits - 1 - magnitude));
@@ -50,7 +50,7 @@ export function plainNumber(value, digits) {
 export function format(value, kind) {
   if (value === null || value === undefined) return '–';
   const { factor, digits } = measure(kind);
-  // A count is a whole number, but for the quotients of the rectangle's method.
+  // A count is a whole number, except the quotients of method rectangle.
   if (kind === 'count') return String(Number(value.toFixed(2)));
   // Directions are stated to two decimals at most, and most of them are whole.
   if (kind === 'angle') return String(Number(value >= 100 ? value.toFixed(2) : value.toPrecision(digits)));
@@ -74,7 +74,7 @@ export function formatInput(value, kind) {
   return String(Number((value * factorOf(kind)).toPrecision(7)));
 }
 
-/** The service's value of a typed text; a text that is no number is returned as it is, for the service to judge. */
+/** The service's value of a typed text; other text is returned as it is, for the service to report. */
 export function parseInput(text, kind) {
   const typed = text.trim();
   if (typed === '') return undefined;
@@ -84,7 +84,7 @@ export function parseInput(text, kind) {
   return factor === 1 ? number : Number((number / factor).toPrecision(12));
 }
 
-/** Seconds, or minutes and seconds, or hours, minutes and seconds, whichever suits `longest`: the times of a column are alike. */
+/** Seconds, or minutes and seconds, or hours, minutes and seconds, whichever suits `longest`, so that the times of a column have one form. */
 export function formatTime(seconds, longest = seconds) {
   if (seconds === null || seconds === undefined) return '–';
   if (longest < 120) return `${plainNumber(seconds, 3)} s`;

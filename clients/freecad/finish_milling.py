@@ -1,5 +1,5 @@
 """Finish milling in FreeCAD with scallopd: cutters ranked for selected faces, the passes of the chosen one as a Path object, and feeds
-for an existing path. The macros beside this file are built on it; other macros and workbenches can import it.
+for an existing path. The macros beside this file use it; other macros and workbenches can import it.
 
 Runs in FreeCAD 0.20 and later, with or without the GUI. Lengths are millimetres; Z is the tool axis.
 """
@@ -31,7 +31,7 @@ SHAPES = {"ballend": "ball_end", "bullnose": "toroidal", "torus": "toroidal", "e
 
 
 def cutters(chosen):
-    """The settings' `cutters`: a list of cutters as it is, or "job" for those of the document's job."""
+    """The settings' `cutters`: a list of cutters as it is, or "job" for the cutters of the document's job."""
     return cutters_of_job() if chosen == "job" else chosen
 
 
@@ -68,7 +68,7 @@ def cutter_of(controller):
         corner = millimetres(tool, "CornerRadius") or millimetres(tool, "TorusRadius")
         # Until 0.21 a bull-nose tool states the radius of its flat.
         cutter["corner_radius_mm"] = corner or diameter / 2 - millimetres(tool, "FlatRadius")
-    # Zero stands for a figure that nobody has entered.
+    # Zero stands for a figure that was not entered.
     for name, value in (
         ("teeth", int(getattr(tool, "Flutes", 0))),
         ("spindle_speed_rpm", float(controller.SpindleSpeed)),
@@ -81,7 +81,7 @@ def cutter_of(controller):
 
 
 def millimetres(tool, name):
-    """A tool's length; 0 where it has none of that name."""
+    """A tool's length; 0 if it has none of that name."""
     value = getattr(tool, name, 0.0)
     return float(getattr(value, "Value", value))
 
@@ -90,7 +90,7 @@ def millimetres(tool, name):
 
 
 def selected_faces(names=()):
-    """The faces selected in the GUI; without one those that `names` states, such as "Body.Face3"."""
+    """The faces selected in the GUI; without a GUI those of `names`, such as "Body.Face3"."""
     if FreeCAD.GuiUp:
         import FreeCADGui
 
@@ -110,7 +110,7 @@ def face_named(name):
 
 def mesh_of(faces, deviation_mm):
     """The faces as a mesh in the form of a request, at most `deviation_mm` away from them."""
-    # A shape keeps the mesh it was drawn with; a copy without it is meshed as finely as asked.
+    # A shape keeps the mesh of its display; a copy without it is meshed with the requested deviation.
     points, triangles = Part.Compound(faces).copy(True, False).tessellate(deviation_mm)
     return {"points": points, "triangles": triangles}
 
@@ -120,7 +120,7 @@ def mesh_of(faces, deviation_mm):
 
 def recommend(client, faces, cutters, scallop_height_mm, machine, **parameters):
     """The cutters ranked for the faces, with the passes of the fastest."""
-    # A quarter of the scallop height keeps the mesh's error small beside the figures asked for.
+    # A deviation of a quarter of the scallop height keeps the mesh's error small beside the results.
     surface = {"mesh": mesh_of(faces, scallop_height_mm / 4)}
     return client.recommend(surface, cutters, scallop_height_mm, machine, include=PASSES, **parameters)
 
@@ -275,7 +275,7 @@ def upward_normal(face, u, v):
 
 
 def contact_of(faces, tip, cutter, gap_mm, start=None):
-    """Where a cutter with its tip there touches the faces: face, u and v; None where it is more than `gap_mm` off them.
+    """The contact of a cutter with its tip at `tip`: face, u and v; None if it is more than `gap_mm` off the faces.
 
     `start` is a contact nearby, such as that of the move before, where the search begins.
     """
@@ -283,7 +283,7 @@ def contact_of(faces, tip, cutter, gap_mm, start=None):
     corner = {"ball_end": radius, "flat_end": 0.0}.get(cutter["type"], cutter.get("corner_radius_mm", 0.0))
 
     def miss(face, u, v):
-        """The tip of a cutter that touches the face at (u, v), less the tip asked for."""
+        """The tip of a cutter that touches the face at (u, v), less the required tip."""
         normal = upward_normal(face, u, v)
         level = math.hypot(normal.x, normal.y)
         ring = FreeCAD.Vector() if level < 1e-9 else FreeCAD.Vector(normal.x, normal.y, 0) * ((radius - corner) / level)
@@ -312,7 +312,7 @@ def solve_contact(miss, face, u, v):
         if abs(determinant) < 1e-12:
             return None
         du, dv = (here.x * by_v.y - by_v.x * here.y) / determinant, (by_u.x * here.y - here.x * by_u.y) / determinant
-        # Near a floor the corner's place turns quickly with the normal: a step that makes the miss larger is shortened.
+        # Near a floor, the corner's position changes quickly with the normal, so a step that increases the miss is shortened.
         for share in (1, 0.5, 0.25, 0.125, 0.0625):
             next_u, next_v = min(max(u - share * du, first), last), min(max(v - share * dv, low), high)
             there = miss(face, next_u, next_v)

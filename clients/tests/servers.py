@@ -1,4 +1,4 @@
-"""Servers for the clients' tests: the real program, and scripted ones for what the real one does not do on demand."""
+"""Servers for the clients' tests: the real program, and scripted servers for behaviour that the real one does not show on demand."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class ServiceCase(unittest.TestCase):
 
 @dataclass
 class Received:
-    """A request as a `RecordingServer` got it."""
+    """A request that a `RecordingServer` received."""
 
     method: str
     path: str
@@ -119,7 +119,7 @@ class RecordingServer:
                     self.end_headers()
                     self.wfile.write(content)
                 except ConnectionError:
-                    self.close_connection = True  # A client that failed on its own file has left.
+                    self.close_connection = True  # A client with a failed file has closed the connection.
 
             do_GET = do_POST
 

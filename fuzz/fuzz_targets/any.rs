@@ -1,4 +1,4 @@
-//! Any bytes with any name.
+//! Fuzz target: any bytes as a surface file with any name.
 
 #![no_main]
 

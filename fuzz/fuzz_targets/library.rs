@@ -1,4 +1,4 @@
-//! Tool libraries: the first byte chooses between the bytes as they are and a zip with them as one file.
+//! Fuzz target: tool libraries. The first byte chooses between the bytes themselves and a zip with them as one file.
 
 #![no_main]
 
@@ -7,7 +7,7 @@ mod packing;
 
 use scallopd::tooling::{MOST_TOOLS, ToolLibrary};
 
-/// What a library of at most 16 KB may take.
+/// The most memory for a library of at most 16 KB.
 const MOST_BYTES: usize = 64 << 20;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

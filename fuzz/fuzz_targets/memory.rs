@@ -1,5 +1,5 @@
-//! The bound on the memory that one input may take. libFuzzer's `-malloc_limit_mb` needs a sanitizer, and `-rss_limit_mb` counts what all inputs
-//! left behind.
+//! The bound on the memory that one input may take. libFuzzer's `-malloc_limit_mb` needs a sanitizer, and
+//! `-rss_limit_mb` counts the memory that all inputs left behind.
 
 use peak_alloc::PeakAlloc;
 

@@ -1,5 +1,5 @@
-//! The mesh stage and the simulation on it: bytes as facets, which degenerate, fold over, cut each other and share points at will. Whatever they are, every
-//! figure is a number and shares add up.
+//! Fuzz target: the mesh and the simulation on it. The bytes become facets that may degenerate, fold over, intersect
+//! and share points. Every figure must be finite, and shares must add up.
 
 #![no_main]
 
@@ -23,11 +23,11 @@ fn coordinate(byte: u8) -> f64 {
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Some((first, bytes)) = bytes.split_first() else { return };
-    // The lowest bits: facets or points, few or many of them held, which side counts.
+    // The lowest bits select facets or points, a small or large limit, and the side.
     let mut builder = MeshBuilder::with_facet_limit(if first & 2 == 0 { 8 } else { 4096 });
     let points: Vec<[f64; 3]> = bytes.chunks_exact(3).map(|point| [0, 1, 2].map(|axis| coordinate(point[axis]))).collect();
     if first & 1 == 0 {
-        // Each facet with the two points before, as a strip, so that facets share points and edges.
+        // Each facet takes the two points before it, as a strip, so that facets share points and edges.
         points.windows(3).for_each(|corners| builder.facet([corners[0], corners[1], corners[2]]));
     } else {
         points.iter().for_each(|&point| builder.point(point));

@@ -1,4 +1,4 @@
-//! Wavefront OBJ.
+//! Fuzz target: Wavefront OBJ.
 
 #![no_main]
 

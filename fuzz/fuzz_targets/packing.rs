@@ -1,4 +1,4 @@
-//! ZIP archives of stored files, so that the bytes of a seed stay visible to the search.
+//! ZIP archives of stored files, so that the fuzzer can mutate the bytes of the files.
 
 /// An archive of these files.
 pub fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {

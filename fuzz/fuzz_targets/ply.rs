@@ -1,4 +1,4 @@
-//! PLY.
+//! Fuzz target: PLY.
 
 #![no_main]
 

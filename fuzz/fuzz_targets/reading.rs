@@ -1,4 +1,4 @@
-//! What must hold of every file, read whole or in pieces.
+//! Checks for every surface file, read whole and in chunks.
 
 #[path = "memory.rs"]
 mod memory;
@@ -6,7 +6,7 @@ mod memory;
 use scallopd::surface::read::{Fault, FormatHint, Reader, Summary};
 use scallopd::surface::{LARGEST_COORDINATE, Sink};
 
-/// Counts and mixes what comes, so that two readings can be compared without keeping them.
+/// A sink that hashes points and facets, so that two readings can be compared without storing them.
 #[derive(Default, PartialEq, Debug)]
 struct Digest {
     points: u64,
@@ -47,8 +47,8 @@ fn digest(file: &[u8], chunk: usize, name: &str) -> (Digest, Result<Summary, Fau
     (digest, result)
 }
 
-/// What a file of at most 16 KB may take, at a vertex for every other byte, in blocks and vectors that move to twice their size; a packed one inflates to
-/// some MB.
+/// The most memory for a file of at most 16 KB, with a vertex for every other byte, in blocks and in vectors that grow
+/// to twice their size; a compressed file inflates to some MB.
 const MOST_BYTES: usize = 64 << 20;
 
 /// Reads a file of this name whole and in chunks of a size that its own bytes choose.

@@ -1,4 +1,4 @@
-//! JSON requests to every operation that takes one: whatever is sent, the answer is JSON and the fault is not the server's.
+//! Fuzz target: JSON requests to every operation that accepts them. Every answer must be JSON without a status of 500.
 
 #![no_main]
 

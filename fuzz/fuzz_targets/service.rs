@@ -1,4 +1,5 @@
-//! The service in this process, and what must hold of every answer: it is JSON, its fault is not the server's, and the memory budget is kept.
+//! The service in this process, and checks of every answer: it is JSON, its status is not 500, and the memory budget is
+//! kept.
 
 #[path = "memory.rs"]
 mod memory;

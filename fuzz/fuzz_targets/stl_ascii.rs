@@ -1,4 +1,4 @@
-//! STL in text.
+//! Fuzz target: ASCII STL.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Binary STL; the first byte is the lowest of the count.
+//! Fuzz target: binary STL. The first byte is the lowest of the count.
 
 #![no_main]
 

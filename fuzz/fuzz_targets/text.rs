@@ -1,4 +1,4 @@
-//! Points in text.
+//! Fuzz target: points in text.
 
 #![no_main]
 

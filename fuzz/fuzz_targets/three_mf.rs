@@ -1,4 +1,5 @@
-//! 3MF: after a first byte that is even the bytes are a model, which is packed; after an odd one they are the archive itself.
+//! Fuzz target: 3MF. If the first byte is even, the others are a model, which is packed; if it is odd, they are the
+//! archive itself.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Forms with a surface, parameters and tool libraries.
+//! Fuzz target: forms with a surface, parameters and tool libraries.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The application state: the handles that all requests share while the service runs. Results are not kept.
+//! The application state: the handles that all requests share. No results are stored.
 
 use axum::extract::FromRef;
 
@@ -13,19 +13,19 @@ use crate::settings::HttpSettings;
 pub struct AppState {
     /// The counters for `/metrics`.
     pub metrics: Metrics,
-    /// Whether the service accepts requests or drains.
+    /// Whether the service accepts requests or is draining.
     pub readiness: Readiness,
     /// The threads for uploads and batches.
     pub workers: WorkerPool,
-    /// The memory for everything whose size clients determine.
+    /// The memory budget for all data whose size a client determines.
     pub budget: MemoryBudget,
 }
 
 impl AppState {
-    /// A state with the bounds that `settings` names.
+    /// Creates the state with the bounds of `settings`.
     ///
     /// # Errors
-    /// The system starts no threads.
+    /// The system cannot start the threads.
     pub fn start(settings: &HttpSettings) -> std::io::Result<Self> {
         let budget = MemoryBudget::new(settings.memory_budget_bytes);
         let metrics = Metrics::new(&budget);

@@ -1,4 +1,5 @@
-//! The JSON body of a request.
+//! The JSON bodies of requests and answers: the extractor of a request's JSON, and answers written off the async
+//! threads.
 
 use super::codes::ServiceProblem;
 use super::collected_body::collect;
@@ -18,7 +19,8 @@ use std::convert::Infallible;
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
-/// A body declared as JSON, not parsed yet. The framework's own extractor answers plain text and stops at the first fault.
+/// A body declared as JSON, not parsed yet. The framework's own extractor answers with plain text and stops at the
+/// first fault.
 pub(crate) struct JsonBody {
     json: Bytes,
     budget: MemoryBudget,
@@ -41,7 +43,7 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
 /// The first capacity of an answer, in bytes; few answers for one contact are larger.
 const USUAL_ANSWER: usize = 1024;
 
-/// An answer that was written where it was computed, off the async threads.
+/// An answer as JSON text, written by the thread that computed it.
 pub(crate) struct WrittenJson {
     pieces: VecDeque<Bytes>,
     /// The memory that the answer holds until it is sent.
@@ -60,12 +62,12 @@ impl WrittenJson {
         }
     }
 
-    /// An answer that is sent as it was written, piece by piece: joining the pieces of a large one would double its memory.
+    /// An answer that is sent piece by piece, because joining the pieces of a large answer would double its memory.
     pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
         Self { pieces: pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect(), reservation: None }
     }
 
-    /// The same, with `reservation` held until it is sent and resized to what it holds now.
+    /// The same answer with `reservation`, which is resized to the answer and held until it is sent.
     pub(crate) fn holding(mut self, mut reservation: Reservation) -> Result<Self, Problem> {
         reservation.resize(self.length())?;
         self.reservation = Some(reservation);
@@ -132,18 +134,18 @@ fn is_json(headers: &HeaderMap) -> bool {
 }
 
 impl JsonBody {
-    /// The body as it came.
+    /// The body as it was received.
     pub(crate) fn json(&self) -> &[u8] {
         &self.json
     }
 
-    /// Reads the body, an object, with `read`. Recorded faults take precedence over a result. Members that `read` does not take are
-    /// unknown, which is a fault, too.
+    /// Reads the body, an object, with `read`. Recorded faults take precedence over a result. Members that `read` does
+    /// not take are faults, too.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
         self.read_until(&CancelFlag::default(), read)
     }
 
-    /// The same for a large body: once `cancel` is set, reading ends early with any result.
+    /// The same for a large body. Once `cancel` is set, reading ends early and the result has no meaning.
     pub(crate) fn read_until<T>(
         &self,
         cancel: &CancelFlag,
@@ -175,12 +177,12 @@ pub(crate) fn read_text<T>(
     }
 }
 
-/// The problem that a text is not JSON.
+/// The problem of a text that is not JSON.
 pub(crate) fn malformed(error: &serde_json::Error) -> Problem {
     Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}"))
 }
 
-/// Reads all of an object, whose members that `read` leaves are unknown.
+/// Reads a whole object with `read`; members that `read` does not take are faults.
 pub(crate) fn read_object<'a, T>(
     object: Result<Object<'a, '_>, Faulted>,
     faults: &mut Faults,

@@ -1,4 +1,4 @@
-//! Collects a request's body into one piece of memory, reserved from the budget as it grows.
+//! Collects a request's body into one buffer, whose memory is reserved from the budget as it grows.
 
 use axum::body::{Body, Bytes, HttpBody};
 use http_body_util::BodyExt;
@@ -10,10 +10,10 @@ use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 /// The first capacity for a body in several pieces.
 const FIRST_CAPACITY: usize = 64 * 1024;
 
-/// Bytes that are collected in one turn of the task: less than a millisecond of decompression.
+/// The number of bytes collected in one turn of the task, less than a millisecond of decompression.
 const TURN: usize = 64 * 1024;
 
-/// The whole of `body`. Its memory returns to the budget when the last reference to it is dropped.
+/// Collects `body`. Its memory returns to the budget when the last reference to it is dropped.
 pub(super) async fn collect(mut body: Body, budget: &MemoryBudget) -> Result<Bytes, Problem> {
     let Some(first) = next(&mut body).await? else { return Ok(Bytes::new()) };
     if body.is_end_stream() {
@@ -27,7 +27,7 @@ pub(super) async fn collect(mut body: Body, budget: &MemoryBudget) -> Result<Byt
         collected.append(&data, body.size_hint().exact())?;
         drop(data);
         if turn >= TURN {
-            // Decompression yields data without waiting: other requests get their turn.
+            // Decompression returns data without waiting, so this yields to other tasks.
             tokio::task::yield_now().await;
             turn = 0;
         }
@@ -54,7 +54,7 @@ struct Collected {
 }
 
 impl Collected {
-    /// Appends `data`; `to_come` is the number of bytes that follow, where it is known.
+    /// Appends `data`; `to_come` is the number of bytes that follow, if known.
     fn append(&mut self, data: &[u8], to_come: Option<u64>) -> Result<(), BudgetExceeded> {
         let length = self.bytes.len() + data.len();
         if length > self.bytes.capacity() {
@@ -67,7 +67,7 @@ impl Collected {
         Ok(())
     }
 
-    /// Moves the bytes to memory of this capacity; for a moment both are reserved.
+    /// Moves the bytes to a buffer of this capacity; both buffers are reserved meanwhile.
     fn move_to(&mut self, capacity: usize) -> Result<(), BudgetExceeded> {
         let before = self.reservation.bytes();
         self.reservation.grow(capacity as u64)?;
@@ -91,7 +91,8 @@ mod tests {
 
     use super::*;
 
-    /// The outcome for a body of `count` pieces of `size` bytes of no stated length, and what is reserved while it is held.
+    /// The result for a body of `count` pieces of `size` bytes without a stated length, and the memory reserved while
+    /// it is held.
     async fn collected(count: usize, size: usize, budget: u64) -> (Result<usize, Problem>, u64) {
         let (mut sender, channel) = Channel::<Bytes, axum::BoxError>::new(1);
         let sending = tokio::spawn(async move {
@@ -112,7 +113,7 @@ mod tests {
     async fn a_body_is_reserved_as_long_as_it_is_held() {
         let (length, reserved) = collected(100, 10_000, 4_000_000).await;
         assert_eq!(length.unwrap(), 1_000_000);
-        // Of the body itself, at most twice its length.
+        // At most twice the length of the body.
         assert!((1_000_000..=2_000_000).contains(&reserved), "{reserved}");
     }
 

@@ -119,7 +119,7 @@ pub(super) fn with_examples(document: &OpenApi) -> Value {
             operation["responses"]["422"]["content"]["application/problem+json"]["examples"] = refusals(examples);
         }
         let id = operation["operationId"].as_str().unwrap_or_default();
-        // A query takes its example from the operation that has the same members as JSON.
+        // The examples of a query come from the operation with the same members in JSON.
         let (id, is_query) = id.strip_suffix("_query").map_or((id, false), |id| (id, true));
         let Some(example) = EXAMPLES.iter().find(|example| example.operation == id) else { continue };
         if let Some(request) = example.request.filter(|_| is_query) {
@@ -131,7 +131,7 @@ pub(super) fn with_examples(document: &OpenApi) -> Value {
                 }
             }
         } else if let Some(request) = example.request {
-            // An operation takes JSON or a form.
+            // An operation accepts either JSON or a form.
             let contents = operation["requestBody"]["content"].as_object_mut().into_iter().flat_map(|contents| contents.values_mut());
             contents.for_each(|content| content["example"] = parse(request));
         }

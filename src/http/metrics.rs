@@ -1,4 +1,5 @@
-//! The metrics and their text for Prometheus. Every label has few values: routes are templates, methods and reasons closed sets.
+//! The metrics, and their text for Prometheus. Every label has few values: routes are templates, and methods and
+//! reasons are closed sets.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -51,7 +52,7 @@ struct FormatLabels {
 
 type Durations = Family<DurationLabels, Histogram, fn() -> Histogram>;
 
-/// The counters. Clones share them; a request makes a few clones, so that each is one handle.
+/// The counters, behind one handle, because each request clones it several times. Clones share the counters.
 #[derive(Debug, Clone)]
 pub struct Metrics(Arc<Counters>);
 
@@ -75,7 +76,7 @@ impl Metrics {
         let in_flight = Gauge::default();
         let shed = Family::<ShedLabels, Counter>::default();
         for overload in Overload::ALL {
-            // Created at the start, so that the first increase is visible as one.
+            // Created at the start, so that the first increase is visible.
             drop(shed.get_or_create(&ShedLabels { reason: overload.label() }));
         }
         let upload_bytes = Counter::default();
@@ -84,7 +85,7 @@ impl Metrics {
         registry.register("scallopd_http_requests", "Requests answered", requests.clone());
         registry.register("scallopd_http_request_duration_seconds", "From a request's head to the end of its answer", durations.clone());
         registry.register("scallopd_http_requests_in_flight", "Requests being answered", in_flight.clone());
-        registry.register("scallopd_http_requests_shed", "Requests turned away under load", shed.clone());
+        registry.register("scallopd_http_requests_shed", "Requests refused under load", shed.clone());
         registry.register("scallopd_upload_bytes", "Bytes of uploads, decompressed", upload_bytes.clone());
         registry.register("scallopd_upload_facets", "Facets and points read from uploads", upload_facets.clone());
         let version = option_env!("CARGO_PKG_VERSION").unwrap_or("unknown");
@@ -105,14 +106,14 @@ impl Metrics {
         self.0.in_flight.inc();
     }
 
-    /// Counts a request that was answered, or whose client left.
+    /// Counts a request that was answered, or whose client closed the connection.
     pub(crate) fn ended(&self, method: &'static str, route: &Arc<str>, status: u16, duration: Duration) {
         self.0.in_flight.dec();
         self.0.requests.get_or_create(&RequestLabels { method, route: Arc::clone(route), status }).inc();
         self.0.durations.get_or_create(&DurationLabels { route: Arc::clone(route), status }).observe(duration.as_secs_f64());
     }
 
-    /// Counts a request that was turned away.
+    /// Counts a request that was refused under load.
     pub fn shed(&self, overload: Overload) {
         self.0.shed.get_or_create(&ShedLabels { reason: overload.label() }).inc();
     }

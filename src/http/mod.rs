@@ -1,5 +1,6 @@
-//! The HTTP interface: a file or folder for each endpoint, and the modules that they share. Nothing here computes: requests are read
-//! into checked values and passed to the mathematics, and the results are written as JSON.
+//! The HTTP interface: a file or folder for each endpoint, and the modules that they share. No calculation is done
+//! here: requests are read into checked values and passed to the modules of the domain, and the results are written as
+//! JSON.
 
 mod app_state;
 mod body;

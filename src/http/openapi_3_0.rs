@@ -1,10 +1,10 @@
-//! The OpenAPI document in version 3.0.3, converted from that in version 3.1. Generators that read 3.0 differ in the features that they
-//! accept, so this document uses only those that all of them accept:
+//! The OpenAPI document in version 3.0.3, converted from version 3.1. Generators that read 3.0 differ in the features
+//! that they accept, so this document uses only those that all accept:
 //!
 //! - no forms: several generators refuse a document with `multipart/form-data`;
-//! - one schema for the problems of all statuses, which has the figures of every type of problem;
-//! - sets of codes that only answers have are open: a client that checks enumerations would fail on a code that a later
-//!   version adds. `x-extensible-enum` lists the codes of this version.
+//! - one schema for the problems of all statuses, with the figures of every type of problem;
+//! - sets of codes that occur only in answers are open: a client that checks enumerations would fail on a code that a
+//!   later version adds. `x-extensible-enum` lists the codes of this version.
 
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
@@ -21,7 +21,7 @@ pub(super) fn converted(mut document: Value) -> Value {
     document["openapi"] = "3.0.3".into();
     let about = document["info"]["description"].as_str().unwrap_or_default();
     document["info"]["description"] = format!("{about}\n\n{NOTE}").into();
-    // Version 3.0 has no identifier of a licence.
+    // Version 3.0 has no licence identifier.
     document["info"]["license"].as_object_mut().and_then(|license| license.shift_remove("identifier"));
     open_codes(&mut document);
     leave_out_forms(&mut document);
@@ -79,8 +79,9 @@ fn leave_out_forms(document: &mut Value) {
     remove_schemas(document, &forms);
 }
 
-/// Gives the schema of problems the figures of every type of problem, and refers to it from every response with a problem. The responses
-/// name `application/json` beside the media type that is sent: generators that read no other one find the type there.
+/// Adds the figures of every type of problem to the schema of problems, and refers to it from every response with a
+/// problem. The responses name `application/json` beside the media type that is sent, because some generators read only
+/// that.
 fn unite_problems(document: &mut Value) {
     let schemas = &document["components"]["schemas"];
     let variants = schemas[PROBLEMS_BY_TYPE]["oneOf"].as_array().into_iter().flatten();
@@ -115,7 +116,7 @@ fn remove_schemas(document: &mut Value, references: &[String]) {
     }
 }
 
-/// Turns the enumerations that no request has into strings that list their codes in `x-extensible-enum`.
+/// Turns the enumerations that occur only in answers into strings with their codes in `x-extensible-enum`.
 fn open_codes(document: &mut Value) {
     let mut sent = BTreeSet::new();
     for operation in members(&document["paths"]).flat_map(members) {
@@ -191,12 +192,12 @@ fn convert(schema: &mut Value) {
             members.insert(bound.to_owned(), limit);
         }
     }
-    // The names of an object are strings anyway.
+    // Names of members are always strings.
     members.shift_remove("propertyNames");
 }
 
-/// Version 3.0 ignores members beside a reference, so the reference is wrapped. In a union, generators would create another type for the
-/// wrapper; there the description is dropped instead.
+/// Version 3.0 ignores members beside a reference, so the reference is wrapped. In a union, generators would create
+/// another type for the wrapper; in a union, the description is dropped instead.
 fn describe_reference(members: &mut Map<String, Value>) {
     for union in ["oneOf", "allOf", "anyOf"] {
         for form in members.get_mut(union).and_then(Value::as_array_mut).into_iter().flatten() {
@@ -282,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_problem_of_any_status_has_the_figures_of_every_type() {
+    fn problems_of_all_statuses_have_the_figures_of_every_type() {
         let (document, converted) = documents();
         let problem = &converted["components"]["schemas"][PROBLEM];
         assert_eq!(problem["required"], document["components"]["schemas"][PROBLEM]["required"]);

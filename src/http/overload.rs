@@ -1,4 +1,4 @@
-//! Answers to requests that the server turns away under load: 503 with `Retry-After`.
+//! Answers to requests that the server refuses under load: status 503 with `Retry-After`.
 
 use std::fmt;
 
@@ -8,22 +8,22 @@ use super::codes::ServiceProblem;
 use super::problem::Problem;
 use crate::memory_budget::BudgetExceeded;
 
-/// Resources become free within milliseconds unless the load persists.
+/// The value of `Retry-After`. Resources become free within milliseconds unless the load persists.
 const RETRY_AFTER_S: u32 = 1;
 
 /// The bound that a request would exceed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overload {
-    /// As many requests as are accepted at once are in flight.
+    /// The limit of requests in flight is reached.
     InFlight,
-    /// As many requests as are accepted at once use the worker pool.
+    /// The limit of requests that use the worker pool is reached.
     Workers,
-    /// Requests hold all memory of the budget.
+    /// The memory budget is exhausted.
     Memory,
 }
 
 impl Overload {
-    /// The bounds whose refusals are counted here; the budget counts its own.
+    /// The bounds whose refusals are counted here; the memory budget counts its own.
     pub(crate) const ALL: [Self; 2] = [Self::InFlight, Self::Workers];
 
     /// The value of the label `reason` in the metrics.

@@ -9,12 +9,12 @@ use axum::routing::get;
 use std::sync::LazyLock;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
-/// The documentation's scripts and styles, under the page that [`super::workbench`] serves. They are left out of the OpenAPI document: no
-/// program calls them.
+/// The documentation's scripts and styles; [`super::workbench`] serves its page. They are not in the OpenAPI document,
+/// because programs do not call them.
 pub(super) fn routes() -> Router<AppState> {
     let documentation = SwaggerUi::new("/docs/ui").config(
         Config::from("/openapi.json")
-            // A hundred schemas would hide the operations.
+            // The list of a hundred schemas would hide the operations.
             .default_models_expand_depth(0)
             .display_request_duration(true)
             .try_it_out_enabled(true),
@@ -36,7 +36,8 @@ pub(super) async fn openapi() -> impl IntoResponse {
 
 /// The OpenAPI document in version 3.0.3
 ///
-/// For generators of clients that do not read 3.1. It leaves out operations that take forms, which many of these generators refuse.
+/// For generators of clients that do not read 3.1. It leaves out operations that take forms, which many of these
+/// generators refuse.
 #[utoipa::path(
     get, path = "/openapi-3.0.json", tag = "service", operation_id = "openapi_3_0",
     responses((status = 200, description = "The document", body = serde_json::Value, content_type = "application/json")),

@@ -1,4 +1,4 @@
-//! Answers to requests that fail: problem details (RFC 9457), the same for every route and every layer.
+//! Answers to requests that fail: problem details (RFC 9457), in the same form for every route and layer.
 //!
 //! A handler or layer that fails returns a [`Problem`], or any response with an error status and any body;
 //! [`describe_error`] turns both into `application/problem+json` on the way out, where path and request id are known.
@@ -17,7 +17,7 @@ use utoipa::openapi::schema::{ArrayBuilder, Discriminator, ObjectBuilder, OneOfB
 use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder, Schema};
 use utoipa::{IntoResponses, PartialSchema, ToSchema};
 
-/// The problem of a failed request, before it is written. Boxed, to keep results small that nearly always succeed.
+/// The problem of a failed request, before it is written. It is boxed to keep `Result`s small.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem(Box<Content>);
 
@@ -49,8 +49,8 @@ impl Problem {
         }))
     }
 
-    /// A well-formed request that cannot be answered because of `faults`. A single fault that is also a problem type gives the problem its
-    /// type and figures. A fault of a file determines the status.
+    /// A well-formed request that cannot be answered because of `faults`. If there is one fault and its code is a
+    /// problem type, the problem has that type and the fault's figures. The fault of a file determines the status.
     pub(crate) fn faulty_request(faults: Faults) -> Self {
         let count = faults.count();
         let mut errors = faults.into_listed();
@@ -78,13 +78,13 @@ impl Problem {
         problem
     }
 
-    /// The same, with the header `Retry-After`.
+    /// The same problem, with the header `Retry-After`.
     pub(crate) fn retry_after(mut self, seconds: u32) -> Self {
         self.0.retry_after_s = Some(seconds);
         self
     }
 
-    /// The problem for an error response that has a status only.
+    /// The problem for an error response that has only a status.
     pub(crate) fn of_status(status: StatusCode) -> Self {
         let (kind, detail) = match status {
             StatusCode::BAD_REQUEST => (ServiceProblem::MalformedRequest, "the request could not be read"),
@@ -129,8 +129,8 @@ impl IntoResponse for Problem {
 
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
-/// Writes an error response as a problem and leaves others as they are. Of the framework's own errors only the status is
-/// kept: their texts are not part of this API.
+/// Writes an error response as a problem, and returns other responses unchanged. Only the status of the framework's own
+/// errors is kept: their texts are not part of this API.
 pub(crate) fn describe_error(mut response: Response, instance: &str, request_id: &RequestId) -> Response {
     let status = response.status();
     if !status.is_client_error() && !status.is_server_error() {
@@ -267,7 +267,8 @@ const NOT_RANKED: &str = "not_ranked";
 const PROBLEM: &str = "Problem";
 const UNPROCESSABLE: &str = "UnprocessableProblem";
 
-/// The schemas of problems with status 422, by name: one for each type that has figures, one for all other types, and their union.
+/// The schemas of problems with status 422, by name: one for each type that has figures, one for all other types, and
+/// their union.
 pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
     let mut schemas: Vec<(String, RefOr<Schema>)> = Vec::new();
     let mut any = OneOfBuilder::new().description(Some("Why a well-formed request has no answer, discriminated by `type`."));
@@ -304,7 +305,7 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
     schemas
 }
 
-/// The schema of a problem of one of `types`, with figures that are always there and figures that may be absent.
+/// The schema of a problem of one of `types`, with the figures that are always present and those that may be absent.
 fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure], &[ProblemFigure])) -> RefOr<Schema> {
     let RefOr::T(Schema::Object(problem)) = ProblemBody::schema() else { unreachable!("a struct is described as an object") };
     let kind = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(types.iter().copied()));

@@ -1,4 +1,4 @@
-//! Metrics of the process itself, under the names that Prometheus' client libraries use, read by the crate `procfs` at each scrape.
+//! Metrics of the process, under the names of Prometheus' client libraries, read by the crate `procfs` at each scrape.
 //! Metrics that the system does not provide are left out.
 
 use procfs::process::{LimitValue, Process};

@@ -1,6 +1,6 @@
-//! Requests of single calculations as a query, `GET` beside `POST`: the parameters are the members of the JSON request, found in
-//! its schema, with the names of nested members joined. A query becomes that JSON and is read by the same readers; faults point
-//! to the query's parameters.
+//! Single calculations by query (`GET`). The parameters are the members of the JSON request, taken from its schema,
+//! with the names of nested members joined. A query is converted to that JSON and read by the same readers; faults
+//! point to the query's parameters.
 
 use super::body::{malformed, read_object};
 use super::codes::RequestFault;
@@ -13,13 +13,14 @@ use std::fmt::Write;
 use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn, ParameterStyle};
 use utoipa::openapi::{RefOr, Required, Schema};
 
-/// Declares the parameters of a calculation's query: `query!(NAME, Description, describe)` with the schema of the JSON request.
+/// Declares the parameters of a calculation's query: `query!(NAME, Description, describe)` with the schema of the JSON
+/// request.
 macro_rules! query {
     ($query:ident, $parameters:ident, $describe:expr) => {
         static $query: std::sync::LazyLock<$crate::http::query::Query> =
             std::sync::LazyLock::new(|| $crate::http::query::Query::of($describe));
 
-        /// The query's parameters, for the API document.
+        /// The query's parameters, for the OpenAPI document.
         struct $parameters;
 
         impl utoipa::IntoParams for $parameters {
@@ -44,7 +45,7 @@ struct QueryMember {
     kind: MemberKind,
     is_required: bool,
     about: Option<String>,
-    /// Without references and description.
+    /// The schema without references and description.
     schema: Value,
 }
 
@@ -69,7 +70,7 @@ impl Query {
         Self { members }
     }
 
-    /// The parameters for the API document.
+    /// The parameters for the OpenAPI document.
     pub(crate) fn describe(&self) -> Vec<Parameter> {
         let describe = |member: &QueryMember| {
             let schema: Schema = serde_json::from_value(member.schema.clone())
@@ -110,7 +111,7 @@ impl Query {
             }
             match given.iter_mut().find(|(known, _)| known.name == member.name) {
                 None => given.push((member, value)),
-                // Generated clients repeat the name for each number, even where the document states another form.
+                // Generated clients repeat the name for each number, even if the document states another form.
                 Some((_, numbers)) if member.kind == MemberKind::Numbers => {
                     let numbers = numbers.to_mut();
                     numbers.push(',');
@@ -125,7 +126,7 @@ impl Query {
         let object = Object::open_body(json.as_bytes(), &mut of_json).map_err(|error| malformed(&error))?;
         let result = read_object(object, &mut of_json, read);
         let is_empty = |pointer: &str| given.iter().any(|(member, value)| value.is_empty() && format!("/{}", member.name) == pointer);
-        // The fault of an empty parameter is recorded already.
+        // The fault of an empty parameter is already recorded.
         faults.take_in(of_json, |pointer| Some(self.pointer(pointer, &given)).filter(|pointer| !is_empty(pointer)));
         match result {
             Ok(result) if faults.is_empty() => Ok(result),
@@ -133,7 +134,8 @@ impl Query {
         }
     }
 
-    /// The pointer to the parameter for the member at `pointer` of the JSON request; for an object, to the first given parameter in it.
+    /// The pointer to the parameter for the member at `pointer` of the JSON request; for an object, to the first given
+    /// parameter in it.
     fn pointer(&self, pointer: &str, given: &[(&QueryMember, Cow<'_, str>)]) -> String {
         for member in &self.members {
             if let Some(rest) = pointer.strip_prefix(&member.pointer())
@@ -177,7 +179,7 @@ pub(crate) fn parameters_of(request: &Value) -> Vec<(String, &Value)> {
     parameters.collect()
 }
 
-/// The members of a request's schema that are not objects, those of nested objects included, each once.
+/// The members of a request's schema that are not objects, including those of nested objects, each once.
 fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) -> Vec<QueryMember> {
     let schema = resolved(schema, named);
     if let Some(forms) = schema["oneOf"].as_array() {
@@ -234,7 +236,8 @@ fn value_of(schema: &RefOr<Schema>) -> Value {
     serde_json::to_value(schema).unwrap_or_else(|error| unreachable!("a schema can be written: {error}"))
 }
 
-/// The JSON request for the given parameters. It always has a cutter and a contact, so that their missing members are found.
+/// The JSON request for the given parameters. It always has a cutter and a contact, so that their missing members are
+/// reported.
 fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
     let mut objects: BTreeMap<&str, String> = BTreeMap::from([("cutter", String::new()), ("contact", String::new())]);
     let mut json = String::new();

@@ -1,5 +1,5 @@
-//! The probes: `/livez` (the process answers) and `/readyz` (the service accepts requests). The service
-//! depends on no other, so that neither checks anything else.
+//! The probes: `/livez` (the process answers) and `/readyz` (the service accepts requests). The service depends on no
+//! other service, so the probes check nothing else.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,19 +9,19 @@ use axum::http::StatusCode;
 
 use super::problem::ProblemBody;
 
-/// Whether the service accepts requests or drains. Clones share the state.
+/// Whether the service accepts requests or is draining. Clones share the state.
 #[derive(Debug, Clone, Default)]
 pub struct Readiness {
     draining: Arc<AtomicBool>,
 }
 
 impl Readiness {
-    /// Begins to drain: the server is about to stop.
+    /// Starts draining before the server stops.
     pub fn drain(&self) {
         self.draining.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the server is about to stop.
+    /// Whether the server is draining.
     #[must_use]
     pub fn is_draining(&self) -> bool {
         self.draining.load(Ordering::Relaxed)
@@ -44,7 +44,7 @@ pub async fn livez() -> &'static str {
 /// 200, or 503 once the server is about to stop.
 ///
 /// # Errors
-/// 503 while the server drains.
+/// 503 while the server is draining.
 #[utoipa::path(
     get, path = "/readyz", tag = "service", operation_id = "readyz", description = "200, or 503 once the server is about to stop.",
     responses(

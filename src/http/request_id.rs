@@ -1,4 +1,4 @@
-//! Request ids: the caller's where it is usable, else one created here.
+//! Request ids: the caller's if it is valid, else one created here.
 
 use std::hash::{BuildHasher, RandomState};
 use std::sync::LazyLock;
@@ -14,7 +14,7 @@ pub(super) const HEADER: HeaderName = HeaderName::from_static("x-request-id");
 
 const HEXADECIMAL: [u8; 16] = *b"0123456789abcdef";
 
-/// The longest id that is kept: every log line has it.
+/// The longest id that is accepted, because every log line contains it.
 const LONGEST: usize = 128;
 
 /// The id of the request that a handler answers, as an extension of the request.
@@ -22,22 +22,23 @@ const LONGEST: usize = 128;
 pub(crate) struct RequestId(HeaderValue);
 
 impl RequestId {
-    /// The caller's id where it is usable: letters, digits, `-`, `_`, `.`, `:`, `/`, `+` and `=`, which covers UUIDs and trace
-    /// ids and excludes characters that could break a log line or a page.
+    /// The caller's id if it is valid: letters, digits, `-`, `_`, `.`, `:`, `/`, `+` and `=`, which covers UUIDs and
+    /// trace ids and excludes characters that could break a log line or a page.
     fn of_caller(headers: &HeaderMap) -> Option<Self> {
         let id = headers.get(HEADER)?;
         let sane = |byte: &u8| byte.is_ascii_alphanumeric() || b"-_.:/+=".contains(byte);
         (!id.is_empty() && id.len() <= LONGEST && id.as_bytes().iter().all(sane)).then(|| Self(id.clone()))
     }
 
-    /// An id unique among the requests of all processes: a random number drawn at the start, and a counter. It is not a secret.
+    /// An id unique among the requests of all processes: a random number drawn at the start, and a counter. It is not a
+    /// secret.
     pub(super) fn create() -> Self {
         static PREFIX: LazyLock<String> = LazyLock::new(|| format!("{:016x}-", RandomState::new().hash_one(std::process::id())));
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let mut id = BytesMut::with_capacity(PREFIX.len() + 16);
         id.put_slice(PREFIX.as_bytes());
-        // Eight digits, or as many as it takes.
+        // At least eight digits.
         let digits = (16 - count.leading_zeros() / 4).max(8);
         id.extend((0..digits).rev().map(|digit| HEXADECIMAL[(count >> (4 * digit) & 0xf) as usize]));
         Self(HeaderValue::from_maybe_shared(id.freeze()).unwrap_or_else(|_| unreachable!("hexadecimal digits make a header")))
@@ -46,12 +47,12 @@ impl RequestId {
     /// The id.
     #[must_use]
     pub(crate) fn as_str(&self) -> &str {
-        // Both ways to make one leave visible ASCII only.
+        // Both constructors ensure visible ASCII.
         self.0.to_str().unwrap_or_default()
     }
 }
 
-/// Gives the request its id, as an extension and as the header.
+/// Adds the id to the request, as an extension and as the header.
 pub(super) fn take_or_create(request: &mut Request) -> RequestId {
     let id = RequestId::of_caller(request.headers()).unwrap_or_else(RequestId::create);
     request.headers_mut().insert(HEADER, id.0.clone());

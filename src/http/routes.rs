@@ -1,4 +1,4 @@
-//! Routes and their classes: the call that adds a route declares what its requests may cost.
+//! Routes and their classes. The call that adds a route declares the limits of its requests.
 
 use axum::Router;
 use axum::routing::MethodRouter;
@@ -8,7 +8,7 @@ use utoipa_axum::router::{OpenApiRouter, UtoipaMethodRouter};
 use super::app_state::AppState;
 use crate::settings::HttpSettings;
 
-/// What a request to a route may cost.
+/// The class of a route, which determines body limit, worker pool and load shedding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RouteClass {
     /// Liveness, readiness and metrics: answered under any load and logged at level `debug`.
@@ -22,7 +22,7 @@ pub enum RouteClass {
 }
 
 impl RouteClass {
-    /// Whether requests beyond those accepted at once are turned away.
+    /// Whether requests beyond the limit of requests in flight are refused.
     pub(crate) fn is_shed(self) -> bool {
         self != Self::Probe
     }
@@ -42,7 +42,7 @@ impl RouteClass {
     }
 }
 
-/// A set of routes, each with its class. The middleware takes nothing else, so that no route is without one.
+/// A set of routes, each with its class. The middleware accepts only this type, so every route has a class.
 #[derive(Default)]
 pub struct Routes(Vec<(RouteClass, Addition)>);
 
@@ -59,13 +59,14 @@ impl std::fmt::Debug for Routes {
 }
 
 impl Routes {
-    /// No routes.
+    /// An empty set.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds the operations of one path, as `utoipa_axum::routes!` collects them, to the service and to the OpenAPI document.
+    /// Adds the operations of one path, as `utoipa_axum::routes!` collects them, to the service and to the OpenAPI
+    /// document.
     #[must_use]
     pub fn documented(self, class: RouteClass, operations: UtoipaMethodRouter<AppState>) -> Self {
         self.add(class, Addition::Documented(operations))
@@ -83,14 +84,14 @@ impl Routes {
         self.add(class, Addition::Nested(router))
     }
 
-    /// Adds all of another set.
+    /// Adds the routes of another set.
     #[must_use]
     pub fn merge(mut self, other: Self) -> Self {
         self.0.extend(other.0);
         self
     }
 
-    /// The same without the operations of one path.
+    /// The same set without the operations of one path.
     pub(crate) fn without(mut self, path: &str) -> Self {
         self.0.retain(|(_, addition)| match addition {
             Addition::Documented((_, paths, _)) => !paths.paths.contains_key(path),
@@ -114,7 +115,7 @@ impl Routes {
         self.0.into_iter().fold(OpenApiRouter::with_openapi(document), add).into_openapi()
     }
 
-    /// One router of all routes, each inside the layers that `surround` puts around the routes of its class.
+    /// A router of all routes, each inside the layers that `surround` adds for its class.
     pub(crate) fn into_router(self, surround: impl Fn(RouteClass, Router<AppState>) -> Router<AppState>) -> Router<AppState> {
         self.0.into_iter().fold(Router::new(), |all, (class, addition)| {
             let router = match addition {

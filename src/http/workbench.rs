@@ -15,7 +15,7 @@ use flate2::write::GzEncoder;
 
 use super::app_state::AppState;
 
-/// The files of `web/` that the page is made of, with their paths there.
+/// The page's files in `web/`, with their paths.
 macro_rules! embedded {
     ($($path:literal),* $(,)?) => {
         [$(($path, include_bytes!(concat!("../../web/", $path)) as &'static [u8])),*]
@@ -71,7 +71,8 @@ const FILES: &[(&str, &[u8])] = &embedded![
 /// The table of codes, which the glossary page shows.
 const CODES: (&str, &[u8]) = ("codes.md", include_bytes!("../../docs/codes.md"));
 
-/// Scripts, styles and calls from this server only, nothing inline. The API's documentation has another policy.
+/// Allows scripts, styles and requests of this server only, and nothing inline. The API's documentation has another
+/// policy.
 const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; \
      form-action 'none'; frame-ancestors 'none'",
@@ -96,12 +97,12 @@ struct Asset {
     media_type: &'static str,
     plain: &'static [u8],
     gzip: Vec<u8>,
-    /// One entity tag for each encoding: the bytes differ.
+    /// Each encoding has its own entity tag, because the bytes differ.
     plain_tag: HeaderValue,
     gzip_tag: HeaderValue,
 }
 
-/// Compressed once, on the first request for a file, which takes some 10 ms.
+/// All files, compressed on the first request, which takes some 10 ms.
 static ASSETS: LazyLock<HashMap<&'static str, Asset>> =
     LazyLock::new(|| FILES.iter().chain([&CODES]).map(|&(path, plain)| (path, Asset::new(path, plain))).collect());
 
@@ -137,7 +138,7 @@ fn media_type(path: &str) -> &'static str {
     }
 }
 
-/// The file, or 304 where the browser has the same version.
+/// The file, or status 304 if the browser has the same version.
 fn serve(path: &str, headers: &HeaderMap) -> Response {
     let Some(asset) = ASSETS.get(path) else { return StatusCode::NOT_FOUND.into_response() };
     let compressed = accepts_gzip(headers);

@@ -1,9 +1,10 @@
-//! The worker pool: threads for computations of more than about a millisecond, so that probes and single calculations stay fast.
+//! The worker pool: threads for computations of more than about a millisecond, so that probes and single calculations
+//! stay fast.
 //!
-//! Whole computations need a permit, of which there are few; each permit has its own threads: the kernel shares the cores
-//! between requests, so that a short batch does not wait for the steps of a long one. Pieces of a few milliseconds, such as a block of
-//! an upload, need no permit; they run in turn on threads that all requests share. Worker threads have a lower priority than those that
-//! serve connections.
+//! A whole computation needs one of few permits. Each permit has its own threads, so that the kernel shares the cores
+//! between requests and a short batch does not wait for a long one. Pieces of a few milliseconds, such as a block of an
+//! upload, need no permit; they run in turn on threads that all requests share. Worker threads have a lower priority
+//! than the threads that serve connections.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -22,10 +23,10 @@ use super::overload::Overload;
 use crate::cancellation::CancelFlag;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 
-/// The largest number of threads for each permit; more gain little.
+/// The largest number of threads for each permit; more bring little.
 const MAX_THREADS_PER_REQUEST: usize = 8;
 
-/// The niceness of worker threads: a third of the weight of the threads that serve connections.
+/// The niceness of worker threads, which gives them a third of the weight of the threads that serve connections.
 const NICENESS: i32 = 5;
 
 /// The worker threads and the permits to use them. Clones share both.
@@ -63,7 +64,7 @@ fn threads(name: &'static str, count: usize) -> std::io::Result<ThreadPool> {
         .map_err(std::io::Error::other)
 }
 
-/// Where the system refuses, the thread works at the usual priority.
+/// If the system refuses, the thread keeps its priority.
 fn lower_priority() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::nice(NICENESS) {
@@ -75,7 +76,7 @@ impl WorkerPool {
     /// Permits for `most` requests at once, each with a thread for each core that the process may use.
     ///
     /// # Errors
-    /// The system starts no threads.
+    /// The system cannot start the threads.
     pub fn start(most: usize, metrics: &Metrics) -> std::io::Result<Self> {
         let cores = std::thread::available_parallelism()?.get();
         let threads_of_a_permit = cores.min(MAX_THREADS_PER_REQUEST);
@@ -90,16 +91,16 @@ impl WorkerPool {
         Ok(Self(Arc::new(shared)))
     }
 
-    /// A permit for one request, after waiting `longest` for one to come free.
+    /// A permit for one request. Waits at most `longest` for one to become free.
     ///
     /// # Errors
-    /// [`Overload::Workers`] when none comes free.
+    /// [`Overload::Workers`] if none becomes free.
     pub async fn admit(&self, longest: Duration) -> Result<WorkPermit, Overload> {
         let Ok(Ok(permit)) = timeout(longest, Arc::clone(&self.0.permits).acquire_owned()).await else {
             self.0.metrics.shed(Overload::Workers);
             return Err(Overload::Workers);
         };
-        // Threads return before their permit does: see the order in `Held`'s drop.
+        // Threads return before their permit: see the order in the `Drop` of `Held`.
         let threads = self.0.free().pop();
         let held = Held { threads, _permit: permit, pool: self.clone() };
         Ok(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
@@ -114,7 +115,7 @@ struct Held {
 }
 
 impl Drop for Held {
-    // Fields are dropped, and the permit is free, after this.
+    // The fields, and with them the permit, are dropped after this.
     fn drop(&mut self) {
         self.pool.0.free().extend(self.threads.take());
     }
@@ -129,7 +130,7 @@ impl Drop for CancelOnDrop {
     }
 }
 
-/// One request's permit and its threads. Dropping it cancels the work that it runs; the threads are free once that has ended.
+/// One request's permit and its threads. Dropping it cancels its work; the threads become free when the work has ended.
 pub struct WorkPermit {
     held: Arc<Held>,
     cancel: CancelOnDrop,
@@ -142,8 +143,8 @@ impl std::fmt::Debug for WorkPermit {
 }
 
 impl WorkPermit {
-    /// Runs `work` on a thread of the permit's; parallel iterators in it use its other threads. `work` is given a flag that is set when
-    /// the future is dropped. A panic in `work` continues in the caller.
+    /// Runs `work` on a thread of the permit; parallel iterators in it use the permit's other threads. `work` gets a
+    /// flag that is set when the future is dropped. A panic in `work` continues in the caller.
     pub async fn run<T: Send + 'static>(self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> T {
         let held = Arc::clone(&self.held);
         let cancel = self.cancel.0.clone();
@@ -165,15 +166,15 @@ where
             return;
         }
         let done = span.in_scope(|| catch_unwind(AssertUnwindSafe(work)));
-        // Before the result is sent: the permit of an answered request must be free.
+        // Dropped before the result is sent, because the permit of an answered request must be free.
         drop(held);
-        // Without a receiver the result is not needed.
+        // If the receiver is gone, the result is not needed.
         let _ = sender.send(done);
     });
     match receiver.await {
         Ok(Ok(result)) => result,
         Ok(Err(panic)) => resume_unwind(panic),
-        Err(_) => unreachable!("the sender lives until it has sent, as long as the receiver does"),
+        Err(_) => unreachable!("the sender sends before it is dropped, and the receiver exists"),
     }
 }
 
@@ -185,20 +186,21 @@ pub struct Work {
 }
 
 impl Work {
-    /// How long a request whose body has arrived waits for a permit. Permits are held for milliseconds unless the load persists.
+    /// The longest time that a request whose body has arrived waits for a permit. Permits are held for milliseconds
+    /// unless the load persists.
     const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
-    /// How long an upload waits: sending the file again would cost its client more.
+    /// The longest time that an upload waits, because its client would have to send the file again.
     const LONGEST_WAIT_OF_UPLOAD: Duration = Duration::from_secs(20);
 
     pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget) -> Self {
         Self { workers, budget }
     }
 
-    /// Runs `work` with a permit, which is taken now and not while the body arrives.
+    /// Runs `work` with a permit. The permit is taken now, not while the body arrives.
     ///
     /// # Errors
-    /// [`Overload::Workers`] when no permit comes free.
+    /// [`Overload::Workers`] if no permit becomes free.
     pub async fn run<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
         Ok(self.workers.admit(Self::LONGEST_WAIT).await?.run(work).await)
     }
@@ -206,27 +208,27 @@ impl Work {
     /// The same for the work that follows an upload.
     ///
     /// # Errors
-    /// [`Overload::Workers`] when no permit comes free.
+    /// [`Overload::Workers`] if no permit becomes free.
     pub async fn run_after_upload<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
         Ok(self.workers.admit(Self::LONGEST_WAIT_OF_UPLOAD).await?.run(work).await)
     }
 
-    /// Runs `work` on `count` threads instead of those of the permit whose thread calls this: each thread takes memory.
+    /// Runs `work` on `count` new threads instead of the permit's, because each thread takes memory.
     ///
     /// # Errors
-    /// The system starts no threads.
+    /// The system cannot start the threads.
     pub fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
         if count >= rayon::current_num_threads() { Ok(work()) } else { Ok(threads("few", count)?.install(work)) }
     }
 
-    /// The threads of a permit.
+    /// The number of threads of a permit.
     #[must_use]
     pub fn threads(&self) -> usize {
         self.workers.0.threads_of_a_permit
     }
 
-    /// Runs a piece of work of a few milliseconds, without a permit. Pieces take turns in the order in which they come. Dropping the
-    /// future cancels a piece that has not begun.
+    /// Runs a piece of work of a few milliseconds, without a permit. Pieces run in the order of the calls. Dropping the
+    /// future cancels a piece that has not started.
     pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce() -> T + Send + 'static) -> T {
         run_on(&self.workers.0.pieces, (), piece).await
     }
@@ -239,7 +241,7 @@ impl Work {
         self.budget.reserve(bytes)
     }
 
-    /// Adds `bytes` to a reservation for work that follows an upload, after waiting for others to return theirs as long as for a permit.
+    /// Adds `bytes` to a reservation for work that follows an upload. Waits for free memory as long as for a permit.
     ///
     /// # Errors
     /// [`BudgetExceeded`], which is a problem to answer with.
@@ -266,7 +268,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Work {
     type Rejection = Response;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Response> {
-        // The middleware adds it to requests for routes whose class uses workers.
+        // The middleware adds the pool to requests for routes whose class uses workers.
         parts.extensions.get::<Self>().cloned().ok_or_else(|| {
             tracing::error!("the route's class does not include the worker pool");
             StatusCode::INTERNAL_SERVER_ERROR.into_response()
@@ -297,14 +299,14 @@ mod tests {
         let work = work(1);
         let permit = work.workers.admit(Duration::ZERO).await.unwrap();
         assert_eq!(work.run(|_| ()).await, Err(Overload::Workers));
-        // Short pieces need none.
+        // Short pieces need no permit.
         assert_eq!(work.run_piece(|| 7).await, 7);
         drop(permit);
         assert_eq!(work.run(|_| 7).await, Ok(7));
     }
 
     #[tokio::test]
-    async fn a_request_waits_for_a_permit_that_comes_free() {
+    async fn a_request_waits_for_a_permit_that_becomes_free() {
         let work = work(1);
         let permit = work.workers.admit(Duration::ZERO).await.unwrap();
         let (result, ()) = tokio::join!(work.run(|_| 7), async { drop(permit) });
@@ -333,7 +335,7 @@ mod tests {
         task.abort();
         assert!(task.await.unwrap_err().is_cancelled());
         let ended = tokio::task::spawn_blocking(move || ended.recv().unwrap()).await.unwrap();
-        // It takes microseconds; a loaded machine may be late to schedule the thread.
+        // The cancellation takes microseconds, but a loaded machine may schedule the thread late.
         assert!(ended - dropped < Duration::from_secs(5), "{:?}", ended - dropped);
         assert!(work.workers.admit(Duration::from_secs(10)).await.is_ok());
     }
@@ -350,10 +352,10 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn requests_work_side_by_side() {
+    async fn requests_run_side_by_side() {
         let work = work(2);
         let (send, receive) = mpsc::channel::<()>();
-        // As many pieces as one request has threads wait for the other request.
+        // As many pieces as a request has threads wait for the other request.
         let waiting = work.run(move |_| receive.recv().is_ok());
         let other = work.run(move |_| send.send(()).is_ok());
         assert_eq!(tokio::join!(waiting, other), (Ok(true), Ok(true)));

@@ -1,5 +1,4 @@
-//! A machine tool for the time of tool paths: the limits of its feed moves, its rapid rate, its spindle and the height at which
-//! it crosses the part.
+//! A machine tool: the limits of its feed moves, its rapid rate, its spindle speed and its clearance height.
 
 use super::MachineLimits;
 use crate::quantity::{Length, Speed, SpindleSpeed};
@@ -26,8 +25,8 @@ impl Machine {
 }
 
 impl From<MachineLimits> for Machine {
-    /// A machine of which only the limits of feed moves are known: its rapid rate is the feed rate, its spindle has no limit, and
-    /// it crosses the part 5 mm over the highest point.
+    /// A machine with known limits of feed moves only. Its rapid rate is the feed rate, its spindle speed has no limit,
+    /// and it crosses the part 5 mm over the highest point.
     fn from(limits: MachineLimits) -> Self {
         Self { limits, rapid_rate: limits.feed_rate, max_spindle_speed: None, clearance_height: Length::computed(5.0) }
     }

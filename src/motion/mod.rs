@@ -1,4 +1,5 @@
-//! Machine limits, machine presets, and the time of a straight move with limited jerk. Independent of cutters and surfaces.
+//! Machine limits, machine presets, and the time of a straight move with limited jerk. Independent of cutters and
+//! surfaces.
 //!
 //! Source: Herraz et al. 2020, doi:10.1007/s00170-020-06087-y, section 2.2, with the fourth case, which it omits.
 

@@ -1,4 +1,4 @@
-//! Named machines with typical limits.
+//! Machine presets: named classes of machines with typical limits and their source.
 
 use super::MachineLimits;
 use crate::quantity::{Acceleration, Jerk, Speed};
@@ -58,7 +58,7 @@ pub const PRESETS: [Preset; 5] = [
     },
 ];
 
-/// Limits known to be in bounds; checked when the crate is compiled.
+/// The limits of a preset. Bounds are checked at compile time.
 const fn limits(feed_rate_mm_min: f64, acceleration_m_s2: f64, jerk_m_s3: f64) -> MachineLimits {
     match (Speed::from_mm_min(feed_rate_mm_min), Acceleration::from_m_s2(acceleration_m_s2), Jerk::from_m_s3(jerk_m_s3)) {
         (Ok(feed_rate), Ok(acceleration), Ok(jerk)) => MachineLimits { feed_rate, acceleration, jerk },

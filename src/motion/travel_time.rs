@@ -3,7 +3,7 @@
 use super::MachineLimits;
 use crate::quantity::{Length, Time};
 
-/// Which limits a straight move from rest to rest reaches.
+/// The limits that a straight move from rest to rest reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TravelCase {
     /// Neither the feed rate nor the acceleration: the move is short, and the jerk alone limits it.
@@ -19,9 +19,9 @@ pub enum TravelCase {
 impl TravelCase {
     /// The case of a move over `length`.
     ///
-    /// The smallest of t_A = A/J, t_V = sqrt(V/J) and t_L = cbrt(L/2J) determines the case [Herraz et al. 2020, section 2.2].
-    /// Where t_A is the smallest, the feed rate is reached only if the move is as long as speeding up and slowing down, L >= V
-    /// (A/J + V/A); the paper omits the other case.
+    /// The smallest of t_A = A/J, t_V = sqrt(V/J) and t_L = cbrt(L/2J) determines the case [Herraz et al. 2020, section
+    /// 2.2]. Where t_A is the smallest, the feed rate is reached only if the move is as long as speeding up and slowing
+    /// down, L >= V (A/J + V/A); the paper omits the other case.
     #[must_use]
     pub fn of(length: Length, limits: MachineLimits) -> Self {
         let (t_a, t_v, t_l) = (limits.time_to_acceleration(), limits.time_to_feed_rate(), half_time_by_jerk(length, limits));
@@ -43,14 +43,15 @@ impl TravelCase {
     }
 }
 
-/// The time, in s, of the fastest straight move over L from rest to rest, with speed up to V, acceleration up to A and jerk up to J:
+/// The time, in s, of the fastest straight move over L from rest to rest, with speed up to V, acceleration up to A and
+/// jerk up to J:
 ///
 /// - jerk only: 4 cbrt(L/2J) [Herraz et al. 2020, eq. 4];
 /// - feed rate: L/V + 2 sqrt(V/J) [eq. 3];
 /// - feed rate and acceleration: L/V + A/J + V/A [eq. 2];
 /// - acceleration: 2 (A/J + v/A) with the top speed v = A (sqrt((A/J)^2 + 4L/A) - A/J) / 2, which the paper omits.
 ///
-/// The formulas agree at the borders between the cases. A length of 0 takes no time.
+/// The formulas agree at the borders between the cases. A length of 0 takes a time of 0.
 #[must_use]
 pub fn travel_time(length: Length, limits: MachineLimits) -> Time {
     Time::computed(match TravelCase::of(length, limits) {
@@ -60,7 +61,7 @@ pub fn travel_time(length: Length, limits: MachineLimits) -> Time {
         }
         TravelCase::Acceleration => {
             let (t_a, l_over_a) = (limits.time_to_acceleration(), length.mm() / limits.acceleration.mm_s2());
-            // v/A = (sqrt(t_A^2 + 4L/A) - t_A) / 2, multiplied out with the sum of its terms so that nothing cancels.
+            // v/A = (sqrt(t_A^2 + 4L/A) - t_A) / 2, expanded by the sum of its terms, which avoids cancellation.
             2.0 * (t_a + 2.0 * l_over_a / (t_a.hypot(2.0 * l_over_a.sqrt()) + t_a))
         }
     })
@@ -102,18 +103,18 @@ mod tests {
         ] {
             let limits = limits(v, a, j);
             assert_eq!(TravelCase::of(Length::from_mm(1.0).unwrap(), limits), case);
-            // Printed with ten decimals.
+            // The published values have ten decimals.
             approx::assert_abs_diff_eq!(time(1.0, limits), published, epsilon = 0.5e-10);
         }
     }
 
     #[test]
-    fn no_length_takes_no_time() {
+    fn a_length_of_zero_takes_a_time_of_zero() {
         assert_eq!(travel_time(Length::ZERO, limits(1.0, 1.0, 1.0)).seconds(), 0.0);
     }
 
-    /// Distance, end speed, top speed and top acceleration of the symmetric profile whose first `t_jerk` builds up the acceleration,
-    /// the next `t_hold` hold it, the next `t_jerk` take it off, and whose `t_cruise` runs without: integrated phase by phase.
+    /// Distance, end speed, top speed and top acceleration of the symmetric profile, integrated phase by phase: the
+    /// acceleration rises for `t_jerk`, stays for `t_hold`, falls for `t_jerk`, and is 0 for `t_cruise`.
     fn integrate(jerk: f64, t_jerk: f64, t_hold: f64, t_cruise: f64) -> (f64, f64, f64, f64) {
         let phases = [(jerk, t_jerk), (0.0, t_hold), (-jerk, t_jerk), (0.0, t_cruise), (-jerk, t_jerk), (0.0, t_hold), (jerk, t_jerk)];
         let (mut x, mut v, mut a, mut top_v, mut top_a) = (0.0, 0.0, 0.0_f64, 0.0_f64, 0.0_f64);
@@ -126,7 +127,7 @@ mod tests {
         (x, v, top_v, top_a)
     }
 
-    /// Lengths and limits over several decades, so that every case is met.
+    /// Lengths and limits over several decades, so that every case occurs.
     fn moves() -> impl Strategy<Value = (f64, f64, f64, f64)> {
         let decades = |low: f64, high: f64| (low..high).prop_map(|exponent| 10.0_f64.powf(exponent));
         (decades(-3.0, 4.0), decades(0.0, 3.0), decades(0.0, 5.0), decades(0.0, 6.0))
@@ -151,10 +152,11 @@ mod tests {
                 TravelCase::Acceleration => (total - 4.0 * t_jerk) / 2.0,
             };
             let t_cruise = if case.reaches_feed_rate() { total - 4.0 * t_jerk - 2.0 * t_hold } else { 0.0 };
-            // At a border, a phase may be negative by a rounding of the total.
+            // At a border, a phase may be negative by the rounding error of the total.
             prop_assert!(t_hold >= -1e-12 * total && t_cruise >= -1e-12 * total);
             let (x, end_v, top_v, top_a) = integrate(j, t_jerk, t_hold, t_cruise);
-            // The sums of up to seven phases, each rounded to 2e-16, amplified where a short phase is a difference of long ones.
+            // The sums of up to seven phases, each rounded to 2e-16, amplified where a short phase is a difference of
+            // long ones.
             assert_relative_eq!(x, length, max_relative = 1e-11);
             prop_assert!(end_v.abs() <= 1e-11 * top_v);
             prop_assert!(top_v <= v * (1.0 + 1e-11) && top_a <= a * (1.0 + 1e-11));
@@ -177,7 +179,8 @@ mod tests {
             let shortest = limits.shortest_at_feed_rate().mm();
             let jerk_only = limits.longest_by_jerk_alone().mm();
             for border in [shortest, jerk_only].into_iter().filter(|border| (1e-5..1e5).contains(border)) {
-                // The time grows at most in proportion to the length, so over 2e-9 of the length it changes by at most 2e-9 of itself.
+                // The time grows at most in proportion to the length, so over 2e-9 of the length it changes by at most
+                // 2e-9 of itself.
                 assert_relative_eq!(time(border * (1.0 - 1e-9), limits), time(border * (1.0 + 1e-9), limits), max_relative = 2.01e-9);
             }
         }
@@ -185,7 +188,7 @@ mod tests {
         #[test]
         fn an_independent_trajectory_solver_finds_the_same_time((length, v, a, j) in moves()) {
             use rsruckig::prelude::*;
-            // In units of the move's length and jerk the solver's numbers stay near 1; times scale back by cbrt(L/J).
+            // In units of the move's length and jerk, the solver's numbers stay near 1. Times scale back by cbrt(L/J).
             let unit = (length / j).cbrt();
             // The solver refuses moves of more than 7600 of its units.
             prop_assume!(time(length, limits(v, a, j)) < 7000.0 * unit);
@@ -197,7 +200,7 @@ mod tests {
             let mut trajectory = Trajectory::<1>::new(None);
             let planned = Ruckig::<1, ThrowErrorHandler>::new(None, 0.001).calculate(&input, &mut trajectory);
             prop_assert_eq!(planned.unwrap(), RuckigResult::Working);
-            // The solver accepts its own solution from a residual of 1e-8 of the length on.
+            // The solver accepts a solution with a residual of up to 1e-8 of the length.
             assert_relative_eq!(time(length, limits(v, a, j)), trajectory.get_duration() * unit, max_relative = 1e-8);
         }
     }

@@ -1,4 +1,4 @@
-//! Numerical methods that any geometry code needs: a bracketed root finder and rasters.
+//! General numerical methods: a bracketed root finder and rasters.
 
 pub mod raster;
 mod root;

@@ -1,21 +1,21 @@
 //! Rasters: values on square cells, and triangles scanned exactly at cell centres.
 
-/// The place and size of a raster of square cells.
+/// The position and size of a raster of square cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// The corner with the lowest x and y.
     pub origin: [f64; 2],
-    /// The side of a cell.
+    /// The length of a cell's side.
     pub cell: f64,
-    /// How many cells it has along x.
+    /// The number of cells along x.
     pub columns: usize,
-    /// How many cells it has along y.
+    /// The number of cells along y.
     pub rows: usize,
 }
 
 impl Frame {
-    /// Cells of the given side over the box from `min` to `max`, at least one each way. The box is finite and the
-    /// side positive.
+    /// A frame of cells with sides of `cell` over the box from `min` to `max`, at least one in each direction. The box
+    /// must be finite and the side positive.
     #[must_use]
     pub fn covering(min: [f64; 2], max: [f64; 2], cell: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "callers bound the quotient; the cast saturates")]
@@ -23,13 +23,13 @@ impl Frame {
         Self { origin: min, cell, columns: count(0), rows: count(1) }
     }
 
-    /// How many cells there are.
+    /// The number of cells.
     #[must_use]
     pub fn cells(&self) -> usize {
         self.columns * self.rows
     }
 
-    /// The index of a cell: row after row from the lowest y, in each row from the lowest x.
+    /// The index of a cell: row after row from the lowest y, and within a row from the lowest x.
     #[must_use]
     pub fn index(&self, column: usize, row: usize) -> usize {
         row * self.columns + column
@@ -42,7 +42,7 @@ impl Frame {
         [self.origin[0] + (column as f64 + 0.5) * self.cell, self.origin[1] + (row as f64 + 0.5) * self.cell]
     }
 
-    /// The column and row of the cell that holds a point of the plane, the nearest cell for a point outside.
+    /// The column and row of the cell that contains a point of the plane; for a point outside, of the nearest cell.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
     pub fn nearest_cell(&self, point: [f64; 2]) -> (usize, usize) {
@@ -50,13 +50,13 @@ impl Frame {
         (along(0, self.columns), along(1, self.rows))
     }
 
-    /// Point (x, y, z) with x and y counted in cells, so that cell centres are at whole numbers.
+    /// Converts x and y of a point to cells, so that cell centres are at whole numbers.
     #[must_use]
     pub fn in_cells(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         [(x - self.origin[0]) / self.cell - 0.5, (y - self.origin[1]) / self.cell - 0.5, z]
     }
 
-    /// Calls `visit` for each cell of `rows` whose centre a triangle covers, as [`scan`] does, with the cell's index.
+    /// Calls `visit` with the index of each cell of `rows` whose centre a triangle covers, as [`scan`] does.
     pub fn scan(&self, triangle: [[f64; 3]; 3], rows: std::ops::Range<usize>, mut visit: impl FnMut(usize, f64, bool)) {
         if rows.is_empty() {
             return;
@@ -73,30 +73,31 @@ impl Frame {
 /// Values on the cells of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster<T> {
-    /// Place and size.
+    /// The position and size.
     pub frame: Frame,
-    /// One value for each cell, row after row from the lowest y.
+    /// The values of the cells, row after row from the lowest y.
     pub values: Vec<T>,
 }
 
 impl<T: Clone> Raster<T> {
-    /// The same value everywhere.
+    /// A raster with the same value in all cells.
     #[must_use]
     pub fn filled(frame: Frame, value: T) -> Self {
         Self { frame, values: vec![value; frame.cells()] }
     }
 }
 
-/// How near to a triangle's edge, in cells, a cell centre counts as lying on it: coordinates of up to a million cells
-/// are rounded by 1e-10.
+/// The distance in cells within which a cell centre counts as on a triangle's edge: coordinates of up to a million
+/// cells are rounded by 1e-10.
 const ON_EDGE: f64 = 1e-9;
 
-/// Calls `visit` with column, row, height and "on an edge" for each point with whole coordinates from `first` to
-/// `last` that a triangle, its border included, covers. The triangle's coordinates are counted in cells.
+/// Calls `visit` for each point with whole coordinates from `first` to `last` that a triangle, including its border,
+/// covers, with column, row, height, and whether the point is on an edge. The triangle's coordinates are in cells.
 ///
-/// Where two triangles share an edge no point between them is missed: the crossing of the edge with a row is computed
-/// from its ends in the order of their coordinates, hence to the same bits for both. Heights come from the crossings
-/// with the two edges, so that they stay between the corners' heights however steep the triangle is.
+/// No point between two triangles with a common edge is missed: the crossing of the edge with a row is computed from
+/// its ends in the order of their coordinates, hence with the same bits for both triangles. Heights are interpolated
+/// between the crossings with the two edges, so that they stay between the corners' heights however steep the triangle
+/// is.
 pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut visit: impl FnMut(i64, i64, f64, bool)) {
     let before = |a: &[f64; 3], b: &[f64; 3]| (a[1], a[0]) < (b[1], b[0]);
     for (i, j) in [(0, 1), (1, 2), (0, 1)] {
@@ -125,8 +126,8 @@ pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut vis
         for column in from..=to {
             #[expect(clippy::cast_precision_loss, reason = "columns are far under 2^53")]
             let u = column as f64;
-            // A span narrower than a rounding has a meaningless slope; the bounds keep the height between the two
-            // crossings.
+            // The slope of a span narrower than the rounding error is meaningless; the bounds keep the height between
+            // the two crossings.
             let z = (left.1 + slope * (u - left.0)).clamp(left.1.min(right.1), left.1.max(right.1));
             visit(column, row, z, level_edge || u - left.0 < ON_EDGE || right.0 - u < ON_EDGE);
         }
@@ -164,8 +165,8 @@ mod tests {
             let plane = |[x, y]: [f64; 2]| g * x + h * y + 1.0;
             #[allow(clippy::cast_precision_loss)]
             for (column, row, z) in covered(corners.map(|c| [c[0], c[1], plane(c)])) {
-                // Crossings are rounded by 1e-15 of 20 cells; heights follow with slopes of up to 6. Thin spans are
-                // bounded by their ends.
+                // Crossings are rounded by 1e-15 of 20 cells, and heights by that times slopes of up to 6. Thin spans
+                // are bounded by their ends.
                 prop_assert!((z - plane([column as f64, row as f64])).abs() < 1e-11, "{column} {row} {z}");
             }
         }
@@ -183,8 +184,8 @@ mod tests {
             for i in 0..rim.len() {
                 cells.extend(covered([[centre[0], centre[1], 0.0], at(i), at(i + 1)]).into_iter().map(|(column, row, _)| (column, row)));
             }
-            // The disc of radius 5/2, the inner radius of the smallest triangle, lies inside when the centre does; so
-            // scan a smaller one.
+            // The disc of radius 5/2, the inner radius of the smallest triangle, is inside the triangles around its
+            // centre; a smaller disc is scanned.
             for column in -1..=1_i64 {
                 for row in -1..=1_i64 {
                     prop_assert!(rim.len() < 4 || cells.contains(&(column, row)));

@@ -1,5 +1,6 @@
-//! Detection of clients that leave before their answer is ready, so that nothing is computed for them. The HTTP library does not read
-//! a connection while an answer is computed, nor can it distinguish a client that has closed its sending side and waits from one that left.
+//! Detection of clients that close the connection before their answer is ready, so that their computation is cancelled.
+//! The HTTP library does not read a connection while an answer is computed, and it cannot distinguish a client that has
+//! closed only its sending side from one that has closed the connection.
 
 use std::pin::{Pin, pin};
 use std::sync::Arc;
@@ -12,13 +13,14 @@ use tokio::time::{Sleep, sleep};
 use super::state::{ConnectionState, Phase};
 use super::stream::{SharedStream, lock};
 
-/// How long a client that has closed its sending side is still answered.
+/// The time for which a client that has closed its sending side is still answered.
 const HALF_CLOSED: Duration = Duration::from_secs(1);
 
-/// How often a connection is checked whose client has sent more than the request: the system reports the end after those bytes.
+/// The interval of checks if the client has sent more than the request: the system reports the end only after those
+/// bytes.
 const RECHECK: Duration = Duration::from_millis(250);
 
-/// Watches one connection.
+/// The watch on one connection.
 pub(super) struct Departure {
     stream: SharedStream,
     state: Arc<ConnectionState>,
@@ -31,7 +33,7 @@ impl Departure {
         Self { stream, state, half_closed: None, recheck: None }
     }
 
-    /// Ready when the client has left before its answer was ready.
+    /// Ready when the client has closed the connection before its answer was ready.
     pub(super) fn poll(&mut self, context: &mut Context<'_>) -> Poll<()> {
         if !self.state.is_in(Phase::Working) {
             (self.half_closed, self.recheck) = (None, None);
@@ -73,6 +75,6 @@ enum End {
     Reset,
     /// The client closed its sending side.
     HalfClosed,
-    /// Bytes are there to be read.
+    /// Unread bytes hide the end.
     Unknown,
 }

@@ -1,4 +1,5 @@
-//! The server: accepts connections, bounds slow clients, and shuts down gracefully. It serves any router until the caller's stop signal.
+//! The server: it accepts connections, limits slow clients, and shuts down gracefully. It serves any router until the
+//! caller's stop signal.
 
 mod departure;
 mod signal;
@@ -37,13 +38,14 @@ use stream::{ClientStream, Patience};
 use table::{ConnectionTable, Entry};
 use tracked::{AnswerBody, RequestBody};
 
-/// The pause after an error of accepting that persists, such as too many open files.
+/// The pause after a persistent error of accepting, such as too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// The time between the last accepted connection and the end of keep-alive, in which requests sent right after connecting are read.
+/// The time between the last accepted connection and the end of keep-alive, in which requests of new connections are
+/// read.
 const SETTLING: Duration = Duration::from_millis(100);
 
-/// The largest head of a request: about twice the largest that browsers send, with cookies of other services.
+/// The largest head of a request: about twice the largest head of browsers, which contains cookies of other services.
 const MAX_HEAD_BYTES: usize = 16 * 1024;
 
 /// The largest number of bytes read or written at once.
@@ -59,7 +61,7 @@ pub struct App {
     pub router: Router,
     /// The answers to heads that cannot be parsed.
     pub refuse: Refuse,
-    /// The memory for heads that arrive in pieces.
+    /// The memory budget of heads that arrive in pieces.
     pub budget: MemoryBudget,
 }
 
@@ -69,14 +71,14 @@ impl std::fmt::Debug for App {
     }
 }
 
-/// Serves `app` on `listener` until `stop` is ready; then accepts no more connections and lets requests in flight finish within the
-/// settings' grace.
+/// Serves `app` on `listener` until `stop` is ready; then accepts no more connections and lets requests in flight
+/// finish within the settings' grace.
 ///
 /// # Errors
-/// Errors of clients and shortages of resources are logged, and serving continues; only other errors are returned.
+/// Errors of clients and shortages of resources are only logged; other errors are returned.
 pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, stop: impl Future<Output = ()>) -> io::Result<()> {
     let mut protocol = http1::Builder::new();
-    // The stream has its own deadlines for heads, and watches for clients that leave.
+    // The stream has its own deadlines for heads, and detects clients that close the connection.
     protocol.timer(TokioTimer::new()).header_read_timeout(None).half_close(true);
     protocol.max_header_size(MAX_HEAD_BYTES).max_buf_size(MAX_BUFFER_BYTES);
     let patience = Patience { header: settings.header_timeout, idle: settings.idle_timeout, write: settings.write_timeout };
@@ -114,7 +116,7 @@ struct Connections {
 }
 
 impl Connections {
-    /// The stream, unless it was not accepted.
+    /// The accepted stream; `None` after an error, which is logged.
     async fn accepted(&self, accepted: io::Result<(TcpStream, SocketAddr)>) -> Option<TcpStream> {
         match accepted {
             Ok((stream, _)) => return Some(stream),
@@ -128,7 +130,8 @@ impl Connections {
     }
 
     fn spawn(&self, stream: TcpStream, entry: Entry) {
-        // An answer is written whole: waiting for more data would only delay it. Without the option it is still sent.
+        // An answer is written as a whole, so waiting for more data would only delay it. If the option fails, the
+        // answer is still sent.
         if let Err(error) = stream.set_nodelay(true) {
             tracing::debug!(%error, "TCP_NODELAY could not be set");
         }
@@ -160,19 +163,20 @@ impl Connections {
                 Poll::Ready(served) => Poll::Ready(Some(served)),
                 Poll::Pending => departure.poll(context).map(|()| None),
             });
-            // These are clients that left or were too slow; their requests have their own log lines.
+            // Such clients closed the connection or were too slow; their requests have their own log lines.
             match ended.await {
                 Some(Ok(())) => {}
                 Some(Err(error)) => tracing::debug!(%error, "a connection ended early"),
-                None => tracing::debug!("a client left before its answer was ready"),
+                None => tracing::debug!("a client closed its connection before the answer was ready"),
             }
             drop(entry);
         });
     }
 
-    /// Takes the connections that the system accepted before the listener closes: their clients may have sent a request already.
+    /// Accepts the connections in the system's queue before the listener closes, because their clients may have sent a
+    /// request.
     async fn sweep(&self, listener: &TcpListener) {
-        // One turn of the scheduler suffices for connections that are there already.
+        // One turn of the scheduler suffices for connections in the queue.
         while let Ok(Ok((stream, _))) = timeout(Duration::ZERO, listener.accept()).await {
             self.spawn(stream, self.table.enter_beyond_limit());
         }

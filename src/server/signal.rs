@@ -2,10 +2,10 @@
 
 use std::io;
 
-/// Ready at the first SIGTERM, SIGHUP or Ctrl-C. Later signals do nothing: the grace bounds the time to stop.
+/// Ready at the first SIGTERM, SIGHUP or Ctrl-C. Later signals are ignored, because the grace limits the time to stop.
 ///
 /// # Errors
-/// The system delivers no signals.
+/// The system cannot install the signal handlers.
 #[cfg(unix)]
 pub fn stop_signal() -> io::Result<impl Future<Output = &'static str>> {
     use tokio::signal::unix::{SignalKind, signal};

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Phase {
-    /// It waits for a request's head, of which a part may have arrived.
+    /// The connection waits for a request's head, of which a part may have arrived.
     AwaitingHead,
     /// A request's body is arriving.
     Receiving,
@@ -24,11 +24,11 @@ pub(super) enum Phase {
 pub(super) struct ConnectionState {
     opened: Instant,
     phase: AtomicU8,
-    /// The start of its wait for a head, in ms since it was opened.
+    /// The start of the wait for a head, in ms since the connection was opened.
     awaiting_since_ms: AtomicU64,
-    /// The number of requests begun.
+    /// The number of requests that have started.
     requests: AtomicU32,
-    /// Whether it is to close while it waits for a head.
+    /// Whether the connection shall close while it waits for a head.
     evicted: AtomicBool,
     waker: Mutex<Option<Waker>>,
 }
@@ -58,9 +58,9 @@ impl ConnectionState {
         self.enter(if has_body { Phase::Receiving } else { Phase::Working });
     }
 
-    /// Records that the body was read to its end, or is no longer needed.
+    /// Records that the body was read to its end or is no longer needed.
     pub(super) fn end_body(&self) {
-        // An answer may have begun before.
+        // The answer may have started before.
         let _ = self.phase.compare_exchange(Phase::Receiving as u8, Phase::Working as u8, Ordering::AcqRel, Ordering::Relaxed);
     }
 
@@ -69,7 +69,7 @@ impl ConnectionState {
     }
 
     pub(super) fn end_answer(&self) {
-        // 2^64 ms are half a billion years: no truncation.
+        // No truncation: 2^64 ms are half a billion years.
         let now = u64::try_from(self.opened.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.awaiting_since_ms.store(now, Ordering::Relaxed);
         self.enter(Phase::AwaitingHead);
@@ -79,13 +79,13 @@ impl ConnectionState {
         self.phase.store(phase as u8, Ordering::Release);
     }
 
-    /// The start of its wait for a head; `None` while it has a request.
+    /// The start of the wait for a head; `None` during a request.
     pub(super) fn awaiting_since(&self) -> Option<Instant> {
         let since = self.opened + Duration::from_millis(self.awaiting_since_ms.load(Ordering::Relaxed));
         self.is_in(Phase::AwaitingHead).then_some(since)
     }
 
-    /// Makes the connection close, if it still waits for a head when its task runs.
+    /// Closes the connection if it still waits for a head when its task runs.
     pub(super) fn evict(&self) {
         self.evicted.store(true, Ordering::Release);
         if let Some(waker) = self.waker.lock().unwrap_or_else(PoisonError::into_inner).take() {
@@ -93,12 +93,12 @@ impl ConnectionState {
         }
     }
 
-    /// Whether the connection is to close.
+    /// Whether the connection shall close.
     pub(super) fn is_evicted(&self) -> bool {
         self.evicted.load(Ordering::Acquire)
     }
 
-    /// Whether the connection is to close; if not, its task is woken when it is.
+    /// Whether the connection shall close; if not, its task is woken when it shall.
     pub(super) fn poll_evicted(&self, context: &Context<'_>) -> bool {
         let mut waker = self.waker.lock().unwrap_or_else(PoisonError::into_inner);
         if waker.as_ref().is_none_or(|waker| !waker.will_wake(context.waker())) {

@@ -1,5 +1,5 @@
-//! A client's stream with the rules for slow clients: how long a head may take, how long a connection may idle, how long an answer may
-//! be left unread. It closes so that the client can still read the answer to a request that was not read to its end.
+//! A client's stream with the limits for slow clients: the longest time for a head, for an idle connection, and for an
+//! unread answer. It is closed so that the client can still read the answer to a request that was not read to its end.
 
 use std::io;
 use std::pin::Pin;
@@ -16,19 +16,20 @@ use super::Refuse;
 use super::state::{ConnectionState, Phase};
 use crate::memory_budget::Reservation;
 
-/// How long, and for how many bytes, a closed stream is still read. Where bytes are left unread, the system answers a close with a
-/// reset, and the client loses the answer; a client that never stops sending must be reset in the end.
+/// The time and the number of bytes for which a stream is still read after it was closed for writing. If bytes remain
+/// unread, the system resets the connection and the client loses the answer. A client that does not stop sending is
+/// reset after these limits.
 const LINGER: Duration = Duration::from_secs(2);
 const LINGER_BYTES: usize = 1 << 20;
 
-/// The TCP stream, which the connection's task reads, writes and watches for its end.
+/// The TCP stream, shared between the HTTP library and the watch for its end.
 pub(super) type SharedStream = Arc<Mutex<TcpStream>>;
 
 pub(super) fn lock(stream: &SharedStream) -> MutexGuard<'_, TcpStream> {
     stream.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The time-outs of a client.
+/// The time-outs of a slow client.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patience {
     pub(super) header: Duration,
@@ -44,7 +45,7 @@ pub(super) struct ClientStream {
     refuse: Refuse,
     opened: Instant,
     head: Head,
-    /// Wakes the task at the deadline of a head, or before.
+    /// Wakes the task at the deadline of a head, or earlier.
     alarm: Option<Pin<Box<Sleep>>>,
     write: Option<Pin<Box<Sleep>>>,
     /// The number of answers sent completely.
@@ -81,7 +82,7 @@ impl ClientStream {
         Self { stream, state, patience, refuse, opened, head, alarm: None, write: None, answered: 0, closing: Closing::Open }
     }
 
-    /// `polled`, or an error where the client has not read for too long.
+    /// Returns `polled`, or an error if the client has left its answer unread for too long.
     fn bound_write<T>(&mut self, context: &mut Context<'_>, polled: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if polled.is_ready() {
             self.write = None;
@@ -93,7 +94,7 @@ impl ClientStream {
         Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client left the answer unread")))
     }
 
-    /// Records `bytes` of a head; false where there is no memory for it.
+    /// Records `bytes` of a head; false if the memory budget has no room for them.
     fn note_head_bytes(&mut self, bytes: usize) -> bool {
         let head = &mut self.head;
         let requests = self.state.requests();
@@ -122,7 +123,7 @@ impl ClientStream {
         }
     }
 
-    /// Ready when the connection is to close while it waits for a head.
+    /// Ready when the connection shall close while it waits for a head.
     fn poll_head_deadline(&mut self, context: &mut Context<'_>) -> Poll<()> {
         if self.state.poll_evicted(context) {
             return Poll::Ready(());
@@ -148,7 +149,8 @@ impl ClientStream {
         }
     }
 
-    /// Answers a head that cannot be parsed. The answer fits the system's buffer unless the client reads none of its answers.
+    /// Answers a head that cannot be parsed. The answer fits the system's buffer unless the client has left earlier
+    /// answers unread.
     fn refuse(&self, status: StatusCode) {
         let answer = (self.refuse)(status);
         if let Err(error) = lock(&self.stream).try_write(&answer) {
@@ -156,8 +158,8 @@ impl ClientStream {
         }
     }
 
-    /// The status with which the HTTP parser answers a malformed head in `bytes`, which are about to be written. Such an answer is empty
-    /// and has no request id, so it is replaced.
+    /// The status of the HTTP parser's answer to a malformed head, if `bytes` are that answer. It is empty and has no
+    /// request id, so it is replaced.
     fn parser_status(&self, bytes: &[u8]) -> Option<StatusCode> {
         let is_between_requests = self.answered == self.state.requests();
         let status = bytes.strip_prefix(b"HTTP/1.1 ").filter(|_| is_between_requests)?.get(..3)?;
@@ -177,7 +179,7 @@ impl AsyncRead for ClientStream {
             buffer.set_filled(before);
             return Poll::Ready(Ok(()));
         }
-        // Without bytes, the stream has ended for its reader.
+        // No bytes mean the end of the stream.
         if polled.is_pending() { self.poll_head_deadline(context).map(Ok) } else { polled }
     }
 }
@@ -221,7 +223,7 @@ impl AsyncWrite for ClientStream {
                 Closing::Open => {
                     ready!(Pin::new(&mut *lock(&client.stream)).poll_shutdown(context))?;
                     if client.state.is_evicted() {
-                        // No answer can be lost, and a new connection is waiting.
+                        // No answer can be lost, and a new connection waits for the place.
                         client.closing = Closing::Closed;
                         continue;
                     }

@@ -9,13 +9,14 @@ use tokio::time::timeout;
 
 use super::state::ConnectionState;
 
-/// The number of connections beyond the limit, accepted where none is idle: each for one request, so that probes are answered.
+/// The number of connections accepted beyond the limit if none is idle. Each serves one request, so that probes are
+/// answered.
 const RESERVE: usize = 32;
 
 /// The longest time for an evicted connection to close.
 const EVICTION: Duration = Duration::from_millis(50);
 
-/// One of so many connections is closed at a time when there are too many: each search visits all of them.
+/// One in so many connections is closed at a time if there are too many, because each search visits all of them.
 const EVICTED_PART: usize = 16;
 
 /// All open connections. Clones share it.
@@ -77,8 +78,8 @@ impl ConnectionTable {
         self.open().connections.len()
     }
 
-    /// An entry for a new connection. Where there are too many, idle ones are closed; where none is idle, the entry is one of the
-    /// reserve; where that is used up, the connection waits.
+    /// An entry for a new connection. At the limit, idle connections are closed; if none is idle, the entry is taken
+    /// from the reserve; if the reserve is used up, the connection waits.
     pub(super) async fn enter(&self) -> Entry {
         let permits = || Arc::clone(&self.0.permits);
         if let Ok(permit) = permits().try_acquire_owned() {
@@ -97,7 +98,7 @@ impl ConnectionTable {
         }
     }
 
-    /// An entry for a connection accepted while the server stops: its request must not be lost.
+    /// An entry for a connection accepted while the server stops, whose request must not be lost.
     pub(super) fn enter_beyond_limit(&self) -> Entry {
         self.add(None, true)
     }
@@ -111,7 +112,7 @@ impl ConnectionTable {
         Entry { table: self.clone(), key, state, is_in_reserve, _permit: permit }
     }
 
-    /// Closes the connections that have waited longest for a head; false where none waits.
+    /// Closes the connections that have waited longest for a head; false if none waits.
     fn evict_idle(&self) -> bool {
         let open = self.open();
         let mut idle: Vec<_> = open.connections.values().filter_map(|state| Some((state.awaiting_since()?, state))).collect();

@@ -1,4 +1,4 @@
-//! The bodies of requests and answers, which record the phase of their connection.
+//! Wrappers of the bodies of requests and answers that record the phase of the connection.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use hyper::body::Incoming;
 
 use super::state::ConnectionState;
 
-/// A request's body. Its end, or its drop, ends the phase of receiving.
+/// A request's body. The phase of receiving ends at its end or when it is dropped.
 pub(super) struct RequestBody {
     pub(super) body: Incoming,
     pub(super) state: Arc<ConnectionState>,
@@ -43,7 +43,7 @@ impl Drop for RequestBody {
     }
 }
 
-/// An answer's body. Its drop, when the connection has taken all of it, ends the phase of answering.
+/// An answer's body. The connection drops it after the last byte, which ends the phase of answering.
 pub(super) struct AnswerBody {
     pub(super) body: Body,
     pub(super) state: Arc<ConnectionState>,

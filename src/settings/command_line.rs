@@ -1,4 +1,5 @@
-//! Flags, variables, defaults and help. Every value is text here; [`Settings`](super::Settings) reads it.
+//! The command line: flags, variables, defaults and help. Values are text here; [`Settings`](super::Settings) parses
+//! them.
 
 use std::ffi::OsString;
 use std::fmt;
@@ -16,7 +17,7 @@ pub enum Command {
     Serve(Box<Settings>),
     /// Print the OpenAPI document.
     OpenApi(OpenApiVersion),
-    /// Ask the server that listens at this address whether it is ready.
+    /// Check whether the server that listens at this address is ready.
     Healthcheck(SocketAddr),
 }
 
@@ -29,12 +30,12 @@ pub enum OpenApiVersion {
     V3_0,
 }
 
-/// Why the command line gives no [`Command`].
+/// The reason why the command line gives no [`Command`].
 #[derive(Debug)]
 pub enum CommandLineError {
     /// Help or the version was requested, or a flag is unknown or malformed.
     Usage(clap::Error),
-    /// Values that cannot be used.
+    /// Settings with invalid values.
     Faults(Faults),
 }
 
@@ -50,7 +51,7 @@ impl fmt::Display for CommandLineError {
 impl std::error::Error for CommandLineError {}
 
 impl Command {
-    /// The command of `arguments` (the program's name first) and the environment.
+    /// Reads the command from `arguments` (the program's name first) and the environment.
     ///
     /// # Errors
     /// [`CommandLineError`], with every fault of every value.
@@ -88,11 +89,11 @@ enum Subcommand {
         #[arg(long = "3.0")]
         is_3_0: bool,
     },
-    /// Ask the running server's /readyz; exit 0 when it is ready, 1 otherwise
+    /// Request /readyz from the running server; exit with 0 if it is ready, 1 otherwise
     Healthcheck,
 }
 
-/// The settings as texts, before they are checked.
+/// The settings as text, before they are parsed.
 #[derive(Args)]
 pub(super) struct Given {
     /// IP address and port to listen on; port 0 picks a free one, which is logged
@@ -137,7 +138,7 @@ pub(super) struct Given {
     /// Uploads and batches processed at once; further ones are shed with 503
     #[arg(long, env = "SCALLOPD_MAX_CONCURRENT_WORK", value_name = "COUNT", default_value = "16")]
     pub(super) max_concurrent_work: String,
-    /// Memory for everything whose size clients determine: bodies, vertices, answers not yet sent; requests beyond it get 503
+    /// Memory for all data whose size clients determine: bodies, vertices, unsent answers; requests beyond it get 503
     #[arg(long, env = "SCALLOPD_MEMORY_BUDGET_BYTES", value_name = "BYTES", default_value = "536870912")]
     pub(super) memory_budget_bytes: String,
     /// Connections open at once; further ones close idle ones

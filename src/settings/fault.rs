@@ -1,4 +1,4 @@
-//! Faults of settings, and the parsers of single values that find them.
+//! Faults of settings, and the parsers of single values.
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -9,14 +9,14 @@ use tracing::level_filters::LevelFilter;
 
 use super::{CorsOrigins, LogFormat};
 
-/// A setting that cannot be used.
+/// A setting with an invalid value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The variable's name, `SCALLOPD_*`; the flag's follows from it.
+    /// The variable's name, `SCALLOPD_*`, from which the flag's name is derived.
     pub variable: &'static str,
     /// The value given by the flag or the variable.
     pub given: String,
-    /// What is wrong with the value.
+    /// The reason why the value is invalid.
     pub reason: Reason,
 }
 
@@ -34,20 +34,20 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Every setting that cannot be used.
+/// All settings with invalid values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Faults(pub Vec<Fault>);
 
 impl fmt::Display for Faults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "these settings cannot be used:")?;
+        write!(f, "these settings are invalid:")?;
         self.0.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
     }
 }
 
 impl std::error::Error for Faults {}
 
-/// What is wrong with a value.
+/// The reason why a value is invalid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reason {
     /// Not an IP address with a port.
@@ -82,7 +82,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// Parses `given` with `read`; `None`, with the fault added, where it fails.
+/// Parses `given` with `read`. If that fails, adds the fault and returns `None`.
 pub(super) fn take<T>(
     faults: &mut Vec<Fault>,
     variable: &'static str,
@@ -100,7 +100,7 @@ pub(super) fn address(given: &str) -> Result<SocketAddr, Reason> {
     given.parse().map_err(|_| Reason::Address)
 }
 
-/// An address; an empty text sets none.
+/// An address; `None` for an empty text.
 pub(super) fn optional_address(given: &str) -> Result<Option<SocketAddr>, Reason> {
     if given.is_empty() { Ok(None) } else { address(given).map(Some) }
 }
@@ -117,7 +117,7 @@ pub(super) fn rate(given: &str) -> Result<u64, Reason> {
 
 /// A count, from 1 to a million.
 pub(super) fn count(given: &str) -> Result<usize, Reason> {
-    // A million fits every usize that this program is built for.
+    // A million fits `usize` on every supported platform.
     whole(given, 1, 1_000_000).map(|number| usize::try_from(number).unwrap_or(usize::MAX))
 }
 
@@ -165,7 +165,7 @@ fn origin(item: &str) -> Result<HeaderValue, Reason> {
     HeaderValue::from_str(item).map_err(|_| wrong())
 }
 
-/// The collector's address; an empty text sets none.
+/// The collector's address; `None` for an empty text.
 pub(super) fn collector(given: &str) -> Result<Option<Uri>, Reason> {
     if given.is_empty() {
         return Ok(None);

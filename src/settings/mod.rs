@@ -1,5 +1,5 @@
-//! The settings: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help (`command_line`). Values are
-//! read as text and checked together, so that a start reports every fault.
+//! The settings: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help
+//! (`command_line`). All values are checked together, so that the program reports every fault at its start.
 
 mod command_line;
 mod fault;
@@ -49,17 +49,18 @@ pub enum LogFormat {
 /// The settings of connections.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServerSettings {
-    /// How long a request's head may take from its first byte, and how long a new connection may idle.
+    /// The longest time for a request's head from its first byte, and for a new connection to send one.
     pub header_timeout: Duration,
-    /// How long a connection may idle between requests.
+    /// The longest time for which a connection may be idle between requests.
     pub idle_timeout: Duration,
-    /// How long a client may leave an answer unread before its connection is dropped.
+    /// The longest time for which a client may leave an answer unread.
     pub write_timeout: Duration,
     /// The largest number of open connections; further ones close idle ones.
     pub max_connections: usize,
-    /// How long the server goes on accepting after a signal, with `/readyz` at 503, so that load balancers notice.
+    /// The time for which the server still accepts requests after a signal, with `/readyz` at 503, so that load
+    /// balancers notice.
     pub drain_delay: Duration,
-    /// How long requests in flight may take to finish once no more are accepted.
+    /// The longest time for requests in flight to finish after that.
     pub shutdown_grace: Duration,
 }
 
@@ -80,15 +81,15 @@ pub struct HttpSettings {
     pub max_in_flight: usize,
     /// The largest number of uploads and batches processed at once; further ones are shed.
     pub max_concurrent_work: usize,
-    /// The memory for everything whose size clients determine.
+    /// The memory budget for all data whose size clients determine.
     pub memory_budget_bytes: u64,
     /// The origins whose pages may call the service.
     pub cors_origins: CorsOrigins,
 }
 
 impl HttpSettings {
-    /// The largest body of a single calculation, in bytes: some thousand times what one needs. It is not
-    /// [`max_json_bytes`](Self::max_json_bytes), because as many of these as may be in flight are in memory together.
+    /// The largest body of a single calculation in bytes, some thousand times what one needs. It is less than
+    /// [`max_json_bytes`](Self::max_json_bytes), because the bodies of all requests in flight are in memory together.
     pub const MAX_SINGLE_BYTES: u64 = 64 * 1024;
 }
 
@@ -102,7 +103,7 @@ pub enum CorsOrigins {
 }
 
 impl Settings {
-    /// Checks all values that were given.
+    /// Parses and checks all values.
     ///
     /// # Errors
     /// Every fault, each with its flag and variable.

@@ -4,7 +4,8 @@ use super::{Grid, LARGEST_COORDINATE, SampledSurface, Sink};
 use crate::quantity::OutOfRange;
 use std::fmt;
 
-/// A tensor-product Bezier patch: P(u, v) = sum over i, j of B_i(u) B_j(v) P_ij with the Bernstein polynomials B and 0 <= u, v <= 1.
+/// A tensor-product Bezier patch: P(u, v) = sum over i, j of B_i(u) B_j(v) P_ij with the Bernstein polynomials B and 0
+/// <= u, v <= 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bezier {
     rows: usize,
@@ -13,7 +14,7 @@ pub struct Bezier {
     control_points: Vec<[f64; 3]>,
 }
 
-/// Why control points do not give a patch.
+/// The reason why control points do not describe a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BezierError {
     /// The number of rows is out of bounds.
@@ -55,18 +56,18 @@ impl fmt::Display for BezierError {
 
 impl std::error::Error for BezierError {}
 
-/// Bernstein polynomials of one degree, or their derivatives, at one parameter; as many as there are control points.
+/// The Bernstein polynomials of one degree, or their derivatives, at one parameter: one for each control point.
 type Weights = [f64; Bezier::LARGEST_ORDER];
 
 impl Bezier {
-    /// The largest number of control points along each parameter. Published surfaces have up to a dozen; patches of higher degree
-    /// are split in practice.
+    /// The largest number of control points along each parameter. Published surfaces have up to a dozen; patches of
+    /// higher degree are split in practice.
     pub const LARGEST_ORDER: usize = 20;
     /// The largest number of samples along each parameter.
     pub const LARGEST_SAMPLES: usize = 1000;
 
-    /// A patch from its control points, row after row: 2 to [`Bezier::LARGEST_ORDER`] rows with the same number of points, 2 to
-    /// [`Bezier::LARGEST_ORDER`] as well.
+    /// A patch from its control points, row after row: 2 to [`Bezier::LARGEST_ORDER`] rows with the same number of
+    /// points, 2 to [`Bezier::LARGEST_ORDER`] as well.
     ///
     /// # Errors
     /// [`BezierError`] where a number of points or a coordinate is out of bounds, or the rows differ in length.
@@ -78,7 +79,7 @@ impl Bezier {
             if points.len() != columns {
                 return Err(BezierError::RaggedRow { row, expected: columns, found: points.len() });
             }
-            // Written so that NaN is out of bounds.
+            // The comparison makes NaN out of bounds.
             let in_bounds = |point: &[f64; 3]| point.iter().all(|c| c.abs() <= LARGEST_COORDINATE);
             if let Some(column) = points.iter().position(|point| !in_bounds(point)) {
                 return Err(BezierError::Coordinate { row, column });
@@ -87,7 +88,8 @@ impl Bezier {
         Ok(Self { rows: net.len(), columns, control_points: net.concat() })
     }
 
-    /// Samples the patch at the centres of `samples` x `samples` equal cells of its parameters, each with its element of area
+    /// Samples the patch at the centres of `samples` x `samples` equal cells of its parameters, each with its element
+    /// of area
     /// |P_u x P_v| du dv; `samples` is from 2 to [`Bezier::LARGEST_SAMPLES`].
     ///
     /// # Errors
@@ -112,13 +114,14 @@ impl Bezier {
         Ok(surface)
     }
 
-    /// Passes the facets of the patch to `sink`: 2 x `samples`^2 of them, with corners at the corners of the cells of [`Bezier::sampled`].
+    /// Passes the facets of the patch to `sink`: 2 x `samples`^2 of them, with corners at the corners of the cells of
+    /// [`Bezier::sampled`].
     ///
     /// # Errors
     /// [`OutOfRange`] for a number of samples outside 2 to [`Bezier::LARGEST_SAMPLES`].
     ///
     /// # Panics
-    /// Never: the grid gets as many points as it has rows times columns.
+    /// Never: the grid receives rows times columns points.
     pub fn tessellate<S: Sink>(&self, samples: usize, sink: S) -> Result<S, OutOfRange> {
         count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
         #[expect(clippy::cast_precision_loss, reason = "up to 1000")]
@@ -157,8 +160,8 @@ fn blend(points: &[[f64; 3]; Bezier::LARGEST_ORDER], weights: &Weights) -> [f64;
 
 /// The Bernstein polynomials for `order` control points at t, and their derivatives.
 ///
-/// B_i of degree n is (1 - t) B_i + t B_{i-1} of degree n - 1, which for 0 <= t <= 1 adds up positive terms only; its derivative is
-/// n (B_{i-1} - B_i), of degree n - 1.
+/// B_i of degree n is (1 - t) B_i + t B_{i-1} of degree n - 1, which for 0 <= t <= 1 adds up positive terms only; its
+/// derivative is n (B_{i-1} - B_i), of degree n - 1.
 fn weights(order: usize, t: f64) -> (Weights, Weights) {
     let (mut values, mut slopes) = ([0.0; Bezier::LARGEST_ORDER], [0.0; Bezier::LARGEST_ORDER]);
     values[0] = 1.0;
@@ -194,7 +197,8 @@ mod tests {
     use approx::{assert_abs_diff_eq, assert_relative_eq};
     use proptest::prelude::*;
 
-    /// The point of a Bezier curve by repeated linear interpolation (de Casteljau), another route than Bernstein polynomials.
+    /// The point of a Bezier curve by repeated linear interpolation (de Casteljau), independently of Bernstein
+    /// polynomials.
     fn interpolated(mut points: Vec<[f64; 3]>, t: f64) -> [f64; 3] {
         while points.len() > 1 {
             points = points.windows(2).map(|pair| [0, 1, 2].map(|axis| (1.0 - t) * pair[0][axis] + t * pair[1][axis])).collect();
@@ -255,8 +259,8 @@ mod tests {
             let step = 1e-6;
             for axis in 0..3 {
                 assert_abs_diff_eq!(blend(&curve, &across)[axis], expected[axis], epsilon = 1e-12);
-                // Central differences err by step^2/6 times a third derivative of up to 19^3 * 8 * 50, 5e-7, and by the rounding
-                // of 50 mm over the step, 1e-8.
+                // Central differences err by step^2/6 times a third derivative of up to 19^3 * 8 * 50, 5e-7, and by the
+                // rounding of 50 mm over the step, 1e-8.
                 let by_u = (at(u + step, v)[axis] - at(u - step, v)[axis]) / (2.0 * step);
                 let by_v = (at(u, v + step)[axis] - at(u, v - step)[axis]) / (2.0 * step);
                 assert_abs_diff_eq!(blend(&curve_u, &across)[axis], by_u, epsilon = 1e-6);

@@ -10,14 +10,15 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The empty box, which every point enlarges.
+    /// The empty box.
     pub(super) const NONE: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
 
     /// Enlarges the box to contain a point.
     #[inline]
     pub(super) fn include(&mut self, point: [f64; 3]) {
         for (axis, coordinate) in point.into_iter().enumerate() {
-            // Comparisons are one instruction each, where f64::min also checks for NaN; that would be a tenth of the time for a facet.
+            // A comparison is one instruction; f64::min also checks for NaN, which would take a tenth of the time for a
+            // facet.
             self.min[axis] = if coordinate < self.min[axis] { coordinate } else { self.min[axis] };
             self.max[axis] = if coordinate > self.max[axis] { coordinate } else { self.max[axis] };
         }

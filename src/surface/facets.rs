@@ -1,4 +1,5 @@
-//! Sums over facets, taken in blocks of several facets at a time, apart for facets that point up, are level or point down.
+//! Sums over facets, taken in blocks of several facets at a time, apart for facets that point up, are level or point
+//! down.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
@@ -14,8 +15,9 @@ pub(super) const DOWN: usize = 2;
 /// The side of a facet without an area.
 const NOWHERE: usize = 3;
 
-/// |n_z| of a unit normal up to which a facet counts as a wall: within 0.006 deg of vertical. Files in single precision move the
-/// corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by 3e-5.
+/// |n_z| of a unit normal up to which a facet counts as a wall: within 0.006 deg of vertical. Files in single precision
+/// move the corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by
+/// 3e-5.
 const WALL: f64 = 1e-4;
 
 /// The number of facets in a block: 4.6 kB of corners, which fit the first-level cache.
@@ -118,7 +120,8 @@ impl Block {
         facing
     }
 
-    /// The facets of one side, of which there is at least one. The other places are filled with its first corner: facets without area.
+    /// The facets of one side, of which there is at least one. The other places are filled with its first corner:
+    /// facets without area.
     fn those_of(&self, side: usize, facing: &Facing) -> (Corners, [f64; SIZE], [f64; SIZE]) {
         let mut chosen = (0..self.count).filter(|at| facing.side[*at] == side).collect::<Vec<_>>();
         let count = chosen.len();
@@ -257,7 +260,8 @@ mod tests {
             assert_eq!(block.bounds, Bounds::NONE);
             return;
         }
-        // Areas of 300 mm^2 within 1e-13 where corners are 1e-14 mm off, in sums of up to 200; moments of 1e4 mm^2 likewise.
+        // Areas of 300 mm^2 within 1e-13 where corners are 1e-14 mm off, in sums of up to 200; moments of 1e4 mm^2
+        // likewise.
         assert_relative_eq!(block.area, single.area, max_relative = 1e-11);
         assert_relative_eq!(block.slope_by_weight, single.slope_by_weight, max_relative = 1e-11, epsilon = 1e-11);
         let ((mean, covariance), (other_mean, other_covariance)) = (moments_of(&block.moments), moments_of(&single.moments));

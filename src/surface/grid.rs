@@ -1,12 +1,13 @@
-//! Points in rows and columns, with facets between neighbours.
+//! Grids of points in rows and columns, and the facets between neighbours.
 
 use super::{SampledSurface, Sink};
 use std::fmt;
 
 /// Builds facets from the points of a grid as they arrive, row after row; it holds one row.
 ///
-/// Each quad of neighbours is two facets, divided along the diagonal from its first point to its last. The input does not
-/// state in which sense rows and columns run, so the outer side of the grid is the one of which more is seen from above.
+/// Each quad of neighbours is two facets, divided along the diagonal from its first point to its last. The input does
+/// not state in which sense rows and columns run, so the outer side of the grid is the side with the larger area seen
+/// from above.
 #[derive(Debug, Clone)]
 pub struct Grid<S = SampledSurface> {
     rows: usize,
@@ -21,7 +22,7 @@ pub struct Grid<S = SampledSurface> {
     seen_from_above: f64,
 }
 
-/// Why points do not make a grid.
+/// The reason why points do not make a grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridError {
     /// A grid needs two rows and two columns to have a quad.
@@ -49,7 +50,7 @@ impl fmt::Display for GridError {
 impl std::error::Error for GridError {}
 
 impl Grid {
-    /// An empty grid of that size, whose facets are summed.
+    /// An empty grid of this size, whose facets are summed.
     ///
     /// # Errors
     /// [`GridError::TooFewRowsOrColumns`].
@@ -59,7 +60,7 @@ impl Grid {
 }
 
 impl<S: Sink> Grid<S> {
-    /// An empty grid of that size, whose facets go to `sink`.
+    /// An empty grid of this size, whose facets are passed to `sink`.
     ///
     /// # Errors
     /// [`GridError::TooFewRowsOrColumns`].
@@ -70,7 +71,7 @@ impl<S: Sink> Grid<S> {
         Ok(Self { rows, columns, sink, received: 0, row: Vec::new(), corner: [0.0; 3], seen_from_above: 0.0 })
     }
 
-    /// The next point. Points beyond the last one are counted only.
+    /// Adds the next point. Points beyond the last are only counted.
     pub fn point(&mut self, point: [f64; 3]) {
         let (row, column) = (self.received / self.columns, self.received % self.columns);
         self.received += 1;
@@ -78,7 +79,7 @@ impl<S: Sink> Grid<S> {
             return;
         }
         if row == 0 {
-            // Rows grow with the points that arrive, so that a large stated size by itself takes no memory.
+            // Memory grows with the points that arrive, not with the stated size.
             self.row.push(point);
             return;
         }
@@ -97,7 +98,7 @@ impl<S: Sink> Grid<S> {
         self.sink.facet(corners);
     }
 
-    /// The sink with all facets of the grid, turned over where the grid shows more of its back from above.
+    /// The sink with all facets of the grid, turned over if more of its back is seen from above.
     ///
     /// # Errors
     /// [`GridError::WrongNumberOfPoints`].

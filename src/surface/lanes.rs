@@ -1,12 +1,13 @@
-//! Arithmetic on several numbers at once, written so that the compiler uses vector instructions, which determine the time of the sums
-//! over a million facets.
+//! Arithmetic on several numbers at once, written so that the compiler uses vector instructions, which determine the
+//! time of the sums over a million facets.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// The count of numbers: two vectors of SSE2, which every 64-bit x86 processor has; with more, the registers do not suffice.
+/// The count of numbers: two vectors of SSE2, which every 64-bit x86 processor has; with more, the registers do not
+/// suffice.
 pub(super) const LANES: usize = 4;
 
 /// Several numbers with the same operation on each.

@@ -1,4 +1,4 @@
-//! Surfaces given by sample points or facets: file readers, moments, principal axes, shape, meshes.
+//! Surfaces given by sample points or facets: file readers, moments, principal axes, shape and meshes.
 
 mod bezier;
 mod bounds;
@@ -25,17 +25,18 @@ pub use sampled::{Basis, Facing, SampledSurface, Unit};
 pub use shape::{Shape, ShapeError};
 pub use triangulation::LONG_EDGE;
 
-/// The largest magnitude of a coordinate, in its own unit: the fourth powers in moments stay below 1e50, so that no sum over a surface can
-/// overflow.
+/// The largest magnitude of a coordinate, in its own unit: the fourth powers in moments stay below 1e50, so that no sum
+/// over a surface can overflow.
 pub const LARGEST_COORDINATE: f64 = 1e12;
 
-/// Receives the points or facets of a surface one by one. Readers pass them to a sink, so that a file of any size is read without being
-/// held.
+/// A receiver of the points or facets of a surface, one by one. Readers pass them to a sink, so that a file of any size
+/// is read without being held.
 pub trait Sink {
     /// A point of the surface, not part of any facet.
     fn point(&mut self, point: [f64; 3]);
     /// A triangle of the surface, its corners counter-clockwise when seen from outside the part.
     fn facet(&mut self, corners: [[f64; 3]; 3]);
-    /// Reverses the outer side of every facet; to be called after the last facet. Does nothing in a sink that ignores sides.
+    /// Reverses the outer side of every facet; to be called after the last facet. Does nothing in a sink that ignores
+    /// sides.
     fn turn_over(&mut self) {}
 }

@@ -4,8 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 /// The moments of a set of weighted points, or of a surface, of order 0 to 2.
 ///
-/// They are taken about a shift, which should lie near the data: the covariance is a difference of second moments, and about a
-/// distant origin their digits would cancel. Ten numbers, whatever the number of pieces.
+/// They are computed about a shift near the data, because the covariance is a difference of second moments, which would
+/// cancel about a distant origin. The moments are ten numbers for any number of elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moments {
     shift: [f64; 3],
@@ -35,11 +35,11 @@ impl Moments {
         }
     }
 
-    /// Adds a triangle with corners a, b, c, centroid g and area F: F to the weight, F g to the first moment, and to the second
-    /// F/12 (aa' + bb' + cc' + 9 gg'), which is the integral of xx' over the triangle, exactly.
+    /// Adds a triangle with corners a, b, c, centroid g and area F: F to the weight, F g to the first moment, and to
+    /// the second F/12 (aa' + bb' + cc' + 9 gg'), which is the integral of xx' over the triangle, exactly.
     ///
-    /// With the sides u = b - a, v = c - a it equals F (gg' + ss'/72 + dd'/24), s = u + v, d = u - v, which takes a quarter fewer
-    /// operations.
+    /// With the sides u = b - a, v = c - a it equals F (gg' + ss'/72 + dd'/24), s = u + v, d = u - v, which takes a
+    /// quarter fewer operations.
     #[inline]
     pub fn add_triangle(&mut self, corners: [[f64; 3]; 3], area: f64) {
         let [a, b, c] = corners;
@@ -100,7 +100,8 @@ impl Moments {
         Some([self.shift[0] + mean.x, self.shift[1] + mean.y, self.shift[2] + mean.z])
     }
 
-    /// The covariance matrix, divided by the weight itself (n, not n - 1) [Herraz et al. 2020, eq. 16]; `None` without weight.
+    /// The covariance matrix, divided by the weight itself (n, not n - 1) [Herraz et al. 2020, eq. 16]; `None` without
+    /// weight.
     #[must_use]
     pub fn covariance(&self) -> Option<Matrix3<f64>> {
         let mean = self.mean_from_shift()?;
@@ -163,8 +164,8 @@ mod tests {
         assert_eq!(Moments::about([1.0; 3]).centroid(), None);
     }
 
-    /// The quadrature with the three edge midpoints is exact for polynomials of degree 2 over a triangle: another route to the same
-    /// integrals.
+    /// The quadrature with the three edge midpoints, which is exact for polynomials of degree 2 over a triangle and
+    /// independent of the formula.
     fn by_edge_midpoints(corners: [[f64; 3]; 3]) -> (Vector3<f64>, Matrix3<f64>) {
         let [a, b, c] = corners.map(Vector3::from);
         let midpoints = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
@@ -178,7 +179,8 @@ mod tests {
             prop_assume!(area(corners) > 1e-3);
             let moments = of_triangle(corners, shift);
             let (mean, covariance) = by_edge_midpoints(corners);
-            // Second moments of up to 3 * 100^2 mm^2 before the difference is taken, rounded to 1e-16 of themselves some ten times.
+            // Second moments of up to 3 * 100^2 mm^2 before the difference is taken, rounded to 1e-16 of themselves
+            // some ten times.
             assert_relative_eq!(moments.covariance().unwrap(), covariance, epsilon = 1e-10);
             assert_relative_eq!(Vector3::from(moments.centroid().unwrap()), mean, epsilon = 1e-12);
         }
@@ -192,8 +194,8 @@ mod tests {
             split.merge(&of_triangle([a, d, c], c));
             let whole = of_triangle(corners, b);
             assert_relative_eq!(split.weight(), whole.weight(), max_relative = 1e-9);
-            // The area of a sliver is good to 1e-14 * 100 mm * its length, which over the area of 1e-3 mm^2 is the relative error
-            // of a moment; here 1e-9 of 1e4 mm^2.
+            // The area of a sliver is good to 1e-14 * 100 mm * its length, which over the area of 1e-3 mm^2 is the
+            // relative error of a moment; here 1e-9 of 1e4 mm^2.
             assert_relative_eq!(split.covariance().unwrap(), whole.covariance().unwrap(), epsilon = 1e-5, max_relative = 1e-9);
         }
 

@@ -1,8 +1,8 @@
-//! Sums over the points or facets of a surface that belong together: moments, bounds and slopes.
+//! Sums over some points or facets of a surface: moments, bounds and slopes.
 
 use super::{Bounds, Moments};
 
-/// The sum over some of a surface's points or facets, in fixed memory.
+/// The sums over some points or facets of a surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     pub(super) count: u64,

@@ -1,11 +1,12 @@
-//! The axes along which a surface spreads most and least.
+//! The principal axes of a surface, along which it spreads most and least.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// The eigenvalues l1 >= l2 >= l3 of a covariance matrix and their unit eigenvectors, in a fixed order and sense:
 ///
 /// - e3, the normal of the best-fit plane, points up;
-/// - e1, along which the surface spreads most, points to the half plane y > 0 (along +X on its border, up where it is vertical);
+/// - e1, along which the surface spreads most, points to the half plane y > 0 (along +X on its border, up where it is
+///   vertical);
 /// - e2 = e3 x e1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrincipalAxes {
@@ -21,7 +22,7 @@ impl PrincipalAxes {
         // The solver returns the eigenvalues in no particular order.
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-        // A variance is not negative; a difference of rounded sums can be.
+        // A variance is not negative, but a difference of rounded sums can be.
         let variances = order.map(|i| eigen.eigenvalues[i].max(0.0));
         let vector = |rank: usize| eigen.eigenvectors.column(order[rank]).into_owned();
         let (e1, e3) = (pointing(vector(0), [1, 0, 2]), pointing(vector(2), [2, 1, 0]));

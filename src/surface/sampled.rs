@@ -1,22 +1,22 @@
-//! A surface as it is taken in: points and facets summed up, facets sorted by where they face.
+//! A surface that is being received: sums over its points, and over its facets by the direction of their normals.
 
 use super::facets::{Block, DOWN, Facets, UP};
 use super::piece::Piece;
 use super::{LARGEST_COORDINATE, Shape, ShapeError, Sink};
 
-/// The sums over a surface's points and facets: fixed memory, however many there are.
+/// The sums over a surface's points and facets, in fixed memory.
 ///
-/// Facets are kept apart by where their normal points: up, down, or level (walls). A cutter from above reaches a wall with its side
-/// only, and the sides of a closed solid are walls more often than not, so walls do not count as facing up.
+/// Facets are summed separately by their normals: up, down, or level (walls). Walls do not count as facing up, because
+/// a cutter from above reaches a wall only with its side and most sides of closed solids are walls.
 ///
-/// Coordinates are taken in any unit; [`SampledSurface::shape`] is told which. They must be finite and at most
-/// [`LARGEST_COORDINATE`] in magnitude; any that is not makes the shape an error.
+/// Coordinates may have any unit, which is a parameter of [`SampledSurface::shape`]. If one is not finite, or is larger
+/// than [`LARGEST_COORDINATE`] in magnitude, the shape is an error.
 #[derive(Debug, Clone, Default)]
 pub struct SampledSurface {
     sums: Option<Sums>,
-    /// Facets that are not in the sums yet.
+    /// Facets that are not summed yet.
     waiting: Option<Box<Block>>,
-    /// 0, or NaN as soon as a coordinate of a point was not finite.
+    /// 0, or NaN after a point with a coordinate that is not finite.
     poison: f64,
 }
 
@@ -26,7 +26,7 @@ struct Sums {
     facets: Facets,
 }
 
-/// Which facets count.
+/// The facets from which a shape is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Facing {
     /// Those that point up, which a three-axis cutter reaches.
@@ -36,7 +36,7 @@ pub enum Facing {
     Any,
 }
 
-/// Of what the shape of a surface was taken.
+/// The elements from which a shape was computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Basis {
     /// Its points; there are no facets.
@@ -70,7 +70,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// How many millimetres it is.
+    /// The unit in mm.
     #[must_use]
     pub fn mm(self) -> f64 {
         match self {
@@ -85,20 +85,20 @@ impl Unit {
 }
 
 impl SampledSurface {
-    /// Nothing yet.
+    /// Empty sums.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A point that stands for an element of a surface, whose normal is as long as the element's area: a point for the moments, with
-    /// a known slope and share of the area.
+    /// Adds a point that represents an element of area. `normal` has the element's area as its length. The moments have
+    /// the point with weight 1; slope and area have the element.
     pub fn sample(&mut self, point: [f64; 3], normal: [f64; 3]) {
         self.poison += 0.0 * (point[0] + point[1] + point[2]);
         Self::sums_about(&mut self.sums, point).points.add_sample(point, normal, length(normal));
     }
 
-    /// Adds all that `other` holds, as if its pieces had come after one's own.
+    /// Adds the sums of `other`, as if its points and facets had followed.
     pub fn merge(&mut self, other: &Self) {
         self.settle();
         self.poison += other.poison;
@@ -112,34 +112,34 @@ impl SampledSurface {
         }
     }
 
-    /// How many points came that are not part of a facet.
+    /// The number of points that are not part of a facet.
     #[must_use]
     pub fn points(&self) -> u64 {
         self.sums.map_or(0, |sums| sums.points.count)
     }
 
-    /// How many facets came that have an area, whichever way they point.
+    /// The number of facets with an area, in all directions.
     #[must_use]
     pub fn facets(&self) -> u64 {
         self.settled().map_or(0, |sums| sums.facets.count())
     }
 
-    /// How many facets came without an area; they are left out.
+    /// The number of facets without area, which are left out.
     #[must_use]
     pub fn degenerate_facets(&self) -> u64 {
         self.settled().map_or(0, |sums| sums.facets.degenerate)
     }
 
-    /// The shape of the surface, from facets where it has any, else from points.
+    /// The shape of the surface, from its facets if it has any, else from its points.
     ///
     /// # Errors
-    /// [`ShapeError`], when the points or facets do not spread over a surface, or a coordinate was out of bounds.
+    /// [`ShapeError`] if the points or facets do not spread over a surface, or a coordinate was out of bounds.
     pub fn shape(&self, unit: Unit, facing: Facing) -> Result<Shape, ShapeError> {
         let Some(sums) = self.settled() else {
             return Err(ShapeError::TooFewPoints { count: 0 });
         };
         let mut pieces = sums.facets.pieces.iter().chain([&sums.points]);
-        // A facet with a coordinate that is no number has an area that is none.
+        // A facet with a NaN coordinate has an area of NaN.
         if self.poison.is_nan() || pieces.any(|piece| piece.area.is_nan() || piece.bounds.largest_magnitude() > LARGEST_COORDINATE) {
             return Err(ShapeError::CoordinateOutOfRange);
         }
@@ -150,20 +150,20 @@ impl SampledSurface {
         Shape::of(basis, &piece, unit)
     }
 
-    /// The sums about a shift near the data, which is the first point that comes.
+    /// The sums about a shift near the data: the first point.
     #[inline]
     fn sums_about(sums: &mut Option<Sums>, point: [f64; 3]) -> &mut Sums {
         sums.get_or_insert_with(|| Sums { points: Piece::about(point), facets: Facets { pieces: [Piece::about(point); 3], degenerate: 0 } })
     }
 
-    /// Moves facets that wait to the sums.
+    /// Adds the pending facets to the sums.
     fn settle(&mut self) {
         if let (Some(waiting), Some(sums)) = (&mut self.waiting, &mut self.sums) {
             waiting.sum(&mut sums.facets);
         }
     }
 
-    /// The sums with all facets in them.
+    /// The sums including the pending facets.
     fn settled(&self) -> Option<Sums> {
         let mut sums = self.sums?;
         if let Some(waiting) = &self.waiting {
@@ -256,12 +256,13 @@ mod tests {
     }
 
     #[test]
-    fn only_the_top_of_a_closed_solid_counts() {
+    fn only_the_top_of_a_closed_solid_is_used_by_default() {
         let surface = of_facets(&solid_box());
         let top = shape(&surface);
         assert_eq!((top.basis, top.elements, surface.facets()), (Basis::FacetsUp, 2, 12));
         assert_relative_eq!(top.area.unwrap().mm2(), 800.0);
-        // The sides of a rectangle come back exactly [Herraz et al. 2020, appendix B]: variances w^2/12 and h^2/12.
+        // The sides of the rectangle are recovered exactly [Herraz et al. 2020, appendix B]: variances w^2/12 and
+        // h^2/12.
         assert_relative_eq!(top.form_factor.ratio(), 2.0, max_relative = 1e-14);
         assert_relative_eq!(top.characteristic_size.mm2(), 800.0, max_relative = 1e-14);
         assert_eq!(top.slope.degrees(), 0.0);
@@ -271,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn all_sides_count_when_asked_for() {
+    fn facing_any_uses_all_sides() {
         let all = of_facets(&solid_box()).shape(Unit::Millimetre, Facing::Any).unwrap();
         assert_eq!((all.basis, all.elements), (Basis::AllFacets, 12));
         // Two level sides of 800 mm^2, walls of 2 * 400 + 2 * 200 mm^2: 90 deg * 1200/2800.
@@ -307,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_spread_over_a_surface_is_refused() {
+    fn points_and_facets_that_do_not_spread_over_a_surface_are_refused() {
         let refusal = |points: &[[f64; 3]]| of_points(points).shape(Unit::Millimetre, Facing::Up).unwrap_err();
         assert_eq!(refusal(&[]), ShapeError::TooFewPoints { count: 0 });
         assert_eq!(refusal(&[[1.0; 3]]), ShapeError::TooFewPoints { count: 1 });
@@ -385,8 +386,8 @@ mod tests {
         for (run, surface) in runs {
             let other = shape(&surface);
             assert_eq!((other.basis, other.elements), (along.basis, along.elements), "{run}");
-            // Where rows or columns are reversed, the other diagonal divides the quads. Over a quad of 2 x 1.5 mm the saddle's two
-            // halves differ by 0.004 * 3 mm = 0.012 mm at the middle, a part in 2500 of the quad's sides.
+            // Where rows or columns are reversed, the other diagonal divides the quads. Over a quad of 2 x 1.5 mm the
+            // saddle's two halves differ by 0.004 * 3 mm = 0.012 mm at the middle, a part in 2500 of the quad's sides.
             assert_relative_eq!(other.area.unwrap().mm2(), along.area.unwrap().mm2(), max_relative = 1.0 / 2500.0);
             assert_relative_eq!(other.form_factor.ratio(), along.form_factor.ratio(), max_relative = 1.0 / 2500.0);
         }
@@ -428,13 +429,14 @@ mod tests {
     }
 
     #[test]
-    fn five_thousand_kilometres_away_the_shape_is_the_same() {
+    fn the_shape_is_the_same_five_thousand_kilometres_from_the_origin() {
         let near = shape(&grid(41, 41, saddle));
         let far = shape(&grid(41, 41, |u, v| {
             let [x, y, z] = saddle(u, v);
             [x + 5e9, y - 5e9, z + 5e9]
         }));
-        // Coordinates there are rounded to 2^-21 mm = 5e-7 mm; the facets' sides are 0.75 mm and more, and their mean has many.
+        // Coordinates there are rounded to 2^-21 mm = 5e-7 mm; the facets' sides are 0.75 mm and more, and their mean
+        // has many.
         assert_same_shape(&near, &far, 1e-6);
         assert_relative_eq!(far.centroid[0] - 5e9, near.centroid[0], epsilon = 2e-6);
     }

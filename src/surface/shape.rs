@@ -1,4 +1,5 @@
-//! The shape of a surface for the choice of a cutter: the size, elongation and slope of an equivalent inclined rectangle.
+//! The shape of a surface for the choice of a cutter: the size, elongation and slope of an equivalent inclined
+//! rectangle.
 
 use super::piece::Piece;
 use super::{Basis, Bounds, LARGEST_COORDINATE, PrincipalAxes, Unit};
@@ -21,8 +22,8 @@ pub struct Shape {
     pub characteristic_size: Area,
     /// s, the angle between the best-fit plane and the horizontal, 0 to pi/2: acos(|e3_z|) [eq. 20, misprinted].
     pub slope: Angle,
-    /// The direction of e1 seen from above, a line in [0, pi) from X; `None` where the surface spreads as much in every direction, or most
-    /// along the vertical.
+    /// The direction of e1 seen from above, a line in [0, pi) from X; `None` where the surface spreads as much in every
+    /// direction, or most along the vertical.
     pub principal_direction: Option<Angle>,
     /// The direction of e3 seen from above, a line in [0, pi) from X; `None` where the surface is level.
     pub steepest_direction: Option<Angle>,
@@ -32,7 +33,8 @@ pub struct Shape {
     pub flatness: f64,
     /// The area, in mm^2; `None` for points alone.
     pub area: Option<Area>,
-    /// The mean of the slopes of all elements, each with its weight in the moments: facets by area, samples of a patch alike [eq. 19].
+    /// The mean of the slopes of all elements, each with its weight in the moments: facets by area, samples of a patch
+    /// alike [eq. 19].
     pub mean_slope: Option<Angle>,
     /// The centroid, in mm.
     pub centroid: [f64; 3],
@@ -40,20 +42,20 @@ pub struct Shape {
     pub bounds: Bounds,
 }
 
-/// Why points or facets have no shape.
+/// The reason why points or facets have no shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShapeError {
     /// Fewer than three points.
     TooFewPoints {
-        /// The number of them.
+        /// The number received.
         count: u64,
     },
     /// Facets, but none with an area.
     OnlyDegenerateFacets {
-        /// The number of them.
+        /// The number received.
         count: u64,
     },
-    /// All points are the same.
+    /// All points are equal.
     AllPointsEqual,
     /// All points lie on one line.
     Collinear,
@@ -75,12 +77,13 @@ impl fmt::Display for ShapeError {
 
 impl std::error::Error for ShapeError {}
 
-/// l2/l1 up to which points count as lying on one line: a strip a million times as long as wide. The covariance itself carries a
-/// rounding of about 1e-15 of l1, a thousandth of this.
+/// The largest l2/l1 of collinear points: that of a strip a million times as long as wide. The covariance has a
+/// rounding error of about 1e-15 of l1, a thousandth of this.
 const COLLINEAR: f64 = 1e-12;
 
-/// The least value with which a direction is defined: of the horizontal part of a unit vector, and of (l1 - l2)/l1. Coordinates in single
-/// precision have relative errors of 6e-8, so below 1e-6 a direction would be that of their rounding.
+/// The smallest horizontal part of a unit vector, and the smallest (l1 - l2)/l1, for which a direction is defined.
+/// Coordinates in single precision have relative errors of 6e-8, so below 1e-6 a direction would be that of the
+/// rounding errors.
 const DIRECTIONLESS: f64 = 1e-6;
 
 impl Shape {
@@ -94,7 +97,7 @@ impl Shape {
         };
         let axes = PrincipalAxes::of(covariance);
         let [l1, l2, _] = axes.variances();
-        // Far from the origin, coordinates themselves are rounded, to EPSILON/2 of their magnitude.
+        // Far from the origin, the coordinates have rounding errors of EPSILON/2 of their magnitude.
         let rounding = (2.0 * f64::EPSILON * magnitude).powi(2);
         if l1 <= rounding {
             return Err(ShapeError::AllPointsEqual);
@@ -118,7 +121,7 @@ impl Shape {
             elements: piece.count,
             eigenvalues: [l1, l2, l3].map(|variance| Area::computed(variance * mm * mm)),
             form_factor: FormFactor::computed((l1 / l2).sqrt()),
-            // The product of the roots, because the root of the product can leave the range of numbers.
+            // The product of the roots, because the product of the variances can overflow or underflow.
             characteristic_size: Area::computed(12.0 * l1.sqrt() * l2.sqrt() * mm * mm),
             slope: Angle::of_line(e3[2], e3[0].hypot(e3[1])).unwrap_or(Angle::ZERO),
             principal_direction,

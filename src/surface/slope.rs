@@ -1,4 +1,4 @@
-//! The angle between a normal and the vertical, for several normals at once.
+//! The slope of facets, the angle between the normal and the vertical, for several normals at once.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
@@ -6,8 +6,8 @@ use super::lanes::Lanes;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 
 /// atan r = r P(r^2) for |r| <= tan(pi/8): P is the polynomial that agrees with it at the twelve Chebyshev points of
-/// 0 <= r^2 <= 3 - 2 sqrt 2. The nearest singularity, r^2 = -1, lies 12.7 half-widths from the middle, so that the error falls by 25
-/// with each term: 25^-12 = 2e-17.
+/// 0 <= r^2 <= 3 - 2 sqrt 2. The nearest singularity, r^2 = -1, lies 12.7 half-widths from the middle, so that the
+/// error falls by 25 with each term: 25^-12 = 2e-17.
 const P: [f64; 12] = [
     1.0,
     -0.333_333_333_333_331_2,
@@ -23,11 +23,12 @@ const P: [f64; 12] = [
     -0.017_805_397_205_419_446,
 ];
 
-/// atan2(h, z) for h, z >= 0, not both 0: the slope of a normal with the horizontal part h and the vertical part z, 0 to pi/2, within
-/// 4e-16, and exact at both ends.
+/// atan2(h, z) for h, z >= 0, not both 0: the slope of a normal with the horizontal part h and the vertical part z, 0
+/// to pi/2, within 4e-16, and exact at both ends.
 ///
-/// With the smaller part over the larger as the tangent the angle is up to pi/4; where it exceeds pi/8, pi/4 is taken off by the theorem
-/// of tangents of a difference. The library's atan2 takes one pair at a time and decides by branches, which vector instructions cannot.
+/// The tangent is the smaller part over the larger, so that the angle is up to pi/4; above pi/8, pi/4 is subtracted by
+/// the theorem for the tangent of a difference. The standard library's atan2 processes one pair at a time with
+/// branches, which vector instructions do not have.
 #[inline(always)]
 pub(super) fn slope(h: Lanes, z: Lanes) -> Lanes {
     let (low, high) = (h.lesser(z), h.greater(z));
@@ -40,7 +41,7 @@ pub(super) fn slope(h: Lanes, z: Lanes) -> Lanes {
     h.above(z, Lanes::all(FRAC_PI_2) - angle, angle)
 }
 
-/// P(q) in pairs of pairs: the shortest chain of dependent operations.
+/// P(q) in pairs of pairs, which has the shortest chain of dependent operations.
 #[inline(always)]
 fn polynomial(q: Lanes) -> Lanes {
     let (q2, q4) = (q * q, q * q * (q * q));
@@ -79,14 +80,15 @@ mod tests {
         fn agrees_with_the_library(angle in 0.0..=FRAC_PI_2, length in 1e-20..1e20_f64) {
             let (sin, cos) = angle.sin_cos();
             let (h, z) = (length * sin, length * cos.abs());
-            // The angle is rounded when r is, after its product with P, and when pi/4 and pi/2 are counted in: 0.5, 0.5, 0.5 and 1 unit of
-            // 2.2e-16 at most; the library's by half of one.
+            // The angle is rounded when r is, after its product with P, and when pi/4 and pi/2 are counted in: 0.5,
+            // 0.5, 0.5 and 1 unit of 2.2e-16 at most; the library's by half of one.
             prop_assert!((of(h, z) - h.atan2(z)).abs() <= 5e-16);
         }
 
         #[test]
         fn rises_with_the_horizontal_part(h in 0.0..10.0_f64, more in 1e-14..1.0_f64) {
-            // A step of 1e-14 turns the normal by 1e-14/(1 + 11^2) = 8e-17 at least, less than the error: so no fall beyond it.
+            // A step of 1e-14 turns the normal by 1e-14/(1 + 11^2) = 8e-17 at least, less than the error: so no fall
+            // beyond it.
             prop_assert!(of(h + more, 1.0) - of(h, 1.0) >= -1e-15);
         }
     }

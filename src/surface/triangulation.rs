@@ -1,8 +1,9 @@
-//! Triangles between points that sample a surface: Delaunay in the XY plane, without the edges that bridge gaps.
+//! Triangulation of sample points: Delaunay in the XY plane, without the triangles that bridge gaps.
 
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
-/// An edge is left out when it is longer than this many times the spacing of the points at its ends.
+/// The length of an edge, in multiples of the spacing of the points at its ends, above which its triangles are left
+/// out.
 pub const LONG_EDGE: f64 = 4.0;
 
 /// A point of the plane and its number.
@@ -18,18 +19,20 @@ impl HasPosition for Site {
     }
 }
 
-/// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise seen from
-/// above, so they face up. Of points above each other, the highest counts. Empty where all points lie in one vertical plane.
+/// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise
+/// seen from above, so they face up. Of points above each other, the highest is used. Empty if all points lie in one
+/// vertical plane.
 ///
-/// **Long edges.** A Delaunay triangulation fills the convex hull, notches and holes included. So a triangle is left out when one
-/// of its edges is longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the length of its third shortest
-/// edge: scan lines have two close neighbours along the line and the third on the next line. At an edge the smaller spacing of
-/// its ends counts, or half the median of all points where that is larger, so that two points close together by chance leave no
-/// hole.
+/// **Long edges.** A Delaunay triangulation fills the convex hull, including notches and holes. A triangle is therefore
+/// left out if one of its edges is longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the
+/// length of its third shortest edge: a point of a scan line has two close neighbours along the line and the third on
+/// the next line. The spacing at an edge is the smaller spacing of its ends, but at least half the median of all
+/// points, so that two points close together by chance leave no hole.
 ///
-/// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random, each round
-/// along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and Rote 2003), after three
-/// that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time for points near a line.
+/// **Time** is O(n log n) for all inputs: points are inserted in rounds of four times as many as before, chosen at
+/// random, each round along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi
+/// and Rote 2003), after three that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time
+/// for points near a line.
 pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut points = points;
     for point in &mut points {
@@ -73,7 +76,7 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]
     (points, triangles)
 }
 
-/// The length of the third shortest edge of each point, or of the longest where it has fewer.
+/// The length of the third shortest edge of each point, or of the longest if it has fewer.
 fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
     let mut shortest = vec![[f64::INFINITY; 3]; count];
     for edge in delaunay.undirected_edges() {
@@ -91,13 +94,14 @@ fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
     shortest.into_iter().map(|three| three.into_iter().rev().find(|length| length.is_finite()).unwrap_or(0.0)).collect()
 }
 
-/// The order in which points are inserted; `None` where all lie on one line. `points` are sorted by x, then y, and differ.
+/// The order in which points are inserted; `None` where all lie on one line. `points` are sorted by x, then y, and
+/// differ.
 fn insertion_order(points: &[[f64; 3]]) -> Option<Vec<u32>> {
     let coordinate = |point: &[f64; 3]| robust::Coord { x: point[0], y: point[1] };
     let (first, last) = (coordinate(points.first()?), coordinate(points.last()?));
     let off_line = points.iter().position(|point| robust::orient2d(first, last, coordinate(point)) != 0.0)?;
     let count = u32::try_from(points.len()).expect("the bound on points is below 2^32");
-    // Ranks rather than coordinates, so that points in tight clusters are ordered within their cluster.
+    // Ranks in place of coordinates order the points within tight clusters.
     let mut by_y: Vec<u32> = (0..count).collect();
     by_y.sort_unstable_by(|&a, &b| points[a as usize][1].total_cmp(&points[b as usize][1]).then(a.cmp(&b)));
     let mut keys = vec![0_u32; points.len()];
@@ -118,7 +122,7 @@ fn insertion_order(points: &[[f64; 3]]) -> Option<Vec<u32>> {
         order[start..round].sort_unstable_by_key(|&index| (keys[index as usize], index));
         (start, end) = (round, 4 * end);
     }
-    // Until three points span a triangle each insertion takes time in proportion to the points before it.
+    // Until three points span a triangle, each insertion takes time in proportion to the number of points before it.
     let spanning = [0, count - 1, u32::try_from(off_line).expect("under the count")];
     Some(spanning.into_iter().chain(order.into_iter().filter(|index| !spanning.contains(index))).collect())
 }
@@ -157,7 +161,8 @@ mod tests {
         triangles.iter().map(|triangle| twice(triangle) / 2.0).sum()
     }
 
-    /// Points of a lattice of `dx` x `dy` over `columns` x `rows`, moved by up to `shake` of the spacing, where `inside` holds.
+    /// Points of a lattice of `dx` x `dy` over `columns` x `rows`, moved by up to `shake` of the spacing, where
+    /// `inside` holds.
     fn lattice(columns: u32, rows: u32, [dx, dy]: [f64; 2], shake: f64, inside: impl Fn(f64, f64) -> bool) -> Vec<[f64; 3]> {
         let mut state = 7_u64;
         let mut random = || {
@@ -175,8 +180,8 @@ mod tests {
         for (spacing, shake) in [([1.0, 1.0], 0.0), ([1.0, 1.0], 0.8), ([0.2, 1.0], 0.0)] {
             let l = lattice(if spacing[0] < 1.0 { 201 } else { 41 }, 41, spacing, shake, |x, y| x <= 20.1 || y <= 20.1);
             let found = area(&triangulate(l));
-            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2 at its
-            // corner; a shaken border loses up to half a spacing along its 160 mm.
+            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2
+            // at its corner; a shaken border loses up to half a spacing along its 160 mm.
             assert!(found > 1200.0 - if shake > 0.0 { 80.0 } else { 1e-9 } && found < 1210.0 + 20.0 * shake, "{spacing:?} {shake} {found}");
         }
     }
@@ -210,7 +215,7 @@ mod tests {
         let count = 20_000_u32;
         let each = |at: &dyn Fn(f64) -> [f64; 2]| (0..count).map(|i| at(f64::from(i))).map(|[x, y]| [x, y, 0.0]).collect::<Vec<_>>();
         let clouds = [
-            // Rounding moves these points off their line.
+            // Rounding moves these points off the line.
             each(&|i| [0.1 * i, 0.3 * i]),
             each(&|i| [(i * 1e-3).cos(), (i * 1e-3).sin()]),
             each(&|i| [i % 2.0, (i / 2.0).floor()]),
@@ -220,7 +225,7 @@ mod tests {
         for (number, cloud) in clouds.into_iter().enumerate() {
             let start = Instant::now();
             triangulate(cloud);
-            // Some 50 ms where quadratic time would take minutes.
+            // Some 50 ms; quadratic time would be minutes.
             assert!(start.elapsed() < Duration::from_secs(5), "{number} {:?}", start.elapsed());
         }
     }

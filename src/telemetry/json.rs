@@ -1,5 +1,5 @@
-//! The JSON format of log lines, one object for each line. Every request writes one, so fields go into the line's text directly, without
-//! intermediate values or buffers.
+//! The JSON format of log lines, one object for each line. Every request writes one, so fields are written into the
+//! line directly, without intermediate values or buffers.
 
 use std::fmt::{self, Debug, Write};
 
@@ -12,7 +12,7 @@ use tracing_subscriber::fmt::time::{FormatTime, SystemTime};
 use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields, FormattedFields};
 use tracing_subscriber::registry::LookupSpan;
 
-/// Writes an event as a line: time and level, the fields of the event, those of the spans around it, and its source.
+/// Writes an event as a line: time, level, the fields of the event and of its spans, and its source.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JsonLine;
 
@@ -39,7 +39,7 @@ where
     }
 }
 
-/// Writes a span's fields as members to add to a line. Names with a dot are OpenTelemetry's and are left to
+/// Writes a span's fields as members of a line. Fields with a dot in their names are OpenTelemetry's and are only in
 /// traces: the last line of a request has the same values under other names.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JsonMembers;
@@ -49,13 +49,13 @@ impl<'w> FormatFields<'w> for JsonMembers {
         Members::write(&mut writer, |members| fields.record(members))
     }
 
-    // The default implementation separates them with a blank, for the pretty format.
+    // The default implementation would separate them with a blank.
     fn add_fields(&self, span: &'w mut FormattedFields<Self>, fields: &Record<'_>) -> fmt::Result {
         self.format_fields(span.as_writer(), fields)
     }
 }
 
-/// Writes fields as members of an object that has a member already.
+/// Writes fields as further members of an object.
 struct Members<'a, 'w> {
     writer: &'a mut Writer<'w>,
     written: fmt::Result,
@@ -72,7 +72,7 @@ impl<'a, 'w> Members<'a, 'w> {
         if field.name().contains('.') || self.written.is_err() {
             return;
         }
-        // Names are identifiers, which need no escapes.
+        // Names are identifiers and need no escapes.
         self.written = self
             .writer
             .write_str(",\"")
@@ -114,7 +114,7 @@ fn quoted(writer: &mut Writer<'_>, text: fmt::Arguments<'_>) -> fmt::Result {
     writer.write_char('"')
 }
 
-/// Writes text as the inside of a JSON string.
+/// Writes text as the content of a JSON string.
 struct Escaped<'a, 'w>(&'a mut Writer<'w>);
 
 impl Write for Escaped<'_, '_> {

@@ -1,5 +1,5 @@
-//! The queue of log lines for standard output: filled by the serving threads, written by a separate thread. A slow or stuck reader of
-//! the log loses lines and delays no answer; one write covers the lines of many requests.
+//! The queue of log lines for standard output, which a separate thread writes. If the reader of the log is slow, lines
+//! are lost and no answer is delayed; one write has the lines of many requests.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -8,13 +8,14 @@ use std::time::{Duration, Instant};
 
 use tracing_subscriber::fmt::MakeWriter;
 
-/// How long lines are gathered before they are written.
+/// The time for which lines are collected before they are written.
 const GATHERING: Duration = Duration::from_millis(10);
 
-/// How long `stop` waits for a reader of the log.
+/// The longest time that `stop` waits for the reader of the log.
 const LAST_WRITE: Duration = Duration::from_secs(2);
 
-/// The largest number of bytes in the queue, some thousand lines. Further lines are lost; their number is logged when writing continues.
+/// The largest number of bytes in the queue, some thousand lines. Further lines are lost; their number is logged when
+/// writing continues.
 const MOST_WAITING: usize = 1 << 20;
 
 /// The queue. Clones share it.
@@ -40,7 +41,7 @@ impl Lines {
     /// Starts a thread that writes lines to `output` until [`stop`](Self::stop), and then the remaining ones.
     ///
     /// # Errors
-    /// The system starts no thread.
+    /// The system cannot start the thread.
     pub(super) fn write_to(&self, mut output: impl Write + Send + 'static) -> io::Result<JoinHandle<()>> {
         let lines = self.clone();
         std::thread::Builder::new().name("log".to_owned()).spawn(move || while lines.write_some(&mut output) {})
@@ -61,8 +62,8 @@ impl Lines {
         }
     }
 
-    /// Writes the lines that wait; false when the queue is finished and empty. Lines that standard output refuses are lost: there is no
-    /// other place to report it.
+    /// Writes the queued lines; false if the queue is finished and empty. Lines that standard output refuses are lost,
+    /// because there is no other place to report them.
     fn write_some(&self, output: &mut impl Write) -> bool {
         let idle = |waiting: &mut Waiting| waiting.bytes.is_empty() && waiting.lost == 0 && !waiting.over;
         let waiting = self.shared.news.wait_while(self.waiting(), idle).unwrap_or_else(PoisonError::into_inner);
@@ -87,7 +88,7 @@ impl Lines {
     }
 }
 
-/// Each call has one whole line.
+/// Each call of `write` has one whole line.
 impl Write for Lines {
     fn write(&mut self, line: &[u8]) -> io::Result<usize> {
         let mut waiting = self.waiting();
@@ -123,7 +124,7 @@ mod tests {
 
     use super::*;
 
-    /// Forwards what is written, and blocks each time until the test releases it.
+    /// A writer that forwards its bytes and blocks until the test releases each write.
     struct Slow {
         written: mpsc::Sender<Vec<u8>>,
         go_on: mpsc::Receiver<()>,
@@ -132,7 +133,7 @@ mod tests {
     impl Write for Slow {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             self.written.send(bytes.to_vec()).unwrap();
-            // The sender is gone once the test has released all writes.
+            // The sender is dropped when the test has released all writes.
             let _ = self.go_on.recv();
             Ok(bytes.len())
         }

@@ -29,7 +29,7 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// Starts logs and traces for the whole process. It must be called on a tokio runtime, which the exporter uses.
+    /// Starts logs and traces for the whole process. Must be called on a tokio runtime, which the exporter uses.
     ///
     /// # Errors
     /// The process has telemetry already, or the collector's address is invalid.
@@ -68,7 +68,8 @@ impl Telemetry {
     }
 }
 
-/// Starts logs without traces. A filter of the whole subscriber is checked once for a span or event, a filter of a layer several times.
+/// Starts logs without traces. A filter of the whole subscriber is checked once for each span or event, a filter of a
+/// layer several times.
 fn log_alone(settings: &TelemetrySettings, lines: &lines::Lines) -> io::Result<()> {
     let subscriber = Registry::default().with(level_filter(settings.log_level)).with(log_layer(settings, lines));
     tracing::subscriber::set_global_default(subscriber).map_err(io::Error::other)
@@ -91,7 +92,7 @@ fn level_filter(level: LevelFilter) -> Targets {
     Targets::new().with_target(env!("CARGO_CRATE_NAME"), level).with_default(level.min(LevelFilter::WARN))
 }
 
-/// Logs panics as events, with the request's id where there is one.
+/// Logs panics as events, with the request's id if there is one.
 fn log_panics() {
     std::panic::set_hook(Box::new(|panic| {
         let cause = panic.payload_as_str().unwrap_or("a payload that is not text");
@@ -101,7 +102,7 @@ fn log_panics() {
     }));
 }
 
-/// Makes the request's `span` part of its caller's trace, where the headers name one (W3C Trace Context).
+/// Adds the request's `span` to its caller's trace, if the headers name one (W3C Trace Context).
 #[cfg_attr(not(feature = "otlp"), expect(unused_variables, reason = "without the feature there are no traces"))]
 pub(crate) fn continue_trace(span: &Span, headers: &HeaderMap) {
     #[cfg(feature = "otlp")]

@@ -1,5 +1,5 @@
-//! Export of traces to a collector, by OTLP over HTTP with protobuf. The HTTP client is hyper's, which the server links anyway; TLS to a
-//! remote backend is left to a local collector.
+//! Export of traces to a collector, by OTLP over HTTP with protobuf. The HTTP client is hyper's, which the server
+//! already uses. A local collector must add TLS to a remote backend.
 
 use std::io;
 use std::time::Duration;
@@ -22,11 +22,11 @@ use tracing::{Span, Subscriber};
 use tracing_opentelemetry::{OpenTelemetryLayer, OpenTelemetrySpanExt};
 use tracing_subscriber::registry::LookupSpan;
 
-/// How long a batch of spans may take to be accepted.
+/// The longest time for the collector to accept a batch of spans.
 const EXPORT_TIMEOUT: Duration = Duration::from_secs(10);
-/// The largest answer that is read; a collector's has a few bytes.
+/// The largest answer that is read. Collectors send a few bytes.
 const LARGEST_ANSWER: usize = 64 * 1024;
-/// How long `stop` waits for the last batch.
+/// The longest time that `stop` waits for the last batch.
 const LAST_EXPORT: Duration = Duration::from_secs(5);
 
 /// The exporter of spans.
@@ -63,12 +63,12 @@ impl Traces {
 pub(super) fn continue_trace(span: &Span, headers: &HeaderMap) {
     if headers.contains_key("traceparent") {
         let caller = TraceContextPropagator::new().extract(&HeaderExtractor(headers));
-        // It fails where traces are not enabled.
+        // An error means that traces are not enabled.
         let _ = span.set_parent(caller);
     }
 }
 
-/// Sends requests of the exporter's thread on the server's runtime.
+/// An HTTP client that sends the requests of the exporter's thread on the server's runtime.
 #[derive(Debug)]
 struct CollectorClient {
     runtime: Handle,

@@ -27,7 +27,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<ToolLibrary, LibraryFault
     Ok(library)
 }
 
-/// The members of a JSON file by which its format is recognised.
+/// The members of a JSON file that identify its format.
 #[derive(Deserialize)]
 struct Members {
     data: Option<IgnoredAny>,
@@ -85,7 +85,7 @@ fn read_archive(bytes: &[u8], file: &str) -> Result<ToolLibrary, LibraryFault> {
         let own_name = name.rsplit('/').next().unwrap_or_default().to_lowercase();
         match extension(name).as_str() {
             "fctl" => {}
-            // macOS writes a companion `._name` beside each file.
+            // macOS adds a companion `._name` to each file.
             _ if own_name.starts_with("._") => library.skipped_files += 1,
             "json" | "fctb" | "csv" | "txt" | "tsv" => {
                 let bytes = content(entry).map_err(|flaw| flaw.in_file(&path))?;

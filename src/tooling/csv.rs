@@ -1,8 +1,10 @@
-//! Cutters in CSV, one in each line under a header: `name,type,diameter_mm,corner_radius_mm,teeth,spindle_speed_rpm,max_feed_per_tooth_mm`,
-//! with `_in` for inches in place of `_mm`; also `number`, `flute_length_mm` and `preset`.
+//! Cutters in CSV, one in each line under a header:
+//! `name,type,diameter_mm,corner_radius_mm,teeth,spindle_speed_rpm,max_feed_per_tooth_mm`, with `_in` for inches in
+//! place of `_mm`; also `number`, `flute_length_mm` and `preset`.
 //!
-//! Columns may come in any order; those with other names are not read. The separator is a comma, a semicolon or a tab, whichever splits
-//! the header; a line `sep=;` before it is read. A decimal comma is read where the comma is not the separator, or in quotation marks.
+//! Columns may be in any order; other columns are not read. The separator of the header is detected: a comma, a
+//! semicolon or a tab; a line `sep=;` before the header states it. A decimal comma is accepted if the comma is not the
+//! separator, or in quotation marks.
 
 use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number};
 use super::fault::{Flaw, LibraryFault, quoted};
@@ -25,7 +27,7 @@ enum Column {
     FluteLength(LengthUnit),
 }
 
-/// The largest table, in bytes: 400 for each of 10,000 tools. It bounds the number of fields, too.
+/// The largest table in bytes: 400 for each of 10,000 tools. It also limits the number of fields.
 const LARGEST: usize = 4 << 20;
 
 /// Reads a table of cutters.
@@ -173,7 +175,7 @@ impl<'a> Row<'a> {
         Ok(ReadTool::Finishing(Box::new(parts.with(cutter, position))))
     }
 
-    /// The first column that `wanted` accepts, and its field, unless that is empty.
+    /// The first column that `wanted` accepts, and its field; `None` if the field is empty.
     fn field(&self, wanted: impl Fn(&Column) -> bool) -> Option<(Column, &'a str)> {
         let mut columns = self.table.columns.iter().zip(self.record).filter_map(|(column, field)| Some(((*column)?, field)));
         columns.find(|(column, _)| wanted(column)).filter(|(_, field)| !field.is_empty())

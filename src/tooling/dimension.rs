@@ -26,7 +26,7 @@ impl LengthUnit {
         Some(Self(mm))
     }
 
-    /// The length of `value` such units; zero or less is out of range.
+    /// A length of `value` units; zero or less is out of range.
     pub(super) fn length(self, value: f64) -> Result<Length, Flaw> {
         Length::from_mm(value * self.0).map_err(|bounds| {
             let expected = format!("a length from {} mm to {} mm", bounds.minimum, bounds.maximum);
@@ -34,14 +34,14 @@ impl LengthUnit {
         })
     }
 
-    /// The same, where 0 means an unknown length.
+    /// A length of `value` units; `None` for 0, which means unknown.
     pub(super) fn length_unless_zero(self, value: f64) -> Result<Option<Length>, Flaw> {
         if value == 0.0 { Ok(None) } else { self.length(value).map(Some) }
     }
 }
 
-/// Reads the whole of `text`, without blanks around it, as a number with a decimal point or a decimal comma. Both together are refused,
-/// because the comma may separate thousands.
+/// Parses `text`, trimmed, as a number with a decimal point or a decimal comma. A text with both is refused, because
+/// the comma may separate thousands.
 pub(super) fn number(text: &str) -> Result<f64, Flaw> {
     let bare = text.trim();
     let wrong = || Flaw::malformed("a number with a decimal point or a decimal comma", quoted(bare));

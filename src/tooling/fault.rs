@@ -19,7 +19,7 @@ pub enum LibraryFaultKind {
     Empty,
 }
 
-/// Why a library was refused.
+/// The reason why a library was refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LibraryFault {
     file: String,
@@ -52,7 +52,7 @@ impl LibraryFault {
         self.flaw.member.as_deref()
     }
 
-    /// What is expected there.
+    /// The expected value.
     #[must_use]
     pub fn expected(&self) -> &str {
         &self.flaw.expected
@@ -99,7 +99,8 @@ impl Flaw {
         Self::new(LibraryFaultKind::OutOfRange, expected, found)
     }
 
-    /// A text that is not JSON, or not the expected JSON. The parser's message quotes what it found, at any length, so it is cut.
+    /// A text that is not JSON, or not the expected JSON. The parser's message quotes the text at any length, so it is
+    /// shortened.
     pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Self {
         let message = error.to_string();
         let place = format!(" at line {} column {}", error.line(), error.column());

@@ -1,5 +1,5 @@
-//! FreeCAD's tools: one tool in each `.fctb` file, JSON with a shape and dimensions as text with a unit; and the `.fctl` list of a
-//! library, which gives them numbers.
+//! FreeCAD's tools: one tool in each `.fctb` file, JSON with a shape and dimensions as text with a unit; and the
+//! `.fctl` list of a library, which gives them numbers.
 
 use super::dimension::{LengthUnit, number_with_unit, shown, teeth, tool_number};
 use super::fault::{Flaw, LibraryFault};
@@ -147,8 +147,8 @@ impl Tool {
 }
 
 impl Parameters {
-    /// The corner radius of a bull-nose cutter, with the member that states it: the corner's radius itself, or the radius of the flat
-    /// bottom, from which the corner radius is DC/2 - FlatRadius.
+    /// The corner radius of a bull-nose cutter, with the member that states it: either the corner radius, or the radius
+    /// of the flat bottom, for which the corner radius is DC/2 - FlatRadius.
     fn corner(&self, diameter: Length) -> Result<(&'static str, Option<Length>, bool), Flaw> {
         for (member, value) in [("parameter.CornerRadius", &self.corner_radius), ("parameter.TorusRadius", &self.torus_radius)] {
             if let Some(radius) = value {

@@ -1,7 +1,9 @@
-//! Autodesk Fusion's tool libraries: JSON with the tools in `data`, each with its type, its unit, its geometry and its presets.
+//! Autodesk Fusion's tool libraries: JSON with the tools in `data`, each with its type, its unit, its geometry and its
+//! presets.
 //!
-//! Each tool is read and dropped before the next, so that memory grows with the finishing cutters alone. A tool's lengths are in its
-//! `unit`; its `holder`, which has another unit, is not read. The preset with "finish" in its name, else the first, gives speed and feed.
+//! Each tool is read and dropped before the next, so that memory grows with the finishing cutters alone. A tool's
+//! lengths are in its `unit`; its `holder`, which has another unit, is not read. The preset with "finish" in its name,
+//! else the first, gives speed and feed.
 
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
 use super::fault::{Flaw, LibraryFault};
@@ -170,7 +172,7 @@ impl Tool {
             _ => return Ok(ReadTool::Other(kind)),
         };
         let geometry = self.geometry.as_ref().ok_or_else(|| Flaw::missing("the geometry of the cutter").of_member("geometry"))?;
-        // A tapered cutter differs in its flank from the straight cutter with the same tip.
+        // The flank of a tapered cutter differs from that of a straight cutter with the same tip.
         if geometry.taper()? != 0.0 {
             return Ok(ReadTool::Other(format!("tapered {kind}")));
         }
@@ -222,7 +224,7 @@ impl Geometry {
 }
 
 impl Preset {
-    /// Speed and feed of the preset. A missing feed per tooth follows from the feed rate: f_z = v_f / (z n).
+    /// Speed and feed of the preset. A missing feed per tooth is computed from the feed rate: f_z = v_f / (z n).
     fn with(&self, parts: ToolParts, unit: LengthUnit) -> Result<ToolParts, Flaw> {
         let number = |member: &str, value: &Option<Scalar>| {
             let value = value.as_ref().map(Scalar::number).transpose();

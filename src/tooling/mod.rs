@@ -1,11 +1,11 @@
-//! Tool libraries read into finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`, and zips of them with their
-//! `.fctl`), and CSV.
+//! Tool libraries read into finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`, and zips of them
+//! with their `.fctl`), and CSV.
 //!
-//! A library is any mix of tools. Ball-end, bull-nose and flat cutters are read; the others are counted by their type. A cutter that
-//! cannot be read is a fault of the whole library, with file, tool and member, because a candidate that is silently missing would
-//! change which cutter is recommended. Lengths are in the unit that each tool states.
+//! A library may have tools of any type. Ball-end, bull-nose and flat cutters are read; the others are counted by their
+//! type. A cutter that cannot be read is a fault of the whole library, with file, tool and member, because a candidate
+//! that is silently missing would change which cutter is recommended. Lengths are in the unit that each tool states.
 //!
-//! The format comes from the content. Nothing grows without bound: see [`MOST_TOOLS`] and the limits in `container`.
+//! The format is detected from the content. Memory is limited: see [`MOST_TOOLS`] and the limits in `container`.
 
 mod container;
 mod csv;
@@ -56,7 +56,8 @@ pub struct ToolLibrary {
 /// A finishing cutter of a library.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LibraryTool {
-    /// The tool's description; where it has none, its product number or its number in the library. At most 100 characters.
+    /// The tool's description; where it has none, its product number or its number in the library. At most 100
+    /// characters.
     pub name: String,
     /// The tool's number in the machine's program.
     pub number: Option<u32>,
@@ -70,13 +71,13 @@ pub struct LibraryTool {
     pub max_feed_per_tooth: Option<Length>,
     /// The length of the cutting edges along the axis.
     pub flute_length: Option<Length>,
-    /// The name of the preset from which speed and feed are taken, where the library has presets: the one with "finish" in its
-    /// name, else the first. At most 100 characters.
+    /// The name of the preset from which speed and feed are taken, where the library has presets: the one with "finish"
+    /// in its name, else the first. At most 100 characters.
     pub preset: Option<String>,
 }
 
 impl ToolLibrary {
-    /// Reads a library. `file_name` names it in faults.
+    /// Reads a library. Faults state `file_name`.
     ///
     /// # Errors
     /// The first [`LibraryFault`] of the library, with its file, tool and member.

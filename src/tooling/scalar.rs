@@ -1,11 +1,11 @@
-//! A number or text in JSON, read without holding anything else.
+//! A JSON number or text; values of other types are skipped without holding them.
 
 use super::dimension::number;
 use super::fault::{Flaw, quoted};
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
-/// The value of a member that should be a number or a text.
+/// The value of a member that is expected to be a number or a text.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Scalar {
     Number(f64),

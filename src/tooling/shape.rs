@@ -1,4 +1,4 @@
-//! The finishing cutter of a shape, a diameter and a corner radius, as libraries state them.
+//! Conversion of a library's shape, diameter and corner radius to a finishing cutter.
 
 use super::dimension::shown;
 use super::fault::Flaw;
@@ -17,12 +17,12 @@ pub(super) enum Shape {
 const BALL_TOLERANCE: f64 = 1e-2;
 
 impl Shape {
-    /// The cutter of this shape. A ball needs no corner radius. A bull-nose cutter whose corner is half the diameter is a ball, and one
-    /// without a corner radius, where it is stated as 0, is flat.
+    /// The cutter of this shape. A ball-end cutter needs no corner radius. A bull-nose cutter with a corner radius of
+    /// half the diameter is a ball-end cutter; one with a stated corner radius of 0 is a flat-end cutter.
     ///
     /// # Errors
-    /// The corner radius is missing on a bull-nose cutter, not half the diameter on a ball, above 0 on a flat cutter, or larger than half
-    /// the diameter.
+    /// The corner radius is missing on a bull-nose cutter, not half the diameter on a ball, above 0 on a flat cutter,
+    /// or larger than half the diameter.
     pub(super) fn cutter(self, diameter: Length, corner_radius: Option<Length>, is_stated: bool) -> Result<Cutter, Flaw> {
         let half = diameter.mm() / 2.0;
         let is_half = |radius: Length| (radius.mm() - half).abs() <= BALL_TOLERANCE * half;
@@ -36,7 +36,7 @@ impl Shape {
             }
             (Self::BullNose, None) if !is_stated => Err(Flaw::missing("the corner radius of a bull nose end mill")),
             (Self::Flat | Self::BullNose, None) => Ok(Cutter::flat_end(diameter)),
-            // Within a rounding of half the diameter.
+            // A corner radius that is half the diameter within the tolerance.
             (Self::BullNose, Some(radius)) if (radius.mm() - half).abs() <= 1e-9 * half => Ok(Cutter::ball_end(diameter)),
             (Self::BullNose, Some(radius)) => Cutter::toroidal(diameter, radius).map_err(|_| {
                 Flaw::out_of_range(format!("a corner radius of at most half the diameter, {}", shown(half)), shown(radius.mm()))

@@ -1,4 +1,4 @@
-//! Batches: columns in the order sent, failures of single contacts, defaults and the values that override them.
+//! Batches: columns in the order sent, failures of single contacts, defaults and their overrides.
 
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, batch_of, longest, shortest, with, without};
 use crate::app::{TestApp, faults};
@@ -15,12 +15,12 @@ fn columns(answer: &Value) -> impl Iterator<Item = (&String, &Vec<Value>)> {
     answer.as_object().unwrap().iter().filter_map(move |(name, column)| Some((name, column.as_array()?)).filter(|_| !beside(name)))
 }
 
-/// The figures of one contact, gathered from the columns, without those that are null.
+/// The figures of one contact from the columns, without nulls.
 fn row(answer: &Value, index: usize) -> Map<String, Value> {
     columns(answer).map(|(name, column)| (name.clone(), column[index].clone())).filter(|(_, value)| !value.is_null()).collect()
 }
 
-/// The figures of a single answer, without the members that a batch has in another form.
+/// The figures of a single answer, without the members that have another form in a batch.
 fn figures(answer: &Value) -> Map<String, Value> {
     let beside = ["model", "check", "warnings"];
     let figures = answer.as_object().unwrap().clone().into_iter();
@@ -73,7 +73,7 @@ async fn of_100_000_contacts_three_faulty_ones_fail_and_the_others_are_answered_
             let nulls: Vec<_> = column.iter().enumerate().filter(|(_, value)| value.is_null()).map(|(index, _)| index).collect();
             assert_eq!((column.len(), nulls.as_slice()), (COUNT, BAD.as_slice()), "{name}");
         }
-        // Around the borders of the runs that are computed together, and around the faulty contacts.
+        // Contacts at the borders of the runs that are computed together, and beside the faulty contacts.
         for index in [0, 16, 18, 1_023, 1_024, 49_999, 50_001, COUNT - 2] {
             assert_eq!(row(&answer, index), figures(&app.answer(path, &single(&body, index)).await), "{path} {index}");
         }
@@ -100,7 +100,7 @@ async fn a_contact_overrides_the_defaults_for_itself_only() {
         contacts.push(angles(40.0, 30.0));
         for model in ["analytic", "envelope"] {
             let body = with(with(batch_of(longest(path)), "/contacts", contacts.clone()), "/model", model);
-            // At -50 mm radial runout and feed leave enough of the tolerance, so that every contact has an answer.
+            // At -50 mm, runout and feed use up only a part of the tolerance, so that every contact has an answer.
             let answer = app.answer(&batch(path), &body).await;
             assert_eq!(answer["failures"], json!([]), "{path}");
             for index in 0..contacts.len() {
@@ -113,7 +113,7 @@ async fn a_contact_overrides_the_defaults_for_itself_only() {
 }
 
 #[tokio::test]
-async fn parameters_may_come_from_the_contacts_alone() {
+async fn parameters_may_be_stated_by_the_contacts_only() {
     let app = TestApp::start().await;
     let contacts = json!([{"slope_deg": 40, "feed_angle_deg": 30, "step_over_mm": 0.5}, angles(40.0, 30.0)]);
     let body = with(without(batch_of(shortest(SCALLOP_HEIGHT)), "/step_over_mm"), "/contacts", contacts);
@@ -198,7 +198,7 @@ async fn infinite_radii_are_null_in_valid_answers() {
     let answer = app.answer(&batch(SCALLOP_HEIGHT), &with(body, "/model", "envelope")).await;
     assert_eq!(answer["failures"], json!([]));
     let nulls: Vec<_> = columns(&answer).filter(|(_, column)| column[0].is_null()).map(|(name, _)| name.as_str()).collect();
-    // 0.687 mm is under the flat's width: no height, so no share of it.
+    // The step-over of 0.687 mm is less than the width of the flat, so the height is 0 and has no share.
     assert_eq!(nulls, ["feed_share", "effective_radius_mm", "transverse_effective_radius_mm"]);
 }
 

@@ -1,4 +1,5 @@
-//! Batches for numerical callers: contacts as columns, a choice of the answer's columns, rounding, and numbers that are not finite.
+//! Batches for numerical callers: contacts as columns, a choice of the answer's columns, rounding, and numbers that are
+//! not finite.
 
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest, with, with_literal, without};
 use crate::app::{Answer, TestApp, faults, figure};
@@ -14,7 +15,7 @@ fn with_contacts(path: &str, contacts: Value) -> Value {
     with(batch_of(shortest(path)), "/contacts", contacts)
 }
 
-/// An answer without the pointers of its faults, in which rows and columns differ.
+/// An answer without the pointers of its faults, which differ between rows and columns.
 fn without_pointers(mut answer: Value) -> Value {
     for failure in answer["failures"].as_array_mut().unwrap() {
         failure["pointer"].take();
@@ -66,7 +67,7 @@ async fn columns_are_answered_as_the_same_contacts_in_rows() {
 }
 
 #[tokio::test]
-async fn vectors_and_principal_curvatures_come_as_columns_of_arrays() {
+async fn vectors_and_principal_curvatures_are_columns_of_arrays() {
     let app = TestApp::start().await;
     let columns = json!({
         "normal": [[-0.64, 0, 0.77], [-0.64, 0], [0, 0, 1]],
@@ -252,7 +253,7 @@ async fn a_batch_without_any_answer_is_refused_with_its_first_hundred_faults() {
         assert_eq!((found.len(), found[0], found[99]), (100, (first, "out-of-range"), (last, "out-of-range")));
         assert_eq!(problem["detail"], "300 faults, the first of them in errors");
     }
-    // A single one gives the problem its type and figures.
+    // A single fault determines the problem's type and figures.
     let one = json!([{"slope_deg": 40, "feed_angle_deg": 30, "surface_curvature": {"across_per_mm": -0.5}}]);
     let problem = app.refusal(&batch(SCALLOP_HEIGHT), &with_contacts(SCALLOP_HEIGHT, one)).await;
     assert_eq!(problem["type"], "gouging");

@@ -91,7 +91,7 @@ async fn a_tilted_tool_is_an_upright_one_in_the_frame_of_its_axis() {
     // A floor, the tool tilted by 40 deg against the feed or across it.
     let (sin, cos) = 40.0_f64.to_radians().sin_cos();
     for path in SINGLES {
-        // Fed along the level line the step-over leaves 30 um.
+        // With a level feed, the step-over leaves 30 um.
         let body = if path == SCALLOP_HEIGHT { shortest(path) } else { with(shortest(path), "/scallop_tolerance_mm", 0.05) };
         for (axis, feed_angle) in [([-sin, 0.0, cos], 0.0), ([0.0, -sin, cos], 90.0)] {
             let upright = app.answer(path, &with(body.clone(), "/contact/feed_angle_deg", feed_angle)).await;

@@ -12,7 +12,7 @@ async fn a_ball_end_cutter_on_a_plane_has_the_closed_form() {
     let expected = (2.0 * (2.0 * radius * tolerance - tolerance * tolerance)).sqrt();
     let body = json!({"cutter": ball_end(2.0 * radius), "contact": angles(30.0, 20.0), "scallop_tolerance_mm": tolerance});
     let answer = app.answer(CUTTING_PARAMETERS, &body).await;
-    // The closed form is that of the parabola near the contact; the whole circle differs by tolerance / radius of it.
+    // The closed form is that of the parabola near the contact; the circle differs by the share tolerance / radius.
     assert_relative_eq!(figure(&answer, "step_over_mm"), expected, max_relative = 2.0 * tolerance / radius);
     assert_relative_eq!(figure(&answer, "feed_per_tooth_mm"), expected, max_relative = 2.0 * tolerance / radius);
     assert_eq!(answer["limited_by"], json!(["scallop_tolerance"]));

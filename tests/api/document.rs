@@ -1,5 +1,5 @@
-//! The OpenAPI document compared with the service: the committed file is the generated one, its examples hold, requests and answers
-//! fit its schemas, and its members are those that the service accepts.
+//! The OpenAPI document compared with the service: the committed file is the generated one, its examples hold, requests
+//! and answers fit its schemas, and its members are those that the service accepts.
 
 use std::collections::BTreeSet;
 
@@ -45,8 +45,8 @@ pub(super) fn problem_of<'a>(operation: &'a Value, status: &str) -> &'a Value {
     &operation["responses"][status]["content"]["application/problem+json"]["schema"]
 }
 
-/// Asserts that `found` is `expected`, with numbers to a relative 1e-12: twenty functions of the system's mathematical library
-/// may each differ by some roundings of 1e-16, and a deviation of a tenth has ten times their relative error.
+/// Asserts that `found` is `expected`, with numbers to a relative 1e-12: twenty functions of the system's mathematical
+/// library may each differ by some roundings of 1e-16, and a deviation of a tenth has ten times their relative error.
 pub(super) fn assert_same(found: &Value, expected: &Value, place: &str) {
     match (found, expected) {
         (Value::Number(a), Value::Number(b)) => {
@@ -126,7 +126,7 @@ fn answered(path: &str) -> Vec<Value> {
         bodies.push(floor);
         bodies.push(with(without(shortest(path), "/step_over_mm"), "/step_over_xy_mm", 0.5));
     }
-    // The flat end's sharp marks need more room than the others'.
+    // The sharp marks of the flat end need more tolerance than those of the others.
     bodies.into_iter().map(|body| if path == SCALLOP_HEIGHT { body } else { with(body, "/scallop_tolerance_mm", 0.04) }).collect()
 }
 
@@ -226,7 +226,7 @@ async fn the_members_of_each_schema_are_those_that_the_service_accepts() {
         let top = schema(&document, &document["paths"][&path]["post"]);
         assert_eq!(known_at(&path, batch_of(longest(single)), "").await, properties(top), "{path}");
         let contacts = json!([{"slope_deg": 40, "feed_angle_deg": 30, "zz": 1}, {"normal": [0, 0.5, 1], "feed": [1, 0, 0], "zz": 1}]);
-        // None of the contacts has an answer, so that the batch has none.
+        // No contact has an answer, so the batch has none.
         let problem = app.refusal(&path, &with(batch_of(shortest(single)), "/contacts", contacts)).await;
         let forms = top["properties"]["contacts"]["oneOf"].as_array().unwrap();
         for (index, item) in forms[0]["items"]["oneOf"].as_array().unwrap().iter().enumerate() {
@@ -285,7 +285,7 @@ async fn a_problem_has_the_members_that_the_schema_of_its_type_names_and_no_othe
 }
 
 #[test]
-fn each_type_of_refusal_has_one_schema() {
+fn each_type_of_problem_has_one_schema() {
     let document = document();
     let schemas = &document["components"]["schemas"];
     let mut seen = BTreeSet::new();

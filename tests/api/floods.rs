@@ -1,4 +1,5 @@
-//! Requests with very many faulty contacts, members and parts: answers list a bounded number of faults and count the rest.
+//! Requests with very many faulty contacts, members and parts: answers list a bounded number of faults and count the
+//! rest.
 
 use serde_json::{Value, json};
 
@@ -30,7 +31,7 @@ async fn the_first_thousand_failures_are_listed_and_all_are_counted() {
 }
 
 #[tokio::test]
-async fn a_contact_of_many_unknown_members_lists_a_few_of_them() {
+async fn of_many_unknown_members_of_a_contact_a_few_are_listed() {
     let app = TestApp::start().await;
     let flood: serde_json::Map<_, _> = (0..256).map(|index| (format!("m{index}"), json!(0))).collect();
     let body = batch(&[flood.into(), valid()]);

@@ -17,7 +17,8 @@ async fn the_published_feed_rates_follow_from_the_heights_that_they_leave() {
         let body = with(with(body, "/scallop_tolerance_mm", left["scallop_height_mm"].clone()), "/spindle_speed_rpm", 10_000);
         let answer = app.answer(MAX_FEED, &body).await;
         let feed = feeds.iter().find(|feed| feed["feed_per_tooth_mm"] == row["feed_per_tooth_mm"]).unwrap();
-        // The tolerance is 10 um and carries a rounding of 2e-18 mm; the feed's share is 0.047 um at least, so 4e-14 of it.
+        // The tolerance of 10 um has a rounding error of 2e-18 mm, and the feed height is at least 0.047 um, so the
+        // relative error is 4e-14.
         assert_relative_eq!(figure(&answer, "feed_per_tooth_mm"), figure(feed, "feed_per_tooth_mm"), max_relative = 1e-12);
         assert_relative_eq!(figure(&answer, "feed_rate_mm_min"), figure(feed, "feed_rate_mm_min"), max_relative = 1e-12);
         assert_eq!(answer["limited_by"], "scallop_tolerance");
@@ -86,7 +87,7 @@ async fn runout_that_uses_up_the_tolerance_is_refused() {
     let problem = app.refusal(MAX_FEED, &body).await;
     assert_eq!(faults(&problem), [("/runout", "tolerance-exceeded-by-runout")]);
     assert_eq!(problem["type"], "tolerance-exceeded-by-runout");
-    // With the cutter's exact shape the deepest teeth alone make the surface, however far the others stand back.
+    // With the cutter's exact shape, the deepest teeth alone can make the surface, whatever the runout of the others.
     let exact = app.answer(MAX_FEED, &with(body, "/model", "envelope")).await;
     assert_eq!(exact["limited_by"], "scallop_tolerance");
 }

@@ -1,4 +1,5 @@
-//! The HTTP contract as a client sees it: the whole service runs in-process on a free port and is called by an HTTP client.
+//! The HTTP contract as a client sees it: the whole service runs in-process on a free port and is called by an HTTP
+//! client.
 
 mod batch;
 mod columns;

@@ -65,7 +65,7 @@ async fn run(app: &TestApp, command: &str) -> Value {
     selected(command, answer)
 }
 
-/// The members of `answer` that a command passes on with `| jq '{name, ...}'`; all of it where it passes on the whole.
+/// The members of `answer` that a command selects with `| jq '{name, ...}'`, or the whole answer.
 fn selected(command: &str, answer: Value) -> Value {
     let Some((_, names)) = command.split_once("| jq '{") else { return answer };
     let names = names.split_once("}'").unwrap().0.split(',').map(str::trim);

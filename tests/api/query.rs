@@ -1,4 +1,5 @@
-//! `GET` on the single calculations: the same members as a query, the same answers, and faults that point to the query's parameters.
+//! `GET` on the single calculations: the same members as a query, the same answers, and faults that point to the
+//! query's parameters.
 
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, longest, shortest, with, without};
 use crate::app::{Answer, TestApp};

@@ -1,4 +1,4 @@
-//! Basic requests, which the tests modify.
+//! Basic requests of the calculations, which the tests modify.
 
 use serde_json::{Value, json};
 
@@ -65,7 +65,7 @@ pub(crate) fn without(mut body: Value, pointer: &str) -> Value {
     body
 }
 
-/// The pointers of all members of `body`, objects and what is in them.
+/// The pointers of all members of `body`, including those of nested objects.
 pub(crate) fn members(body: &Value) -> Vec<String> {
     let mut found = Vec::new();
     for (name, value) in body.as_object().into_iter().flatten() {

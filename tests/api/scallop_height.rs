@@ -1,5 +1,5 @@
 //! `POST /v1/scallop-height`: published heights, and the envelope's heights.
-#![allow(clippy::float_cmp)] // exact where compared for equality: nothing, or the same computation twice
+#![allow(clippy::float_cmp)] // compared for equality only where exact: 0, or the same computation twice
 
 use crate::api::requests::{SCALLOP_HEIGHT, angles, ball_end, shortest, toroidal, with};
 use crate::app::{TestApp, faults, figure, warnings};
@@ -80,8 +80,8 @@ async fn a_ball_end_leaves_its_published_heights() {
     }
 }
 
-/// Slope and feed angle in deg, step-over in mm, and the heights of the two models in um, for R = 5 mm and r = 2 mm. The envelope's were
-/// found by simulating the cutter.
+/// Slope and feed angle in deg, step-over in mm, and the heights of the two models in um, for R = 5 mm and r = 2 mm.
+/// The envelope's are from a simulation of the cutter.
 const BOTH_MODELS: [(f64, f64, f64, f64, f64); 9] = [
     (40.0, 0.0, 0.73, 9.999, 10.006),
     (40.0, 90.0, 0.4, 10.025, 10.025),
@@ -170,7 +170,7 @@ async fn vectors_of_any_length_are_answered_like_angles() {
     let app = TestApp::start().await;
     let body = shortest(SCALLOP_HEIGHT);
     let expected = app.answer(SCALLOP_HEIGHT, &body).await;
-    // S = 40 deg down-hill to +X; seen from above the feed is 30 deg from there, and follows the surface: n . F = 0.
+    // S = 40 deg down-hill to +X; seen from above, the feed is at 30 deg to it, and it lies in the surface: n . F = 0.
     let (s, a) = (40_f64.to_radians(), 30_f64.to_radians());
     let contact = json!({
         "normal": [7.0 * s.sin(), 0.0, 7.0 * s.cos()],

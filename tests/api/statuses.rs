@@ -1,4 +1,4 @@
-//! Every status that the document lists for an operation is obtained from it, and is a problem where it is an error.
+//! Every status that the document lists for an operation occurs, and errors are problems.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -19,7 +19,7 @@ async fn half_a_request(app: &TestApp, path: &str) -> TcpStream {
     stream
 }
 
-/// The status of an operation's answer under the conditions in which it should be `wanted`.
+/// The status of an operation's answer under conditions that must give the status `wanted`.
 async fn obtain(wanted: u16, path: &str) -> u16 {
     let single = path.trim_end_matches("/batch");
     let body = if single == path { shortest(single) } else { batch_of(shortest(single)) };
@@ -40,7 +40,8 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
         }
         422 => TestApp::start().await.post_text(path, "{}").await.status,
         500 => {
-            // No request causes this, but a panic in a handler does; a handler that panics takes the operation's place.
+            // No request causes this status, only a panic in a handler, so a handler that panics replaces the
+            // operation.
             let failing = post(async || -> &'static str { panic!("a fault, on purpose") });
             let app = TestApp::serve(defaults(), Routes::new().undocumented(RouteClass::Single, path, failing)).await;
             app.send(path, body.to_string()).await.status().as_u16()
@@ -54,7 +55,7 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
                 if answer.status() == 503 {
                     assert!(answer.headers().contains_key("retry-after"));
                 }
-                // Until the half request has arrived, this one may take its place.
+                // Until the half request has arrived, this request may take its permit.
                 if answer.status() == 503 || tokio::time::Instant::now() > deadline {
                     return answer.status().as_u16();
                 }
@@ -125,7 +126,7 @@ async fn every_documented_status_of_the_queries_is_obtained() {
         let _occupy_both_places = (half_a_request(&app, path).await, half_a_request(&app, path).await);
         let deadline = tokio::time::Instant::now() + PATIENCE;
         while obtained("").await != 503 {
-            // Until the half requests have arrived, this one may take a place.
+            // Until the half requests have arrived, this request may take a permit.
             assert!(tokio::time::Instant::now() < deadline, "{path}");
         }
         let failing = get(async || -> &'static str { panic!("a fault, on purpose") });

@@ -52,7 +52,7 @@ async fn a_tolerance_above_every_scallop_sets_no_limit() {
     let app = TestApp::start().await;
     let problem = app.refusal(STEP_OVER, &with(shortest(STEP_OVER), "/scallop_tolerance_mm", 50)).await;
     assert_eq!(faults(&problem), [("/scallop_tolerance_mm", "tolerance-sets-no-limit")]);
-    // Twice the effective radius is 11.807 mm, but seen from above no step-over is wider than the cutter: 10 mm over sqrt(1 -
-    // sin^2(40) sin^2(30)).
+    // Twice the effective radius is 11.807 mm, but seen from above no step-over is wider than the cutter: 10 mm over
+    // sqrt(1 - sin^2(40) sin^2(30)).
     assert_abs_diff_eq!(figure(&problem, "largest_step_over_mm"), 10.5603, epsilon = 1e-4);
 }

@@ -1,4 +1,4 @@
-//! Warnings: present where an assumption of the model is near its limit, and nowhere else.
+//! Warnings: present if an assumption of the model is near its limit, and only then.
 
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, batch_of, shortest, toroidal, with};
 use crate::app::{TestApp, warnings};
@@ -94,7 +94,8 @@ async fn the_analytic_model_gives_a_warning_where_the_cutter_leaves_5_percent_mo
 #[tokio::test]
 async fn a_pass_without_an_envelope_height_has_a_warning_and_no_check() {
     let app = TestApp::start().await;
-    // Fed along the level line of 5 deg, TR_eff is 36 mm: marks 12 mm apart overlap as circles, those of the cutter of 10 mm do not.
+    // With a level feed at 5 deg, TR_eff is 36 mm: marks 12 mm apart overlap as circles, but not those of the cutter of
+    // 10 mm.
     let body = json!({"cutter": toroidal(), "contact": angles(5.0, 90.0), "step_over_mm": 0.7, "feed_per_tooth_mm": 12});
     let answer = app.answer(SCALLOP_HEIGHT, &body).await;
     assert!(warnings(&answer).contains(&"outside-analytic-range"));

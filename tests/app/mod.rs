@@ -1,4 +1,4 @@
-//! The whole service in-process on a free port, and a client.
+//! The test application: the whole service in-process on a free port, with a client.
 
 use std::io::Write;
 use std::net::SocketAddr;
@@ -13,7 +13,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
-/// Longer than any request of a test takes on a slow machine.
+/// The client's time-out, longer than any request of a test takes on a slow machine.
 pub(crate) const PATIENCE: Duration = Duration::from_mins(1);
 
 /// The settings of a service that is started without arguments.
@@ -22,7 +22,7 @@ pub(crate) fn defaults() -> Settings {
     *settings
 }
 
-/// A running service. Dropped, it stops.
+/// A running service, which stops when it is dropped.
 pub(crate) struct TestApp {
     pub(crate) address: SocketAddr,
     pub(crate) state: AppState,
@@ -31,7 +31,7 @@ pub(crate) struct TestApp {
     served: JoinHandle<std::io::Result<()>>,
 }
 
-/// A status with its JSON.
+/// The status and the JSON of an answer.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
@@ -39,7 +39,7 @@ pub(crate) struct Answer {
 }
 
 impl TestApp {
-    /// Starts the service as it is without arguments.
+    /// Starts the service with the default settings.
     pub(crate) async fn start() -> Self {
         Self::start_with(|_| {}).await
     }
@@ -69,7 +69,7 @@ impl TestApp {
         Self { address, state, client, stop: Some(stop), served }
     }
 
-    /// Tells the service to stop.
+    /// Starts the service's shutdown.
     pub(crate) fn stop(&mut self) {
         self.stop.take().expect("stopped once").send(()).unwrap();
     }
@@ -162,7 +162,7 @@ impl TestApp {
 }
 
 impl Answer {
-    /// Reads an answer. No request of a test may make the service fail, and an error must be a problem with the status of the
+    /// Reads an answer. No request may cause a status of 500, and an error must be a problem with the status of the
     /// status line.
     pub(crate) async fn of(response: reqwest::Response) -> Self {
         let status = response.status().as_u16();

@@ -65,7 +65,7 @@ def main(document, base_url):
             expected = operation["responses"]["200"]["content"].get("application/json", {}).get("example")
             if expected is not None:
                 alike(expected, json.loads(response.content), path)
-                # What the client made of the answer, written back, is the answer.
+                # The client's answer, written as JSON again, equals the answer.
                 alike(expected, response.parsed.to_dict(), f"{path} as parsed")
             called += 1
     refused(client)

@@ -1,4 +1,4 @@
-"""Sends and reads the objects that datamodel-code-generator makes of the OpenAPI document.
+"""Sends and reads objects of the classes that datamodel-code-generator generates from the OpenAPI document.
 
 Usage: check_models.py OPENAPI_JSON BASE_URL, with the generated module `scallopd_models` on the path.
 """
@@ -53,7 +53,7 @@ def upload(base_url: str, document: Any) -> None:
 
 
 def optional_is_not_nullable() -> None:
-    """A member that may be absent is told from one that may be null."""
+    """A member that may be absent is distinguished from one that may be null."""
     fields = models.ScallopHeightRequest.model_fields
     assert MISSING in get_args(fields["feed_per_tooth_mm"].annotation) and type(None) not in get_args(
         fields["feed_per_tooth_mm"].annotation

@@ -1,6 +1,7 @@
-//! Heights and both inverses are continuous: they do not jump between inputs that differ by roundings.
+//! Heights and both inverses are continuous: they do not jump between inputs that differ by rounding errors.
 //!
-//! The default run has 4,000 pairs. This command runs 100,000: `SCALLOPD_PAIRS=100000 cargo test --release --test integration continuity`
+//! The default run has 4,000 pairs. This command runs 100,000:
+//! `SCALLOPD_PAIRS=100000 cargo test --release --test integration continuity`
 
 use crate::laws::passes::mm;
 use proptest::test_runner::{Config, TestRunner};
@@ -18,7 +19,8 @@ fn quarter_turn() -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 1 => Just(90.0), 1 => near.clone(), 1 => near.prop_map(|offset| 90.0 - offset), 4 => 0.0..90.0_f64]
 }
 
-/// Slopes next to a wall are left out: on a wall every alpha but that of the level feed means the vertical feed, so roundings count there.
+/// Slopes next to a wall are left out: on a wall every alpha but that of the level feed means the vertical feed, so
+/// roundings count there.
 fn slopes() -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 1 => (0..40_i32).prop_map(|power| 10.0_f64.powf(-f64::from(power) / 2.5)), 5 => 0.0..89.0_f64]
 }
@@ -47,8 +49,8 @@ fn heights_are_continuous_in_slope_direction_step_over_and_feed() {
             let mut beside = here;
             beside[moved] = if here[moved] > 1.0 { here[moved].next_down() } else { here[moved].next_up() };
             if let (Ok(height), Ok(next)) = (find(here), find(beside)) {
-                // A rounding of an angle of 90 deg, 1.4e-14 deg, moves places 20 mm away by 5e-15 mm, which at 89 deg counts 57
-                // times; searches end within some roundings of h.
+                // A rounding of an angle of 90 deg, 1.4e-14 deg, moves places 20 mm away by 5e-15 mm, which at 89 deg
+                // counts 57 times; searches end within some roundings of h.
                 prop_assert!((height - next).abs() <= 1e-11 * height + 1e-12, "{height} and {next} at {here:?}, {beside:?}, {cutter:?}");
             }
             Ok(())
@@ -101,8 +103,9 @@ fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
                 prop_assert!((height - next).abs() <= 1e-11 * height + 1e-12, "{height} and {next} at {here:?}, {beside:?}, {cutter:?}");
                 for (one, other) in inverses.into_iter().zip(next_inverses).flat_map(|(a, b)| [(a.0, b.0), (a.1, b.1)]) {
                     if let (Ok(one), Ok(other)) = (one, other) {
-                        // Short feeds and step-overs, on which the height hardly depends, are left out. At a largest feed f the
-                        // height has a slope of the order f/R, so that roundings of 1e-12 of h count as 1e-12 h R/f^2 of f.
+                        // Short feeds and step-overs, on which the height hardly depends, are left out. At a largest
+                        // feed f the height has a slope of the order f/R, so that roundings of 1e-12 of h count as
+                        // 1e-12 h R/f^2 of f.
                         let room = 1e-9 * one + 1e-11 * outer;
                         prop_assert!(
                             (one - other).abs() <= room || one.min(other) < 0.03 * outer,

@@ -41,8 +41,8 @@ fn bent(cutter: Cutter, (shares, turn): ([f64; 2], f64)) -> SurfaceCurvature {
     SurfaceCurvature::from_principal_per_mm(shares.map(|share| share / cutter.outer_radius().mm()), angle(turn)).unwrap()
 }
 
-/// The curvature of a surface in the axes of a feed that is turned by `degrees` in the tangent plane: both principal directions
-/// turn the other way.
+/// The curvature of a surface in the axes of a feed that is turned by `degrees` in the tangent plane: both principal
+/// directions turn the other way.
 fn turned(principal: [f64; 2], direction: f64, degrees: f64) -> SurfaceCurvature {
     SurfaceCurvature::from_principal_per_mm(principal, angle(direction - degrees)).unwrap()
 }
@@ -50,7 +50,8 @@ fn turned(principal: [f64; 2], direction: f64, degrees: f64) -> SurfaceCurvature
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Surfaces with radii from 1e9 mm on differ from a plane over 20 mm by 2e-7 mm at the most, and by s^2/(8 radius) at the ridge.
+    /// Surfaces with radii from 1e9 mm on differ from a plane over 20 mm by 2e-7 mm at the most, and by s^2/(8 radius)
+    /// at the ridge.
     #[test]
     fn heights_tend_to_those_of_the_plane(
         cutter in all_cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), s in 0.02..0.5_f64, f in 0.01..0.3_f64, turn in 0.0..180.0_f64,
@@ -70,8 +71,8 @@ proptest! {
         }
     }
 
-    /// The height depends neither on the form of the curvature, nor on the sense of the feed, nor on a reflection in the plane of
-    /// normal and steepest line. Sharp edges are left out: see `the_inverses_leave_the_tolerance`.
+    /// The height depends neither on the form of the curvature, nor on the sense of the feed, nor on a reflection in
+    /// the plane of normal and steepest line. Sharp edges are left out: see `the_inverses_leave_the_tolerance`.
     #[test]
     fn curvature_may_be_stated_by_components_or_by_principal_directions(
         cutter in cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.01..0.2_f64,
@@ -108,8 +109,8 @@ proptest! {
         assert_relative_eq!(one, other, max_relative = 1e-10);
     }
 
-    /// The relative curvature lambda belongs to the contact, not to the feed: a feed turned in the tangent plane, with the
-    /// curvature stated in its axes, has the same lambda.
+    /// The relative curvature lambda belongs to the contact, not to the feed: a feed turned in the tangent plane, with
+    /// the curvature stated in its axes, has the same lambda.
     #[test]
     fn the_relative_curvature_does_not_depend_on_the_feed(
         cutter in all_cutters(), slope in 5.0..85.0_f64, bend in bends(), theta in 0.0..180.0_f64, turn in 0.0..180.0_f64,
@@ -142,9 +143,9 @@ proptest! {
         }
     }
 
-    /// The height at both inverses is the tolerance. An inverse whose part of the height is under a thousandth is not compared to
-    /// 1e-9. Cutters with a sharp edge are left out: on a surface that is concave along the feed their section has two lobes, of
-    /// which the search finds either.
+    /// The height at both inverses is the tolerance. An inverse whose part of the height is under a thousandth is not
+    /// compared to 1e-9. Cutters with a sharp edge are left out: on a surface that is concave along the feed their
+    /// section has two lobes, of which the search finds either.
     #[test]
     fn the_inverses_leave_the_tolerance(
         cutter in cutters(), slope in 10.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.02..0.2_f64,
@@ -152,11 +153,12 @@ proptest! {
         let Ok(evaluated) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let Ok(found) = evaluated.scallop_height(mm(s), Some(mm(f))) else { return Ok(()) };
-        // In a close fit (and near the floor, at slopes that are left out) the section has lobes beside the contact, and the
-        // step-over found can be that of the first ridge, which is narrower.
+        // In a close fit (and near the floor, at slopes that are left out) the section has lobes beside the contact,
+        // and the step-over found can be that of the first ridge, which is narrower.
         prop_assume!(evaluated.relative_curvature() > 0.6);
         prop_assume!(found.feed.mm() > 1e-3 * found.total().mm() && found.step_over.mm() > 1e-3 * found.total().mm());
-        // Where a concave surface meets the flat or the side, an inverse can come from a polygon, which is narrower by a few percent.
+        // Where a concave surface meets the flat or the side, an inverse can come from a polygon, which is narrower by
+        // a few percent.
         let is_concave = evaluated.pass().surface.principal_per_mm()[1] < 0.0;
         let comes_back = |back: f64, value: f64| (back / value - 1.0).abs() <= 1e-9 || is_concave && (0.97 * value..value).contains(&back);
         let (step_over, feed) = (evaluated.max_step_over(found.total(), Some(mm(f))), evaluated.max_feed_per_tooth(found.total(), mm(s)));
@@ -164,8 +166,8 @@ proptest! {
         prop_assert!(comes_back(feed.unwrap().mm(), f), "{feed:?} {f}");
     }
 
-    /// Circles of the radius R placed on a sphere, s apart and f apart, meet over the middle of the rectangle between them. Model
-    /// `envelope` has the same height to second order, so that the difference is of the fourth order.
+    /// Circles of the radius R placed on a sphere, s apart and f apart, meet over the middle of the rectangle between
+    /// them. Model `envelope` has the same height to second order, so that the difference is of the fourth order.
     #[test]
     fn a_ball_end_cutter_on_a_sphere_agrees_with_placed_spheres(
         radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, alpha in feed_angles(), share in 0.01..0.1_f64, marks in 0.01..0.1_f64,
@@ -174,19 +176,20 @@ proptest! {
         let (cutter, rho) = (Cutter::ball_end(mm(2.0 * radius)), roundness * radius);
         let surface = SurfaceCurvature::from_components_per_mm(rho.recip(), rho.recip(), 0.0).unwrap();
         let found = height(&envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), surface)).unwrap(), share * radius, marks * radius).unwrap();
-        // The middle is half a diagonal from each contact; its centre is rho + R from the sphere's.
+        // The middle is half a diagonal from each contact; the cutter's centre is rho + R from the sphere's.
         let half = share.hypot(marks) * radius / 2.0;
         let (sin, cos) = (half / rho, (1.0 - (half / rho).powi(2)).sqrt());
         let (aside, up) = ((rho + radius) * sin, (rho + radius) * cos);
         let exact = up - (radius * radius - aside * aside).sqrt() - rho;
-        // The parabola and the circle differ by half^4 / 8 of the cube of the radii; the roundings of rho + R count for small heights.
+        // The parabola and the circle differ by half^4 / 8 of the cube of the radii; the roundings of rho + R count for
+        // small heights.
         let smallest = radius.min(rho.abs());
         prop_assert!((found - exact).abs() <= 2.0 * half.powi(4) / smallest.powi(3) + 1e-14 * rho.abs(), "{found} {exact}");
     }
 
-    /// [Segonds 2017, eq. 9-12] is the law of cosines in the plane across the feed. Down the slope or along it, with the surface
-    /// curved across the feed alone, the groove is symmetric, and both agree as long as a circle approximates the cutter: the
-    /// differences are of the order s^2/R^2.
+    /// [Segonds 2017, eq. 9-12] is the law of cosines in the plane across the feed. Down the slope or along it, with
+    /// the surface curved across the feed alone, the groove is symmetric, and both agree as long as a circle
+    /// approximates the cutter: the differences are of the order s^2/R^2.
     #[test]
     fn a_cylinder_across_the_feed_agrees_with_the_published_formula(
         outer in 1.0..10.0_f64, ratio in 0.1..1.0_f64, slope in 15.0..70.0_f64, across in prop::bool::ANY, share in 1e-3..0.03_f64,
@@ -198,12 +201,13 @@ proptest! {
         let pass = on(cutter, contact, SurfaceCurvature::from_radius_mm(roundness * largest).unwrap());
         let s = share * cutter.corner_radius().mm();
         let [published, found] = [Model::Analytic, Model::Envelope].map(|model| height(&EvaluatedPass::new(model, pass).unwrap(), s, 0.0).unwrap());
-        // The profile's curvature changes by tan(70 deg) = 2.7 times s/r, whose odd part cancels between the flanks; its square
-        // stays, on a relative curvature of 2/3 of the cutter's or more.
+        // The profile's curvature changes by tan(70 deg) = 2.7 times s/r, whose odd part cancels between the flanks;
+        // its square stays, on a relative curvature of 2/3 of the cutter's or more.
         assert_relative_eq!(found, published, max_relative = 40.0 * share * share + 1e-9);
     }
 
-    /// A contact of a tilted tool is the contact of the upright one in the tool's frame. Sharp edges are left out, as above.
+    /// A contact of a tilted tool is the contact of the upright one in the tool's frame. Sharp edges are left out, as
+    /// above.
     #[test]
     fn a_tilted_tool_leaves_the_height_of_the_upright_one(
         cutter in cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.01..0.2_f64,
@@ -260,8 +264,8 @@ fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
     }
 }
 
-/// At the stated smallest radius lambda is 0: a larger one is refused, if at all, because the cutter cuts in beside the contact, for which no
-/// radius is stated.
+/// At the stated smallest radius lambda is 0: a larger one is refused, if at all, because the cutter cuts in beside the
+/// contact, for which no radius is stated.
 #[test]
 fn beyond_the_stated_smallest_radius_the_cutter_fits_near_the_contact() {
     for slope in [10.0, 20.0, 40.0, 60.0, 80.0] {
@@ -295,7 +299,8 @@ fn level_troughs_gouge_away_from_the_contact() {
     }
 }
 
-/// A wide step-over on a concave surface is not gouging: a smaller one has an answer, and the reason is the distance of the passes.
+/// A wide step-over on a concave surface is not gouging: a smaller one has an answer, and the reason is the distance of
+/// the passes.
 #[test]
 fn passes_too_far_apart_on_a_concave_surface_do_not_gouge() {
     let pass = on(toroidal(6.0, 1.0 / 6.0), Contact::from_degrees(80.0, 20.0).unwrap(), SurfaceCurvature::from_radius_mm(-60.0).unwrap());

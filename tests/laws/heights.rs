@@ -1,12 +1,12 @@
-//! Laws of heights: symmetry, limits, monotony, and the height on a curved surface by another route.
+//! Laws of heights: symmetry, limits, monotony, and the height on a curved surface by an independent method.
 
 use crate::laws::passes::{BOTH, at, curved, evaluated, feed_angles, has_lobes, height, mm, passes, plane_passes, slopes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, StepOver, SurfaceCurvature};
 
-/// Normal and feed of a contact in a frame turned about the tool axis, from the definition of the angles: the slope tilts the normal
-/// down-hill, and the feed, seen from above at `alpha` from down-hill, follows the surface.
+/// Normal and feed of a contact in a frame turned about the tool axis, from the definition of the angles: the slope
+/// tilts the normal down-hill, and the feed, seen from above at `alpha` from down-hill, follows the surface.
 fn vectors(slope: f64, alpha: f64, turn: f64) -> ([f64; 3], [f64; 3]) {
     let [s, a, t] = [slope, alpha, turn].map(f64::to_radians);
     let normal = [s.sin() * t.cos(), s.sin() * t.sin(), s.cos()];
@@ -32,8 +32,9 @@ fn assert_same_heights(a: Pass, b: Pass, step_over: f64, feed: f64, epsilon: f64
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// 1e-12: the angles in degrees carry a rounding of 3e-14 deg when 180 is added, and effective radii change by some multiples of
-    /// that, more towards walls, where slopes of 89.9 deg magnify it by a few hundred. Hence slopes of up to 89 deg.
+    /// 1e-12: the angles in degrees carry a rounding of 3e-14 deg when 180 is added, and effective radii change by some
+    /// multiples of that, more towards walls, where slopes of 89.9 deg magnify it by a few hundred. Hence slopes of up
+    /// to 89 deg.
     #[test]
     fn the_feeds_sign_and_sense_do_not_matter(pass in passes(), slope in 1.0..89.0_f64, alpha in feed_angles(), step_over in 0.02..0.6_f64, feed in 0.0..0.2_f64) {
         for same in [alpha + 180.0, alpha - 180.0, -alpha] {
@@ -60,8 +61,9 @@ proptest! {
         }
     }
 
-    /// The steps are up to a fifth of the diameter each, together 0.283 of it: half of that is seen from the ball's centre under
-    /// asin(0.283) = 16.4 deg, so that up to 70 deg the cutter's side, which the envelope includes, does not matter.
+    /// The steps are up to a fifth of the diameter each, together 0.283 of it: half of that is seen from the ball's
+    /// centre under asin(0.283) = 16.4 deg, so that up to 70 deg the cutter's side, which the envelope includes, does
+    /// not matter.
     #[test]
     fn a_ball_ends_height_does_not_depend_on_slope_and_direction(diameter in 1.0..20.0_f64, slope in 0.0..70.0_f64, wall in slopes(), alpha in feed_angles(), s in 0.01..0.2_f64, f in 0.01..0.2_f64) {
         let contact = Contact::from_degrees(0.0, 0.0).unwrap();
@@ -72,8 +74,8 @@ proptest! {
         assert_relative_eq!(analytic(floor), analytic(at(floor, wall, alpha)), max_relative = 1e-14);
     }
 
-    /// The surface falls by at most s^2 / (2 rho) over a step-over, and the envelope's height changes by at most as much; with a
-    /// circle in place of the cutter by less.
+    /// The surface falls by at most s^2 / (2 rho) over a step-over, and the envelope's height changes by at most as
+    /// much; with a circle in place of the cutter by less.
     #[test]
     fn a_curved_surface_tends_to_a_plane_as_its_radius_grows(pass in plane_passes(), share in 0.01..1.0_f64, sign in prop_oneof![Just(1.0), Just(-1.0)]) {
         let radius = evaluated(Model::Analytic, pass).effective_radius().unwrap().mm();
@@ -88,7 +90,8 @@ proptest! {
                         let most = 1.01 * s * s / (2.0 * rho) + 1e-12 * flat;
                         prop_assert!((bent - flat).abs() <= most, "{model:?} {rho}: {bent} {flat}");
                     }
-                    // Into a wall that is concave along its steepest line the cutter's straight side gouges, whatever the radius.
+                    // Into a wall that is concave along its steepest line the cutter's straight side gouges, whatever
+                    // the radius.
                     Err(NoAnswer::Gouges { smallest_radius: None }) if pass.contact.slope().cos() == 0.0 => prop_assert!(sign < 0.0),
                     // The cutter's side leaves less than the depth of the hollow.
                     Err(_) => prop_assert!(sign < 0.0 && flat <= 1.01 * s * s / (2.0 * rho), "{model:?} {rho}"),
@@ -103,8 +106,8 @@ proptest! {
             let Ok(evaluated) = EvaluatedPass::new(model, pass) else { continue };
             let has_lobes = model == Model::Envelope && has_lobes(&pass);
             let Ok(low) = height(&evaluated, s, f) else { continue };
-            // On a wall the cylinder leaves no height along its axis, and little near it, so that heights there must only not
-            // fall, within the roundings of the search.
+            // On a wall the cylinder leaves no height along its axis, and little near it, so that heights there must
+            // only not fall, within the roundings of the search.
             let near_wall = pass.contact.slope().degrees() > 85.0;
             let rises = |model, low: f64, high: f64| {
                 high > low || (model == Model::Envelope && near_wall && high >= low * (1.0 - 1e-12)) || (has_lobes && high >= 0.95 * low)
@@ -136,7 +139,8 @@ proptest! {
 
     #[test]
     fn the_step_over_seen_from_above_is_the_projection_of_the_one_along_the_surface(turn in 0.0..360.0_f64, slope in 1.0..89.0_f64, alpha in feed_angles(), d in 0.01..1.0_f64) {
-        // The step from pass to pass is perpendicular to the normal and the feed; seen from above, its component across the feed counts.
+        // The step from pass to pass is perpendicular to the normal and the feed; seen from above, its component across
+        // the feed counts.
         let (n, f) = vectors(slope, alpha, turn);
         let step = [n[1] * f[2] - n[2] * f[1], n[2] * f[0] - n[0] * f[2], n[0] * f[1] - n[1] * f[0]];
         let length = step.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -147,8 +151,8 @@ proptest! {
         assert_relative_eq!(s * across / length, d, max_relative = 1e-12);
     }
 
-    /// Circles of radius `R_eff` that touch the curved surface s apart meet at h1 above it. Here they are placed in the plane and their
-    /// meeting is found by halving the distance from the surface on the line of symmetry, with no law of cosines.
+    /// Circles of radius `R_eff` that touch the curved surface s apart meet at h1 above it. Here they are placed in the
+    /// plane, and their intersection on the line of symmetry is found by bisection, without the law of cosines.
     #[test]
     fn on_a_curved_surface_the_height_is_where_two_placed_circles_meet(pass in plane_passes(), rho in prop_oneof![1.0..1e3_f64, -1e3..-1.0_f64], s in 0.05..1.0_f64) {
         let bent = curved(pass, rho);
@@ -157,19 +161,21 @@ proptest! {
         let effective = model.effective_radius().unwrap().mm();
         // The surface's centre at the origin; the contact at the half angle beta from the line of symmetry, the y axis.
         let beta = (s / (2.0 * rho.abs())).asin();
-        // Outside the part is away from the centre on a hill and towards it in a hollow: the cutter's centre is rho + R_eff from it.
+        // Outside the part is away from the centre on a hill and towards it in a hollow: the cutter's centre is rho +
+        // R_eff from it.
         let centre = rho + effective;
         let (x, y) = (centre * beta.sin(), centre * beta.cos());
         let inside = |h: f64| x.hypot(y - (rho + h)) <= effective;
-        // At the surface the point is outside the circle, at its centre's height inside; otherwise the circles do not meet.
+        // At the surface the point is outside the circle, at its centre's height inside; otherwise the circles do not
+        // meet.
         let (mut low, mut high) = (0.0, y - rho);
         prop_assume!(high > 0.0 && !inside(low) && inside(high));
         for _ in 0..200 {
             let middle = f64::midpoint(low, high);
             if inside(middle) { high = middle } else { low = middle }
         }
-        // The distance is rounded to 1e-16 of |rho| + R_eff, and grows with h at a rate of at least 0.01 unless the circles meet
-        // at a grazing angle.
+        // The distance is rounded to 1e-16 of |rho| + R_eff, and grows with h at a rate of at least 0.01 unless the
+        // circles meet at a grazing angle.
         let rate = (y - (rho + found)) / effective;
         let epsilon = 8.0 * f64::EPSILON * (rho.abs() + effective) / rate.max(0.01);
         prop_assert!((found - low).abs() <= epsilon, "{found} {low} within {epsilon}");

@@ -1,4 +1,4 @@
-//! Laws of the mathematics of a pass, tested on random valid passes, and independent routes to the same numbers.
+//! Laws of the calculations at a pass, tested on random valid passes, and independent calculations of the same figures.
 
 mod continuity;
 mod curved_surfaces;

@@ -1,4 +1,5 @@
-//! Heights on concave surfaces against brute force: the section as it is seen from the contact, by places of the cutter's solid alone.
+//! Heights on concave surfaces compared with brute force: the section visible from the contact, by points of the
+//! cutter's solid.
 
 use crate::laws::passes::mm;
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
@@ -15,8 +16,9 @@ struct Setup {
 }
 
 impl Setup {
-    /// The height of the solid over the surface at x along the feed and y to its side, infinite where there is none and where the surface overhangs uphill of the contact: Newton's method
-    /// on the distance along the normal, which is convex, from below.
+    /// The height of the solid over the surface at x along the feed and y to its side, infinite where there is none and
+    /// where the surface overhangs uphill of the contact: Newton's method on the distance along the normal, which is
+    /// convex, from below.
     fn height(&self, x: f64, y: f64) -> f64 {
         let (r, a) = (self.corner, self.outer - self.corner);
         let ((sin, cos), (sin_theta, cos_theta)) = (self.slope.sin_cos(), self.theta.sin_cos());
@@ -65,7 +67,8 @@ impl Setup {
         (0..lines).map(corner).collect()
     }
 
-    /// The least height, to 0.2 %, at which the rows of the section that hold an interval of the length f fill one as wide as s.
+    /// The least height, to 0.2 %, at which the rows of the section that hold an interval of the length f fill one as
+    /// wide as s.
     fn ridge(&self, s: f64, f: f64) -> f64 {
         let (mut low, mut high) = (1e-6 * self.outer, 2.0 * self.outer);
         while high > 1.002 * low {
@@ -98,8 +101,9 @@ fn width(outline: &[[f64; 2]], f: f64) -> f64 {
     widest
 }
 
-/// Floors, walls and slopes between, each cutter, curvature of both signs with twist. A polygon of 360 corners and rows of 1/400 of the section's width are good to about 2 % of the height; where the
-/// model itself answers from its coarser polygon, 5 %.
+/// Floors, walls and slopes between, each cutter, curvature of both signs with twist. A polygon of 360 corners and rows
+/// of 1/400 of the section's width are good to about 2 % of the height; where the model itself answers from its coarser
+/// polygon, 5 %.
 #[test]
 fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
     for (outer, ratio, slope_deg, theta_deg, principal, turn, s, f) in [
@@ -135,7 +139,8 @@ fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
     }
 }
 
-/// Marks that a strongly convex surface keeps from meeting are no gouging, and the stated largest distance has an answer.
+/// Marks that a strongly convex surface keeps from meeting are no gouging, and the stated largest distance has an
+/// answer.
 #[test]
 fn marks_too_far_apart_on_a_strongly_convex_surface_do_not_gouge() {
     let contact = Contact::from_degrees(80.0, 0.0).unwrap();

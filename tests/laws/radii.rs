@@ -1,4 +1,4 @@
-//! The effective radii by another route, and their formulas near walls.
+//! The effective radii by an independent method, and their formulas near walls.
 
 use crate::laws::passes::{cutters, feed_angles, mm, slopes, toroidal};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
@@ -13,10 +13,10 @@ fn along(cutter: Cutter, slope: f64, alpha: f64) -> f64 {
     EffectiveRadius::along_feed(cutter, Contact::from_degrees(slope, alpha).unwrap()).finite().unwrap().mm()
 }
 
-/// The radius of curvature, at the contact, of the cutter's outline seen along the feed: the circle on which the corner's centre
-/// runs is seen as an ellipse, and the corner lies at r about it. The outline's support function in the direction of phi is the
-/// largest reach of the cutter's circle that way, plus r; its radius of curvature is that function plus its second derivative,
-/// found here by differences.
+/// The radius of curvature, at the contact, of the cutter's outline seen along the feed: the circle on which the
+/// corner's centre runs is seen as an ellipse, and the corner lies at r about it. The outline's support function in the
+/// direction of phi is the largest reach of the cutter's circle that way, plus r; its radius of curvature is that
+/// function plus its second derivative, found here by differences.
 fn curvature_radius(cutter: Cutter, slope: f64, alpha: f64) -> f64 {
     let (s, a) = (slope.to_radians(), alpha.to_radians());
     // The surface's normal, the feed in the surface, and the third direction, in which the outline is seen.
@@ -25,7 +25,7 @@ fn curvature_radius(cutter: Cutter, slope: f64, alpha: f64) -> f64 {
     let length = feed.iter().map(|c| c * c).sum::<f64>().sqrt();
     let feed = feed.map(|c| c / length);
     let side = [normal[1] * feed[2] - normal[2] * feed[1], normal[2] * feed[0] - normal[0] * feed[2]];
-    // Only the horizontal part of a direction counts for the circle, which is horizontal.
+    // The circle is horizontal, so only the horizontal part of a direction matters.
     let core = cutter.core_radius().mm();
     let support = |phi: f64| {
         let x = -phi.cos() * normal[0] + phi.sin() * side[0];
@@ -41,8 +41,8 @@ fn curvature_radius(cutter: Cutter, slope: f64, alpha: f64) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Differences with a step e leave the error e^4 of their sixth order and the rounding 1e-16/e^2; with e = 2e-3 sin S and S
-    /// of 10 deg and more, e is 3.5e-4 at least: 1e-16 / 1.2e-7 = 1e-9 of the support.
+    /// Differences with a step e leave the error e^4 of their sixth order and the rounding 1e-16/e^2; with e = 2e-3 sin
+    /// S and S of 10 deg and more, e is 3.5e-4 at least: 1e-16 / 1.2e-7 = 1e-9 of the support.
     #[test]
     fn the_effective_radius_is_the_curvature_of_the_outline_seen_along_the_feed(cutter in cutters(), slope in 10.0..80.0_f64, alpha in feed_angles()) {
         assert_relative_eq!(across(cutter, slope, alpha), curvature_radius(cutter, slope, alpha), max_relative = 1e-7);
@@ -71,7 +71,8 @@ proptest! {
         assert_abs_diff_eq!(found, core * theta.cos().powi(2) + corner, epsilon = 1e-14 * outer);
     }
 
-    /// Towards a wall the radii of a feed given in the surface tend to those on it, with no jump: they change with cos^2 S.
+    /// Towards a wall the radii of a feed given in the surface tend to those on it, with no jump: they change with
+    /// cos^2 S.
     #[test]
     fn radii_are_continuous_towards_walls(outer in 0.5..10.0_f64, share in 0.05..0.95_f64, theta in 0.0..180.0_f64, from_wall in 1e-7..1e-3_f64) {
         let (cutter, theta) = (toroidal(outer, share), theta.to_radians());

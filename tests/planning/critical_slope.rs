@@ -41,7 +41,7 @@ async fn the_published_surfaces_have_their_critical_slopes() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn sides_and_form_are_two_ways_to_say_the_same() {
+async fn sides_and_form_give_the_same_answer() {
     let app = TestApp::start().await;
     let sides = app.post(PATH, &with(pair(), json!({"width_mm": 80, "height_mm": 20, "slope_deg": 10}))).await.ok();
     let form = app.post(PATH, &with(pair(), json!({"form_factor": 4, "characteristic_size_mm2": 1600, "slope_deg": 10}))).await.ok();
@@ -52,8 +52,8 @@ async fn sides_and_form_are_two_ways_to_say_the_same() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_cutter_that_is_always_faster_is_named() {
     let app = TestApp::start().await;
-    // A ball of 1 mm takes far more passes than the torus even on a wall; on a strip that the ball's step-over of
-    // 0.63 mm spans, the torus would take at least 2000 mm of steps.
+    // A ball of 1 mm takes far more passes than the torus even on a wall. On a strip as narrow as the ball's step-over
+    // of 0.63 mm, the torus would take at least 2000 mm of steps.
     for (members, critical, faster) in [
         (json!({"width_mm": 30, "height_mm": 30, "ball_end": {"diameter_mm": 1}, "scallop_height_mm": 0.001}), 90.0, "toroidal"),
         (json!({"width_mm": 2000, "height_mm": 0.2}), 0.0, "ball_end"),
@@ -82,7 +82,7 @@ async fn a_floor_has_candidates_in_the_envelope_model_only() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn all_faults_of_a_rectangle_are_told_with_their_places() {
+async fn all_faults_of_a_rectangle_are_listed_with_their_pointers() {
     let app = TestApp::start().await;
     for (members, expected) in [
         (json!({}), vec![("", "missing-field")]),

@@ -1,4 +1,4 @@
-//! The examples that ship with the document and the repository are what the service takes and answers.
+//! The examples of the OpenAPI document and of the repository agree with the service.
 
 use crate::app::{Answer, TestApp, figure};
 use reqwest::multipart::{Form, Part};
@@ -8,7 +8,7 @@ fn parse(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
-/// Equal, but for the last digits of numbers, in which the processors' mathematics differ.
+/// Asserts equality except in the last digits of numbers, which differ between mathematical libraries.
 #[track_caller]
 fn assert_alike(answer: &Value, example: &Value, place: &str) {
     match (answer, example) {
@@ -30,7 +30,7 @@ fn assert_alike(answer: &Value, example: &Value, place: &str) {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn every_example_of_the_document_is_answered_as_it_says() {
+async fn every_example_request_of_the_document_gives_its_example_answer() {
     let app = TestApp::start().await;
     let document = Answer::of(app.get("/openapi.json").await).await.ok();
     for (path, id) in [("/v1/critical-slope", "critical_slope"), ("/v1/cutter-recommendation", "cutter_recommendation")] {
@@ -50,7 +50,7 @@ async fn every_example_of_the_document_is_answered_as_it_says() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn answers_and_requests_are_valid_by_the_document() {
+async fn answers_and_requests_fit_the_schemas_of_the_document() {
     let app = TestApp::start().await;
     let document = Answer::of(app.get("/openapi.json").await).await.ok();
     let schema = |name: &str| {
@@ -89,8 +89,8 @@ async fn the_files_of_surface_2_give_the_answer_of_its_patch() {
         assert_eq!(answer["surface"]["source"], source);
         assert_eq!(answer["recommended"]["name"], "toroidal");
         assert_eq!(answer["warnings"], patch["warnings"]);
-        // 40 x 40 samples or quads in place of 80 x 80 samples, and facets weighted by area in place of parameters:
-        // under a hundredth.
+        // 40 x 40 samples or quads in place of 80 x 80 samples, and facets weighted by area in place of parameters,
+        // differ by under 1 %.
         for pointer in ["/critical_slope_deg", "/surface/slope_deg", "/surface/form_factor"] {
             approx::assert_relative_eq!(figure(&answer, pointer), figure(&patch, pointer), max_relative = 0.02);
         }

@@ -1,4 +1,4 @@
-//! What a JSON recommendation refuses, with the place of every fault.
+//! Refused recommendations in JSON: every fault with its pointer.
 
 use crate::app::{Answer, TestApp};
 use crate::planning::{job, with};
@@ -94,7 +94,7 @@ async fn surfaces_beyond_the_bounds_of_lengths_are_refused() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn faults_of_surface_and_parameters_come_together() {
+async fn faults_of_surface_and_parameters_are_listed_together() {
     let app = TestApp::start().await;
     let request = json!({
         "surface": {"points": [[0, 0, "z"]]},
@@ -136,7 +136,7 @@ async fn faults_of_surface_and_parameters_come_together() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_flood_of_faulty_points_is_listed_in_part() {
+async fn of_very_many_faulty_points_a_part_is_listed() {
     let app = TestApp::start().await;
     let answer = refused(&app, json!({"points": vec![json!([1, 2]); 5000]})).await;
     let (status, faults) = answer.faults();

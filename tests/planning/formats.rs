@@ -20,7 +20,7 @@ fn exact_facets(nodes: &[[f32; 3]], triangles: &[[usize; 3]]) -> Vec<[[f64; 3]; 
     facets_of(nodes, triangles).into_iter().map(|facet| facet.map(exact)).collect()
 }
 
-/// Every number of an answer, with its place.
+/// Every number of an answer, with its pointer.
 fn figures(body: &Value) -> Vec<(String, f64)> {
     fn collect(value: &Value, place: &str, into: &mut Vec<(String, f64)>) {
         match value {
@@ -110,7 +110,7 @@ async fn a_patch_and_the_grid_of_its_points_give_the_same_answer() {
     };
     let grid = app.recommend(&grid(80)).await.ok();
     assert_eq!(grid["recommended"]["cutter"], patch["recommended"]["cutter"]);
-    // A patch weights its samples alike, a grid its facets by area; the areas of this one differ by a tenth.
+    // A patch weights its samples equally, a grid its facets by area; the areas in this patch differ by a tenth.
     for pointer in [
         "/critical_slope_deg",
         "/surface/slope_deg",
@@ -137,7 +137,7 @@ fn at(net: &Value, u: f64, v: f64) -> [f64; 3] {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn single_precision_costs_a_part_in_a_million() {
+async fn single_precision_changes_figures_by_a_part_in_a_million() {
     let app = TestApp::start().await;
     // Coordinates that single precision cannot hold: binary STL rounds them to 6e-8 of their magnitude, which is 40 mm.
     let fine: Vec<[f64; 3]> = nodes().into_iter().map(|node| exact(node).map(|c| c * 0.7 + 0.1)).collect();
@@ -158,7 +158,7 @@ async fn single_precision_costs_a_part_in_a_million() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn facing_chooses_the_side_and_says_so() {
+async fn facing_selects_the_side_and_a_warning_states_it() {
     let app = TestApp::start().await;
     let (nodes, triangles) = (nodes(), triangles());
     let up = app.upload(obj(&nodes, &triangles), &job()).await.ok();
@@ -166,7 +166,7 @@ async fn facing_chooses_the_side_and_says_so() {
     let over = app.upload(obj(&nodes, &turned), &job()).await.ok();
     assert_eq!(warnings(&over), ["turned-over"]);
     assert_relative_eq!(figure(&over, "/critical_slope_deg"), figure(&up, "/critical_slope_deg"), max_relative = 1e-12);
-    // A surface and its under side: the under side is left out unless it is asked for.
+    // A surface and its underside, which is left out by default.
     let both = [triangles.clone(), turned].concat();
     let closed = app.upload(obj(&nodes, &both), &job()).await.ok();
     assert_eq!((warnings(&closed), figure(&closed, "/surface/facets")), (vec!["facets-left-out"], 384.0));
@@ -177,7 +177,7 @@ async fn facing_chooses_the_side_and_says_so() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_is_left_out_is_counted_in_a_warning() {
+async fn elements_left_out_are_counted_in_a_warning() {
     let app = TestApp::start().await;
     let (nodes, triangles) = (nodes(), triangles());
     let further = lines(",").replace('\n', ",7\n");

@@ -1,4 +1,4 @@
-//! Critical slope, machines and cutter recommendation as callers meet them, over HTTP to the whole service.
+//! Critical slope, machines and cutter recommendation, called over HTTP or as a library.
 
 mod critical_slope;
 mod examples;
@@ -28,7 +28,7 @@ fn job() -> Value {
     })
 }
 
-/// The same two cutters as `/v1/critical-slope` takes them.
+/// The same two cutters in the form of `/v1/critical-slope`.
 fn pair() -> Value {
     json!({
         "toroidal": {"diameter_mm": 10, "corner_radius_mm": 2},

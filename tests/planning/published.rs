@@ -1,4 +1,4 @@
-//! The published figures of Herraz et al. 2020 come out of the crate's mathematics.
+//! The published figures of Herraz et al. 2020, computed by the library.
 #![allow(clippy::float_cmp)] // exact by construction where compared for equality
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
@@ -92,7 +92,7 @@ fn the_five_axis_preset_is_the_published_machine() {
 }
 
 #[test]
-fn critical_slopes_come_out_of_the_printed_form_factors_and_sizes() {
+fn critical_slopes_follow_from_the_printed_form_factors_and_sizes() {
     let published = published();
     for (entry, exact) in [(&published["surfaces"][0], 38.90), (&published["surfaces"][1], 62.61)] {
         let mu = FormFactor::new(figure(entry, "form_factor")).unwrap();
@@ -110,7 +110,7 @@ fn the_plane_of_table_1_has_its_times_and_lengths() {
     let entry = &published["plane"];
     let rectangle = InclinedRectangle::from_sides(mm(figure(entry, "width_mm")), mm(figure(entry, "height_mm"))).unwrap();
     let plan = plan(&job(), rectangle, Angle::from_degrees(figure(entry, "slope_deg")).unwrap()).unwrap();
-    // 33.8558 deg by halving the bracket, in a program apart from this one; printed truncated to a tenth.
+    // 33.8558 deg by bisection in an independent program; the printed value is truncated to a tenth.
     let critical = plan.critical_slope.angle().degrees();
     assert_abs_diff_eq!(critical, 33.8558, epsilon = 0.00005);
     assert_eq!((critical * 10.0).floor() / 10.0, figure(entry, "critical_slope_deg"));
@@ -120,7 +120,7 @@ fn the_plane_of_table_1_has_its_times_and_lengths() {
     for (candidate, name, time, length) in [(plan.toroidal, "toroidal", 43.06, 2429.0), (plan.ball_end, "ball_end", 37.34, 2508.0)] {
         let printed = &entry[name];
         assert_abs_diff_eq!(effective_radius(candidate.zigzag.step_over), figure(printed, "effective_radius_mm"), epsilon = 0.005);
-        // The model's figures, worked out apart from this program to the digits given.
+        // The model's figures, computed by an independent program to the digits given.
         assert_abs_diff_eq!(candidate.zigzag.time.seconds(), time, epsilon = 0.005);
         assert_abs_diff_eq!(candidate.zigzag.path_length.mm(), length, epsilon = 0.5);
         // The paper's own simulation, within the 5 % that it states for its model.

@@ -1,4 +1,4 @@
-//! `POST /v1/cutter-recommendation`: the published surfaces, and laws that any surface obeys.
+//! `POST /v1/cutter-recommendation`: the published surfaces, and laws that hold for any surface.
 
 use crate::app::{TestApp, figure, warnings};
 use crate::planning::{job, with};
@@ -47,8 +47,8 @@ async fn surface_2_is_for_the_toroidal_cutter_down_the_slope() {
     assert_eq!(figure(&answer, "/recommended/direction_deg").to_bits(), 0.0_f64.to_bits());
     assert_abs_diff_eq!(figure(&answer, "/recommended/step_over_xy_mm"), 0.9859, epsilon = 0.00005);
     assert_abs_diff_eq!(figure(&answer, "/recommended/machining_time_s"), 49.58, epsilon = 0.005);
-    // On the surface the toroidal cutter takes 71.8 s by the paper's own simulation, and the mean slope is 6.5 deg
-    // from the plane's. The rectangle takes 0.7 of that, on the threshold between two levels.
+    // On the surface the toroidal cutter takes 71.8 s by the paper's own simulation, and the mean slope is 6.5 deg from
+    // the plane's. The rectangle takes 0.7 of that, on the threshold between two levels.
     assert!(reasons(&answer).iter().any(|&(code, _)| code == "simulation-disagrees"), "{:?}", reasons(&answer));
     assert!(reasons(&answer).contains(&("mean-slope-far-from-plane", "moderate")), "{:?}", reasons(&answer));
     assert!(warnings(&answer).is_empty());
@@ -70,10 +70,10 @@ async fn surface_1_is_for_the_ball_end_cutter_along_it() {
     assert_abs_diff_eq!(figure(&answer, "/surface/slope_deg"), figure(&printed, "/slope_deg"), epsilon = 0.06);
     assert_abs_diff_eq!(figure(&answer, "/critical_slope_deg"), 38.86, epsilon = 0.005);
     assert_eq!(answer["recommended"]["name"], printed["recommended"]);
-    // Along e1, -9.94 deg of [0, 180).
+    // Along e1, -9.94 deg, as a line in [0, 180).
     assert_abs_diff_eq!(figure(&answer, "/recommended/direction_deg"), 170.06, epsilon = 0.005);
-    // The times, 75.51 and 73.73 s, differ by less than the 5 % by which they may be wrong, and the slope is nearer
-    // to the critical slope than the 8 deg by which that may be wrong.
+    // The times, 75.51 and 73.73 s, differ by less than their stated error of 5 %, and the slope is nearer to the
+    // critical slope than its stated error of 8 deg.
     let of_code = |code: &str| answer["confidence"]["reasons"].as_array().unwrap().iter().find(|reason| reason["code"] == code).unwrap();
     let (nearly_equal, near_critical) = (of_code("times-nearly-equal"), of_code("slope-near-critical"));
     assert_eq!((&nearly_equal["level"], &near_critical["level"]), (&json!("low"), &json!("moderate")));
@@ -88,7 +88,7 @@ async fn surface_1_is_for_the_ball_end_cutter_along_it() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn both_models_say_nearly_the_same_of_surface_2() {
+async fn both_models_nearly_agree_on_surface_2() {
     let app = TestApp::start().await;
     let analytic = app.recommend(&surface(2)).await.ok();
     let envelope = app.recommend(&with(surface(2), json!({"model": "envelope"}))).await.ok();
@@ -123,7 +123,7 @@ fn as_grid(points: &[[f64; 3]]) -> Value {
     with(job(), json!({"surface": {"grid": {"rows": 21, "columns": 31, "points": points}}}))
 }
 
-/// What does not depend on where a surface lies.
+/// The figures that do not depend on the position of a surface.
 const FORM: [&str; 8] = [
     "/surface/slope_deg",
     "/surface/form_factor",
@@ -141,8 +141,8 @@ async fn the_answer_follows_a_surface_that_is_moved_by_5000_km() {
     let (near, far) = (points(0.0, 1.0, [0.0; 3]), points(0.0, 1.0, [5e9, -5e9, 5e9]));
     for request in [as_points, as_grid] {
         let (near, far) = (app.recommend(&request(&near)).await.ok(), app.recommend(&request(&far)).await.ok());
-        // Doubles of 5e9 mm are 1e-6 mm apart, so each coordinate moves by up to 5e-7 of some 10 mm, a part in 2e7;
-        // the mean of 651 points, and slopes twice as sensitive, stay under a part in a million.
+        // Doubles of 5e9 mm are 1e-6 mm apart, so each coordinate moves by up to 5e-7 of some 10 mm, a part in 2e7; the
+        // mean of 651 points, and slopes twice as sensitive, stay under a part in a million.
         for pointer in FORM {
             assert_relative_eq!(figure(&near, pointer), figure(&far, pointer), max_relative = 1e-6);
         }
@@ -212,7 +212,7 @@ async fn an_uneven_grid_of_the_same_facets_gives_the_same_answer() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn directions_without_meaning_are_left_out() {
+async fn undefined_directions_are_left_out() {
     let app = TestApp::start().await;
     let floor = json!({"surface": {"grid": {"rows": 2, "columns": 2, "points": [[0, 0, 1], [9, 0, 1], [0, 9, 1], [9, 9, 1]]}}});
     let answer = app.recommend(&with(job(), floor.clone())).await.ok();

@@ -50,7 +50,7 @@ async fn a_surface_in_every_form_gives_the_same_recommendation() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn map_and_passes_come_on_request() {
+async fn map_and_passes_are_included_on_request() {
     let app = TestApp::start().await;
     let plain = app.recommend(&with(simulated(), grid())).await.ok();
     assert_eq!((plain.get("map"), plain.get("passes")), (None, None));
@@ -84,9 +84,9 @@ async fn a_selection_is_machined_alone() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn where_no_cutter_fits_each_has_its_reason() {
+async fn if_no_cutter_fits_each_has_its_reason() {
     let app = TestApp::start().await;
-    // A groove of 4 mm, 5 mm deep, which a ball of 20 mm does not enter.
+    // A groove of 4 mm, 5 mm deep, which a ball of 20 mm does not fit into.
     let at = |x: f64| if (x - 10.0).abs() < 2.5 { 0.0 } else { 5.0 };
     let points: Vec<[f64; 3]> =
         (0..11).flat_map(|row| (0..41).map(move |c| [0.5 * f64::from(c), f64::from(row), at(0.5 * f64::from(c))])).collect();

@@ -1,5 +1,5 @@
-//! `POST /v1/cutter-recommendation` by method `surface` on parts as they come: pockets, several pieces, turned and
-//! refined surfaces, large files, several libraries, and the passes against the part as a solid.
+//! `POST /v1/cutter-recommendation` by method `surface` on realistic parts: pockets, several pieces, turned and refined
+//! surfaces, large files, several libraries, and the passes against the part as a solid.
 
 use crate::app::{TestApp, figure, warnings};
 use crate::planning::wavy::{self, COLUMNS, ROWS, triangles};
@@ -60,7 +60,7 @@ async fn turning_the_part_about_z_turns_the_direction() {
     let (straight, oblique) = (app.recommend(&turned(0.0)).await.ok(), app.recommend(&turned(25.0)).await.ok());
     let direction = |answer: &Value| figure(answer, "/recommended/direction_deg");
     let turned = (direction(&oblique) - direction(&straight)).rem_euclid(180.0);
-    // Directions are found to half a degree, times are flat around the best.
+    // Directions are found to half a degree, because times hardly vary near the best.
     assert!((turned - 25.0).abs() < 4.0, "{straight:#} {oblique:#}");
     assert_relative_eq!(
         figure(&oblique, "/recommended/machining_time_s"),
@@ -108,8 +108,8 @@ async fn two_pieces_side_by_side_take_the_sum_of_their_runs_and_one_lift() {
     assert!(codes.contains(&&json!("several-pieces")), "{codes:?}");
 }
 
-/// A pocket of 30 x 30 mm with corners of 6 mm, 6 mm deep, in a plate of 40 x 40 mm; fillets of 3 mm between floor
-/// and walls.
+/// A pocket of 30 x 30 mm with corners of 6 mm, 6 mm deep, in a plate of 40 x 40 mm; fillets of 3 mm between floor and
+/// walls.
 fn pocket(u: f64, v: f64) -> [f64; 3] {
     let (x, y) = (40.0 * u - 20.0, 40.0 * v - 20.0);
     let (dx, dy) = (x.abs() - 9.0, y.abs() - 9.0);
@@ -129,7 +129,7 @@ fn pocket(u: f64, v: f64) -> [f64; 3] {
 async fn of_a_library_of_50_only_cutters_that_fit_the_pocket_are_ranked() {
     let app = TestApp::start().await;
     let surface = grid(161, 161, pocket);
-    // The top of the fillet is left out: between nodes 0.25 mm apart the wall leans, and would keep off a ball that
+    // The top of the fillet is left out: between nodes 0.25 mm apart the wall is inclined, and would stop a ball that
     // just fits.
     let select = json!({"select": {"slope_deg": [0, 50]}, "max_uncut_share": 0.02});
     let request = with(with(in_directions(&[0.0]), surface), select);
@@ -193,18 +193,19 @@ async fn a_file_of_more_facets_than_are_held_is_merged() {
     );
 }
 
-/// The height of a cutter's bottom over its tip at the distance d from the axis, R and r being its radii; `None`
-/// beyond R.
+/// The height of a cutter's bottom over its tip at the distance d from the axis, R and r being its radii; `None` beyond
+/// R.
 fn bottom(d: f64, [outer, corner]: [f64; 2]) -> Option<f64> {
     let over = (d - (outer - corner)).max(0.0);
     (over <= corner).then(|| corner - (corner * corner - over * over).max(0.0).sqrt())
 }
 
-/// Asserts that no tip cuts deeper into the facets than the tolerance, and that each touches them where it says so.
+/// Asserts that no tip cuts deeper into the facets than the tolerance, and that each touches them at its stated
+/// contact.
 fn assert_tips_rest_on(answer: &Value, facets: &[[[f64; 3]; 3]], radii: [f64; 2], tolerance: f64) {
     let column = |name: &str| answer["passes"][name].as_array().unwrap().clone();
     let point = |value: &Value| [0, 1, 2].map(|axis| value[axis].as_f64().unwrap());
-    // Places of every facet: its corners, and 21 inside.
+    // Points of every facet: its corners, and 21 inside.
     let places: Vec<[f64; 3]> = facets
         .iter()
         .flat_map(|[a, b, c]| {
@@ -266,7 +267,7 @@ async fn the_tips_of_passes_on_the_example_file_do_not_gouge() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn all_faults_of_a_selection_come_at_once_whatever_the_method() {
+async fn all_faults_of_a_selection_are_listed_with_either_method() {
     let app = TestApp::start().await;
     let surface = grid(5, 5, |u, v| waves([u, v]));
     let select = json!({"select": {"slope_deg": [60, 20], "box_mm": {"min": [1, 1, 1], "max": [0, 0, 0]}, "pieces": []}});

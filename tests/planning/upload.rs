@@ -1,4 +1,4 @@
-//! `POST /v1/cutter-recommendation/upload`: the form around the file, and files that are hostile or wrong.
+//! `POST /v1/cutter-recommendation/upload`: the form around the file, and hostile or faulty files.
 
 use crate::app::{TestApp, figure, gzip};
 use crate::planning::{job, with};
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 const CSV: &str = "x,y,z\n0,0,0\n60,0,0\n0,20,11\n60,20,11\n30,10,5.7\n";
 const PATH: &str = "/v1/cutter-recommendation/upload";
 
-/// A form as it travels, with the boundary `edge`.
+/// The bytes of a form with the boundary `edge`.
 fn written(parts: &[(&str, &[u8])]) -> Vec<u8> {
     let mut body = Vec::new();
     for (name, data) in parts {
@@ -20,7 +20,7 @@ fn written(parts: &[(&str, &[u8])]) -> Vec<u8> {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn the_parts_come_in_either_order() {
+async fn the_parts_may_be_in_either_order() {
     let app = TestApp::start().await;
     let parameters = with(job(), json!({"unit": "cm"})).to_string().into_bytes();
     let (surface, parameters) = (("surface", CSV.as_bytes().to_vec()), ("parameters", parameters));
@@ -41,9 +41,9 @@ async fn a_file_is_answered_as_its_points_in_json() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn compressed_forms_are_unfolded_and_counted() {
+async fn compressed_forms_are_decompressed_and_counted() {
     let app = TestApp::start().await;
-    // Many times what is handed to the reader in one go.
+    // Many times the size of one block of the reader.
     let line = |index: i32| format!("{},{},{}\n", index % 601, index / 601, 0.25 * f64::from(index / 601));
     let points = (0..300_000).map(line).collect::<Vec<_>>().concat();
     let body = written(&[("surface", points.as_bytes()), ("parameters", job().to_string().as_bytes())]);
@@ -57,7 +57,7 @@ async fn compressed_forms_are_unfolded_and_counted() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn missing_unknown_and_repeated_parts_are_told_together() {
+async fn missing_unknown_and_repeated_parts_are_listed_together() {
     let app = TestApp::start().await;
     let parameters = job().to_string().into_bytes();
     let csv = CSV.as_bytes().to_vec();
@@ -79,7 +79,7 @@ async fn missing_unknown_and_repeated_parts_are_told_together() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn forms_that_are_none_are_refused() {
+async fn malformed_forms_are_refused() {
     let app = TestApp::start().await;
     for (media_type, status) in [
         ("multipart/form-data", 400),
@@ -124,8 +124,8 @@ async fn hostile_files_are_refused_with_their_line_or_byte() {
     let app = TestApp::start().await;
     let mut promising = vec![0; 84 + 50];
     promising[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
-    let promising_ply = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-    // Long enough to be read in several lots.
+    let ply_with_large_count = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    // Long enough to be read in several blocks.
     let late = format!("{}1,2\n3,4,5\n", "0.5,0,0\n".repeat(100_000)).into_bytes();
     for (file, status, code, place) in [
         (late, 400, "malformed-file", "line 100001"),
@@ -138,7 +138,7 @@ async fn hostile_files_are_refused_with_their_line_or_byte() {
         (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 up\n".to_vec(), 400, "malformed-file", "line 4"),
         (b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n".to_vec(), 400, "truncated-file", "line 5"),
         (promising, 400, "truncated-file", "byte"),
-        (promising_ply.into(), 400, "truncated-file", "byte"),
+        (ply_with_large_count.into(), 400, "truncated-file", "byte"),
         (b"%PDF-1.7\n\x00\x01\x02".to_vec(), 415, "unknown-format", ""),
     ] {
         let shown = String::from_utf8_lossy(&file[..file.len().min(40)]).into_owned();
@@ -167,16 +167,16 @@ async fn a_gzip_bomb_ends_at_the_limit() {
     // 64 MiB of one line, in 64 kB.
     let bomb = gzip(&written(&[("surface", &vec![b'1'; 64 << 20])]));
     let answer = app.upload_raw(bomb, true).await;
-    // The line is too long for the reader, too; what is wrong with the body itself comes first.
+    // The line is too long for the reader as well; the fault of the body takes precedence.
     assert_eq!((answer.status, &answer.body["type"]), (413, &json!("too-large")));
     let blank = gzip(&written(&[("surface", &vec![b'\n'; 64 << 20])]));
     assert_eq!(app.upload_raw(blank, true).await.status, 413);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn type_and_name_of_the_part_help_where_the_content_does_not() {
+async fn media_type_and_name_of_the_part_decide_if_the_content_is_ambiguous() {
     let app = TestApp::start().await;
-    // Without facets, ASCII STL and text are told apart by what the sender says at most.
+    // Without facets, only the sender's statement can distinguish ASCII STL from text.
     let form = |name: &'static str| {
         Form::new().part("surface", Part::bytes(Vec::new()).file_name(name)).part("parameters", Part::text(job().to_string()))
     };

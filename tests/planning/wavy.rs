@@ -1,12 +1,12 @@
 //! A wavy slope as nodes in rows and as triangles, for tests that send one surface in several forms.
 
-/// How many rows of nodes there are.
+/// The number of rows of nodes.
 pub(crate) const ROWS: usize = 13;
-/// How many nodes a row has.
+/// The number of nodes in a row.
 pub(crate) const COLUMNS: usize = 17;
 
-/// The nodes row after row, `apart` along X and Y, with waves of a height and a frequency. They are in single
-/// precision, which all formats can hold.
+/// The nodes row after row, with distances `apart` along X and Y, and waves of this height and frequency. They are in
+/// single precision, which all formats can represent.
 pub(crate) fn nodes(apart: [f32; 2], [height, frequency]: [f32; 2]) -> Vec<[f32; 3]> {
     let at = |row: u8, column: u8| {
         let (x, y) = (f32::from(column) * apart[0], f32::from(row) * apart[1]);

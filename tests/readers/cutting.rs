@@ -1,4 +1,4 @@
-//! The result does not depend on where chunks end, and no bytes make a reader panic.
+//! The result does not depend on the chunks of the input, and no bytes make a reader panic.
 
 use super::*;
 use crate::writers::three_mf;

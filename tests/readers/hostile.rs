@@ -90,7 +90,7 @@ fn vertices_are_limited() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn counts_take_no_memory() {
+fn stated_counts_take_no_memory() {
     let pages = || -> u64 {
         let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
         statm.split_whitespace().next().unwrap().parse().unwrap()
@@ -108,8 +108,8 @@ fn counts_take_no_memory() {
             reader
         })
         .collect();
-    // 20 readers with room for 480 MB each would be 10 GB; 256 MB are 40 readers with some hundred kB each, and whatever the other
-    // tests of this program take in the meantime.
+    // 20 readers with room for 480 MB each would be 10 GB; 256 MB are 40 readers with some hundred kB each, and
+    // whatever the other tests of this program take in the meantime.
     assert!(pages() < before + (256 << 20) / 4096, "{} readers", readers.len());
 }
 

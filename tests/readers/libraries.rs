@@ -1,4 +1,4 @@
-//! Tool libraries in the forms in which Fusion, FreeCAD and spreadsheets write them, and libraries that are refused.
+//! Tool libraries as written by Fusion, FreeCAD and spreadsheets, and libraries that are refused.
 
 use crate::writers::{directory_alone, zip};
 use approx::assert_relative_eq;
@@ -25,7 +25,8 @@ fn fusion(tools: &[Value]) -> Vec<u8> {
     json!({"data": tools, "version": 36}).to_string().into_bytes()
 }
 
-/// A bull nose as Fusion's sample library has it: 5/8 in with a corner of 0.03 in, on a holder in millimetres, with two presets.
+/// A bull nose as in Fusion's sample library: 5/8 in with a corner of 0.03 in, on a holder in millimetres, with two
+/// presets.
 fn bull_nose() -> Value {
     json!({
         "BMC": "carbide", "GRADE": "Mill Generic", "type": "bull nose end mill", "unit": "inches", "vendor": "", "guid": "00000000-0000-4000-8000-000000000001",
@@ -69,7 +70,7 @@ fn the_finishing_preset_gives_speed_and_feed() {
     // Without "finish" in a name, the first.
     let tool = only(fusion(&[with(bull_nose(), "/start-values/presets/1/name", json!("Steel"))]));
     assert_eq!((tool.preset.as_deref(), tool.spindle_speed_rpm), (Some("Aluminum - Roughing"), Some(5000.0)));
-    // Without a feed per tooth it follows from the feed rate: 80 / (4 5000) = 0.004 in.
+    // A missing feed per tooth is computed from the feed rate: 80 / (4 5000) = 0.004 in.
     let tool = only(fusion(&[with(with(bull_nose(), "/start-values/presets/1/name", json!("")), "/start-values/presets/0/f_z", json!(0))]));
     assert_relative_eq!(tool.max_feed_per_tooth.unwrap().mm(), 0.004 * 25.4, max_relative = 1e-15);
     let tool = only(fusion(&[with(bull_nose(), "/start-values/presets", json!([]))]));

@@ -23,7 +23,8 @@ macro_rules! put {
     ($to:expr, $($value:expr),*) => { $($to.bytes.extend(if $to.big { $value.to_be_bytes().to_vec() } else { $value.to_le_bytes().to_vec() });)* };
 }
 
-/// The surface of `ASCII` with all types, with lists before, between and after the properties that are read, and with other elements.
+/// The surface of `ASCII` with all types, with lists before, between and after the properties that are read, and with
+/// other elements.
 fn rich(big: bool) -> Vec<u8> {
     let header = format!(
         "ply\nformat binary_{}_endian 1.0\nobj_info any\nelement range_grid 2\nproperty list uchar int vertex_indices\nelement nothing 4294967295\n\
@@ -243,7 +244,7 @@ fn triangle_strips_are_read_in_all_encodings() {
             "ply\nformat {encoding} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
         )
     };
-    // A strip of two triangles, a break, one more, and a vertex that is repeated to turn without a triangle.
+    // A strip of two triangles, a break, one more triangle, and a repeated vertex, which forms no triangle.
     let strip = [0_i32, 1, 3, 2, -1, 0, 1, 2, 2];
     let expected = [[A, B, D], [D, B, C], [A, B, C]];
     let vertices = [A, B, C, D].map(|vertex| words(&vertex, " ") + "\n").concat();

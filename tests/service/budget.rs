@@ -1,4 +1,4 @@
-//! The memory budget as clients meet it.
+//! Refusals of the memory budget.
 
 use axum::body::Bytes;
 use axum::routing::post;
@@ -20,17 +20,18 @@ async fn start() -> TestApp {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_body_larger_than_the_budget_is_refused_for_good() {
+async fn a_body_larger_than_the_budget_is_refused_without_a_retry() {
     let server = start().await;
     let answer = server.client.post(server.url("/length")).body(vec![b'x'; 300 << 10]).send().await.unwrap();
-    // Its pieces are held by others first, as far as the server knows: either is an honest answer.
+    // The server may find the budget used up before the body exceeds the largest reservation, so both answers are
+    // correct.
     assert!([413, 503].contains(&answer.status().as_u16()), "{}", answer.status());
     assert_eq!(answer.headers()["content-type"], "application/problem+json");
     until("its memory is free", async || server.state.budget.reserved() == 0).await;
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_body_for_which_there_is_no_memory_now_is_to_come_again() {
+async fn a_body_without_memory_at_this_moment_is_refused_with_a_retry() {
     let server = start().await;
     let held = server.state.budget.reserve(190 * KIB).unwrap();
     let send = || server.client.post(server.url("/length")).body(vec![b'x'; 100 << 10]).send();

@@ -1,4 +1,5 @@
-//! Connections beyond the rules: heads that are no requests, clients that leave, idle connections, more connections than are accepted.
+//! Irregular connections: malformed heads, clients that close the connection, idle connections, and connections beyond
+//! the limit.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,7 +15,7 @@ use tokio::net::TcpStream;
 use crate::app::{TestApp, defaults};
 use crate::service::server::{self, read_all, send, until};
 
-/// A route that works until it is cancelled, and whether it has begun and been cancelled.
+/// A route that works until it is cancelled, and records its start and its cancellation.
 #[derive(Clone, Default)]
 struct Endless {
     has_begun: Arc<AtomicBool>,
@@ -77,7 +78,7 @@ fn assert_problem(answer: &str, status: u16) {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn heads_that_are_no_requests_are_problems_with_an_id_and_are_counted() {
+async fn malformed_heads_are_answered_with_a_problem_and_an_id_and_are_counted() {
     let mut settings = defaults();
     settings.server.header_timeout = Duration::from_secs(1);
     let server = server::start(settings, routes()).await;
@@ -101,21 +102,21 @@ async fn heads_that_are_no_requests_are_problems_with_an_id_and_are_counted() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_malformed_head_after_a_request_is_a_problem_too() {
+async fn a_malformed_head_after_a_request_is_answered_with_a_problem() {
     let server = server::start(defaults(), routes()).await;
     let mut stream = server.connect().await;
     send(&mut stream, "GET /nothing HTTP/1.1\r\nhost: test\r\n\r\n").await;
     let mut first = vec![0; 4096];
     let length = stream.read(&mut first).await.unwrap();
     let first = String::from_utf8_lossy(&first[..length]).into_owned();
-    // An answer of the service's own with status 404 is left as it is.
+    // The service's own answer with status 404 is not replaced.
     assert!(first.starts_with("HTTP/1.1 404") && first.contains("not-found"), "{first}");
     send(&mut stream, "no request at all\r\n\r\n").await;
     assert_problem(&read_all(&mut stream).await, 400);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_request_names_its_host_once() {
+async fn a_request_has_exactly_one_host_header() {
     let server = server::start(defaults(), routes()).await;
     for hosts in ["", "host: a\r\nhost: b\r\n"] {
         assert_problem(&answer_to(&server, &format!("GET /headers HTTP/1.1\r\n{hosts}connection: close\r\n\r\n")).await, 400);
@@ -153,7 +154,7 @@ async fn work_for_a_client_that_stays_half_closed_ends_after_a_second() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn work_ends_at_once_where_the_client_resets_and_where_the_time_is_over() {
+async fn work_ends_at_once_after_a_reset_and_after_the_time_out() {
     let endless = Endless::default();
     let mut settings = defaults();
     settings.http.request_timeout = Duration::from_secs(1);
@@ -178,7 +179,7 @@ async fn work_ends_at_once_where_the_client_resets_and_where_the_time_is_over() 
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn connections_idle_longer_between_requests_than_before_the_first() {
+async fn connections_may_be_idle_longer_between_requests_than_before_the_first() {
     let mut settings = defaults();
     settings.server.header_timeout = Duration::from_secs(1);
     settings.server.idle_timeout = Duration::from_secs(3);
@@ -201,7 +202,7 @@ async fn connections_idle_longer_between_requests_than_before_the_first() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_connection_past_the_limit_closes_the_one_that_idles_longest() {
+async fn a_connection_beyond_the_limit_closes_the_one_that_is_idle_longest() {
     let mut settings = defaults();
     settings.server.max_connections = 2;
     let server = server::start(settings, routes()).await;
@@ -217,7 +218,7 @@ async fn a_connection_past_the_limit_closes_the_one_that_idles_longest() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn probes_are_answered_where_every_connection_has_a_request() {
+async fn probes_are_answered_when_every_connection_has_a_request() {
     let mut settings = defaults();
     settings.server.max_connections = 2;
     let server = server::start(settings, routes()).await;

@@ -1,4 +1,4 @@
-//! The program as it is built, started on a free port.
+//! The compiled program, started on a free port.
 
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
@@ -17,7 +17,7 @@ pub(crate) fn text(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 
-/// A running program and the lines that it logs.
+/// A running program and its log lines.
 pub(crate) struct Program {
     child: Child,
     pub(crate) address: SocketAddr,
@@ -29,11 +29,11 @@ impl Program {
         Self::run(scallopd().args(arguments))
     }
 
-    /// `command` must end in the program.
+    /// Starts `command`, which must end with the program.
     pub(crate) fn run(command: &mut Command) -> Self {
         let mut child = command.env("SCALLOPD_LISTEN", "127.0.0.1:0").stdout(Stdio::piped()).spawn().unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap());
-        let first: serde_json::Value = lines.next().expect("a line that says where it listens");
+        let first: serde_json::Value = lines.next().expect("a line with the address");
         let address = first["address"].as_str().expect("an address").parse().unwrap();
         Self { child, address, log: Some(std::thread::spawn(move || lines.collect())) }
     }
@@ -43,7 +43,7 @@ impl Program {
         assert!(killed.success());
     }
 
-    /// The most memory that the program has held so far, in kB.
+    /// The program's peak memory so far, in kB.
     #[cfg(target_os = "linux")]
     pub(crate) fn peak_memory_kb(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
@@ -58,10 +58,10 @@ impl Program {
     }
 }
 
-/// A test that fails leaves no program behind.
+/// Ends the program when a test fails.
 impl Drop for Program {
     fn drop(&mut self) {
-        // It has usually ended.
+        // The program has usually ended.
         let _ = self.child.kill();
     }
 }

@@ -1,4 +1,4 @@
-//! Bodies that are larger than is accepted, as they come or once unfolded.
+//! Bodies over the size limit, before or after decompression.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,7 +14,7 @@ use crate::service::server::{self, read_all, send};
 
 const LIMIT: usize = 1 << 20;
 
-/// A route that counts what it reads, and the count.
+/// A route that counts the bytes it reads, and the count.
 fn counting() -> (Routes, Arc<AtomicUsize>) {
     let count = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&count);
@@ -69,15 +69,15 @@ async fn an_endless_body_is_read_up_to_the_limit_and_refused() {
     assert_eq!(&answer, b"HTTP/1.1 413");
     let read = count.load(Ordering::SeqCst);
     assert!(read > 0 && read <= LIMIT, "{read}");
-    // The server stops listening, not only reading: the client cannot send for ever.
+    // The server closes the connection, so the client cannot send without end.
     tokio::time::timeout(PATIENCE, sending).await.expect("the connection ends").unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_gzip_bomb_is_unfolded_up_to_the_limit_and_refused() {
+async fn a_gzip_bomb_is_decompressed_up_to_the_limit_and_refused() {
     let (server, count) = start().await;
     let bomb = gzip(&vec![0; 200 << 20]);
-    assert!(bomb.len() < LIMIT, "the bomb is small before it unfolds: {}", bomb.len());
+    assert!(bomb.len() < LIMIT, "the bomb is small before decompression: {}", bomb.len());
     let answer = post_gzip(&server, "/read/batch", bomb).await;
     assert_eq!(answer.status(), 413);
     let read = count.load(Ordering::SeqCst);
@@ -85,7 +85,7 @@ async fn a_gzip_bomb_is_unfolded_up_to_the_limit_and_refused() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_body_of_just_the_limit_is_accepted_plain_and_compressed() {
+async fn a_body_of_exactly_the_limit_is_accepted_plain_and_compressed() {
     let (server, count) = start().await;
     let body = vec![b'x'; LIMIT];
     let plain = server.client.post(server.url("/read/batch")).body(body.clone()).send().await.unwrap();
@@ -104,7 +104,7 @@ async fn single_calculations_have_a_smaller_limit() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_body_that_is_not_what_its_encoding_says_is_malformed_and_an_unknown_encoding_unsupported() {
+async fn a_body_that_contradicts_its_encoding_is_malformed_and_an_unknown_encoding_unsupported() {
     let (server, _) = start().await;
     let broken = post_gzip(&server, "/read", b"not gzip at all".to_vec()).await;
     assert_eq!(broken.status(), 400);
@@ -115,7 +115,7 @@ async fn a_body_that_is_not_what_its_encoding_says_is_malformed_and_an_unknown_e
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_client_is_told_when_its_unread_body_ends_the_connection() {
+async fn an_answer_to_an_unread_body_announces_the_end_of_the_connection() {
     let (server, _) = start().await;
     let unread = server.client.post(server.url("/nothing")).body("x".repeat(10)).send().await.unwrap();
     assert_eq!(unread.status(), 404);

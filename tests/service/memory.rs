@@ -1,4 +1,4 @@
-//! The memory that uploads take: bounded by the budget, whatever their number and size.
+//! The memory of uploads is bounded by the budget for any number and size.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -10,12 +10,13 @@ use crate::service::launch::Program;
 /// 100 MB: binary STL has 84 bytes of head and 50 a facet.
 const FACETS: u32 = 2_000_000;
 const UPLOADS: usize = 16;
-/// How often an upload that is turned away comes again, a second later each time.
+/// The number of attempts of a refused upload, one second apart.
 const ATTEMPTS: usize = 30;
 /// The bound on the whole process, in kB: the default memory budget of 512 MiB, and 64 MiB for what it does not count.
 const MOST_KB: u64 = (512 + 64) * 1024;
 
-/// A thousand facets of an inclined sawtooth, sent over and over. It is a strip, so that few facets are left once they are merged, and planning is quick.
+/// A thousand facets of an inclined sawtooth, which are sent repeatedly. The sawtooth is a strip, so few facets remain
+/// after merging, and planning is quick.
 fn facets() -> Vec<u8> {
     let corner = |x: u16, y: u16| [f32::from(x), f32::from(y), 0.3 * f32::from(x) + 0.05 * f32::from(x * y % 7)];
     let facet = |index: u16| {
@@ -48,7 +49,7 @@ fn upload(address: SocketAddr, facets: &[u8]) -> String {
          content-length: {length}\r\n\r\n{head}"
     )
     .unwrap();
-    // An upload that is turned away is answered before all of it is sent.
+    // A refused upload is answered before all of it is sent.
     let _ = send(&mut stream, facets).and_then(|()| stream.write_all(tail.as_bytes()));
     let mut answer = String::new();
     stream.read_to_string(&mut answer).unwrap();
@@ -63,7 +64,7 @@ fn sixteen_uploads_of_100_mb_stay_within_the_memory_budget() {
         for _ in 0..UPLOADS {
             scope.spawn(|| {
                 let attempts = (0..ATTEMPTS).take_while(|_| !is_answered(&upload(address, &facets))).count();
-                assert!(attempts < ATTEMPTS, "an upload was turned away {ATTEMPTS} times");
+                assert!(attempts < ATTEMPTS, "an upload was refused {ATTEMPTS} times");
             });
         }
     });
@@ -71,7 +72,7 @@ fn sixteen_uploads_of_100_mb_stay_within_the_memory_budget() {
     assert!(peak < MOST_KB, "{UPLOADS} uploads took {peak} kB");
 }
 
-/// Whether the recommendation came; the only other answer is to try again later.
+/// Whether the answer is a recommendation; the only other allowed answer is 503.
 fn is_answered(answer: &str) -> bool {
     let answered = answer.starts_with("HTTP/1.1 200");
     assert!(answered || (answer.starts_with("HTTP/1.1 503") && answer.contains("retry-after")), "{answer}");

@@ -1,5 +1,5 @@
-//! The service as its operators and its worst clients meet it. Servers run in-process around small routers of the tests' own, except
-//! where the program itself is what is tested.
+//! Operation of the service: limits, slow clients, shutdown, logs and metrics. Servers run in-process with small
+//! routers of the tests, except in tests of the program itself.
 
 mod budget;
 mod connections;

@@ -1,4 +1,4 @@
-//! Alert rules and the dashboard ask for metrics that the server has.
+//! Alert rules and the dashboard use only metrics that the server has.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -9,7 +9,7 @@ use scallopd::http::overload::Overload;
 use crate::app::defaults;
 use crate::service::server;
 
-/// The metrics of this server that a text names.
+/// The names of this server's metrics in a text.
 fn named(text: &str) -> BTreeSet<&str> {
     text.split(|character: char| !character.is_ascii_alphanumeric() && character != '_')
         .filter(|word| word.starts_with("process_") || (word.starts_with("scallopd_") && word.len() > "scallopd_".len()))
@@ -17,7 +17,7 @@ fn named(text: &str) -> BTreeSet<&str> {
 }
 
 #[tokio::test]
-async fn rules_and_dashboard_name_metrics_that_there_are() {
+async fn rules_and_dashboard_use_existing_metrics() {
     let server = server::start(defaults(), Routes::new()).await;
     server.state.metrics.upload_facets("stl", 2);
     server.state.metrics.shed(Overload::Workers);

@@ -1,4 +1,4 @@
-//! What requests leave behind, and what answers carry.
+//! Metrics of requests, and headers of answers.
 
 use axum::extract::Path;
 use axum::response::Html;
@@ -37,7 +37,7 @@ async fn requests_are_counted_by_route_not_by_path() {
 }
 
 #[tokio::test]
-async fn the_callers_request_id_comes_back_and_one_is_made_where_it_sent_none() {
+async fn the_callers_request_id_is_returned_and_a_missing_one_is_created() {
     let server = server::start(defaults(), routes()).await;
     let named = server.client.get(server.url("/nothing")).header("x-request-id", "order-66").send().await.unwrap();
     assert_eq!(named.headers()["x-request-id"], "order-66");
@@ -46,7 +46,7 @@ async fn the_callers_request_id_comes_back_and_one_is_made_where_it_sent_none() 
 }
 
 #[tokio::test]
-async fn pages_carry_a_policy_and_nothing_is_sniffed() {
+async fn pages_have_a_policy_and_media_types_are_not_guessed() {
     let server = server::start(defaults(), routes()).await;
     let page = server.get("/page").await;
     assert!(page.headers()["content-security-policy"].to_str().unwrap().contains("frame-ancestors 'none'"));
@@ -56,7 +56,7 @@ async fn pages_carry_a_policy_and_nothing_is_sniffed() {
 }
 
 #[tokio::test]
-async fn long_answers_are_compressed_when_asked() {
+async fn long_answers_are_compressed_on_request() {
     let server = server::start(defaults(), routes()).await;
     let asked = server.client.get(server.url("/long")).header("accept-encoding", "gzip").send().await.unwrap();
     assert_eq!(asked.headers()["content-encoding"], "gzip");

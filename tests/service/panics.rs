@@ -1,4 +1,4 @@
-//! Handlers that panic.
+//! Panics in handlers.
 
 use axum::routing::get;
 use scallopd::http::overload::Overload;
@@ -17,7 +17,7 @@ async fn fail_on_a_worker(work: Work) -> Result<&'static str, Overload> {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_panic_is_a_500_that_tells_nothing_and_the_server_goes_on() {
+async fn a_panic_gives_status_500_without_detail_and_the_server_continues() {
     let routes = Routes::new().undocumented(RouteClass::Single, "/fail", get(fail)).undocumented(
         RouteClass::Batch,
         "/fail/batch",

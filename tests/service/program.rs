@@ -1,4 +1,4 @@
-//! The program itself: its settings, its health check, its end.
+//! The program: its settings, its health check and its shutdown.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -10,7 +10,7 @@ use std::time::Duration;
 use crate::app::PATIENCE;
 use crate::service::launch::{Program, scallopd, text};
 
-/// The answer to one request on a connection of its own; `None` where the server does not listen any more or takes no request.
+/// The answer to one request on a new connection; `None` if the server no longer accepts connections or requests.
 fn ask(address: SocketAddr) -> Option<String> {
     let mut stream = TcpStream::connect(address).ok()?;
     stream.set_read_timeout(Some(PATIENCE)).unwrap();
@@ -48,10 +48,10 @@ fn help_names_every_variable_with_its_default() {
 }
 
 #[test]
-fn a_health_check_tells_a_ready_server_from_none() {
+fn a_health_check_succeeds_only_with_a_ready_server() {
     let program = Program::start(&[]);
     let port = program.address.port();
-    // An address to listen on is asked on the loopback one.
+    // A server on all addresses is reached on loopback.
     let check = || scallopd().arg("healthcheck").env("SCALLOPD_LISTEN", format!("0.0.0.0:{port}")).status().unwrap().code();
     assert_eq!(check(), Some(0));
     program.signal("INT");
@@ -79,8 +79,8 @@ fn a_hangup_drains_like_a_termination() {
 }
 
 #[test]
-fn probes_and_metrics_have_an_address_of_their_own_where_one_is_set() {
-    // A port that was free a moment ago.
+fn probes_and_metrics_are_served_on_their_own_address_if_one_is_set() {
+    // A port that was free a moment before.
     let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let program = Program::start(&["--health-listen", &free.to_string()]);
     assert!(ask(program.address).expect("an answer").starts_with("HTTP/1.1 404"));
@@ -99,7 +99,7 @@ fn a_draining_program_still_answers_and_a_health_check_fails() {
     loop {
         let answer = scallopd().args(["healthcheck", "--listen", &program.address.to_string()]).output().unwrap();
         if answer.status.code() == Some(1) {
-            // It answered: a connection that is refused would have been reported.
+            // The server answered: a refused connection would be `None`.
             assert_eq!(text(&answer), "");
             break;
         }
@@ -133,7 +133,8 @@ fn a_termination_under_load_loses_no_accepted_request() {
     over.store(true, Ordering::Relaxed);
     let answered: usize = clients.into_iter().map(|client| client.join().unwrap()).sum();
     assert_eq!(code, Some(0));
-    // Each request that the server began has a line in its log; each must be an answer that a client read whole.
+    // Each request that the server accepted has a line in its log, and a client must have read the whole answer of
+    // each.
     let begun: Vec<_> = log.iter().filter(|line| line["message"] == "request").collect();
     assert!(begun.iter().all(|line| line["status"] == 200), "a request was given up");
     assert!(answered > 100, "that was no load: {answered}");
@@ -157,11 +158,11 @@ fn a_request_is_one_line_with_its_id_route_status_duration_and_bytes() {
 }
 
 #[test]
-fn a_program_without_files_left_goes_on_when_connections_end() {
-    // What the program opens by itself is about ten files.
+fn a_program_without_free_file_descriptors_continues_when_connections_end() {
+    // The program itself opens about ten files.
     let program = Program::run(Command::new("sh").args(["-c", "ulimit -n 40 && exec \"$0\"", env!("CARGO_BIN_EXE_scallopd")]));
     let idle: Vec<_> = (0..60).map(|_| TcpStream::connect(program.address).unwrap()).collect();
-    // More than the pause after a failure to accept.
+    // Longer than the pause after a failure to accept.
     std::thread::sleep(Duration::from_millis(500));
     drop(idle);
     assert!(ask(program.address).expect("an answer").starts_with("HTTP/1.1 200"));

@@ -1,4 +1,4 @@
-//! A service with the probes and routes of a test's own, and streams to it.
+//! Servers with the probes and the routes of a test, and TCP streams to them.
 
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ pub(crate) async fn send(stream: &mut TcpStream, text: &str) {
     stream.write_all(text.as_bytes()).await.unwrap();
 }
 
-/// What comes until the server closes the stream.
+/// Reads until the server closes the stream.
 pub(crate) async fn read_all(stream: &mut TcpStream) -> String {
     let mut bytes = Vec::new();
     tokio::time::timeout(PATIENCE, stream.read_to_end(&mut bytes)).await.expect("the server closes the stream").unwrap();

@@ -1,4 +1,4 @@
-//! Under more load than is accepted.
+//! Load shedding: requests beyond the limits are refused.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use tokio::sync::Semaphore;
 use crate::app::defaults;
 use crate::service::server::{self, until};
 
-/// Routes that answer once the test lets them.
+/// Routes that answer when the test releases them.
 fn waiting(release: &Arc<Semaphore>) -> Routes {
     let (single, batch) = (Arc::clone(release), Arc::clone(release));
     let single = move || async move { single.acquire().await.map(|_| "done").unwrap() };
@@ -27,13 +27,13 @@ fn problem_of(body: &str) -> serde_json::Value {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn requests_past_the_limit_are_shed_while_probes_answer() {
+async fn requests_beyond_the_limit_are_shed_while_probes_answer() {
     let release = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
     settings.http.max_in_flight = 3;
     let server = server::start(settings, waiting(&release)).await;
     let held: Vec<_> = (0..3).map(|_| tokio::spawn(server.client.get(server.url("/single")).send())).collect();
-    // The three, and the scrape that asks.
+    // The three requests, and the scrape itself.
     until("three in flight", async || server.metrics().await.contains("scallopd_http_requests_in_flight 4\n")).await;
 
     let shed = server.get("/quick").await;
@@ -54,7 +54,7 @@ async fn requests_past_the_limit_are_shed_while_probes_answer() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn batches_past_their_limit_are_shed_while_single_requests_answer() {
+async fn batches_beyond_their_limit_are_shed_while_single_requests_answer() {
     let release = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
     settings.http.max_concurrent_work = 2;

@@ -1,4 +1,4 @@
-//! Stopping in good order.
+//! Graceful shutdown.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -34,7 +34,7 @@ async fn requests_in_flight_finish_and_new_connections_are_refused() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_draining_server_says_that_it_is_not_ready_and_ends_connections_politely() {
+async fn a_draining_server_is_not_ready_and_announces_the_end_of_connections() {
     let server = server::start(defaults(), Routes::new()).await;
     assert_eq!(server.get("/readyz").await.status(), 200);
     server.state.readiness.drain();
@@ -45,7 +45,7 @@ async fn a_draining_server_says_that_it_is_not_ready_and_ends_connections_polite
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_a_client_sent_right_before_the_stop_is_answered() {
+async fn requests_sent_right_before_the_stop_are_answered() {
     let mut server = server::start(defaults(), Routes::new()).await;
     let mut streams = Vec::new();
     for _ in 0..50 {
@@ -62,7 +62,7 @@ async fn what_a_client_sent_right_before_the_stop_is_answered() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn the_grace_bounds_the_wait() {
+async fn the_grace_limits_the_time_to_stop() {
     let never = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
     settings.server.shutdown_grace = Duration::from_secs(1);
@@ -73,20 +73,20 @@ async fn the_grace_bounds_the_wait() {
     server.stop();
     server.stopped().await;
     assert!(began.elapsed() >= Duration::from_secs(1));
-    // The client's own patience is 30 s.
+    // The client's time-out is 30 s.
     assert!(began.elapsed() < Duration::from_secs(15), "{:?}", began.elapsed());
     held.abort();
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_request_whose_body_is_still_coming_is_finished() {
+async fn a_request_whose_body_is_still_arriving_is_finished() {
     let length = axum::routing::post(|body: axum::body::Bytes| async move { body.len().to_string() });
     let mut server = server::start(defaults(), Routes::new().undocumented(RouteClass::Single, "/length", length)).await;
     let mut streams = Vec::new();
     for _ in 0..20 {
         let mut stream = server.connect().await;
         send(&mut stream, "POST /length HTTP/1.1\r\nhost: test\r\ncontent-length: 8\r\nexpect: 100-continue\r\n\r\n").await;
-        // The server asks for the body: the request is accepted.
+        // The server has asked for the body, so the request is accepted.
         let mut go_on = [0; 25];
         stream.read_exact(&mut go_on).await.unwrap();
         assert_eq!(&go_on, b"HTTP/1.1 100 Continue\r\n\r\n");

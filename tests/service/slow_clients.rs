@@ -1,4 +1,4 @@
-//! Clients that say nothing, little, or do not listen.
+//! Clients that send slowly or not at all, or do not read their answers.
 
 use std::time::{Duration, Instant};
 
@@ -37,7 +37,7 @@ async fn idle_and_trickling_connections_do_not_stop_a_request() {
         let began = Instant::now();
         let answer = server.client.post(server.url("/length")).body("1234").send().await.unwrap();
         assert_eq!(answer.text().await.unwrap(), "4");
-        // A request takes about a millisecond; held up by the slow clients it would take seconds.
+        // A request takes about a millisecond; if the slow clients delayed it, it would take seconds.
         assert!(began.elapsed() < Duration::from_secs(2), "{:?}", began.elapsed());
         tokio::time::sleep(Duration::from_millis(50)).await;
     }
@@ -80,7 +80,7 @@ async fn a_handler_that_takes_too_long_is_answered_with_408() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_client_that_leaves_its_answer_unread_is_dropped() {
+async fn the_connection_of_a_client_that_leaves_its_answer_unread_is_closed() {
     let mut settings = defaults();
     settings.server.write_timeout = Duration::from_secs(1);
     let mut server = server::start(settings, routes()).await;

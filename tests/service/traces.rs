@@ -1,4 +1,4 @@
-//! Spans as they reach a collector.
+//! Export of spans to a collector.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -6,7 +6,7 @@ use std::net::{TcpListener, TcpStream};
 use crate::app::PATIENCE;
 use crate::service::launch::Program;
 
-/// Receives one export and accepts it; its request line and its body.
+/// Receives and accepts one export, and returns its request line and body.
 fn collect(listener: &TcpListener) -> (String, Vec<u8>) {
     let (stream, _) = listener.accept().unwrap();
     stream.set_read_timeout(Some(PATIENCE)).unwrap();
@@ -40,7 +40,7 @@ fn spans_reach_the_collector_as_part_of_the_callers_trace() {
     let traceparent = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01";
     write!(stream, "GET /livez HTTP/1.1\r\nhost: test\r\ntraceparent: {traceparent}\r\nconnection: close\r\n\r\n").unwrap();
     stream.read_to_string(&mut String::new()).unwrap();
-    // The last batch is sent at the program's end.
+    // The last batch is sent when the program ends.
     program.signal("TERM");
     let (request, body) = collect(&listener);
     assert_eq!(request, "post /v1/traces http/1.1");

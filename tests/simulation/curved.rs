@@ -1,5 +1,6 @@
-//! Curved surfaces and runout: the model's height against a simulation that knows only the cutter's solid and the quadric surface. The tool axis is fixed, and every
-//! tooth mark is placed by the surface's own normal there, so that the terms of the third order, which the model leaves out, are in the simulation.
+//! Curved surfaces and runout: the model's height compared with a simulation of the cutter's solid on the quadric
+//! surface. The tool axis is fixed, and every tooth mark is placed by the surface's own normal there, so that the terms
+//! of the third order, which the model leaves out, are in the simulation.
 
 use super::{Random, mm, wanted};
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
@@ -56,11 +57,12 @@ impl Setup {
         sum(&[(1.0, place), (deepest.corner, normal), (deepest.core / level, [normal[0], normal[1], 0.0])])
     }
 
-    /// How far along `normal` from `place` the line enters the torus of a tooth whose deepest neighbour's centre is `centre`, from below; infinite where it does not.
+    /// The distance from `place` along `normal` at which the line enters the torus of a tooth from below; infinite if
+    /// it does not. `centre` is the centre of the deepest tooth.
     fn entry(tooth: Tooth, centre: Vector, place: Vector, normal: Vector) -> f64 {
         let from = sum(&[(1.0, place), (-1.0, centre), (-tooth.lift, [0.0, 0.0, 1.0])]);
         let mut along = -0.5 * tooth.corner;
-        // Sphere tracing: the distance to the torus is how far the line can go without entering it.
+        // Sphere tracing: the line can advance by the distance to the torus without entering it.
         for _ in 0..400 {
             let [x, y, z] = sum(&[(1.0, from), (along, normal)]);
             let beyond = x.hypot(y) - tooth.core;
@@ -82,7 +84,8 @@ impl Setup {
         along
     }
 
-    /// The highest place that two neighbouring passes leave between them over a grid of places and phases; the second pass' teeth lag by every share of the pattern.
+    /// The largest height that two neighbouring passes leave between them, over a grid of points and phases; the teeth
+    /// of the second pass lag by every share of the pattern.
     fn highest(&self, along: u16, across: u16) -> f64 {
         let count = u16::try_from(self.teeth.len()).expect("a few teeth");
         let length = self.feed * f64::from(count);
@@ -208,7 +211,7 @@ fn print(name: &str, outcomes: &[&Outcome]) -> f64 {
 /// The share up to which no `curvature-approximate` is given from 10 deg of slope on.
 const THIRD_ORDER_SMALL: f64 = 0.03;
 
-/// Prints the configurations by what the model warns of.
+/// Prints the configurations by the model's warnings.
 fn print_by_warning(name: &str, outcomes: &[Outcome]) {
     for (steep, slopes) in [(true, "from 10 deg"), (false, "under 10 deg")] {
         for (small, order) in [(true, "third order small"), (false, "third order not small")] {
@@ -222,7 +225,8 @@ fn print_by_warning(name: &str, outcomes: &[Outcome]) {
 fn heights_on_curved_surfaces_are_not_exceeded_and_are_reached() {
     let outcomes = outcomes(11, wanted(200), true, false);
     print_by_warning("curved", &outcomes);
-    // Where the third order is not small the model warns, and the height is exceeded in some cases: docs/envelope-on-curved-surfaces.md has the figures.
+    // If the third order is not small, the model warns, and the height is exceeded in some cases:
+    // docs/envelope-on-curved-surfaces.md has the figures.
     for outcome in outcomes.iter().filter(|outcome| outcome.third_order <= THIRD_ORDER_SMALL) {
         let most = if outcome.slope_deg >= 10.0 { 1.01 } else { 1.04 };
         assert!(outcome.share <= most, "{outcome:?}");
@@ -235,7 +239,7 @@ fn heights_on_curved_surfaces_are_not_exceeded_and_are_reached() {
 }
 
 #[test]
-fn close_fits_are_not_exceeded_where_nothing_is_warned_of() {
+fn heights_of_close_fits_without_a_warning_are_not_exceeded() {
     let (near, fair): (Vec<_>, Vec<_>) = outcomes(12, wanted(40), true, true).into_iter().partition(|outcome| outcome.lambda <= 0.6);
     print_by_warning("harsh, lambda over 0.6", &fair);
     let (least, little) = near.iter().partition::<Vec<_>, _>(|outcome| outcome.lambda < 0.25);
@@ -255,7 +259,8 @@ fn heights_with_runout_are_not_exceeded() {
     }
 }
 
-/// Two shallow teeth that follow each other leave more than a deep and a shallow one: a bound for alternating teeth is none for three.
+/// Two shallow teeth that follow each other leave more than a deep and a shallow one: the bound for alternating teeth
+/// does not hold for three.
 #[test]
 fn two_shallow_teeth_in_a_row_exceed_the_height_for_alternating_teeth() {
     let contact = Contact::from_degrees(40.0, 20.0).unwrap();
@@ -275,14 +280,16 @@ fn two_shallow_teeth_in_a_row_exceed_the_height_for_alternating_teeth() {
     assert!(simulated <= height(3) && simulated > 0.9 * height(3), "{simulated} {}", height(3));
 }
 
-/// The promised step-over on cylinders and spheres of 60 mm, convex and concave: what it leaves, simulated, against the tolerance of 10 um.
+/// The simulated height at the computed step-over on cylinders and spheres of 60 mm, convex and concave, against the
+/// tolerance of 10 um.
 #[test]
-fn promised_step_overs_keep_the_tolerance_on_cylinders_and_spheres() {
+fn computed_step_overs_keep_the_tolerance_on_cylinders_and_spheres() {
     let mut worst = [0.0_f64; 2];
     for (outer, corner) in [(6.0, 1.0), (5.0, 2.0)] {
         for slope_deg in [5.0, 8.0, 10.0, 20.0, 40.0, 60.0, 80.0] {
             for alpha_deg in [0.0, 30.0, 60.0, 90.0] {
-                // Cylinders whose axis is inclined with the slope, level cylinders, and spheres; the angle runs from the steepest line to the first principal direction.
+                // Cylinders whose axis is inclined with the slope, level cylinders, and spheres; the angle runs from
+                // the steepest line to the first principal direction.
                 for (principal, from_steepest) in [([1.0, 0.0], 90.0), ([1.0, 0.0], 0.0), ([1.0, 1.0], 0.0)] {
                     for bend in [1.0 / 60.0, -1.0 / 60.0] {
                         let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();

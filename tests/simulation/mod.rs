@@ -1,4 +1,5 @@
-//! Model `envelope` against a simulation that knows only the cutter's solid: the model's height is never exceeded, and it is reached.
+//! Model `envelope` compared with a simulation of the cutter's solid: the model's height is never exceeded, and it is
+//! reached.
 //!
 //! The default run takes some hundred configurations of each kind. More by one command:
 //!
@@ -13,7 +14,7 @@ use scallopd::milling::{Contact, Cutter, Envelope, NoAnswer, Pass, Runout, Surfa
 use scallopd::quantity::Length;
 use solid::{Grid, Setup, Solid, highest_uncut};
 
-/// Splitmix64: numbers that look random and are the same on each run.
+/// The pseudo-random generator Splitmix64, which gives the same numbers in each run.
 struct Random(u64);
 
 impl Random {
@@ -31,7 +32,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// One of the ends in one case of ten each, otherwise anything between.
+    /// Each end in one case of ten, otherwise any number between.
     fn with_ends(&mut self, low: f64, high: f64) -> f64 {
         match self.unit() {
             u if u < 0.1 => low,
@@ -53,7 +54,8 @@ struct Case {
 }
 
 impl Case {
-    /// Slopes 0 to 90 deg, all directions, r/R from 0 to 1, marks up to 0.4 mm apart, step-overs that leave 1 to 100 um.
+    /// Slopes 0 to 90 deg, all directions, r/R from 0 to 1, marks up to 0.4 mm apart, step-overs that leave 1 to 100
+    /// um.
     fn draw(random: &mut Random) -> Result<Self, NoAnswer> {
         let outer_radius = random.within(1.0, 10.0);
         let ratio = random.with_ends(0.0, 1.0);
@@ -69,7 +71,7 @@ impl Case {
         let envelope = Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None })?;
         let left = 1e-3 * 100.0_f64.powf(random.unit());
         let step_over = match envelope.max_step_over(mm(left), None) {
-            // Along a wall no step-over leaves anything.
+            // Along a wall, no step-over leaves a height.
             Err(NoAnswer::ToleranceLimitsNoStepOver { .. }) => mm(random.within(0.1, 1.0)),
             step_over => step_over?,
         };
@@ -80,7 +82,7 @@ impl Case {
         Ok(Self { setup: Setup { solid, slope_deg, theta_deg, step_over: step_over.mm(), mark_spacing }, height })
     }
 
-    /// The simulated height as a share of the model's; where the model says that nothing is left, 1 if the simulation agrees to 1e-11 mm.
+    /// The simulated height as a share of the model's; if the model's is 0, 1 if the simulation agrees to 1e-11 mm.
     /// Elsewhere columns end at 1e-8 of the height, far below the 1e-6 by which it is evaluated.
     fn reached(&self, grid: Grid) -> f64 {
         let resolution = (1e-8 * self.height).max(1e-11);
@@ -89,7 +91,7 @@ impl Case {
     }
 }
 
-/// The configurations to simulate.
+/// The number of configurations to simulate.
 fn wanted(default: usize) -> usize {
     std::env::var("SCALLOPD_SIMULATIONS").map_or(default, |count| count.parse().expect("SCALLOPD_SIMULATIONS must be a count"))
 }

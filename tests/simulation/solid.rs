@@ -1,7 +1,8 @@
-//! A brute-force simulation of finish milling on an inclined plane, written from the cutter's solid alone: which points the body
-//! covers, and nothing else. It knows neither radii of curvature nor profiles nor how marks meet.
+//! A brute-force simulation of finish milling on an inclined plane. It uses only the cutter's solid, that is, whether
+//! the body covers a point: no radii of curvature, profiles or formulas of marks.
 
-/// A turning cutter, its axis the Z axis and its corner's centre at z = 0: a cylinder of radius R with the edge at its bottom rounded by r.
+/// A turning cutter, its axis the Z axis and its corner's centre at z = 0: a cylinder of radius R with the edge at its
+/// bottom rounded by r.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solid {
     /// R in mm.
@@ -11,7 +12,7 @@ pub(crate) struct Solid {
 }
 
 impl Solid {
-    /// Where the body begins above the distance `rho <= R` from the axis.
+    /// The height of the body's lower side at the distance `rho <= R` from the axis.
     fn floor(self, rho: f64) -> f64 {
         let beyond_flat = rho - (self.outer_radius - self.corner_radius);
         if beyond_flat <= 0.0 { -self.corner_radius } else { -(self.corner_radius.powi(2) - beyond_flat.powi(2)).max(0.0).sqrt() }
@@ -22,8 +23,8 @@ impl Solid {
         rho <= self.outer_radius && z >= self.floor(rho)
     }
 
-    /// The distance rho at which a plane of the slope `slope` (rad) touches the body from below, and that plane's height over the
-    /// axis' origin along its normal: the least of -rho sin + floor(rho) cos, found by halving in thirds.
+    /// The distance rho at which a plane of the slope `slope` (rad) touches the body from below, and that plane's
+    /// height over the axis' origin along its normal: the least of -rho sin + floor(rho) cos, found by ternary search.
     fn touch(self, slope: f64) -> (f64, f64) {
         let height = |rho: f64| self.floor(rho) * slope.cos() - rho * slope.sin();
         let (mut low, mut high) = (0.0, self.outer_radius);
@@ -50,31 +51,32 @@ pub(crate) struct Setup {
     pub(crate) mark_spacing: f64,
 }
 
-/// How fine the simulation looks.
+/// The resolution of the simulation.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grid {
-    /// Places, and phases between neighbouring passes, in one distance of marks.
+    /// Points, and phases between neighbouring passes, in one distance of marks.
     pub(crate) along: usize,
-    /// Places in one step-over.
+    /// Points in one step-over.
     pub(crate) across: usize,
 }
 
-/// Passes on either side that can reach a place. A sharp edge at an oblique feed cuts deepest beside its contact, by less than the
-/// marks are apart; passes further off than that and two more leave nothing lower than those between.
+/// The number of passes on either side that can reach a point. A sharp edge at an oblique feed cuts deepest beside its
+/// contact, by less than the marks are apart; passes further off than that and two more leave nothing lower than those
+/// between.
 fn passes(setup: Setup) -> i32 {
     #[expect(clippy::cast_possible_truncation, reason = "marks and step-overs are of one order")]
     let reach = (setup.mark_spacing / setup.step_over).ceil() as i32;
     reach + 2
 }
 
-/// Columns along the normal through places of the tangent plane.
+/// Columns along the normal through points of the tangent plane.
 struct Columns {
     solid: Solid,
     normal: [f64; 3],
     feed: [f64; 3],
     side: [f64; 3],
     touch: f64,
-    /// Where the body touches the plane, across the feed and along it, seen from the axis.
+    /// The contact of body and plane relative to the axis, across the feed and along it.
     contact: (f64, f64),
 }
 
@@ -96,7 +98,7 @@ impl Columns {
         self.solid.contains(std::array::from_fn(|i| self.feed[i] * x + self.side[i] * y + self.normal[i] * p))
     }
 
-    /// How high the material stands under the body at (x, y), infinite where the body is not met up to `ceiling`. The search starts
+    /// The height of the material under the body at (x, y), infinite if the body is above `ceiling`. The search starts
     /// from `hint`.
     fn uncut(&self, x: f64, y: f64, hint: f64, ceiling: f64, resolution: f64) -> f64 {
         let mut inside = hint.min(ceiling);
@@ -108,7 +110,8 @@ impl Columns {
             inside = (inside + step).min(ceiling);
             step *= 2.0;
         }
-        // The surface touches the body, so that nothing under it is covered; the body is convex, so that the column enters it once.
+        // The surface touches the body, so the body covers nothing under it; the body is convex, so the column enters
+        // it once.
         let mut step = resolution * 16.0;
         let mut outside = inside - step;
         while outside > 0.0 && self.covers(x, y, outside) {
@@ -125,7 +128,8 @@ impl Columns {
     }
 }
 
-/// What one pass leaves at the grid's places, over a mark's length and as many step-overs to either side as it can reach.
+/// The height that one pass leaves at the grid's points, over the length of a mark and as many step-overs to either
+/// side as the pass can reach.
 struct Groove {
     along: usize,
     first_row: i32,
@@ -138,7 +142,8 @@ impl Groove {
         let per_pass = i32::try_from(grid.across).expect("a grid's size");
         let (first, last) = (-passes(setup) * per_pass, passes(setup) * per_pass);
         let mut rows = vec![Vec::new(); usize::try_from(last - first).expect("rows")];
-        // Outwards from the contact, so that each row starts with the tooth that cut deepest in the row before it.
+        // Rows are visited outwards from the contact, so that each starts with the tooth that cut deepest in the row
+        // before it.
         let mut sweep = |order: &mut dyn Iterator<Item = i32>| {
             let (mut tooth, mut hint) = (0.0, 0.0);
             for row in order {
@@ -149,7 +154,7 @@ impl Groove {
                     let x = setup.mark_spacing * cell as f64 / grid.along as f64;
                     let height = |tooth: f64, hint| columns.uncut(x - tooth * setup.mark_spacing, y, hint, ceiling, resolution);
                     let mut least = height(row_tooth, row_hint);
-                    // A convex body leaves a convex height, so that going down from tooth to tooth ends at the deepest.
+                    // The height under a convex body is convex, so descending from tooth to tooth ends at the deepest.
                     for direction in [-1.0, 1.0] {
                         loop {
                             let next = height(row_tooth + direction, if least.is_finite() { least } else { row_hint });
@@ -180,13 +185,14 @@ impl Groove {
     }
 }
 
-/// The highest place that passes side by side leave, over every phase of the grid between the teeth of one pass and the next.
+/// The largest height that neighbouring passes leave, over every phase of the grid between the teeth of one pass and
+/// the next.
 pub(crate) fn highest_uncut(setup: Setup, grid: Grid, ceiling: f64, resolution: f64) -> f64 {
     let groove = Groove::mill(setup, grid, ceiling, resolution);
     let per_pass = i32::try_from(grid.across).expect("a grid's size");
     let mut highest = 0.0_f64;
     for row in 0..per_pass {
-        // The passes in whose groove the row lies, from the furthest behind to the furthest ahead.
+        // The passes whose groove contains the row, from the furthest behind to the furthest ahead.
         let passes: Vec<&[f64]> = (-passes(setup)..passes(setup)).map(|ahead| groove.row(row + ahead * per_pass)).collect();
         for phase in 0..groove.along {
             for cell in 0..groove.along {

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Requests that try to cost more than their share, each against a server of its own, and what they cost.
+"""Hostile requests, each against its own server, and the resources that they take.
 
     cargo build --release && python3 tests/soak/attacks.py target/release/scallopd
 
 For each attack it prints the peak memory, the processor time, the longest times of probes, single calculations and short batches of
 other clients meanwhile, and the statuses that the attacker got. It fails where the peak exceeds the memory budget plus 64 MiB, where
-another client waits longer than 100 ms or is turned away other than by a 503 with Retry-After, or where a status is unexpected.
+another client waits longer than 100 ms or is refused other than by a 503 with Retry-After, or where a status is unexpected.
 `--only NAME` runs one attack. It needs Linux and Python's standard library.
 """
 
@@ -99,7 +99,7 @@ def read_answer(stream):
 
 
 def exchange(address, message, timeout=120):
-    """Sends a request on a connection of its own; the status, or what became of the connection."""
+    """Sends a request on a new connection; returns the status, or the fate of the connection."""
     try:
         with connect(address, timeout) as stream:
             try:
@@ -192,7 +192,7 @@ def plain_upload(data, name="part.stl", **changed):
 
 
 def until_answered(address, message, attempts=60):
-    """The statuses of a request that comes again a second after each 503."""
+    """The statuses of a request that is repeated a second after each 503."""
     statuses = []
     while len(statuses) < attempts:
         statuses.append(exchange(address, message))
@@ -247,7 +247,7 @@ def fine_patches(address):
 
 
 def large_json_mesh(address):
-    """Sixty MB of the shortest points and triangles that there are."""
+    """Sixty MB of points and triangles in the shortest notation."""
     body = json.dumps({**JOB, "directions_deg": [0]})[:-1].encode() + b',"surface":{"mesh":{"points":[[0,0,0],[9,0,0],[0,9,0]'
     body += b",[1,1,1]" * 3_500_000 + b'],"triangles":[[0,1,2]' + b",[0,1,2]" * 4_000_000 + b"]}}}"
     return side_by_side(4, lambda _: exchange(address, post("/v1/cutter-recommendation", body)))
@@ -259,7 +259,7 @@ def not_finite(address):
 
 
 def large_bodies_left(address):
-    """Clients that send 64 MB of points and leave while they are read."""
+    """Clients that send 64 MB of points and close the connection while they are read."""
     body = json.dumps(JOB)[:-1].encode() + b',"surface":{"points":[[0,0,0]' + b",[1,2,3]" * 8_000_000 + b"]}}"
     message = post("/v1/cutter-recommendation", body)
     for _ in range(8):
@@ -299,7 +299,7 @@ def expensive_contacts(address):
 
 
 def expensive_batches_left(address):
-    """Clients that leave their expensive batches: the processor must be idle soon after."""
+    """Clients that abandon expensive batches: the processor must be idle soon after."""
     message = expensive_batch(250_000)
     for _ in range(16):
         stream = connect(address)
@@ -467,7 +467,7 @@ class Server:
 
 
 def observe(address, over, results):
-    """Asks as another client would, on new connections, and reports the longest time and the statuses of each request."""
+    """Sends the requests of another client, on new connections, and reports the longest time and the statuses of each."""
     requests = {"livez": head("/livez", method="GET"), "single": post("/v1/scallop-height", HEIGHT), "batch": post("/v1/scallop-height/batch", SHORT_BATCH)}
     longest = dict.fromkeys(requests, 0.0)
     statuses = collections.Counter()

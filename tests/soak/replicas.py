@@ -4,17 +4,17 @@
     cargo build --release && python3 tests/soak/replicas.py target/release/scallopd
 
 It needs Linux, haproxy and wrk (apt-get install haproxy wrk), openssl for the rows with TLS, and Python's standard library. The proxy
-runs with deploy/haproxy.cfg as it stands; variables set its ports. Everything that was started is ended with the program.
+runs with deploy/haproxy.cfg as it stands; variables set its ports. The program ends everything that it started.
 
 Throughput: wrk asks for single heights, each on one of 32 kept connections, and for batches of 1000, directly, through the proxy to one
-replica, and through it to two. Where the program runs as root and may make control groups, each replica gets --cores-each of a core,
-so that replicas, proxy and wrk do not take it from each other; else they share the cores, and two replicas are no faster than one. "us"
-are processor time a request, of all replicas and of the proxy, which depend little on what else the machine does.
+replica, and through it to two. If the program runs as root and can create control groups, each replica gets --cores-each of a core, so that
+replicas, proxy and wrk do not compete; else they share the cores, and two replicas are no faster than one. "us" are processor time a
+request, of all replicas and of the proxy, which depend little on other work on the machine.
 
 Failures: requests at fixed times, whether or not earlier ones were answered. A client repeats a request as docs/integration.md asks: on
-a broken connection and the proxy's 502 at once, then after growing pauses, on 429 and 503 after Retry-After. "repeated by the client" is what a client
-without repetition would have lost, "lost" what had no answer after five attempts; "repeated by the proxy" is what the proxy counts. The
-program ends with 1 where a request is lost, or where a single calculation is lost to a client that does not repeat.
+a broken connection and the proxy's 502 at once, then after growing pauses, on 429 and 503 after Retry-After. "repeated by the client" is
+what a client without repetition would have lost, "lost" what had no answer after five attempts; "repeated by the proxy" is what the proxy
+counts. The program ends with 1 where a request is lost, or where a single calculation is lost to a client that does not repeat.
 """
 
 import argparse
@@ -42,8 +42,7 @@ TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 CUTTER = {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}
 HEIGHT = {"cutter": CUTTER, "contact": {"slope_deg": 40, "feed_angle_deg": 30}, "step_over_mm": 0.687, "feed_per_tooth_mm": 0.3}
 BACKENDS = ("single", "long")
-# Each kind of request is sent by a process of its own. The proxy holds single requests whole and may repeat them, batches of
-# this size not.
+# Each kind of request is sent by a process of its own. The proxy holds whole single requests and can repeat them, but not batches of this size.
 SINGLE, SHORT, LONG = "single", "batch of 1000", "batch of 50 000, envelope"
 STALL_S = 8
 KILLS = 6
@@ -83,7 +82,7 @@ def wait_until(condition, what, seconds=30):
 
 
 class Share:
-    """A control group that limits its processes to a part of a core; without a folder where the system does not let us make one."""
+    """A control group that limits its processes to a part of a core; without a folder if the system does not permit one."""
 
     # The system takes no quota under 1 ms.
     PERIOD_US = 20_000
@@ -105,7 +104,7 @@ class Share:
 
     def close(self):
         if self.folder:
-            # The group is busy until the system has buried its processes.
+            # The group is busy until the system has removed its processes.
             for _ in range(100):
                 if not self.folder.exists():
                     return
@@ -140,7 +139,7 @@ class Replica:
             connection.close()
 
     def restart(self):
-        """As a rolling update does it: SIGTERM, the drain, a new process."""
+        """Restarts like a rolling update: SIGTERM, the drain, a new process."""
         self.process.send_signal(signal.SIGTERM)
         code = self.process.wait(60)
         if code != 0:
@@ -179,7 +178,7 @@ class Proxy:
             return b"".join(iter(lambda: stream.recv(1 << 16), b"")).decode()
 
     def servers(self):
-        """What the proxy counts, by (backend, server)."""
+        """The counters of the proxy, by (backend, server)."""
         head, *lines = self.tell("show stat").removeprefix("# ").strip().splitlines()
         rows = [dict(zip(head.split(","), line.split(","))) for line in lines]
         return {(row["pxname"], row["svname"]): row for row in rows if row["pxname"] in BACKENDS}
@@ -207,7 +206,7 @@ class Proxy:
 
 @dataclasses.dataclass
 class Counts:
-    """What a client saw."""
+    """The outcomes of a client's requests."""
 
     sent: int = 0
     at_once: int = 0
@@ -226,7 +225,7 @@ class Client:
         self.port, self.idle, self.counts = port, [], Counts()
 
     async def run(self, rate, is_over):
-        """Sends until told that it is over, then waits for the answers."""
+        """Sends until `is_over`, then waits for the answers."""
         began, tasks = time.monotonic(), set()
         while not is_over():
             task = asyncio.create_task(self.ask())
@@ -292,7 +291,7 @@ def send(port, kind, rate, over, results):
 
 
 def under_load(proxy, rates, disturb):
-    """Runs `disturb` while requests of all kinds are sent: what the clients saw by kind, what the proxy repeated by backend."""
+    """Runs `disturb` while requests of all kinds are sent: returns the clients' outcomes by kind, and the proxy's repetitions by backend."""
     over, results = multiprocessing.Event(), multiprocessing.Queue()
     before = proxy.repeated()
     senders = [multiprocessing.Process(target=send, args=(proxy.port, kind, rate, over, results), daemon=True) for kind, rate in rates.items()]
@@ -447,7 +446,7 @@ def main():
     arguments.add_argument("--drain-delay-s", type=int, default=5, help="after SIGTERM; the default is that of the manifests")
     options = arguments.parse_args()
     haproxy = need("haproxy", "haproxy")
-    # SIGTERM ends this program as an exception does: with all that it started.
+    # SIGTERM raises an exception, so that everything that was started is ended.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     faults = []
     with tempfile.TemporaryDirectory() as name:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A minute of everything at once: all endpoints, valid and invalid, batches and uploads, from as many clients as fill the cores.
+"""Soak test: all endpoints with valid and invalid requests, batches and uploads, from as many clients as fill the cores, for a minute.
 
     cargo build --release && python3 tests/soak/soak.py target/release/scallopd
 
 It fails on an answer 5xx that is not a shed request's 503 with Retry-After, on a status that a request does not call for, on a
 connection that the server breaks, and when memory in the last ten seconds exceeds that in the first ten (after a warm-up) by more
-than a tenth and 8 MiB, which is what an allocator's own caches come to. It needs Linux and Python's standard library.
+than a tenth and 8 MiB, which is the size of an allocator's caches. It needs Linux and Python's standard library.
 """
 
 import argparse
@@ -112,7 +112,7 @@ def mixture():
 
 
 class Client:
-    """One connection, opened again where the server said that it closes it."""
+    """One connection, opened again if the server announced its close."""
 
     def __init__(self, address):
         self.address = address
@@ -221,7 +221,7 @@ def main():
     environment = {**os.environ, "SCALLOPD_LISTEN": "127.0.0.1:0", "SCALLOPD_LOG_FORMAT": "json", "SCALLOPD_LOG_LEVEL": "info"}
     server = subprocess.Popen([given.program], env=environment, stdout=subprocess.PIPE)
     host, port = json.loads(server.stdout.readline())["address"].rsplit(":", 1)
-    # The rest of the log goes where a log goes; unread, it would block the server.
+    # The rest of the log is read and discarded; unread, it would block the server.
     drain = subprocess.Popen(["cat"], stdin=server.stdout, stdout=subprocess.DEVNULL)
     results = multiprocessing.Queue()
     until = time.monotonic() + given.warm_up + given.seconds

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""SIGTERM under load, ten times: each request that was sent is answered whole, or its connection was refused.
+"""SIGTERM under load, ten times: each request is answered completely, or its connection is refused.
 
     cargo build --release && python3 tests/soak/stop.py target/release/scallopd
 
-Clients send the soak's mixture, half of them on a new connection for each request and half on connections that they keep. Once the server is told to stop,
-a client goes on until a connection is refused. On a connection kept from before, a client may meet the server's close where it has
+Clients send the soak's mixture, half of them on a new connection for each request and half on connections that they keep. After the signal,
+a client continues until a connection is refused. On a connection kept from before, a client may meet the server's close where it has
 received no byte of the answer; it sends that request again on a new connection, as HTTP clients do (RFC 9112, section 9.3.1). Any other
 answer that is missing or cut off counts as lost. It needs Linux and Python's standard library.
 """
@@ -24,7 +24,7 @@ import soak
 
 
 class Counting(soak.Client):
-    """A client that knows whether its connection is new and whether a part of the answer has come."""
+    """A client that records whether its connection is new and whether a part of the answer has arrived."""
 
     def exchange(self, message):
         self.is_new, self.received = self.stream is None, False

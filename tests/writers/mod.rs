@@ -2,12 +2,12 @@
 
 use std::io::Write;
 
-/// Numbers as words of a line.
+/// Numbers as text, joined by a separator.
 pub(crate) fn words(values: &[impl ToString], separator: &str) -> String {
     values.iter().map(ToString::to_string).collect::<Vec<_>>().join(separator)
 }
 
-/// A vertex in single precision as the doubles that equal it, so that text holds it exactly.
+/// A single-precision vertex as doubles, so that text represents it exactly.
 pub(crate) fn exact(vertex: [f32; 3]) -> [f64; 3] {
     vertex.map(f64::from)
 }
@@ -37,7 +37,7 @@ pub(crate) fn binary_stl(header: &str, facets: &[[[f32; 3]; 3]]) -> Vec<u8> {
     file
 }
 
-/// An OBJ.
+/// A Wavefront OBJ.
 pub(crate) fn obj(vertices: &[[f32; 3]], triangles: &[[usize; 3]]) -> String {
     let vertices = vertices.iter().map(|vertex| format!("v {}\n", words(&exact(*vertex), " ")));
     let faces = triangles.iter().map(|triangle| format!("f {}\n", words(&triangle.map(|vertex| vertex + 1), " ")));

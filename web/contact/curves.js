@@ -1,4 +1,4 @@
-// What the contact view's charts ask of the service: heights over step-over and feed, and the largest step-over by direction.
+// The requests of the contact view's charts: heights over step-over and feed, and the largest step-over by direction.
 
 import { post } from '../service.js';
 import { tangentAngle } from './frame.js';

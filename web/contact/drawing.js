@@ -116,7 +116,7 @@ export function detail(section, width, height) {
   const [passLeft, passRight] = [place(-stepOver / 2, 0), place(stepOver / 2, 0)];
   const dimensionY = height - 30;
   const edge = left + inner.width;
-  // Labels at the right keep a line's distance from each other.
+  // Labels at the right are at least a line apart.
   const labels = [
     { w: total, text: `height ${formatWithUnit(total, 'height')}`, class: 'total' },
     total - stepOverHeight > tallest * 1e-3 && { w: stepOverHeight, text: `cusp ${formatWithUnit(stepOverHeight, 'height')}`, class: 'cusp' },

@@ -16,7 +16,7 @@ export function polarChart({ angles, series, feedAngle, size, onPick }) {
   const middle = size / 2;
   const known = series.flatMap(({ values }) => values).filter((value) => value !== null).sort((a, b) => a - b);
   if (known.length === 0) return null;
-  // The published radii grow without bound on slight slopes: the scale follows the first series, the cutter's whole shape.
+  // The published radii grow without bound on slight slopes, so the scale is that of the first series, the exact shape.
   const most = Math.max(...series[0].values.filter((value) => value !== null), known[0]);
   const scale = radius / (most * 1.05);
   // Uphill is at the top; angles run counter-clockwise, as seen from above.

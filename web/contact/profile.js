@@ -36,8 +36,7 @@ export class Profile {
     this.#ends = [this.#at(this.low), this.#at(this.high)];
   }
 
-  // The angle whose boundary point lies at x, between two neighbouring angles: [below, above]. The table brackets it; secants and
-  // halvings in turn close the bracket, the halvings for the flat, where x jumps.
+  // The angle whose boundary point lies at x, between two neighbouring angles: [below, above]. The table brackets it; secant steps and bisections in turn narrow the bracket, bisections because x jumps at the flat.
   #bracket(x) {
     let [first, last] = [0, TABLE];
     while (last - first > 1) {

@@ -1,4 +1,4 @@
-// The contact view: one cutter at one contact. It asks both models while one types and draws what they answer.
+// The contact view: one cutter at one contact. It requests both models while the user types, and draws their answers.
 
 import { LineChart } from '../charts.js';
 import { addressOf, post, Unreachable } from '../service.js';
@@ -127,7 +127,7 @@ export class ContactView {
     );
   }
 
-  // Shows the fields that the choices call for.
+  // Shows the fields that the choices need.
   #arrange() {
     const { question, type, contact_form, surface_form, step_form } = this.#form.values();
     const shown = (name, condition) => {
@@ -181,7 +181,7 @@ export class ContactView {
       this.#showFaults();
       this.#showAnswers();
       this.#results.setAttribute('aria-busy', 'false');
-      // The figures first: the drawing can wait for the next frame.
+      // Figures are shown first; the drawing follows in the next frame.
       cancelAnimationFrame(this.#frame);
       this.#frame = requestAnimationFrame(() => this.#drawSection());
       this.#chart();

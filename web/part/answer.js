@@ -8,10 +8,10 @@ import { formatTime, formatWithUnit, unitOf } from '../units.js';
 /** The colours of the fastest cutters. */
 export const SERIES = ['series-1', 'series-2', 'series-3', 'series-4', 'series-5', 'series-6'];
 
-/** How a candidate is called: its name, or its shape and number. */
+/** The label of a candidate: its name, or its shape and number. */
 export const nameOf = (candidate) => candidate.name ?? `${inWords(candidate.type ?? 'cutter')} ${candidate.cutter + 1}`;
 
-// Cutters behind those that the chart shows have no colour.
+// Cutters beyond those in the chart have no colour.
 const swatch = (i) => el('span', { class: `swatch ${SERIES[i] ?? ''}` });
 const timeOf = (name, seconds, longest) => el('data', { value: seconds ?? '', 'data-figure': name }, formatTime(seconds, longest));
 
@@ -40,7 +40,7 @@ function timeBar(seconds, longest) {
   return bar;
 }
 
-/** The button that shows a cutter's map, or the word that says that it is shown. `onMap` is null where there can be no map. */
+/** The button that shows a cutter's map, or a word if the map is shown. `onMap` is null if there is no map. */
 function mapButton(cutter, isShown, onMap) {
   if (isShown) return el('span', { class: 'muted' }, 'shown');
   if (!onMap) return el('span', { class: 'muted', 'data-help': 'Only the recommended cutter of a tool library has a map. Add this one by hand to see its own.' }, '–');
@@ -102,7 +102,7 @@ export function notRanked(entries, mapped, mapFor) {
     el('ul', {}, entries.map((entry) => el('li', { 'data-cutter': entry.cutter },
       el('b', {}, nameOf(entry)), ' ', el('span', { class: 'code' }, inWords(entry.code)), ' ',
       entry.uncut_share === undefined ? `${entry.detail} ` : ['leaves ', figure('uncut_share', entry.uncut_share), ' of the area uncut, up to ', figure('uncut_height_mm', entry.uncut_height_mm), ' high '],
-      // What a cutter cannot reach can be shown; one that gouges everywhere has no plan to show.
+      // A map can show the uncut area of a cutter; a cutter that gouges everywhere has no plan to show.
       entry.code === 'cannot-reach' && mapFor(entry) && mapButton(entry, mapped === entry.cutter, mapFor(entry))))));
 }
 

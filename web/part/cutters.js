@@ -8,7 +8,7 @@ const NAMES = ['name', 'type', 'diameter_mm', 'corner_radius_mm', 'teeth', 'spin
 const HEADS = ['Name', 'Shape', 'Diameter', 'Corner', 'Teeth', 'Speed', 'Max feed/tooth', 'Flutes'];
 
 const fieldsOf = (cutter) => [
-  { name: 'name', label: 'Name', help: 'A name of your own; the answer repeats it.', text: true, value: cutter.name },
+  { name: 'name', label: 'Name', help: 'Any name; the answer repeats it.', text: true, value: cutter.name },
   { name: 'type', choices: [['toroidal', 'Toroidal'], ['ball_end', 'Ball end'], ['flat_end', 'Flat end']], value: cutter.type },
   ...NAMES.slice(2).map((name) => ({ name, value: cutter[name] })),
 ];

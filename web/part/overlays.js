@@ -1,10 +1,10 @@
-// What is drawn over the map of the part seen from above: passes, their direction, the selected box, the cross, and the scale.
+// The overlays of the map from above: passes, their direction, the selected box, the cross, and the scale.
 
 import { factorOf, roundStep, unitOf } from '../units.js';
 
 const INK = 'rgb(20 30 40)';
 
-/** Where the map lies on the canvas: pixels of a point in mm and back, and of the middle of a cell. */
+/** The map's position on the canvas: conversion of points in mm to pixels and back, and the pixels of a cell's centre. */
 export class Placement {
   constructor({ columns, rows, cell_mm: cell, origin_mm: origin }, width, height) {
     this.width = width;
@@ -63,7 +63,7 @@ export function drawPasses(context, place, { run_starts: starts, contact_mm: con
   context.globalAlpha = 1;
 }
 
-// A plate in the colour of the card keeps what is on it legible over the part.
+// A plate in the colour of the card, so that its content is legible over the part.
 function plate(context, [left, top, width, height], colour) {
   context.fillStyle = colour;
   context.globalAlpha = 0.88;

@@ -15,7 +15,7 @@ function blend(stops, share) {
   return stops[below].map((part, i) => part + (stops[below + 1][i] - part) * (at - below));
 }
 
-// The service counts as over the tolerance what exceeds it by more than the simulation errs.
+// The service counts heights over the tolerance only if they exceed it by more than the error of the simulation.
 const OVER_FROM = 1.0033;
 
 /** The scale of a map's layer: {low, high, colourOf(value), tolerance?, note?}. */

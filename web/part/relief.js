@@ -1,4 +1,4 @@
-// The part turned: the map's raster as a relief, drawn from the back to the front.
+// The turned view of the part: the map's raster as a relief, drawn from back to front.
 
 const MOST_CELLS = 140;
 

@@ -14,7 +14,7 @@ export const CUTTERS = [
 const UNITS = [['', 'mm (3MF: its own)'], ...['mm', 'cm', 'm', 'inch', 'foot', 'um'].map((unit) => [unit, unit === 'um' ? 'µm' : unit])];
 
 export const FIELDS = [
-  { name: 'example', label: 'Surface', help: 'A file of yours, or an example to try the page with.', choices: [['file', 'A file'], ...EXAMPLES.map(([name, label]) => [name, label])], value: 'grooved' },
+  { name: 'example', label: 'Surface', help: 'Your own file, or an example to try the page with.', choices: [['file', 'A file'], ...EXAMPLES.map(([name, label]) => [name, label])], value: 'grooved' },
   { name: 'unit', choices: UNITS, value: '' },
   { name: 'facing', choices: [['up', 'Up'], ['any', 'Any']], value: 'up' },
   { name: 'tolerance_of_plan', value: 0.01 },
@@ -38,13 +38,13 @@ export const FIELDS = [
   { name: 'passes_wanted', label: 'Passes', help: 'Also ask for the passes of the recommended plan, point by point: for the map and for download.', choices: [['no', 'No'], ['yes', 'Point by point']], segmented: true, value: 'no' },
 ];
 
-/** The fields that say which part of the surface is machined. */
+/** The fields that select the part of the surface to machine. */
 export const SELECTION = ['select_slope_from_deg', 'select_slope_to_deg', 'box_min_x_mm', 'box_max_x_mm', 'box_min_y_mm', 'box_max_y_mm', 'box_min_z_mm', 'box_max_z_mm', 'pieces_selected'];
 
-// A side of the box that is not stated is farther than any part reaches.
+// A missing side of the box is set farther than any part.
 const BEYOND_MM = 1e9;
 
-// Numbers with commas or blanks between them; what is no number stays a text for the service to judge.
+// Numbers with commas or blanks between them; other text is sent as it is, for the service to report.
 const numbersOf = (text) => String(text).split(/[\s,;]+/).filter(Boolean).map((word) => (Number.isFinite(Number(word)) ? Number(word) : word));
 
 function selectionOf(values) {

@@ -18,7 +18,7 @@ const LIMITS = ['machine_feed_rate_mm_min', 'acceleration_m_s2', 'jerk_m_s3', 'r
 const METHOD = ['max_slope_deg', 'max_uncut_share', 'directions_deg', 'model', 'method'];
 // The chart shows the fastest cutters, each in a colour of its own.
 const CHARTED = SERIES.length;
-// Of the rectangle's method these are no parameters.
+// These are not parameters of method rectangle.
 const OF_SURFACE_METHOD = ['pattern', 'max_slope_deg', 'max_uncut_share', 'directions_deg', 'passes_wanted'];
 
 export class PartView {
@@ -30,7 +30,7 @@ export class PartView {
   #run = null;
   #last = null;
   #request = null;
-  // The maps that were asked for, by the cutter's number: {map, shown}.
+  // The requested maps, by the cutter's number: {map, shown}.
   #maps = new Map();
   #mapped = null;
   #unranked = [];
@@ -42,7 +42,7 @@ export class PartView {
   #fileFault = el('p', { class: 'fault', id: 'file-fault', role: 'alert', hidden: true });
   #libraryFault = el('p', { class: 'fault', role: 'alert', hidden: true });
   #message = el('div', { class: 'problem', role: 'alert', hidden: true });
-  #stale = el('p', { class: 'stale', role: 'status', hidden: true }, 'Something was changed since. The answer below is to the earlier question.');
+  #stale = el('p', { class: 'stale', role: 'status', hidden: true }, 'The fields have changed. The answer below is that of the earlier request.');
   #progress = el('progress', { max: '1', value: '0', 'aria-label': 'Upload' });
   #progressText = el('span', { role: 'status' });
   #progressBox = el('div', { class: 'progress', hidden: true });
@@ -83,7 +83,7 @@ export class PartView {
     this.#addLibraries([]);
   }
 
-  /** Asks for what the view needs at first: the machines. */
+  /** Loads the data that the view needs first: the machines. */
   async start() {
     try {
       const { answer } = await get('v1/machines');
@@ -146,7 +146,7 @@ export class PartView {
     );
   }
 
-  // The answer that is shown is no longer that of the fields.
+  // Marks the shown answer as no longer that of the fields.
   #changed() {
     this.#stale.hidden = this.#last === null;
     this.#onChange();
@@ -163,7 +163,7 @@ export class PartView {
       event.preventDefault();
       this.#drop.classList.remove('over');
       const { files } = event.dataTransfer;
-      // A Fusion or FreeCAD library is known by its name; the service reads the other kinds as what they were dropped on.
+      // A Fusion or FreeCAD library is detected by its name; other files are sent as the part on which they were dropped.
       const areLibraries = event.target.closest('.card') || [...files].every(({ name }) => /\.(json|tools|fctb)$/i.test(name));
       if (areLibraries) this.#addLibraries(files);
       else if (files[0]) this.#choose(files[0]);
@@ -213,7 +213,7 @@ export class PartView {
     this.#changed();
   }
 
-  // The recommended cutter goes with its passes, as far as the page knows it. Without teeth and speed the step-over takes up the whole
+  // The recommended cutter is passed on with its passes, as far as the page knows it. Without teeth and speed the step-over takes up the whole
   // scallop height, so that heights without feed are of interest; with them the largest feed is.
   #openPasses() {
     const { recommended, passes, model } = this.#last;
@@ -224,7 +224,7 @@ export class PartView {
     return this.#showPath(csvOf(...passRows(passes)), Object.fromEntries(known.filter(([, value]) => value !== undefined)));
   }
 
-  // The values of the preset stand in the fields as hints; a stated value overrides one.
+  // The values of the preset are shown in the fields as hints; a stated value overrides its hint.
   #showPreset() {
     const preset = this.#machines.find(({ name }) => name === this.#form.value('machine'));
     for (const [field, member, kind] of [['machine_feed_rate_mm_min', 'feed_rate_mm_min', 'feedRate'], ['acceleration_m_s2', 'acceleration_m_s2', 'acceleration'], ['jerk_m_s3', 'jerk_m_s3', 'jerk']]) {
@@ -241,7 +241,7 @@ export class PartView {
     this.#form.element('facing').hidden = !isFile;
     this.#drop.classList.toggle('unused', !isFile);
     for (const name of OF_SURFACE_METHOD) this.#form.element(name).hidden = values.method !== 'surface';
-    // A closed group says how many of its fields have values of the user's.
+    // A closed group shows how many of its fields have a value.
     const defaults = Object.fromEntries(FIELDS.map(({ name, value }) => [name, value]));
     for (const [group, fields] of [['selection', SELECTION], ['method', METHOD], ['limits', LIMITS]]) {
       const stated = fields.filter((name) => values[name] !== defaults[name]).length;
@@ -276,7 +276,7 @@ export class PartView {
     return copy(curlOfForm(addressOf('v1/cutter-recommendation/upload'), parts), button);
   }
 
-  // What a request is made of, kept for the maps of other cutters.
+  // The parts of the last request, kept for the maps of other cutters.
   async #compose() {
     const values = this.#form.values();
     const example = EXAMPLES.find(([name]) => name === values.example);
@@ -422,12 +422,12 @@ export class PartView {
     this.#map.show(answer.map, shown);
   }
 
-  // A cutter of a library cannot be asked for alone: the page does not know its dimensions.
+  // A cutter of a library cannot be requested alone, because the page does not know its dimensions.
   #canMap({ cutter }) {
     return this.#maps.has(cutter) || (this.#request.parameters.method === 'surface' && cutter < (this.#request.parameters.cutters?.length ?? 0));
   }
 
-  // The map of another cutter: the same request with this cutter alone, in its direction, whatever it leaves uncut.
+  // The map of another cutter: the same request with this cutter alone, in its direction, with any uncut share allowed.
   async #mapOf({ cutter, direction_deg: direction, machining_time_s: time }) {
     const kept = this.#maps.get(cutter);
     if (kept) {

@@ -10,7 +10,7 @@ const ALIASES = {
 };
 const USED = new Set(['slope_deg', 'feed_angle_deg', 'x', 'y', 'z', 'nx', 'ny', 'nz', 'fx', 'fy', 'fz', 'run', 'step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'surface_radius_mm', 'along_per_mm', 'across_per_mm', 'twist_per_mm']);
 
-/** What is wrong with a table, in words for a person. */
+/** A fault of a table, described for people. */
 export class TableFault extends Error {}
 
 function separatorOf(line) {
@@ -98,7 +98,7 @@ function feedsOf(positions, runs) {
   });
 }
 
-// Along the path; a link between two runs counts as nothing.
+// Distances along the path; links between runs are not counted.
 function distances(positions, runs) {
   let total = 0;
   return positions.map((here, i) => {
@@ -108,7 +108,7 @@ function distances(positions, runs) {
   });
 }
 
-/** The table with columns of the answer added, in its own separator and line by line as it was. */
+/** The table with columns of the answer added, with its own separator and its original lines. */
 export function withColumns({ headerLine, separator, lines, decimalComma }, added) {
   const names = Object.keys(added);
   const number = (value) => (value === null || value === undefined ? '' : decimalComma && separator === ';' && lines[0].includes(',') ? String(value).replace('.', ',') : String(value));

@@ -120,7 +120,7 @@ export class PathView {
     this.#showAnswer();
   }
 
-  /** Takes a table and the values of some fields. */
+  /** Sets a table and the values of some fields. */
   open(text, values) {
     for (const [name, value] of Object.entries(values)) this.#form.field(name).set(value);
     this.#arrange();
@@ -131,7 +131,7 @@ export class PathView {
     if (file) this.setText(await file.text());
   }
 
-  /** Takes the text of a table. A long one is shown in part; all of it is read. */
+  /** Sets the text of a table. A long text is shown in part, but read completely. */
   setText(text) {
     this.#area.value = text.length > SHOWN_CHARACTERS ? `${text.slice(0, text.lastIndexOf('\n', SHOWN_CHARACTERS))}\n# … ${text.length.toLocaleString('en')} characters in all` : text;
     this.#area.readOnly = text.length > SHOWN_CHARACTERS;
@@ -164,7 +164,7 @@ export class PathView {
     const given = Object.fromEntries(Object.keys(NEEDS).filter((name) => NEEDS[name].includes(question) && values[name] !== undefined).map((name) => [name, values[name]]));
     const { contacts } = this.#path;
     if (contacts.step_over_xy_mm) delete given.step_over_mm;
-    // A column that the question does not ask for is not sent.
+    // Columns that the question does not need are not sent.
     const { step_over_mm: stepOvers, step_over_xy_mm: stepOversXy, feed_per_tooth_mm: feeds, ...rest } = contacts;
     const columns = { ...rest, ...(question !== 'step' && stepOvers && { step_over_mm: stepOvers }), ...(question !== 'step' && stepOversXy && { step_over_xy_mm: stepOversXy }), ...(question !== 'feed' && feeds && { feed_per_tooth_mm: feeds }) };
     const wanted = COLUMNS[question].filter((name) => name !== 'feed_rate_mm_min' || (values.teeth !== undefined && values.spindle_speed_rpm !== undefined));

@@ -5,12 +5,12 @@ import os from 'node:os';
 import { test } from 'node:test';
 import { assertFigure, clean, field, shell, startForTests } from './harness.js';
 
-// Of a measurement, until one round meets its bound.
+// The rounds of a measurement, until one meets its bound.
 const ROUNDS = Number(process.env.ROUNDS ?? 1);
 
 const { bench, visit } = startForTests();
 
-/** Waits until the answer to what was typed is shown and drawn. */
+/** Waits until the answer to the typed values is shown and drawn. */
 async function settled(page) {
   await page.locator('#view-contact .answer[aria-busy="false"]').waitFor();
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve))));
@@ -24,7 +24,7 @@ const HEIGHTS = new Set(['scallop_height_mm', 'step_over_height_mm', 'feed_heigh
 const SHARES = new Set(['feed_share', 'deviation']);
 const INCH = 25.4;
 
-/** The figures shown are those of an answer, in mm or inch. */
+/** Asserts that the shown figures are those of an answer, in mm or inch. */
 function assertAnswer(shown, answer, what, isInch = false) {
   for (const [name, figure] of Object.entries(shown)) {
     const expected = name === 'deviation' ? answer.check.deviation : answer[name];
@@ -56,7 +56,7 @@ test('the contact view shows the figures of the service for every question', asy
       assertAnswer(shown[model], answer, `${label} ${model}`);
     }
   }
-  // On the way from one question to the next the values may be impossible.
+  // While the question changes, the values may have no answer.
   clean(watch, { refused: true });
 });
 
@@ -87,7 +87,7 @@ test('vectors, curvature and runout reach the service', async () => {
   clean(watch);
 });
 
-test('a wrong value is marked at its field, and goes when it is mended', async () => {
+test('a fault is shown at its field until the value is corrected', async () => {
   const { page, watch } = await visit('#contact');
   await field(page, 'corner_radius_mm').fill('8');
   const fault = page.locator('#view-contact [data-field="corner_radius_mm"] .fault');
@@ -103,14 +103,14 @@ test('a wrong value is marked at its field, and goes when it is mended', async (
   clean(watch, { refused: true });
 });
 
-test('a fault of one model stands in its column', async () => {
+test('a fault of one model is shown in its column', async () => {
   const { page } = await visit('#contact');
   await field(page, 'slope_deg').fill('0');
   await page.getByText('Published: no answer.').waitFor();
   assert.ok((await figures(page)).envelope.scallop_height_mm);
 });
 
-test('a link holds the whole state, inches included', async () => {
+test('a link stores the whole state, including inches', async () => {
   const { page, watch } = await visit('#contact');
   await page.locator('#settings').getByText('inch').click();
   await field(page, 'diameter_mm').fill('0.375');
@@ -177,7 +177,7 @@ test('an answer follows each keystroke, and the time is reported', async (t) => 
   clean(watch);
 });
 
-test('the service may go away and come back', async () => {
+test('the page works again after the service was unreachable', async () => {
   const { page } = await visit('#contact');
   await page.locator('data[data-figure="scallop_height_mm"]').first().waitFor();
   const before = await figures(page);

@@ -1,4 +1,4 @@
-// Serves web/ as the binary does, but from the folder, so that a change shows on reload, and passes everything else on to a scallopd.
+// Serves web/ like the binary, but from the folder, so that changes are visible on reload, and passes other requests on to a scallopd.
 //
 // Usage: node web/tests/development_server.js http://127.0.0.1:8080 [port]
 
@@ -24,7 +24,7 @@ function fileOf(pathname) {
 
 const kept = new Map();
 
-// A file compressed, anew when it changed.
+// The compressed file, compressed again after a change.
 function compressed(file) {
   const changed = statSync(file).mtimeMs;
   if (kept.get(file)?.changed !== changed) kept.set(file, { changed, bytes: gzipSync(readFileSync(file)) });

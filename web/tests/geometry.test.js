@@ -30,7 +30,7 @@ test('a ball end draws a circle in every direction', () => {
   }
 });
 
-test('on a wall the side of the cutter leaves nothing', () => {
+test('on a wall, the side of the cutter leaves no scallop', () => {
   const profile = new Profile(frameOfAngles(90, 90), 5, 2);
   const towardsTheShank = profile.axis[0] > 0 ? 3 : -3;
   assert.ok(Math.abs(profile.heightAt(towardsTheShank)) < 1e-12);
@@ -103,7 +103,7 @@ test('the drawn cusp on a surface curved in all directions is within 1 % of the 
   }
 });
 
-test('what is typed in inches comes back as typed', () => {
+test('a value typed in inches is shown as typed', () => {
   setUnits('inch');
   for (const typed of ['0.25', '0.0625', '0.375']) assert.equal(formatInput(parseInput(typed, 'length'), 'length'), typed);
   assert.equal(parseInput('0.5', 'length'), 12.7);
@@ -114,7 +114,7 @@ test('what is typed in inches comes back as typed', () => {
   assert.equal(parseInput(' ', 'length'), undefined);
 });
 
-test('times are alike within a column', () => {
+test('the times of a column have one form', () => {
   assert.equal(formatTime(71.2), '71.2 s');
   assert.equal(formatTime(146.4), '2:26 min');
   assert.equal(formatTime(59.7, 146.4), '1:00 min');
@@ -122,7 +122,7 @@ test('times are alike within a column', () => {
   assert.equal(formatTime(undefined), '–');
 });
 
-test('a link gives back the values that it was written from', () => {
+test('a link restores its values', () => {
   const values = { diameter_mm: 10, normal: '-0.64, 0, 0.77', cutters: [{ name: 'A & B', type: 'ball_end', diameter_mm: 6 }], type: 'toroidal' };
   const read = readFragment(fragmentOf('part', 'inch', values));
   assert.deepEqual(read, { view: 'part', units: 'inch', values });
@@ -164,7 +164,7 @@ test('the selection is sent where it is stated, and its faults find their fields
   }
 });
 
-test('examples become files whose facets face up', async () => {
+test('the files of examples have facets that face up', async () => {
   const patch = (corners) => ({ bezier: { control_points: corners }, samples: 4 });
   for (const surface of [await EXAMPLES.at(-1)[2](), patch([[[0, 0, 1], [0, 6, 1]], [[8, 0, 3], [8, 6, 3]]]), patch([[[0, 0, 1], [8, 0, 3]], [[0, 6, 1], [8, 6, 3]]])]) {
     const lines = (await fileOfSurface(surface, 'part').text()).trim().split('\n').map((line) => line.split(' '));
@@ -180,7 +180,7 @@ test('examples become files whose facets face up', async () => {
   }
 });
 
-test('a point of the part and its pixel are each other’s', () => {
+test('conversions of points to pixels and back are inverse', () => {
   const place = new Placement({ columns: 20, rows: 10, cell_mm: 0.5, origin_mm: [3, -2] }, 400, 300);
   // The corner of the first cell is at the lower left of the map, which is centred.
   assert.deepEqual(place.toScreen([3, -2]), [0, 250]);

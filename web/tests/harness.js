@@ -1,4 +1,4 @@
-// What the browser tests share: a scallopd, a Chromium, pages that record what must not happen, and files to upload.
+// The harness of the browser tests: a scallopd, a Chromium, pages that record errors, and files to upload.
 
 import assert from 'node:assert/strict';
 import { execFile, spawn } from 'node:child_process';
@@ -51,7 +51,7 @@ export class Service {
   }
 }
 
-/** Starts all; `close` ends it. */
+/** Starts service and browser; `close` ends them. */
 export async function start() {
   const service = new Service();
   await service.start();
@@ -72,8 +72,7 @@ export async function start() {
 }
 
 /**
- * A page at a fragment such as "#contact". `watch` collects what must not happen: console errors, exceptions, violations of the
- * security policy, and requests to other hosts.
+ * A page at a fragment such as "#contact". `watch` collects errors: console errors, exceptions, violations of the security policy, and requests to other hosts.
  */
 export async function open({ browser, address }, fragment, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 1000 }, permissions: ['clipboard-read', 'clipboard-write'], acceptDownloads: true, ...options });
@@ -91,8 +90,7 @@ export async function open({ browser, address }, fragment, options = {}) {
 }
 
 /**
- * Starts all before the tests of a file and ends it after them. Returns {bench(), visit(fragment, options)}: what was started, and a page as
- * `open` gives it, which is closed after the test.
+ * Starts service and browser before the tests of a file and ends them afterwards. Returns {bench(), visit(fragment, options)}: the started programs, and a page of `open`, which is closed after the test.
  */
 export function startForTests() {
   let bench;
@@ -122,7 +120,7 @@ export const shell = async (command) => (await promisify(execFile)('sh', ['-c', 
 /** The input of a field in the view that is shown. */
 export const field = (page, name) => page.locator(`.view:not([hidden]) [data-field="${name}"] input`).first();
 
-/** Nothing happened that must not happen. Browsers write every answer with an error status to the console: `refused` allows it. */
+/** Asserts that no error was recorded. Browsers log every answer with an error status; `refused` allows these. */
 export const clean = (watch, { refused = false } = {}) => assert.deepEqual(watch.filter((line) => !refused || !/status of 4/.test(line)), []);
 
 /** The text of the file that `click` downloads. */

@@ -6,12 +6,12 @@ import os from 'node:os';
 import { test } from 'node:test';
 import { clean, field, shell, startForTests } from './harness.js';
 
-// Of a measurement, until one round meets its bound.
+// The rounds of a measurement, until one meets its bound.
 const ROUNDS = Number(process.env.ROUNDS ?? 1);
 
 const { bench, visit } = startForTests();
 
-// For each view what brings it to its result.
+// For each view, the steps to its result.
 const VIEWS = [
   ['contact', (page) => page.locator('.polar .curve').first().waitFor()],
   ['part', async (page) => {

@@ -1,5 +1,5 @@
-//! Requests with many contacts, answered by a column for each figure. Contacts are read and computed on all cores; a contact without an
-//! answer does not affect the others.
+//! Requests with many contacts, answered by a column for each figure. Contacts are read and computed on all cores; a
+//! contact without an answer does not affect the others.
 
 use super::Calculation;
 use super::column::{Column, Table};
@@ -23,11 +23,12 @@ use std::sync::{Mutex, PoisonError};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// Contacts that one thread computes at a time: a few tenths of a millisecond, long compared with the cost of distributing them.
+/// The number of contacts that one thread computes at a time. They take some tenths of a millisecond, long compared
+/// with the cost of distributing them.
 const CHUNK: usize = 1024;
 
-/// The largest number of contacts in a request. A body of the largest size could hold some ten million; with this many, the answer
-/// stays under some 100 MB.
+/// The largest number of contacts in a request. A body of the largest size could hold some ten million. With this
+/// limit, the answer stays under some 100 MB.
 const MOST_CONTACTS: usize = 250_000;
 
 const CONTACTS: &str = "contacts";
@@ -44,12 +45,12 @@ const MOST_FAULTS_OF_A_CONTACT: usize = 8;
 /// The fewest bytes of a body for each contact: `{},` and a part of the columns.
 const SHORTEST_CONTACT: usize = 4;
 
-/// The memory that a contact takes in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
-/// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts that are sent as columns are held
-/// as up to 15 numbers of 16 bytes.
+/// The memory of a contact in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
+/// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts that are sent as
+/// columns are held as up to 15 numbers of 16 bytes.
 const MEMORY_OF_A_CONTACT: usize = 660;
 
-/// The memory of the failures listed and of the rest of an answer.
+/// The memory of the listed failures and of the rest of an answer.
 const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
 
 /// Answers a request with many contacts, on worker threads and within the memory budget.
@@ -73,7 +74,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
         };
         let are_columns = contacts.get().starts_with('{');
         if !faults.is_empty() {
-            // Nothing is worked out, but the contacts' own faults are recorded, too.
+            // Nothing is computed, but the faults of the contacts are recorded as well.
             check_contacts::<C>(contacts, &defaults, path, cancel, faults)?;
             return Err(Faulted);
         }
@@ -107,7 +108,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
     })
 }
 
-/// Records the faults of contacts that are not worked out.
+/// Records the faults of contacts that are not computed.
 fn check_contacts<C: Calculation>(
     contacts: &RawValue,
     defaults: &ContactParameters,
@@ -116,7 +117,7 @@ fn check_contacts<C: Calculation>(
     faults: &mut Faults,
 ) -> Result<(), Faulted> {
     if contacts.get().starts_with('{') {
-        // Columns without faults of their own are read whatever else is wrong.
+        // Columns are read even if another part of the request has faults.
         let mut of_columns = Faults::default();
         let columns = ContactColumns::read(contacts, C::STATED, MOST_CONTACTS, path, &mut of_columns);
         faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
@@ -259,8 +260,8 @@ impl<C: Calculation> Batch<C> {
 struct Parts(Mutex<BTreeMap<usize, Part>>);
 
 impl Parts {
-    /// Adds a part. Where earlier parts alone have as many failures as are listed, the part's own are dropped, so that many failures hold
-    /// no memory.
+    /// Adds a part. If earlier parts already have as many failures as are listed, the failures of this part are dropped
+    /// to save memory.
     fn insert(&self, first: usize, mut part: Part) {
         let mut parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let earlier: usize = parts.range(..first).map(|(_, part)| part.failures.len()).sum();
@@ -343,7 +344,7 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
 
 /// The schema of an answer for many contacts.
 pub(super) fn describe_answer<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
-    let about = "The answer for many contacts: an array for each figure, in the order sent; null where a contact has no answer";
+    let about = "The answer for many contacts: an array for each figure, in the order sent; null for a contact without an answer";
     let mut schema = ObjectBuilder::new().schema_type(Type::Object).description(Some(about));
     schema = schema.property("model", MODEL.kind.schema("the model that answered", components)).required("model");
     schema = schema.property("summary", components.refer_type::<Summary>()).required("summary");

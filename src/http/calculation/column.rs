@@ -1,10 +1,11 @@
-//! The columns of a batch's answer. All cores write them as JSON text at once, so that no column is held as numbers and as text.
+//! The columns of a batch's answer. Each thread writes its rows as JSON text at once, so that no column is held both as
+//! numbers and as text.
 
 use crate::http::body::WrittenJson;
 use crate::http::wire::{Extreme, Extremes, FigureValue};
 use serde::Serialize;
 
-/// A column of figures: the JSON of its rows in pieces that follow each other, and the extremes of its numbers.
+/// A column of figures: the JSON of its rows in consecutive pieces, and the extremes of its numbers.
 #[derive(Debug, Default)]
 pub(crate) struct Column {
     pieces: Vec<Vec<u8>>,
@@ -14,13 +15,13 @@ pub(crate) struct Column {
 }
 
 impl Column {
-    /// A column without rows that has space for about so many.
+    /// An empty column with room for about this many rows.
     pub(crate) fn with_capacity(rows: usize) -> Self {
         // 17 digits, a point, a digit before it and a comma.
         Self { pieces: vec![Vec::with_capacity(20 * rows)], ..Self::default() }
     }
 
-    /// Adds the row of the contact `index`; `None` is null.
+    /// Adds the row of contact `index`; `None` is written as null.
     pub(crate) fn push(&mut self, index: usize, figure: Option<FigureValue>) {
         let Some(rows) = self.pieces.last_mut() else { unreachable!("a column with rows has a piece") };
         if !rows.is_empty() {
@@ -70,7 +71,7 @@ fn higher(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
     }
 }
 
-/// An object of columns and a few other members, written member by member.
+/// A JSON object of columns and some other members, written member by member.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     pieces: Vec<Vec<u8>>,

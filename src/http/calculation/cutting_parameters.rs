@@ -145,8 +145,8 @@ described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParamet
 
 /// The fastest step-over and feed at one contact
 ///
-/// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance, within the
-/// limits of cutter, machine and step-over where these are stated.
+/// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance,
+/// within the limits of cutter, machine and step-over where these are stated.
 #[utoipa::path(
     post, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters",
     request_body = CuttingParametersRequest,
@@ -158,8 +158,9 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
 
 /// The fastest step-over and feed at one contact, by a query
 ///
-/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore, members of
-/// `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers separated by commas.
+/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore,
+/// members of `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers
+/// separated by commas.
 #[utoipa::path(
     get, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters_query", params(CuttingParametersQuery),
     responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), QueryProblems),
@@ -170,8 +171,8 @@ pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result
 
 /// The fastest step-overs and feeds of a tool path
 ///
-/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`; it does not affect
-/// the others.
+/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`;
+/// it does not affect the others.
 #[utoipa::path(
     post, path = "/v1/cutting-parameters/batch", tag = "calculations", operation_id = "cutting_parameters_batch",
     request_body = CuttingParametersBatchRequest,

@@ -39,7 +39,7 @@ pub(super) struct FeedLimits {
 }
 
 impl FeedLimits {
-    /// The limits. A largest feed rate without spindle speed or teeth is a fault.
+    /// Checks the limits. A largest feed rate without spindle speed or teeth is a fault.
     pub(super) fn new(
         spindle_speed_rpm: Result<Option<f64>, Faulted>,
         per_tooth: Result<Option<Length>, Faulted>,

@@ -1,4 +1,5 @@
-//! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps the scallop height within a tolerance.
+//! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps the scallop height within a
+//! tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, batch, single};
@@ -111,8 +112,8 @@ described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
 
 /// The largest feed at one contact
 ///
-/// The largest feed per tooth, and feed rate, that keep the scallop height within a tolerance at a given step-over, and within the limits
-/// of cutter and machine where these are stated.
+/// The largest feed per tooth, and feed rate, that keep the scallop height within a tolerance at a given step-over, and
+/// within the limits of cutter and machine where these are stated.
 #[utoipa::path(
     post, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed",
     request_body = MaxFeedRequest,
@@ -124,8 +125,9 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
 
 /// The largest feed at one contact, by a query
 ///
-/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore, members of
-/// `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers separated by commas.
+/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore,
+/// members of `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers
+/// separated by commas.
 #[utoipa::path(
     get, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed_query", params(MaxFeedQuery),
     responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), QueryProblems),
@@ -136,8 +138,8 @@ pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result
 
 /// The largest feeds of a tool path
 ///
-/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`; it does not affect
-/// the others.
+/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`;
+/// it does not affect the others.
 #[utoipa::path(
     post, path = "/v1/max-feed/batch", tag = "calculations", operation_id = "max_feed_batch",
     request_body = MaxFeedBatchRequest,

@@ -1,6 +1,6 @@
-//! The calculations at contacts: scallop height, largest feed, largest step-over and fastest cutting parameters, each for one
-//! contact and for many. One file for each endpoint holds what is specific to it; reading requests and writing answers are
-//! shared.
+//! The calculations at contacts: scallop height, largest feed, largest step-over and fastest cutting parameters, each
+//! for one contact and for many. Each endpoint has a file with its own members and figures; the code that reads
+//! requests and writes answers is shared.
 
 mod batch;
 mod column;
@@ -17,11 +17,11 @@ use super::wire::{ContactParameters, Figure, Figures, SharedParameters, StatedPa
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
 
-/// What differs between the calculations.
+/// A calculation at a contact: its members, its figures and its formula.
 pub(crate) trait Calculation: Sized + Send + Sync {
-    /// The parameters of a contact that requests state.
+    /// The parameters of a contact that a request must state.
     const STATED: StatedParameters;
-    /// Whether a single answer takes a thread too long for one that serves connections.
+    /// Whether a single answer takes too long for a thread that serves connections.
     const TAKES_LONG: bool = false;
     /// The members that are specific to requests of this calculation.
     type Members: Members;

@@ -13,7 +13,7 @@ use crate::quantity::Length;
 use axum::extract::RawQuery;
 
 members! {
-    /// No members but those of every calculation.
+    /// This calculation has only the members that all calculations share.
     pub(crate) struct NoMembers {}
 }
 
@@ -50,8 +50,8 @@ described!(ScallopHeightBatchAnswer, batch::describe_answer::<ScallopHeight>);
 
 /// The scallop height at one contact
 ///
-/// The height that a step-over and a feed per tooth leave on the surface: h1 from the step-over, and the part that the tooth marks along
-/// the feed add.
+/// The height that a step-over and a feed per tooth leave on the surface: h1 from the step-over, and the part that the
+/// tooth marks along the feed add.
 #[utoipa::path(
     post, path = "/v1/scallop-height", tag = "calculations", operation_id = "scallop_height",
     request_body = ScallopHeightRequest,
@@ -63,8 +63,9 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
 
 /// The scallop height at one contact, by a query
 ///
-/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore, members of
-/// `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers separated by commas.
+/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore,
+/// members of `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers
+/// separated by commas.
 #[utoipa::path(
     get, path = "/v1/scallop-height", tag = "calculations", operation_id = "scallop_height_query", params(ScallopHeightQuery),
     responses((status = 200, description = "The height, its parts, and the effective radii", body = ScallopHeightAnswer), QueryProblems),
@@ -75,8 +76,8 @@ pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result
 
 /// The scallop heights of a tool path
 ///
-/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`; it does not affect
-/// the others.
+/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`;
+/// it does not affect the others.
 #[utoipa::path(
     post, path = "/v1/scallop-height/batch", tag = "calculations", operation_id = "scallop_height_batch",
     request_body = ScallopHeightBatchRequest,

@@ -1,4 +1,4 @@
-//! The columns of a batch's answer, and the digits of their numbers, as the request selects them.
+//! The request's selection of columns and significant digits for a batch's answer.
 
 use super::Calculation;
 use crate::http::codes::RequestFault;
@@ -35,7 +35,8 @@ impl Kind for ColumnNames {
     type Value = Vec<&'static Figure>;
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
-        // A list without repetition is at most as long as that of the known names; a few further items are read, to list their faults.
+        // A list without repetition has at most as many items as there are names; some further items are read to list
+        // their faults.
         let names = items(raw, 2 * self.known.len(), path, faults)?;
         if names.is_empty() {
             return Err(faults.add(&path, RequestFault::WrongCount, "name at least one column, or leave the field out"));
@@ -77,7 +78,7 @@ pub(super) struct Selection {
 }
 
 impl Selection {
-    /// Takes the selection out of `object`.
+    /// Reads the selection from `object`.
     pub(super) fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let stated = object.optional(&columns::<C>(), faults);
         let significant_digits = object.optional(&SIGNIFICANT_DIGITS, faults);

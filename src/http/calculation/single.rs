@@ -88,8 +88,8 @@ pub(super) async fn answer_query<C: Calculation + 'static>(
     if takes_long { work.run_piece(answer).await } else { answer() }
 }
 
-/// Whether a request may state a curvature, with which a search can take tens of milliseconds: too long for a thread that serves
-/// connections. Names may be hidden behind escapes.
+/// Whether a request may state a curvature, with which a search can take tens of milliseconds: too long for a thread
+/// that serves connections. A request with escapes counts, because a name may be written with them.
 fn may_state_curvature(request: &[u8], escape: u8) -> bool {
     memchr::memmem::find(request, b"surface_").is_some() || memchr::memchr(escape, request).is_some()
 }
@@ -104,7 +104,7 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     Request { shared, contact, parameters, calculation }.answer(&path, faults)
 }
 
-/// A request of which any part may have faults. As much of it as possible is evaluated, to find further faults.
+/// A request whose parts may have faults. The parts without faults are evaluated to find further faults.
 struct Request<C> {
     shared: Result<SharedParameters, Faulted>,
     contact: Result<StatedContact, Faulted>,
@@ -126,7 +126,7 @@ impl<C: Calculation> Request<C> {
         Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
     }
 
-    /// The pass under its model, if cutter, contact and surface have no fault; other parts may.
+    /// The pass with its model, if cutter, contact and surface have no fault.
     fn evaluate(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<EvaluatedPass, Faulted> {
         let (shared, contact) = (self.shared?, self.contact?);
         evaluate(&shared, contact, &self.parameters)?
@@ -134,7 +134,8 @@ impl<C: Calculation> Request<C> {
     }
 }
 
-/// Evaluates a contact by the request's model. The outer error is a fault that is recorded already, the inner one a reason that is not.
+/// Evaluates a contact by the request's model. The outer error is a fault that is already recorded; the inner error is
+/// not.
 pub(super) fn evaluate(
     shared: &SharedParameters,
     contact: StatedContact,
@@ -150,7 +151,7 @@ pub(super) fn evaluate(
     Ok(EvaluatedPass::new(shared.model, pass))
 }
 
-/// The figures at a contact. The outer error is a fault that is recorded already, the inner one a reason that is not.
+/// The figures at a contact. The outer error is a fault that is already recorded; the inner error is not.
 pub(super) fn compute<C: Calculation>(
     calculation: &C,
     shared: &SharedParameters,
@@ -163,10 +164,10 @@ pub(super) fn compute<C: Calculation>(
     Ok(along.and_then(|along| calculation.compute(shared, pass, along, feed_per_tooth)))
 }
 
-/// The deviation below which the analytic model is outside its range: 5 % less than the cutter leaves.
+/// The deviation below which the analytic model is outside its range: 5 % below the height by the cutter's exact shape.
 const OUTSIDE_RANGE: f64 = -0.05;
 
-/// Compares the height of a pass under its model with the envelope's.
+/// Compares the height by the pass's model with the envelope's.
 pub(super) fn compare(pass: &EvaluatedPass, figures: &Figures) -> Result<Check, NoAnswer> {
     let height = figures.height.total().mm();
     let envelope = match pass.model() {

@@ -1,4 +1,5 @@
-//! `/v1/step-over`, by `POST` and `GET`, and its batch: the largest step-over that keeps the scallop height within a tolerance.
+//! `/v1/step-over`, by `POST` and `GET`, and its batch: the largest step-over that keeps the scallop height within a
+//! tolerance.
 
 use super::{Calculation, batch, single};
 use crate::http::body::{JsonBody, WrittenJson};
@@ -47,8 +48,8 @@ described!(StepOverBatchAnswer, batch::describe_answer::<MaxStepOver>);
 
 /// The largest step-over at one contact
 ///
-/// The largest step-over that keeps the scallop height within a tolerance, along the surface and seen from above, at a given feed per
-/// tooth.
+/// The largest step-over that keeps the scallop height within a tolerance, along the surface and seen from above, at a
+/// given feed per tooth.
 #[utoipa::path(
     post, path = "/v1/step-over", tag = "calculations", operation_id = "step_over",
     request_body = StepOverRequest,
@@ -60,8 +61,9 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
 
 /// The largest step-over at one contact, by a query
 ///
-/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore, members of
-/// `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers separated by commas.
+/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore,
+/// members of `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers
+/// separated by commas.
 #[utoipa::path(
     get, path = "/v1/step-over", tag = "calculations", operation_id = "step_over_query", params(StepOverQuery),
     responses((status = 200, description = "The step-over, and the heights at this step-over", body = StepOverAnswer), QueryProblems),
@@ -72,8 +74,8 @@ pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result
 
 /// The largest step-overs of a tool path
 ///
-/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`; it does not affect
-/// the others.
+/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`;
+/// it does not affect the others.
 #[utoipa::path(
     post, path = "/v1/step-over/batch", tag = "calculations", operation_id = "step_over_batch",
     request_body = StepOverBatchRequest,

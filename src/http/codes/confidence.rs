@@ -1,4 +1,4 @@
-//! The codes of reasons for less confidence in a recommendation.
+//! The codes of the reasons that lower the confidence in a recommendation.
 
 use super::codes;
 use crate::planning::Weakness;

@@ -5,7 +5,7 @@ use super::{FileFault, NoAnswerCode, codes, joined_codes};
 codes! {
     /// A fault in a request's JSON, form or query.
     RequestFault {
-        MissingField = "missing-field": "A required field is missing", "Add the field; the detail says what it is.";
+        MissingField = "missing-field": "A required field is missing", "Add the field, which the detail describes.";
         UnknownField = "unknown-field": "A field is unknown", "Remove the field or correct its name; the detail lists the known names.";
         RepeatedField = "repeated-field": "A field is given more than once", "Give it once.";
         ConflictingFields = "conflicting-fields": "Mutually exclusive fields are given", "Give one of the forms that the detail names.";

@@ -1,4 +1,4 @@
-//! The codes of faults of an uploaded file, each also the type of a problem.
+//! The codes of faults of an uploaded file. Each is also the type of a problem.
 
 use super::codes;
 use crate::surface::read::FaultKind;
@@ -18,7 +18,7 @@ codes! {
 }
 
 impl FileFault {
-    /// The status of a request with such a file.
+    /// The HTTP status of the problem with this fault.
     pub(crate) fn status(self) -> StatusCode {
         match self {
             Self::UnknownFormat => StatusCode::UNSUPPORTED_MEDIA_TYPE,

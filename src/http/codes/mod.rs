@@ -1,6 +1,6 @@
-//! The codes on the wire, one enumeration for each family: faults of a request, faults of a file, reasons without an answer,
-//! problem types, warnings, reasons for less confidence, and reasons why a cutter is not ranked. Each code has its name, its
-//! meaning and a remedy in one place; `docs/codes.md` is generated from them.
+//! All codes of answers, one enumeration for each family: faults of a request, faults of a file, reasons without an
+//! answer, problem types, warnings, reasons for less confidence, and reasons why a cutter is not ranked. Each code is
+//! declared with its name, its meaning and a remedy; `docs/codes.md` is generated from the declarations.
 
 mod confidence;
 mod fault;
@@ -74,7 +74,7 @@ macro_rules! codes {
 }
 use codes;
 
-/// Declares a set that joins several families.
+/// Declares an enumeration that joins several families.
 macro_rules! joined_codes {
     ($(#[doc = $about:literal])+ $set:ident { $( $family:ident ),+ $(,)? }) => {
         $(#[doc = $about])+

@@ -1,5 +1,5 @@
-//! The codes of reasons why a valid request has no answer, each also the type of a problem, with the figures that
-//! help to correct the request.
+//! The codes of reasons why a valid request has no answer, with the figures that help the caller to correct it. Each
+//! code is also the type of a problem.
 
 use super::codes;
 use crate::milling::NoAnswer;
@@ -61,7 +61,7 @@ impl ProblemFigure {
 }
 
 impl NoAnswerCode {
-    /// The figures beside a problem of this type: those that are always there, and those that may be absent.
+    /// The figures of a problem of this type: those that are always present, and those that may be absent.
     pub(crate) fn figures(self) -> (&'static [ProblemFigure], &'static [ProblemFigure]) {
         match self {
             Self::ToleranceExceeded => (&[ProblemFigure::StepOverHeight, ProblemFigure::MaxStepOver], &[]),

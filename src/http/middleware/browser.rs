@@ -11,7 +11,7 @@ use tower_http::cors::{AllowOrigin, CorsLayer};
 use crate::http::request_id;
 use crate::settings::CorsOrigins;
 
-/// Cross-origin rules; none where no origin is listed: browsers then allow the service's own pages only.
+/// The cross-origin rules; `None` if no origin is listed, so that browsers allow only the service's own pages.
 pub(super) fn cors(origins: &CorsOrigins) -> Option<CorsLayer> {
     let allowed = match origins {
         CorsOrigins::Any => AllowOrigin::any(),
@@ -32,7 +32,7 @@ const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
 );
 
-/// Adds the headers: browsers take each answer for the media type that it states, and a page without a policy gets a strict one.
+/// Adds the headers: browsers must not guess the media type, and a page without a policy gets a strict one.
 pub(super) fn secure<B>(response: http::Response<B>) -> Response
 where
     B: HttpBody<Data = Bytes, Error: Into<BoxError>> + Send + 'static,

@@ -1,4 +1,4 @@
-//! The bound on requests in flight. Requests beyond it are turned away, not queued: a queue would only delay all of them.
+//! The bound on requests in flight. Requests beyond it are refused, not queued: a queue would delay all requests.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! Middleware written as an async function around the service inside it. The framework's `from_fn` copies that service, with all that
-//! is inside it, into a box for every request; here it is called in place.
+//! Middleware written as an async function that calls the inner service. The framework's `from_fn` clones and boxes the
+//! inner service for every request; here it is called in place.
 
 use std::convert::Infallible;
 use std::pin::Pin;
@@ -11,7 +11,7 @@ use tower::{Layer, Service};
 
 /// A piece of middleware.
 pub(super) trait Middleware: Clone + Send + Sync + 'static {
-    /// The answer to `request`. `inner` is called once or not at all.
+    /// The answer to `request`. `inner` is called at most once.
     fn handle<F>(&self, request: Request, inner: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
     where
         F: Future<Output = Response> + Send + 'static;

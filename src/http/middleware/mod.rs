@@ -1,5 +1,6 @@
-//! The middleware around every route: identification, logs and metrics, panics, load shedding, time-outs, body limits, compression, and
-//! headers for browsers. Each has a file; this one sets their order. None of them knows the application state.
+//! The middleware around every route: identification, logs and metrics, panics, load shedding, time-outs, body limits,
+//! compression, and headers for browsers. Each has a file; this one sets their order. They take what they need from
+//! `Shared`, not from the application state.
 
 mod body;
 mod browser;
@@ -37,12 +38,12 @@ use observe::Observe;
 /// Answers up to this size fit one packet: compressing them costs time and saves nothing.
 const MIN_COMPRESSED_BYTES: u16 = 1024;
 
-/// The budget for what a handler holds of `request`.
+/// The memory budget of `request`, which the body layers have added to it.
 pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
     BodyProgress::of(request).budget().clone()
 }
 
-/// What the middleware of all routes shares.
+/// What the middleware of all routes share.
 #[derive(Debug, Clone)]
 pub(super) struct Shared<'a> {
     pub(super) settings: &'a HttpSettings,
@@ -65,17 +66,19 @@ impl<'a> Stack<'a> {
     }
 
     /// `router`, whose routes are all of `class`, inside all middleware, the outermost first:
-    /// 1. identification, log line and counters, which cover every other layer; the body is counted and paced as it arrives;
+    /// 1. identification, log line and counters, which cover every other layer; the body is counted and paced as it
+    ///    arrives;
     /// 2. errors become problems, whichever layer or handler they come from;
-    /// 3. headers for browsers, which errors need, too;
+    /// 3. headers for browsers, on errors as well;
     /// 4. compression of answers;
     /// 5. panics become answers;
     /// 6. load shedding, before the body is read;
     /// 7. the request time-out;
-    /// 8. decompression of the body, and inside it the body limit: outside, a small body could expand without bound.
+    /// 8. decompression of the body, and inside it the body limit, so that a small compressed body cannot expand
+    ///    without bound.
     ///
-    /// They are one stack without boxes in it: the router makes a boxed service of each separate layer, and copies it with all that is
-    /// inside for every request.
+    /// They form one stack without boxes: the router would box each separate layer and clone it with all inner layers
+    /// for every request.
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
         let Shared { settings, metrics, readiness, workers, budget } = self.shared.clone();
         let rules = Arc::new(BodyRules::new(class, settings));
@@ -87,7 +90,7 @@ impl<'a> Stack<'a> {
         };
         let compression =
             CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(MIN_COMPRESSED_BYTES))));
-        // The framework's own body limit of 2 MB gives way to layer 8.
+        // Layer 8 replaces the framework's own body limit of 2 MB.
         let all = ServiceBuilder::new()
             .layer(MiddlewareLayer(observe))
             .option_layer(browser::cors(&settings.cors_origins))
@@ -106,9 +109,9 @@ impl<'a> Stack<'a> {
 /// Layers 6 and 7.
 #[derive(Clone)]
 struct Admit {
-    /// Absent for routes that are answered under any load.
+    /// `None` for routes that are answered under any load.
     in_flight: Option<InFlight>,
-    /// Present for routes that may use the worker pool.
+    /// `Some` for routes that may use the worker pool.
     work: Option<Work>,
     rules: Arc<BodyRules>,
 }
@@ -144,7 +147,7 @@ impl Middleware for Admit {
     }
 }
 
-/// HTTP/1.1 requests name their host once (RFC 9112, section 3.2).
+/// Checks that an HTTP/1.1 request has one `Host` header (RFC 9112, section 3.2).
 #[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
 fn check_host(request: &Request) -> Result<(), Response> {
     let hosts = request.headers().get_all(header::HOST).iter().count();
@@ -155,7 +158,7 @@ fn check_host(request: &Request) -> Result<(), Response> {
     Err(Problem::new(ServiceProblem::MalformedRequest, detail).into_response())
 }
 
-/// The panic hook that the program sets at its start has logged the panic with its location; the client gets none of it.
+/// The answer after a panic. The panic hook has logged the panic with its location; the client gets no detail.
 fn describe_panic(_panic: Box<dyn std::any::Any + Send>) -> Response {
     StatusCode::INTERNAL_SERVER_ERROR.into_response()
 }

@@ -1,4 +1,4 @@
-//! One log line, one span and one count for each request, when its answer has been sent or given up.
+//! One log line, one span and one count for each request, made when its answer has been sent or abandoned.
 
 use std::pin::Pin;
 use std::sync::{Arc, LazyLock};
@@ -21,7 +21,7 @@ use crate::http::request_id::{self, RequestId};
 use crate::http::routes::RouteClass;
 use crate::memory_budget::MemoryBudget;
 
-/// The status of a request whose client left before the answer, as nginx counts it.
+/// The status that is logged for a request whose client closed the connection before the answer, as in nginx.
 const CLIENT_LEFT: u16 = 499;
 
 /// Identifies the request, describes its error where it fails, and logs and counts it at its end.
@@ -35,7 +35,7 @@ pub(super) struct Observe {
 }
 
 impl Observe {
-    /// The request with its body recorded and paced.
+    /// The request, with its body's progress recorded and its rate checked.
     fn receive(&self, mut request: Request) -> (Request, Arc<BodyProgress>) {
         let has_body = !request.body().is_end_stream();
         let progress = Arc::new(BodyProgress::begin(has_body, self.budget.clone()));
@@ -65,8 +65,8 @@ impl Middleware for Observe {
             let mut response = async { describe_error(answer.await, uri.path(), &id) }.instrument(span).await;
             record.status = response.status().as_u16();
             id.mark(&mut response);
-            // hyper closes a connection with an unread body on it. With this header the client opens another; without it, the client loses
-            // the request that it may just be sending. The same holds for a server that stops.
+            // hyper closes a connection with an unread body on it. With this header the client opens another; without
+            // it, a request that the client is just sending is lost. The same holds when the server stops.
             if record.progress.is_unread() || readiness.is_draining() {
                 response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
             }
@@ -75,7 +75,7 @@ impl Middleware for Observe {
     }
 }
 
-/// What the log and the metrics say of one request. It is written when it is dropped, at the request's end.
+/// The entry of one request in the log and the metrics. It is written when it is dropped, at the request's end.
 struct Record {
     id: RequestId,
     method: &'static str,
@@ -114,7 +114,7 @@ impl Drop for Record {
         let duration = self.began.elapsed();
         self.metrics.ended(self.method, &self.route, self.status, duration);
         self.span.record("http.response.status_code", self.status);
-        // The line holds the span's fields itself.
+        // The log line contains the span's fields.
         macro_rules! line {
             ($level:expr) => {
                 tracing::event!(
@@ -124,7 +124,7 @@ impl Drop for Record {
                     method = self.method,
                     route = &*self.route,
                     status = self.status,
-                    // Microseconds are enough for a person and half the digits.
+                    // Microseconds suffice for a reader and have half the digits.
                     duration_ms = (duration.as_secs_f64() * 1e6).round() / 1e3,
                     request_bytes = self.progress.wire_bytes(),
                     response_bytes = self.response_bytes,
@@ -134,14 +134,14 @@ impl Drop for Record {
         }
         match self.status {
             500 => line!(Level::ERROR),
-            // Probes and scrapes come every few seconds.
+            // Probes and scrapes arrive every few seconds.
             _ if self.class == RouteClass::Probe => line!(Level::DEBUG),
             _ => line!(Level::INFO),
         }
     }
 }
 
-/// An answer's body, which keeps the request's record until it is sent.
+/// An answer's body, which holds the request's record until it is sent.
 struct RecordedAnswer {
     body: Body,
     record: Record,

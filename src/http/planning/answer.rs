@@ -31,8 +31,9 @@ pub(crate) struct RecommendationAnswer {
     pub(super) not_ranked: Vec<NotRanked>,
     /// The surface.
     pub(super) surface: SurfaceAnswer,
-    /// The slope below which the toroidal cutter is faster on the surface's equivalent rectangle; 90 where it is faster on every slope, 0
-    /// where the ball-end cutter is. Only where one toroidal and one ball-end cutter are compared and the published method has an answer.
+    /// The slope below which the toroidal cutter is faster on the surface's equivalent rectangle; 90 where it is faster
+    /// on every slope, 0 where the ball-end cutter is. Only where one toroidal and one ball-end cutter are compared and
+    /// the published method has an answer.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
     pub(super) critical_slope_deg: Option<f64>,
@@ -40,7 +41,8 @@ pub(crate) struct RecommendationAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(super) always_faster: Option<ComparedCutter>,
-    /// The form factor below which the toroidal cutter is faster on a rectangle of this size and slope. Only with `critical_slope_deg`.
+    /// The form factor below which the toroidal cutter is faster on a rectangle of this size and slope. Only with
+    /// `critical_slope_deg`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 1)]
     pub(super) critical_form_factor: Option<f64>,
@@ -92,8 +94,8 @@ pub(super) struct RecommendedCutter {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     name: Option<String>,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where the
-    /// surface has no such direction.
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where
+    /// the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     direction_deg: Option<f64>,
@@ -120,8 +122,8 @@ pub(super) struct RankedCandidate {
     /// The kind of cutter.
     #[serde(rename = "type")]
     kind: CutterKindName,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where the
-    /// surface has no such direction.
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where
+    /// the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     direction_deg: Option<f64>,
@@ -155,7 +157,7 @@ struct SimulatedFigures {
     /// The links between runs.
     #[schema(required = false)]
     links: LinksAnswer,
-    /// The scallop height over the area, by model `envelope` with the surface's own curvature.
+    /// The scallop height over the area, by model `envelope` with the curvature of the surface.
     #[schema(required = false)]
     scallop_height_mm: ScallopAnswer,
     /// The share of the area whose scallop height exceeds `scallop_height_mm`.
@@ -182,7 +184,7 @@ struct SimulatedFigures {
     rectangle: Option<OnRectangle>,
 }
 
-/// A kind of cutter.
+/// The kind of a cutter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = CutterType)]
@@ -316,8 +318,8 @@ impl RankedCandidate {
         }
     }
 
-    /// A plan by the published method. The distance between passes up and down the slope is horizontal, hence the same seen from
-    /// above; that between level passes is up the slope.
+    /// A plan by the published method. The distance between passes up and down the slope is horizontal, hence the same
+    /// seen from above; that between level passes is up the slope.
     pub(super) fn on_rectangle(cutter: usize, plan: &RectanglePlan, slope: Angle, feed_rate: Speed, candidates: &[NamedCandidate]) -> Self {
         let named = &candidates[cutter];
         let is_ball = named.candidate.cutter.kind() == CutterKind::BallEnd;

@@ -1,11 +1,11 @@
-//! The answers' two ways to finish a surface, and the critical figures between them.
+//! Wire objects of the two candidates that the published method compares, and of the faster one.
 
 use crate::planning::{Candidate, CriticalSlope, CutterChoice, Plan};
 use crate::quantity::Angle;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// One of the two cutters.
+/// A cutter of the comparison, with its direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum ComparedCutter {
@@ -24,13 +24,14 @@ impl From<CutterChoice> for ComparedCutter {
     }
 }
 
-/// The cutter to take, and how.
+/// The faster cutter and its passes.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub(super) struct Recommended {
     /// The cutter.
     cutter: ComparedCutter,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the toroidal cutter, the
-    /// principal direction for the ball-end cutter. Absent where the surface has no such direction, or its place in XY is not known.
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the
+    /// toroidal cutter, the principal direction for the ball-end cutter. Absent where the surface has no such
+    /// direction, or its place in XY is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180, example = 0.0)]
     direction_deg: Option<f64>,
@@ -42,7 +43,7 @@ pub(super) struct Recommended {
     machining_time_s: f64,
 }
 
-/// One way to finish the surface.
+/// A cutter with the figures of its passes.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub(super) struct CandidateAnswer {
     /// The cutter.
@@ -54,7 +55,7 @@ pub(super) struct CandidateAnswer {
     /// The distance of the passes along the surface.
     #[schema(minimum = 0)]
     step_over_mm: f64,
-    /// How many passes: the side across them over the step-over, the model's quotient, not rounded.
+    /// The number of passes: the side across them over the step-over, the model's quotient, not rounded.
     #[schema(minimum = 0)]
     passes: f64,
     /// The length of all passes and the steps between them.
@@ -86,8 +87,8 @@ impl From<&Candidate> for CandidateAnswer {
     }
 }
 
-/// The direction of a line in degrees, in [0, 180), to 1e-9 deg: radians and back leave whole degrees a rounding off, and a line a rounding
-/// short of pi is 180 in degrees, which is 0.
+/// The direction of a line in degrees, in [0, 180), rounded to 1e-9 deg: the conversion to radians and back has a
+/// rounding error, and a line just short of pi becomes 180 in degrees, which is 0.
 pub(super) fn line_degrees(line: Angle) -> f64 {
     let degrees = (line.degrees() * 1e9).round() / 1e9;
     if degrees < 180.0 { degrees } else { 0.0 }

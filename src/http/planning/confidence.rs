@@ -1,4 +1,4 @@
-//! The confidence of an answer: its level, and the weaknesses of the method that concern the surface.
+//! Wire objects of an answer's confidence: its level, and the weaknesses of the method on this surface.
 
 use crate::http::codes::ConfidenceCode;
 use crate::planning::zigzag::SurfaceConfidence;
@@ -10,8 +10,8 @@ use utoipa::ToSchema;
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Confidence)]
 pub(super) struct ConfidenceAnswer {
-    /// `high`: the surface is of the kind for which the method is intended; `moderate`: the times are estimates; `low`: the
-    /// recommendation may be wrong.
+    /// `high`: the surface is of the kind for which the method is intended; `moderate`: the times are estimates; `low`:
+    /// the recommendation may be wrong.
     level: LevelName,
     /// The reasons why the level is not high, the most important first.
     reasons: Vec<ReasonAnswer>,
@@ -27,7 +27,7 @@ enum LevelName {
     Low,
 }
 
-/// A weakness of the method that concerns this surface.
+/// A weakness of the method on this surface.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = ConfidenceReason)]
 struct ReasonAnswer {

@@ -42,23 +42,23 @@ members! {
     /// The slope at which the candidates are compared.
     struct SlopeMembers {
         slope: optional SLOPE: Quantity<Angle> = ("slope_deg", Quantity::new(slope, 60.0),
-            "s, the rectangle's slope, 0 (floor) to 90 (wall); with it the answer has the candidates, too"),
+            "s, the rectangle's slope, 0 (floor) to 90 (wall); with it, the answer includes the candidates"),
     }
 }
 
 /// The slope at which both cutters finish an inclined rectangle in the same time.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct CriticalSlopeAnswer {
-    /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 where the toroidal cutter is faster on every slope, 0
-    /// where the ball-end cutter is; `always_faster` names it then.
+    /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 where the toroidal cutter is
+    /// faster on every slope, 0 where the ball-end cutter is; `always_faster` names it then.
     #[schema(minimum = 0, maximum = 90)]
     critical_slope_deg: f64,
     /// The cutter that is faster on every slope; absent where there is a critical slope.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     always_faster: Option<ComparedCutter>,
-    /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 where the ball-end cutter is faster
-    /// even on a square. Only with `slope_deg`.
+    /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 where the ball-end
+    /// cutter is faster even on a square. Only with `slope_deg`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 1)]
     critical_form_factor: Option<f64>,
@@ -97,7 +97,7 @@ impl CriticalSlopeAnswer {
     }
 }
 
-/// The model's circle can be wider than the cutter.
+/// The warning of a step-over wider than the cutter, which the model's circle allows.
 fn wide_step_over(plan: &Plan, job: &Job) -> Option<Warning> {
     let (step_over, diameter) = (plan.toroidal.zigzag.step_over.mm(), 2.0 * job.toroidal().outer_radius().mm());
     (step_over > diameter).then(|| {
@@ -119,8 +119,9 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 
 /// The critical slope of an inclined rectangle
 ///
-/// The slope below which a toroidal cutter up and down the slope finishes a rectangle sooner than a ball-end cutter along its level
-/// long side. Give the rectangle by `width_mm` and `height_mm`, or by `form_factor` and `characteristic_size_mm2`.
+/// The slope below which a toroidal cutter up and down the slope finishes a rectangle sooner than a ball-end cutter
+/// along its level long side. Give the rectangle by `width_mm` and `height_mm`, or by `form_factor` and
+/// `characteristic_size_mm2`.
 #[utoipa::path(
     post, path = "/v1/critical-slope", tag = "planning", operation_id = "critical_slope",
     request_body = CriticalSlopeRequest,
@@ -144,12 +145,12 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
     .map(Json)
 }
 
-/// The member because of which the toroidal cutter has no step-over.
+/// The member that leaves the toroidal cutter without a step-over.
 fn to_blame(cause: NoAnswer) -> &'static str {
     if cause == NoAnswer::FlatFloor { SLOPE.name } else { job::SCALLOP_HEIGHT.name }
 }
 
-/// Takes the rectangle out of `object`, by its sides or by its form.
+/// Reads the rectangle from `object`, by its sides or by its form.
 fn rectangle(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<InclinedRectangle, Faulted> {
     let path = object.path();
     match object.one_of("give width_mm and height_mm, or form_factor and characteristic_size_mm2", faults)? {

@@ -19,7 +19,7 @@ members! {
     }
 }
 
-/// Takes the members of a job out of `object`, which has others.
+/// Reads the members of a job from `object`, which may have others.
 pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Job, Faulted> {
     let JobMembers { toroidal, ball_end, scallop_height, machine, model } = JobMembers::read(object, faults);
     let job = Job::new(toroidal?, ball_end?, scallop_height?, machine?.limits, model?.unwrap_or_default());

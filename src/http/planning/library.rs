@@ -1,4 +1,4 @@
-//! The tool libraries of an upload.
+//! The tool libraries of an upload: their cutters, faults and warnings.
 
 use crate::http::codes::{FileFault, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -6,13 +6,13 @@ use crate::http::wire::{NamedCandidate, Warning};
 use crate::tooling::{LibraryFault, LibraryFaultKind, ToolLibrary};
 use std::collections::BTreeMap;
 
-/// The name of the parts.
+/// The name of the form's parts that hold libraries.
 pub(super) const LIBRARY: &str = "library";
 
-/// The most bytes of a library as it is sent. Fusion writes 2 kB for a tool.
+/// The most bytes of a library file. Fusion writes 2 kB for a tool.
 pub(super) const LARGEST_LIBRARY: usize = 16 << 20;
 
-/// What was read of each part `library`.
+/// The result of reading each part `library`.
 #[derive(Debug, Default)]
 pub(super) struct Libraries(Vec<Result<ToolLibrary, LibraryFault>>);
 
@@ -34,7 +34,7 @@ impl Libraries {
         result
     }
 
-    /// The warning that counts the tools that are no finishing cutters, by type.
+    /// The warning that lists the tools that are no finishing cutters, counted by type.
     pub(super) fn warning(&self) -> Option<Warning> {
         self.left_out().map(|detail| Warning::new(WarningCode::OtherTools, detail))
     }

@@ -52,7 +52,8 @@ impl From<&Preset> for MachineAnswer {
 
 /// The machine presets
 ///
-/// Machines to name in `machine.preset` where the limits of a machine are not known, each with its limits and their source.
+/// Machines to name in `machine.preset` where the limits of a machine are not known, each with its limits and their
+/// source.
 #[utoipa::path(
     get, path = "/v1/machines", tag = "planning", operation_id = "machines",
     responses(

@@ -6,8 +6,8 @@ use crate::quantity::Length;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// The surface seen from above on square cells, at most 256 x 256. Arrays of figures have one item for each cell, row after row
-/// from the lowest y, each row from the lowest x; null where there is no figure.
+/// The surface seen from above on square cells, at most 256 x 256. Arrays of figures have one item for each cell, row
+/// after row from the lowest y, each row from the lowest x; null where there is no figure.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = SurfaceMap)]
 pub(crate) struct MapAnswer {
@@ -25,8 +25,8 @@ pub(crate) struct MapAnswer {
     z_mm: Vec<Option<f64>>,
     /// The slope of the facet seen there; null where there is no surface.
     slope_deg: Vec<Option<f64>>,
-    /// The scallop height of the recommended plan on that facet, by model `envelope`; null where nothing is machined or the
-    /// cutter does not reach the surface.
+    /// The scallop height of the recommended plan on that facet, by model `envelope`; null where nothing is machined or
+    /// the cutter does not reach the surface.
     scallop_height_mm: Vec<Option<f64>>,
     /// The height that the recommended cutter leaves uncut because it does not fit; null where nothing is machined.
     uncut_mm: Vec<Option<f32>>,

@@ -1,5 +1,5 @@
-//! Which cutter finishes a surface soonest: critical slope of a rectangle, recommendation for a surface sent as JSON or as a file, and the
-//! machine presets. One file for each endpoint holds what is particular to it; the rest is what they share.
+//! The planning endpoints: critical slope of a rectangle, cutter recommendation for a surface in JSON or in a file, and
+//! the machine presets. Each endpoint has a file; the other files are shared by them.
 
 mod answer;
 mod candidates;

@@ -1,6 +1,6 @@
-//! Forms of several parts (`multipart/form-data`, RFC 7578), read as they arrive. The framework's reader takes in whatever is ready, so
-//! that a compressed body unfolds whole into memory, and bounds neither a part's head nor what stands before the first part. This
-//! one holds what the connection gave last, and hands data on as they came, without copying them.
+//! A streaming reader of multipart forms (`multipart/form-data`, RFC 7578). The framework's reader buffers all data
+//! that are ready, so that a compressed body would expand in memory, and it limits neither a part's head nor the
+//! preamble. This reader holds only the last chunk of the body, and passes data on without copying them.
 
 use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
@@ -11,21 +11,21 @@ use bytes::Buf;
 use http_body_util::BodyExt;
 use memchr::memmem::{self, Finder};
 
-/// The longest head of a part; those of browsers and libraries have some hundred bytes.
+/// The longest head of a part in bytes; browsers and libraries send some hundred.
 const LONGEST_HEAD: usize = 1 << 14;
 
-/// The most parts of a form: an upload has three kinds of parts, and some libraries.
+/// The most parts of a form: an upload has a surface, parameters and some libraries.
 const MOST_PARTS: usize = 100;
 
 /// The longest boundary [RFC 2046, section 5.1.1].
 const LONGEST_BOUNDARY: usize = 70;
 
-/// A form, part after part.
+/// A form, read one part after another.
 pub(crate) struct Form {
     body: Body,
     /// CRLF, two hyphens and the boundary.
     delimiter: Finder<'static>,
-    /// What has arrived and is not done with.
+    /// Data that have arrived and are not used yet.
     held: Bytes,
     within: Within,
     parts: usize,
@@ -33,11 +33,11 @@ pub(crate) struct Form {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Within {
-    /// A part's data, or what stands before the first part.
+    /// A part's data, or the preamble before the first part.
     Data,
-    /// A delimiter was passed.
+    /// After a delimiter.
     Delimiter,
-    /// The last delimiter was passed.
+    /// After the last delimiter.
     Epilogue,
 }
 
@@ -61,11 +61,11 @@ impl<S: Send + Sync> FromRequest<S> for Form {
 impl Form {
     fn new(body: Body, boundary: &str) -> Self {
         let delimiter = Finder::new(&format!("\r\n--{boundary}")).into_owned();
-        // The first delimiter begins the body, without a line's end before it.
+        // The first delimiter may start the body, without a line break before it.
         Self { body, delimiter, held: Bytes::from_static(b"\r\n"), within: Within::Data, parts: 0 }
     }
 
-    /// The next part, after what is left of the one before.
+    /// Skips the rest of the current part, and returns the head of the next.
     pub(super) async fn next(&mut self) -> Result<Option<Head>, Problem> {
         while self.chunk().await?.is_some() {}
         if self.within == Within::Epilogue {
@@ -88,7 +88,7 @@ impl Form {
         Ok(Some(head))
     }
 
-    /// More of the current part's data, as they arrived; `None` once there are no more.
+    /// The next data of the current part; `None` at its end.
     pub(super) async fn chunk(&mut self) -> Result<Option<Bytes>, Problem> {
         if self.within != Within::Data {
             return Ok(None);
@@ -108,7 +108,7 @@ impl Form {
         }
     }
 
-    /// Where the delimiter begins whose end has not arrived; the end of what is held where none does.
+    /// The start of a delimiter that has arrived in part; else the end of the buffer.
     fn delimiter_begun(&self) -> usize {
         let needle = self.delimiter.needle();
         let length = self.held.len();
@@ -116,7 +116,7 @@ impl Form {
         possible.into_iter().find(|at| needle.starts_with(&self.held[*at..])).unwrap_or(length)
     }
 
-    /// The head of a part, from the delimiter to the empty line.
+    /// Reads the head of a part, from the delimiter to the empty line.
     async fn head(&mut self) -> Result<Head, Problem> {
         loop {
             let searched = &self.held[..self.held.len().min(LONGEST_HEAD)];
@@ -132,17 +132,17 @@ impl Form {
         }
     }
 
-    /// Takes in what the body has next; its end comes too early here.
+    /// Buffers the body's next data; the end of the body is an error here.
     async fn more(&mut self) -> Result<(), Problem> {
         let Some(data) = self.data().await? else {
             return Err(malformed("the form ends before its last boundary".to_owned()));
         };
-        // Of a part's data nothing is left here, save what may be a delimiter's beginning, so that this is seldom a copy.
+        // The buffer holds at most the start of a delimiter here, so that a copy is rare.
         self.held = if self.held.is_empty() { data } else { [&self.held[..], &data].concat().into() };
         Ok(())
     }
 
-    /// Reads what follows the last delimiter, which is no part of the form, so that the connection can be used again.
+    /// Reads and discards the data after the last delimiter, so that the connection can be used again.
     async fn drain(&mut self) -> Result<(), Problem> {
         while self.data().await?.is_some() {}
         Ok(())
@@ -157,14 +157,15 @@ impl Form {
                         return Ok(Some(data));
                     }
                 }
-                // A body over its limit, too slow or damaged has its answer from the layers around; this one is for what they do not know.
+                // The layers around answer for a body that is too large, too slow or damaged; this covers all other
+                // errors.
                 Some(Err(error)) => return Err(Problem::new(ServiceProblem::UnreadableBody, error.to_string())),
             }
         }
     }
 }
 
-/// The lines of a head, the first of them the end of the delimiter's line.
+/// Parses the lines of a head. The first is the rest of the delimiter's line.
 fn read_head(lines: &[u8]) -> Result<Head, Problem> {
     let lines = std::str::from_utf8(lines).map_err(|_| malformed("the head of a part is not UTF-8".to_owned()))?;
     let mut lines = lines.split("\r\n");
@@ -188,7 +189,8 @@ fn read_head(lines: &[u8]) -> Result<Head, Problem> {
     Ok(head)
 }
 
-/// The parameter `name` of a header's value: `...; name=token` or `...; name="quoted"`, where a backslash makes the next character plain.
+/// The parameter `name` of a header's value: `...; name=token` or `...; name="quoted"`, where a backslash escapes the
+/// next character.
 fn parameter(value: &str, name: &str) -> Option<String> {
     let (_, mut rest) = value.split_once(';')?;
     loop {
@@ -202,7 +204,7 @@ fn parameter(value: &str, name: &str) -> Option<String> {
     }
 }
 
-/// A parameter's value, and what follows it.
+/// A parameter's value, and the rest of the text.
 fn parameter_value(text: &str) -> (String, &str) {
     let Some(quoted) = text.trim_start().strip_prefix('"') else {
         let (token, rest) = text.split_once(';').unwrap_or((text, ""));
@@ -245,7 +247,7 @@ mod tests {
 
     type Part = (Head, Vec<u8>);
 
-    /// All parts of a body that comes in pieces of `size` bytes.
+    /// All parts of a body that arrives in chunks of `size` bytes.
     fn read(body: &[u8], size: usize) -> Result<Vec<Part>, String> {
         let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
         let (mut sender, channel) = http_body_util::channel::Channel::<Bytes>::new(1);
@@ -292,7 +294,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn parts_come_back_wherever_the_body_is_cut(
+        fn parts_are_read_wherever_the_body_is_cut(
             data in proptest::collection::vec(proptest::collection::vec(prop_oneof![Just(b"\r\n--edg".to_vec()), Just(b"\r".to_vec()), Just(b"--".to_vec()), any::<[u8; 3]>().prop_map(Vec::from)], 0..20), 0..4),
             size in 1_usize..50,
         ) {
@@ -304,7 +306,7 @@ mod tests {
         #[test]
         fn a_form_cut_off_is_refused(length in 0_usize..120) {
             let whole = written(&[part("surface", b"1,2,3"), part("parameters", b"{}")]);
-            // Without the hyphens that end it and the end of the line, 4 bytes.
+            // Cut before the closing hyphens and the line break, 4 bytes.
             let end = whole.len() - 4;
             let result = read(&whole[..length.min(end)], 7);
             prop_assert!(result.is_err(), "{:?}", result);
@@ -312,21 +314,21 @@ mod tests {
     }
 
     #[test]
-    fn long_data_come_whole() {
+    fn long_data_arrive_complete() {
         let long: Vec<u8> = (0..=250).cycle().take(3_000_017).collect();
         let parts = [part("surface", &long), part("parameters", b"{}")];
         assert_eq!(read(&written(&parts), 70_000), Ok(parts.to_vec()));
     }
 
     #[test]
-    fn what_stands_before_and_after_the_parts_does_not_count() {
+    fn preamble_and_epilogue_are_ignored() {
         let body = b"preamble\r\n--edge \t\r\nX-Other: 1\r\ncontent-type: model/stl\r\ncontent-disposition:form-data; filename=\"a;\\\"b.stl\"; name=surface\r\n\r\n\r\n--edge\r\n\r\nno head\r\n--edge--epilogue\r\n--edge";
         let named = Head { name: Some("surface".into()), file_name: Some("a;\"b.stl".into()), media_type: Some("model/stl".into()) };
         assert_eq!(read(body, 9), Ok(vec![(named, Vec::new()), (Head::default(), b"no head".to_vec())]));
     }
 
     #[test]
-    fn forms_that_are_none_are_refused() {
+    fn malformed_forms_are_refused() {
         for body in [
             &b""[..],
             b"x",
@@ -342,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn boundaries_come_with_and_without_quotation_marks() {
+    fn boundaries_are_read_with_and_without_quotation_marks() {
         let of = |value: &'static str| {
             let headers = [(header::CONTENT_TYPE, value.parse().unwrap())].into_iter().collect();
             boundary(&headers).map_err(|problem| axum::response::IntoResponse::into_response(problem).status())

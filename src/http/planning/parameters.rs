@@ -91,8 +91,8 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow those of the request;
-    /// `libraries` has the tools that were left out of them.
+    /// Reads the parameters from `object`, which may have the surface as well. The cutters of tool libraries follow
+    /// those of the request; `libraries` lists the tools that are no finishing cutters.
     pub(super) fn read(
         object: &mut Object<'_, '_>,
         of_libraries: impl IntoIterator<Item = NamedCandidate>,
@@ -101,7 +101,7 @@ impl Parameters {
     ) -> Result<Self, Faulted> {
         let members = ParameterMembers::read(object, faults);
         let candidates = members.cutters.and_then(|own| {
-            // The cutters may all have been in a refused library.
+            // All cutters may have been in a refused library.
             let left_out = libraries?;
             let candidates: Vec<_> = own.into_iter().flatten().chain(of_libraries).collect();
             let object = object.path();
@@ -142,7 +142,8 @@ impl Parameters {
         schema.with::<ParameterMembers>()
     }
 
-    /// The model of the plan: as stated, else `envelope` on the surface and the published `analytic` on the rectangle.
+    /// The model of the plan: the stated one, else `envelope` on the surface and the published `analytic` on the
+    /// rectangle.
     pub(super) fn model(&self) -> Model {
         self.model.unwrap_or(match self.method {
             Method::Surface => Model::Envelope,

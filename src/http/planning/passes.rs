@@ -7,10 +7,10 @@ use crate::quantity::Length;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// The most points of an answer: some 25 MB of JSON.
+/// The most points of an answer, some 25 MB of JSON.
 const MOST_POINTS: usize = 100_000;
 
-/// The side of the raster on which tips are held against the whole surface.
+/// The cells along each side of the raster on which tips are checked against the whole surface.
 const SIDE: usize = 1024;
 
 /// The passes of the recommended plan: columns over all points, in cutting order.
@@ -19,7 +19,8 @@ const SIDE: usize = 1024;
 pub(crate) struct PassesAnswer {
     /// The position in the columns at which each run begins; between two runs the cutter links.
     run_starts: Vec<usize>,
-    /// Where the cutter touches the surface; null where the tip is raised because the cutter would gouge the surface elsewhere.
+    /// Where the cutter touches the surface; null where the tip is raised because the cutter would gouge the surface
+    /// elsewhere.
     contact_mm: Vec<Option<[f64; 3]>>,
     /// The unit normal of the surface.
     normal: Vec<[f64; 3]>,
@@ -37,11 +38,11 @@ pub(crate) struct PassesAnswer {
     scallop_height_mm: Vec<Option<f64>>,
     /// The curvature of the surface.
     surface_curvature: CurvatureColumns,
-    /// The time in which the tips pass all runs and links. `machining_time_s` of the plan is that of the contacts, whose way is
-    /// shorter where the contact wanders over the cutter's bottom, and where tips are raised.
+    /// The time in which the tips pass all runs and links. The plan's own `machining_time_s` is that of the contacts,
+    /// whose path is shorter where the contact moves across the cutter's bottom and where tips are raised.
     #[schema(minimum = 0)]
     machining_time_s: f64,
-    /// How far the points that were left out lie from the lines between those that are given, at most.
+    /// The largest distance of the omitted points from the lines between the given points.
     #[schema(minimum = 0)]
     chord_tolerance_mm: f64,
 }
@@ -59,8 +60,8 @@ struct CurvatureColumns {
 }
 
 impl PassesAnswer {
-    /// The memory that it takes to make the passes, in bytes, beside the simulation: the view, with height, facet and side of each cell, the
-    /// heights of its cells and blocks in single precision, a third more than cells, and the points.
+    /// The memory in bytes to make the passes, beside the simulation: the view, with height, facet and side of each
+    /// cell, the heights of its cells and blocks in single precision, and the points.
     pub(super) fn bytes(workpiece: &Workpiece, simulation: &Simulation) -> u64 {
         const VIEW: usize = (13 + 6) * SIDE * SIDE;
         let plan = simulation.ranking.plans.first();

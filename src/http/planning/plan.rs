@@ -1,4 +1,4 @@
-//! From a surface and the parameters to an answer, by either method.
+//! The calculation of a recommendation from surface and parameters, by either method.
 
 use super::answer::{RankedCandidate, RecommendationAnswer, model};
 use super::candidates::always_faster;
@@ -22,7 +22,7 @@ use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::mesh::MeshSize;
 use crate::surface::{Shape, ShapeError};
 
-/// A surface that was read, with what is asked of it.
+/// A surface, and the parameters of its recommendation.
 pub(super) struct Task {
     parameters: Parameters,
     shape: Shape,
@@ -33,7 +33,7 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// Takes shape and facets of the surface that was sent at `path`.
+    /// Determines shape and facets of the surface at `path`.
     pub(super) fn new(
         parameters: Parameters,
         sourced: SurfaceWithSource,
@@ -47,7 +47,7 @@ impl Task {
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let workpiece = match parameters.method {
             Method::Surface => Some(Workpiece::new(mesh, unit, &parameters).map_err(|fault| fault.report(path, faults))?),
-            // Without facets the method loses evidence, not its answer.
+            // Without facets, method rectangle has an answer with less evidence.
             Method::Rectangle => match Workpiece::new(mesh, unit, &parameters) {
                 Ok(workpiece) => Some(workpiece),
                 Err(fault) if fault.is_sound() => None,
@@ -55,8 +55,9 @@ impl Task {
             },
         };
         if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
-            let detail =
-                format!("the surface has more facets or points than are held; it was merged on a raster with cells of {cell:.6} mm");
+            let detail = format!(
+                "the surface has more facets or points than the service holds; it was merged on a raster with cells of {cell:.6} mm"
+            );
             warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
         }
         if parameters.method == Method::Rectangle {
@@ -70,22 +71,23 @@ impl Task {
         Ok(Self { parameters, shape, workpiece, source, warnings })
     }
 
-    /// The warning is added to those of the surface.
+    /// Adds warnings to those of the surface.
     pub(super) fn warn(&mut self, warnings: impl IntoIterator<Item = Warning>) {
         self.warnings.extend(warnings);
     }
 
-    /// How large the mesh is that the plan is made on.
+    /// The size of the mesh of the plan.
     pub(super) fn size(&self) -> MeshSize {
         self.workpiece.as_ref().map_or(MeshSize { facets: 0, points: 0 }, |workpiece| workpiece.mesh.size())
     }
 
-    /// How many cutters are compared.
+    /// The number of cutters that are compared.
     pub(super) fn candidates(&self) -> usize {
         self.parameters.candidates.len()
     }
 
-    /// The answer, or the problem that no cutter fits. Once `stop` returns true the answer is discarded, and may be any.
+    /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer is discarded and has no
+    /// meaning.
     pub(super) fn answer(mut self, means: &mut Means, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.workpiece.take()) {
             (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, means, stop),
@@ -133,7 +135,7 @@ impl Task {
         })
     }
 
-    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may.
+    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may use.
     fn passes(&mut self, workpiece: &Workpiece, simulation: &Simulation, means: &mut Means) -> Result<Option<PassesAnswer>, Problem> {
         let passes = match means.memory.grow(PassesAnswer::bytes(workpiece, simulation)) {
             Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
@@ -188,7 +190,8 @@ impl Task {
         })
     }
 
-    /// The confidence in plans on the rectangle: the published weaknesses, then what the facets and the simulation on them say.
+    /// The confidence in plans on the rectangle: the published weaknesses, then those found on the facets and in the
+    /// simulation.
     fn confidence_in_rectangle(
         &self,
         published: Option<Recommendation>,
@@ -200,7 +203,7 @@ impl Task {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
         let Some(workpiece) = workpiece else { return (&confidence).into() };
-        // The recommended cutter and the next one decide about the order.
+        // The order depends on the recommended cutter and the next one.
         let compared: Vec<usize> = candidates.iter().take(2).map(RankedCandidate::cutter).collect();
         let by = Model::Envelope;
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, means.parallelism, stop) else {
@@ -213,7 +216,7 @@ impl Task {
             plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter()).map(|plan| (candidate.time(), plan.time))
         };
         let confidence = confidence.with_surface(&self.shape, &evidence);
-        // Without the recommended cutter's simulation there is nothing to compare the others with.
+        // Without a simulation of the recommended cutter, the others cannot be compared with it.
         let times: Vec<_> =
             if candidates.first().and_then(simulated).is_some() { candidates.iter().filter_map(simulated).collect() } else { Vec::new() };
         (&confidence.with_simulation(&times)).into()
@@ -226,7 +229,7 @@ impl Task {
         let pair = [one.candidate.cutter, other.candidate.cutter];
         let toroidal = pair.into_iter().find(of_kind(CutterKind::Toroidal))?;
         let ball_end = pair.into_iter().find(of_kind(CutterKind::BallEnd))?;
-        // The published comparison has its own model, unless the rectangle is asked for by another.
+        // The published comparison has its own model, unless the request states another for the rectangle.
         let model = if self.parameters.method == Method::Rectangle { self.parameters.model() } else { Model::Analytic };
         let job = Job::new(toroidal, ball_end, self.parameters.scallop_height, self.parameters.machine.limits, model).ok()?;
         recommend(&job, &self.shape).ok()

@@ -24,8 +24,9 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 
 /// The cutter for a surface
 ///
-/// Which of the cutters finishes a surface soonest, in which direction and with which step-over and feed, and how far to trust it. By default zigzag passes
-/// are simulated on the surface itself; method `rectangle` compares the surface with an inclined rectangle that spreads as much.
+/// Which of the cutters finishes a surface soonest, in which direction and with which step-over and feed, and how
+/// reliable the recommendation is. By default zigzag passes are simulated on the surface itself; method `rectangle`
+/// compares the surface with an inclined rectangle that spreads as much.
 #[utoipa::path(
     post, path = "/v1/cutter-recommendation", tag = "planning", operation_id = "cutter_recommendation",
     request_body = RecommendationRequest,
@@ -43,7 +44,7 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
     work.run(move |cancelled| answer_to(task, Means { memory, parallelism }, cancelled)).await?
 }
 
-/// Reads a body and makes the facets to plan on, for which `memory` grows.
+/// Reads a body and prepares the facets of the plan. `memory` grows with them.
 fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Result<(Task, Reservation), Problem> {
     let mut exceeded = None;
     let task = body.read_until(cancelled, |object, faults| {
@@ -62,7 +63,7 @@ fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Res
     }
 }
 
-/// Plans with these means, and writes the answer.
+/// Plans within `means`, and writes the answer.
 pub(super) fn answer_to(task: Task, mut means: Means, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
     let threads = means.parallelism.threads;
     let answer = Work::on_threads(threads, || task.answer(&mut means, &|| cancelled.is_cancelled())).map_err(|error| {

@@ -1,4 +1,4 @@
-//! The surface of an answer: its shape and its facets.
+//! Wire object of the surface in an answer: its shape and facets.
 
 use super::candidates::line_degrees;
 use super::simulation::Workpiece;
@@ -16,7 +16,8 @@ pub(super) struct SurfaceAnswer {
     source: Source,
     /// The number of points from which the shape was computed; 0 where it was computed from facets.
     points: u64,
-    /// The number of facets from which the shape was computed; for points or a patch, the number of facets formed from them.
+    /// The number of facets from which the shape was computed; for points or a patch, the number of facets formed from
+    /// them.
     facets: u64,
     /// The angle between the best-fit plane and the horizontal.
     #[schema(minimum = 0, maximum = 90)]
@@ -31,7 +32,8 @@ pub(super) struct SurfaceAnswer {
     /// chi, the area of the equivalent rectangle.
     #[schema(minimum = 0)]
     characteristic_size_mm2: f64,
-    /// The direction along which the surface spreads most. Absent where it spreads equally in every direction, or most along the vertical.
+    /// The direction along which the surface spreads most. Absent where it spreads equally in every direction, or most
+    /// along the vertical.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     principal_direction_deg: Option<f64>,
@@ -39,7 +41,8 @@ pub(super) struct SurfaceAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     steepest_direction_deg: Option<f64>,
-    /// The angle between these two directions, which the published method assumes to be 90. Absent where one of them is.
+    /// The angle between these two directions, which the published method assumes to be 90. Absent where one of them
+    /// is.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
     direction_gap_deg: Option<f64>,

@@ -1,4 +1,4 @@
-//! A surface seen as facets, and the simulation of all candidates on it.
+//! The facets of a surface, and the simulation of all candidates on them.
 
 use super::parameters::Parameters;
 use crate::http::codes::RequestFault;
@@ -12,7 +12,7 @@ use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility
 use crate::surface::{FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
 use std::collections::BTreeSet;
 
-/// The side of the raster on which cutters are tried and maps are drawn.
+/// The cells along each side of the raster for the reach of cutters and for maps.
 const SIDE: usize = 256;
 
 /// The facets of a surface, with those that are machined.
@@ -20,18 +20,18 @@ pub(super) struct Workpiece {
     pub(super) mesh: Mesh,
     pub(super) visibility: Visibility,
     pub(super) pieces: u32,
-    /// The number of pieces of which a facet is machined.
+    /// The number of pieces with a machined facet.
     pub(super) machined_pieces: usize,
     /// Whether each facet of the mesh is selected and not too steep.
     machined: Vec<bool>,
     /// The facets that a plan is made for.
     pub(super) facets: Vec<FinishFacet>,
-    /// Where each of the mesh's facets stands among those.
+    /// The position of each facet of the mesh among those of the plan.
     places: Vec<Option<u32>>,
     pub(super) view: ViewFromAbove,
 }
 
-/// Why a surface has no facets to machine.
+/// The reason why a surface has no facets to machine.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum NoWorkpiece {
     Mesh(MeshError),
@@ -40,7 +40,7 @@ pub(super) enum NoWorkpiece {
 }
 
 impl NoWorkpiece {
-    /// Whether the surface as such is sound: it only has no facets that can be seen from above.
+    /// Whether the surface is valid and only has no facets that are visible from above.
     pub(super) fn is_sound(self) -> bool {
         match self {
             Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. })
@@ -49,7 +49,7 @@ impl NoWorkpiece {
         }
     }
 
-    /// The fault of a surface that was sent at `path`.
+    /// Records the fault of the surface at `path`.
     pub(super) fn report(self, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
         match self {
             Self::Mesh(error) => faults.add(path, mesh_code(error), error),
@@ -66,7 +66,7 @@ impl NoWorkpiece {
 }
 
 impl Workpiece {
-    /// The facets that a surface has.
+    /// Prepares the facets of a surface.
     pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters) -> Result<Self, NoWorkpiece> {
         let mesh = mesh.finish(unit, parameters.facing).map_err(NoWorkpiece::Mesh)?;
         let pieces = mesh.pieces();
@@ -91,7 +91,7 @@ impl Workpiece {
         Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
     }
 
-    /// Where the facet that a cell shows stands among those of the plan.
+    /// The position of a cell's facet among those of the plan.
     pub(super) fn facet_of_cell(&self, cell: usize) -> Option<u32> {
         self.view.facet(cell).and_then(|facet| self.places[facet])
     }
@@ -113,14 +113,14 @@ impl Workpiece {
 /// All candidates simulated on a surface.
 pub(super) struct Simulation {
     pub(super) settings: ZigzagSettings,
-    /// The candidates with what they cannot reach.
+    /// The candidates, each with the material it cannot reach.
     pub(super) candidates: Vec<CandidateCutter>,
     pub(super) ranking: Ranking,
     reach: ReachMap,
 }
 
 impl Simulation {
-    /// Simulates the candidates in these places among those of the request; `None` as soon as `stop` returns true.
+    /// Simulates the candidates at these positions in the request; `None` as soon as `stop` returns true.
     pub(super) fn run(
         workpiece: &Workpiece,
         parameters: &Parameters,
@@ -133,7 +133,7 @@ impl Simulation {
         let settings = ZigzagSettings { candidates_at_once: parallelism.candidates, ..parameters.settings(shape, model) };
         let reach = ReachMap::new(&workpiece.mesh, &workpiece.view, &workpiece.machined);
         let mut candidates = Vec::with_capacity(places.len());
-        // A map of each cutter takes a quarter of a MB, so that only the figures are kept.
+        // The map of a cutter takes a quarter of a MB, so only the figures are kept.
         for places in places.chunks(MOST_AT_ONCE) {
             if stop() {
                 return None;
@@ -165,7 +165,7 @@ impl Simulation {
     }
 }
 
-/// How many cutters are tried between two checks for cancellation.
+/// The number of cutters between two checks for cancellation.
 const MOST_AT_ONCE: usize = 8;
 
 fn mesh_code(error: MeshError) -> RequestFault {

@@ -1,5 +1,5 @@
-//! `POST /v1/cutter-recommendation/upload`: the surface as a file, the parameters beside it in a part of their own, tool libraries in further parts. The
-//! surface passes through its reader as it arrives; of the file only what its format needs is held.
+//! `POST /v1/cutter-recommendation/upload`: a form with the surface file, the parameters and tool libraries. The
+//! surface is read as it arrives; only what the file's format requires is held.
 
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
@@ -30,27 +30,27 @@ use utoipa::openapi::{RefOr, Schema};
 
 const PARAMETERS: &str = "parameters";
 
-/// Parameters are some kB, with 200 cutters 40 kB; a part of this size holds something else.
+/// The longest part with parameters. Parameters with 200 cutters take 40 kB.
 const LARGEST_PARAMETERS: usize = 1 << 18;
 
-/// What the tools of a library take at most: ten thousand, of some 300 bytes.
+/// The most memory of a library's tools: ten thousand of some 300 bytes.
 const MEMORY_OF_A_LIBRARY: u64 = 3 << 20;
 
 /// The largest 3MF file, compressed, and the most vertices of its meshes.
 const LARGEST_ARCHIVE: usize = 64 << 20;
 const MOST_VERTICES_OF_A_PACKAGE: usize = 4_000_000;
 
-/// What the meshes of a 3MF file take at most: 24 bytes a vertex, and two triangles of 12 bytes for each.
+/// The most memory of the meshes of a 3MF file: 24 bytes a vertex, and two triangles of 12 bytes for each.
 const MEMORY_OF_A_PACKAGE: u64 = 48 * MOST_VERTICES_OF_A_PACKAGE as u64;
 
 described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. Its content shows the format; the part's type and file name help where it does not",
+        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used where the content is ambiguous",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
-        Parameters::describe(ObjectSchema::new("The cutters to choose from, unless libraries have them, and the machine", components))
+        Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))
             .build()
     });
     let library = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
@@ -63,7 +63,8 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 
 /// The cutter for a surface in a file
 ///
-/// The same as `/v1/cutter-recommendation`, for a file with points (CSV, TSV, XYZ, PCD) or facets (STL, OBJ, PLY, 3MF), and for cutters out of tool libraries.
+/// The same as `/v1/cutter-recommendation`, for a file with points (CSV, TSV, XYZ, PCD) or facets (STL, OBJ, PLY, 3MF),
+/// and for cutters from tool libraries.
 #[utoipa::path(
     post, path = "/v1/cutter-recommendation/upload", tag = "planning", operation_id = "cutter_recommendation_upload",
     request_body(content = UploadRequest, content_type = "multipart/form-data", encoding(("parameters" = (content_type = "application/json")))),
@@ -83,20 +84,20 @@ pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form:
     work.run_after_upload(move |cancelled| received.answer(means, &budget, cancelled)).await?
 }
 
-/// What arrived.
+/// The contents of the form.
 #[derive(Debug, Default)]
 struct Received {
     parameters: Option<Vec<u8>>,
     surface: Option<Result<SurfaceWithSource, read::Fault>>,
     libraries: Libraries,
-    /// Of the form itself.
+    /// Faults of the form itself.
     faults: Vec<Fault>,
-    /// The memory that surface and libraries hold until the answer is ready.
+    /// The memory of surface and libraries, reserved until the answer is ready.
     memory: Vec<Reservation>,
 }
 
 impl Received {
-    /// Takes in the whole form, so that the answer has the faults of all parts.
+    /// Reads the whole form, so that the answer has the faults of all parts.
     async fn read(form: &mut Form, work: &Work, metrics: &Metrics) -> Result<Self, Problem> {
         let mut received = Self::default();
         while let Some(head) = form.next().await? {
@@ -120,7 +121,7 @@ impl Received {
         let mut memory = work.reserve(0)?;
         let bytes = read_small(form, LIBRARY, LARGEST_LIBRARY, &mut memory).await?;
         self.libraries.push(work.run_piece(move || ToolLibrary::read(&bytes, file_name.as_deref())).await);
-        // The tools of a library are at most ten thousand names and figures.
+        // A library has at most ten thousand tools, each with a name and figures.
         memory.shrink_to(MEMORY_OF_A_LIBRARY);
         self.memory.push(memory);
         Ok(())
@@ -174,8 +175,8 @@ impl Received {
     }
 }
 
-/// Reads a part that is a surface file; the outer error is the form's, the inner one the file's. While one block is worked on, the next
-/// is received; no more than these two are held. `memory` is what the file holds.
+/// Reads the part with the surface file; the outer error is the form's, the inner one the file's. While one block is
+/// parsed, the next is received; only these two are held. `memory` is the file's reservation.
 async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics, memory: Reservation) -> Result<ReadFile, Problem> {
     let mut file = File::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()), memory);
     let mut received = Block::receive(form, metrics).await?;
@@ -193,17 +194,17 @@ async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics,
             return Ok((Err(fault), file.memory));
         }
     }
-    // A package is read as a whole, which takes longer than a piece of work may.
+    // A 3MF package is read as a whole, which takes longer than a piece of work may.
     let (is_archive, metrics) = (file.reader.is_archive(), metrics.clone());
     let finish = move || file.finish(&metrics);
     let finished = if is_archive { work.run_after_upload(move |_| finish()).await? } else { work.run_piece(finish).await };
     Ok(finished?)
 }
 
-/// What was read of a file, with the memory that it holds.
+/// The surface of a file or its fault, with the file's reservation.
 type ReadFile = (Result<SurfaceWithSource, read::Fault>, Reservation);
 
-/// A surface file as it is read.
+/// A surface file that is being read.
 struct File {
     reader: Reader,
     surface: ReceivedSurface,
@@ -216,11 +217,11 @@ impl File {
         Self { reader, surface: ReceivedSurface::new(), memory }
     }
 
-    /// Reads a block. What it can take at most is reserved while it is read, and then what is held.
+    /// Reads a block. The most memory that it can take is reserved meanwhile, and afterwards what is held.
     fn take(&mut self, block: &Block) -> Result<Result<(), read::Fault>, BudgetExceeded> {
         let bytes: usize = block.pieces.iter().map(Bytes::len).sum();
         let held = self.reader.held_bytes();
-        // A package is collected in one vector, which moves to twice its size.
+        // A package is collected in one vector, which grows to twice its size.
         let collected = if self.reader.is_archive() { 2 * (held + bytes) } else { 0 };
         self.memory.grow(self.surface.bytes_to_take(bytes, held / size_of::<[f64; 3]>()) + collected as u64)?;
         let pushed = block.read(&mut self.reader, &mut self.surface);
@@ -228,7 +229,7 @@ impl File {
         Ok(pushed)
     }
 
-    /// Reads the file's end: of a package, all of it.
+    /// Reads the end of the file, or all of a 3MF package.
     fn finish(mut self, metrics: &Metrics) -> Result<ReadFile, BudgetExceeded> {
         if self.reader.is_archive() {
             self.memory.grow(MEMORY_OF_A_PACKAGE + self.surface.bytes_to_take_package())?;
@@ -244,20 +245,20 @@ impl File {
     }
 }
 
-/// Consecutive data of a part, as they arrived.
+/// Consecutive chunks of a part's data.
 #[derive(Debug, Default)]
 struct Block {
     pieces: Vec<Bytes>,
 }
 
 impl Block {
-    /// About so many bytes at most: large against the cost of changing threads, small against memory.
+    /// The most bytes of a block, about: large against the cost of changing threads, small against memory.
     const SIZE: usize = 1 << 20;
 
-    /// Pieces may come byte by byte, and each holds on to the buffer in which it was received.
+    /// The most chunks of a block. A chunk may be one byte, and each keeps its receive buffer in memory.
     const PIECES: usize = 64;
 
-    /// The part's next data; no pieces once there are no more.
+    /// Receives the part's next block; an empty one at its end.
     async fn receive(form: &mut Form, metrics: &Metrics) -> Result<Self, Problem> {
         let (mut block, mut size) = (Self::default(), 0);
         while size < Self::SIZE && block.pieces.len() < Self::PIECES {
@@ -269,8 +270,8 @@ impl Block {
         Ok(block)
     }
 
-    /// Passes the pieces to the reader; blocks of text that can be read apart go to all threads. Their sums are added in their order,
-    /// so that the same file has the same sums, to the bit.
+    /// Passes the chunks to the reader; independent blocks of text are read on all threads. Their sums are added in
+    /// file order, so that the same file has bitwise the same sums.
     fn read(&self, reader: &mut Reader, surface: &mut ReceivedSurface) -> Result<(), read::Fault> {
         let mut blocks = Vec::new();
         self.pieces.iter().try_for_each(|piece| reader.push_in_blocks(piece, surface, &mut blocks))?;
@@ -299,7 +300,7 @@ fn format_label(format: Format) -> &'static str {
     }
 }
 
-/// What is read of a block of text, which has points only.
+/// The points of a block of text.
 #[derive(Debug, Default)]
 struct TextPart {
     sums: SampledSurface,
@@ -317,7 +318,7 @@ impl Sink for TextPart {
     }
 }
 
-/// Reads a part that is held as a whole, up to `largest` bytes.
+/// Reads a part of up to `largest` bytes into memory.
 async fn read_small(form: &mut Form, name: &str, largest: usize, memory: &mut Reservation) -> Result<Vec<u8>, Problem> {
     let mut bytes = Vec::new();
     while let Some(chunk) = form.chunk().await? {
@@ -335,7 +336,7 @@ mod tests {
     use super::*;
     use crate::surface::{Facing, Unit};
 
-    /// The shape of a text that comes in pieces and blocks of these sizes.
+    /// The shape of a text that arrives in chunks and blocks of these sizes.
     fn shape(text: &[u8], piece: usize, pieces: usize) -> String {
         let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::new());
         let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();

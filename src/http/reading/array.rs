@@ -9,10 +9,11 @@ use serde_json::value::RawValue;
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Items that are read between two checks whether reading is cancelled.
+/// The number of items between two checks for cancellation.
 const TURN: usize = 256;
 
-/// Passes every item of the array `raw` to `take`, until one is not a `T` or the reading that `faults` belongs to is cancelled.
+/// Passes every item of the array `raw` to `take`, until one is not a `T` or the reading that `faults` belongs to is
+/// cancelled.
 pub(crate) fn each<'a, T: Deserialize<'a>>(raw: &'a RawValue, faults: &Faults, take: impl FnMut(T)) -> serde_json::Result<()> {
     each_until(raw, faults.cancel_flag(), take)
 }
@@ -39,7 +40,7 @@ fn each_until<'a, T: Deserialize<'a>>(raw: &'a RawValue, cancel: Option<CancelFl
     serde_json::Deserializer::from_str(raw.get()).deserialize_seq(Each(take, cancel, PhantomData))
 }
 
-/// Passes every item of the array `raw` to `take` unread, in order.
+/// Passes every item of the array `raw` to `take` in order, without parsing it.
 pub(crate) fn each_raw<'a>(
     raw: &'a RawValue,
     path: JsonPath<'_>,
@@ -50,15 +51,15 @@ pub(crate) fn each_raw<'a>(
         .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))))
 }
 
-/// The items of the array that `raw` is, unread. More than `most` are a fault and are counted, not kept.
+/// The unparsed items of the array `raw`. More than `most` are a fault, and are counted but not kept.
 pub(crate) fn items<'a>(raw: &'a RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
     let mut all = Vec::new();
     for_runs_of_items(raw, most, most, path, faults, |_, items| all = items)?;
     Ok(all)
 }
 
-/// Passes the items of an array to `take` in runs of `run`, each with the index of its first item, and returns the number of items. Some
-/// may be passed before the fault is found that there are more than `most` or that `raw` is not an array.
+/// Passes the items of an array to `take` in runs of `run`, each with the index of its first item, and returns the
+/// number of items. Runs may be passed before a fault is found: more than `most` items, or a value that is no array.
 pub(crate) fn for_runs_of_items<'a>(
     raw: &'a RawValue,
     most: usize,

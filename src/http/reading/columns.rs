@@ -1,4 +1,5 @@
-//! Columns of values that batches read straight into numbers: an array with an item for each contact, null where the contact has no value.
+//! Columns of values, which batches read straight into numbers. A column is an array with an item for each contact,
+//! null for a contact without a value.
 
 use super::number_array::read_numbers;
 use super::object::describe;
@@ -10,10 +11,11 @@ use std::fmt::Write;
 
 /// A column of values, or an object of columns.
 pub(crate) trait PlainColumn: Default {
-    /// The value of a row as JSON has it.
+    /// The type of a row's value in JSON.
     type Plain;
 
-    /// Reads a column of at most `most` rows. Items of another type are faults of their rows, found when a row is read.
+    /// Reads a column of at most `most` rows. An item of another type is a fault of its row, which is found when the
+    /// row is read.
     fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted>;
 
     /// Compares the number of rows of this column, `name`, with that of earlier columns.
@@ -22,7 +24,7 @@ pub(crate) trait PlainColumn: Default {
     /// The value of a row.
     fn get(&self, index: usize) -> Cell<Self::Plain>;
 
-    /// Writes the value of a row, faulty or not, as the member `name` of an object.
+    /// Writes the value of a row, valid or not, as the member `name` of an object.
     fn write(&self, index: usize, name: &'static str, row: &mut RowText);
 }
 
@@ -35,7 +37,7 @@ pub(crate) enum Cell<P> {
     Faulty,
 }
 
-/// The number of rows that all columns have.
+/// The number of rows, which is the same for all columns.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
     first: Option<(&'static str, usize)>,
@@ -64,7 +66,7 @@ impl Rows {
 #[derive(Debug)]
 pub(crate) struct Cells<P> {
     values: Vec<Option<P>>,
-    /// The rows of another type in ascending order, the first ones with their text.
+    /// The rows with a value of another type in ascending order, the first ones with their text.
     faulty: Vec<(usize, Option<Box<RawValue>>)>,
 }
 
@@ -81,8 +83,8 @@ impl<P> Cells<P> {
 
 /// A value that a column holds for a row.
 pub(crate) trait PlainValue: for<'de> Deserialize<'de> + Serialize + Copy {
-    /// The items of an array of at most `most`, by a quicker way than the general reader's; `None` where there is none, or where the array is
-    /// unusual.
+    /// Reads an array of at most `most` items faster than the general reader. `None` if the type has no faster reader
+    /// or the array is unusual.
     fn read_all(_array: &RawValue, _most: usize) -> Option<Vec<Option<Self>>> {
         None
     }
@@ -113,7 +115,7 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
             }
         });
         if read.is_err() {
-            // The pass above stops at the first item of another type; this one finds all of them.
+            // The pass above stops at the first item of another type; this pass finds all of them.
             cells.values.clear();
             count = 0;
             let read = each(raw, faults, |item: &RawValue| {

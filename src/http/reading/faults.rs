@@ -14,7 +14,7 @@ pub(crate) struct Fault {
     pub(crate) code: FaultCode,
     /// What is wrong and what is expected, for people.
     pub(crate) detail: String,
-    /// Figures in mm that help to correct the request.
+    /// Figures in mm that help the caller to correct the request.
     pub(crate) figures: Vec<(ProblemFigure, f64)>,
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct Faults {
     listed: Vec<Fault>,
     unlisted: usize,
     left_out: usize,
-    /// Ends the reading of arrays when it is set.
+    /// Stops the reading of arrays when it is set.
     cancel: Option<CancelFlag>,
 }
 
@@ -46,30 +46,30 @@ impl Default for Faults {
 }
 
 impl Faults {
-    /// The largest number of faults listed: a request can have one every few bytes. Further faults are counted.
+    /// The largest number of listed faults; further ones are counted. A request can have a fault every few bytes.
     const MOST_LISTED: usize = 1000;
 
-    /// No faults. Beyond `most_listed` they are counted, not listed.
+    /// An empty list. Faults beyond `most_listed` are counted, not listed.
     pub(crate) fn at_most(most_listed: usize) -> Self {
         Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, cancel: None }
     }
 
-    /// No faults of a body that is read until `cancel` is set.
+    /// An empty list for a body whose reading stops when `cancel` is set.
     pub(crate) fn until(cancel: &CancelFlag) -> Self {
         Self { cancel: Some(cancel.clone()), ..Self::default() }
     }
 
-    /// The flag that ends the reading of arrays.
+    /// The flag that stops the reading of arrays.
     pub(super) fn cancel_flag(&self) -> Option<CancelFlag> {
         self.cancel.clone()
     }
 
-    /// Records a fault and returns the proof.
+    /// Records a fault and returns the proof of it.
     pub(crate) fn add(&mut self, path: &JsonPath<'_>, code: impl Into<FaultCode>, detail: impl fmt::Display) -> Faulted {
         if self.listed.len() < self.most_listed {
             return self.push(Fault::new(path, code, detail));
         }
-        // Its text is not needed.
+        // The text of an unlisted fault is not needed.
         self.unlisted += 1;
         Faulted
     }
@@ -84,7 +84,7 @@ impl Faults {
         Faulted
     }
 
-    /// Counts faults that are left out of the list on purpose: the number of all shows it, no entry of the list.
+    /// Counts faults that the caller leaves out of the list. Only the total includes them.
     pub(crate) fn add_left_out(&mut self, count: usize) {
         self.left_out += count;
     }
@@ -105,7 +105,7 @@ impl Faults {
         }
     }
 
-    /// The faults; where some were only counted, the last one has their number.
+    /// The listed faults. If others were only counted, a last entry states their number.
     pub(crate) fn into_listed(mut self) -> Vec<Fault> {
         if self.unlisted > 0 {
             let detail = format!("{} further faults are not listed", self.unlisted);

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// The path to a value, displayed as a JSON pointer (RFC 6901). It is on the reader's stack and formatted only for a fault.
+/// The path to a value, displayed as a JSON pointer (RFC 6901). It is on the stack of the reader and is formatted
+/// only for a fault.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum JsonPath<'p> {
     /// The whole body.
@@ -11,8 +12,9 @@ pub(crate) enum JsonPath<'p> {
     Member(&'p JsonPath<'p>, &'p str),
     /// An item of an array.
     Item(&'p JsonPath<'p>, usize),
-    /// A row of an object of columns. Its members are items of the columns: `slope_deg` of row 17 is at `/slope_deg/17`. The row
-    /// as a whole has no location; its pointer is that of its item in the first column, which is named here.
+    /// A row of an object of columns. Its members are items of the columns: `slope_deg` of row 17 is at
+    /// `/slope_deg/17`. The row as a whole has no pointer of its own; it has that of its item in the first column,
+    /// which is named here.
     Row(&'p JsonPath<'p>, &'static str, usize),
 }
 
@@ -25,7 +27,7 @@ impl JsonPath<'_> {
         JsonPath::Item(self, index)
     }
 
-    /// Writes the pointer up to the innermost column; returns the row's index where it is still to be written.
+    /// Writes the pointer up to the innermost column. Returns the row's index if it is not written yet.
     fn write(&self, f: &mut fmt::Formatter<'_>) -> Result<Option<usize>, fmt::Error> {
         match self {
             JsonPath::Root => Ok(None),
@@ -61,7 +63,7 @@ impl fmt::Display for JsonPath<'_> {
     }
 }
 
-/// The name, cut where it is longer than any known one: an answer must not repeat megabytes of its request.
+/// The name, shortened if it is longer than any known name, because an answer must not repeat megabytes of its request.
 fn shown(name: &str) -> &str {
     const LONGEST: usize = 200;
     name.char_indices().nth(LONGEST).map_or(name, |(end, _)| &name[..end])

@@ -11,10 +11,10 @@ use utoipa::openapi::{RefOr, Schema};
 
 /// A number that becomes a quantity; its bounds come from the quantity's constructor.
 pub(crate) struct Quantity<T> {
-    /// Constructs the quantity from a number in the member's unit. It must refuse NaN with the bounds.
+    /// Constructs the quantity from a number in the member's unit. It must return the bounds as the error for NaN.
     of: fn(f64) -> Result<T, OutOfRange>,
     example: f64,
-    /// The smallest number, where it is under the quantity's own bound.
+    /// The smallest number, if it is below the quantity's own bound.
     minimum: Option<f64>,
     /// A text for the fault of a number out of bounds.
     hint: &'static str,
@@ -165,7 +165,7 @@ impl PlainKind for Pair {
 
 /// One of several words.
 pub(crate) struct Choice<T: 'static> {
-    /// The name of the words' schema in the document, where other members share it.
+    /// The name of the words' schema in the OpenAPI document, if members share it.
     pub(crate) name: Option<&'static str>,
     pub(crate) words: &'static [(&'static str, T)],
 }
@@ -207,7 +207,7 @@ impl<T: Copy> Kind for Choice<T> {
     }
 }
 
-/// The finite number that `raw` is. A number too large for double precision, such as 1e999, is out of range, not infinite.
+/// Reads a finite number. One too large for double precision, such as 1e999, is out of range, not infinite.
 pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let text = raw.get();
     if let Some(token) = not_finite::token(text) {
@@ -222,7 +222,7 @@ pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) ->
     }
 }
 
-/// The text that `raw` is.
+/// Reads a string.
 pub(crate) fn text(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
     serde_json::from_str(raw.get())
         .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected a string, found {}", describe(raw))))

@@ -1,4 +1,4 @@
-//! A kind of member: arrays of values of one kind.
+//! Members that are arrays of values of one kind.
 
 use super::array::items;
 use super::{Components, Faulted, Faults, JsonPath, Kind};

@@ -1,4 +1,4 @@
-//! Named members of requests, and the kinds of values that they take: one description gives the reader and the schema.
+//! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
 use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, PlainColumn};
 use serde::Deserialize;

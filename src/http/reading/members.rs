@@ -1,17 +1,17 @@
-//! Declares the members of an object once: the reader, the schema and the fast path of batches follow from the declaration.
+//! The macro that declares the members of an object. It generates the reader, the schema and the fast path of batches.
 
 use super::{Faults, JsonPath, Object, ObjectSchema, RowText, Rows};
 use serde::de::MapAccess;
 
-/// The members of an object, each as read or with its faults recorded.
+/// The members of an object. Each holds its value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
     /// The names on the wire.
     const NAMES: &'static [&'static str];
 
-    /// Takes the members out of `object`, which may have others.
+    /// Reads the members from `object`, which may have others.
     fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Self;
 
-    /// Takes the members that are present, to record their faults.
+    /// Reads the members that are present, to record their faults.
     fn check(object: &mut Object<'_, '_>, faults: &mut Faults);
 
     /// Adds the members to a schema.
@@ -28,17 +28,17 @@ pub(crate) trait PlainMembers: Members {
     /// A column of values for each member.
     type Columns: Default;
 
-    /// Reads the value of `name` into its slot. False where no member has this name; an error for a value of another type, and for a
-    /// second one.
+    /// Reads the value of `name` into its slot. Returns false if no member has this name, and an error for a value of
+    /// another type or a repeated name.
     fn fill<'de, A: MapAccess<'de>>(slots: &mut Self::Slots, name: &str, map: &mut A) -> Result<bool, A::Error>;
 
     /// Whether no slot is filled.
     fn are_absent(slots: &Self::Slots) -> bool;
 
-    /// The members; `None` where a required one is missing, or a value is refused.
+    /// The members; `None` if a required one is missing or a value is out of bounds.
     fn accept(slots: Self::Slots) -> Option<Self>;
 
-    /// Takes columns of at most `most` rows out of `object`, which may have others.
+    /// Reads columns of at most `most` rows from `object`, which may have other members.
     fn read_columns(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self::Columns;
 
     /// Adds columns of at most `most` rows to a schema; none is required.
@@ -60,8 +60,10 @@ pub(crate) enum Form<A, B> {
     Second(B),
 }
 
-/// Declares members and their struct: `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`,
-/// with `plain struct Name / Slots / Columns` for members of contacts in batches. A member of several structs is declared in one of them.
+/// Declares members and their struct:
+/// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`, with
+/// `plain struct Name / Slots / Columns` for members of contacts in batches. A member that several structs share is
+/// declared in one of them.
 macro_rules! members {
     ($(#[$doc:meta])* $vis:vis struct $name:ident {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )*

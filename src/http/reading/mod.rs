@@ -1,5 +1,5 @@
-//! Reads the JSON of requests and collects all faults with their locations. The same declarations give the schemas of the OpenAPI
-//! document.
+//! Reads the JSON of requests and collects all faults with their locations. The same declarations give the schemas of
+//! the OpenAPI document.
 
 mod array;
 mod columns;

@@ -1,6 +1,6 @@
-//! NaN and Infinity in requests, as Python and others write them. They are not JSON; a body that cannot be parsed is scanned for
-//! them, and each is replaced by a string that the readers of numbers recognize, so that its fault has a location and concerns
-//! one contact only.
+//! NaN and Infinity in requests. They are not JSON, but Python and others write them. A body that cannot be parsed is
+//! scanned for them, and each is replaced by a string that the readers of numbers recognize, so that the fault has a
+//! location and affects one contact only.
 
 use crate::cancellation::CancelFlag;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
@@ -18,7 +18,7 @@ pub(crate) fn mark(token: &str) -> Option<&'static str> {
     MARKS.iter().find(|(known, _)| *known == token).map(|(_, mark)| *mark)
 }
 
-/// A text whose tokens are replaced, with the memory that it holds.
+/// A body with its tokens replaced, and its memory reservation.
 pub(crate) struct Marked {
     text: Vec<u8>,
     _memory: Reservation,
@@ -30,7 +30,8 @@ impl Marked {
     }
 }
 
-/// `json` with its tokens outside strings replaced; `None` where there are none. A cancelled scan ends early, and its result is discarded.
+/// Replaces the tokens outside strings; `None` if there are none. A cancelled scan ends early, and its result is
+/// discarded.
 pub(crate) fn mark_not_finite(json: &[u8], budget: &MemoryBudget, cancel: &CancelFlag) -> Result<Option<Marked>, BudgetExceeded> {
     let growth: usize = Tokens::new(json, cancel).map(|(_, token, mark)| mark.len() - token.len()).sum();
     if growth == 0 {
@@ -48,7 +49,8 @@ pub(crate) fn mark_not_finite(json: &[u8], budget: &MemoryBudget, cancel: &Cance
     Ok(Some(Marked { text, _memory: memory }))
 }
 
-/// The tokens outside strings, each with its place and its mark, until the scan is cancelled.
+/// An iterator over the tokens outside strings, each with its position and its mark. It ends when the scan is
+/// cancelled.
 struct Tokens<'a> {
     json: &'a [u8],
     cancel: &'a CancelFlag,
@@ -58,7 +60,7 @@ struct Tokens<'a> {
 }
 
 impl<'a> Tokens<'a> {
-    /// Bytes between two checks of the flag: some tenths of a millisecond.
+    /// The number of bytes between two checks of the flag, which take some tenths of a millisecond.
     const TURN: usize = 1 << 18;
 
     fn new(json: &'a [u8], cancel: &'a CancelFlag) -> Self {

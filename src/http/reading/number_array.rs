@@ -1,13 +1,14 @@
-//! Reads arrays of numbers and nulls, in JSON that has been checked already, on all cores straight into numbers.
+//! The fast reader of arrays of numbers and nulls, on all cores, for JSON whose syntax has been checked.
 
 use memchr::{memchr, memchr_iter};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
-/// The bytes that one core reads at once: some thousand numbers.
+/// The number of bytes that one thread reads at a time: some thousand numbers.
 const BLOCK: usize = 32 * 1024;
 
-/// The items of the array `json`, null as `None`. `None` where there are more than `most`, an item is anything else, or a number is beyond
-/// double precision: then another reader finds the faults. `json` must be the text of a JSON value.
+/// The items of the array `json`, null as `None`. `None` if there are more than `most`, an item is of another type, or
+/// a number is beyond double precision; the general reader then finds the faults. `json` must be the text of a JSON
+/// value.
 pub(super) fn read_numbers(json: &str, most: usize) -> Option<Vec<Option<f64>>> {
     let items = json.trim_ascii().strip_prefix('[')?.strip_suffix(']')?;
     if items.trim_ascii().is_empty() {
@@ -45,7 +46,7 @@ fn blocks(items: &str) -> Vec<&str> {
     blocks
 }
 
-/// An item that is neither null nor a number within doubles.
+/// An item that is neither null nor a finite double.
 struct Unusual;
 
 fn read_block(block: &str, place: &mut [Option<f64>]) -> Result<(), Unusual> {
@@ -57,7 +58,7 @@ fn read_block(block: &str, place: &mut [Option<f64>]) -> Result<(), Unusual> {
 
 fn read_item(item: &str) -> Result<Option<f64>, Unusual> {
     match item.as_bytes().first() {
-        // The text is JSON: what begins like a number is one.
+        // The text is valid JSON, so the first byte identifies a number.
         Some(b'-' | b'0'..=b'9') => item.parse().ok().filter(|value: &f64| value.is_finite()).map(Some).ok_or(Unusual),
         Some(b'n') => Ok(None),
         _ => Err(Unusual),
@@ -69,7 +70,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// By the general reader.
+    /// The result of the general reader.
     fn expected(json: &str) -> Option<Vec<Option<f64>>> {
         serde_json::from_str(json).ok()
     }
@@ -103,7 +104,7 @@ mod tests {
     }
 
     proptest! {
-        /// Blocks end anywhere between items, and every number is the same double as with the general reader.
+        /// Blocks may end between any two items; every number must be the same double as with the general reader.
         #[test]
         fn long_arrays_are_read_as_by_the_general_reader(
             values in proptest::collection::vec(proptest::option::of(proptest::num::f64::NORMAL | proptest::num::f64::ZERO), 1..6000),

@@ -1,4 +1,4 @@
-//! Reads a JSON object member by member and records all its faults.
+//! The reader of JSON objects, which takes member by member and records all faults.
 
 use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members, PlainColumn, not_finite};
 use crate::http::codes::RequestFault;
@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use std::borrow::Cow;
 use std::fmt;
 
-/// A JSON object whose members are taken one by one. Those that are left at the end are unknown.
+/// A JSON object whose members are taken one by one. The members left at the end are unknown fields.
 pub(crate) struct Object<'a, 'p> {
     path: JsonPath<'p>,
     members: Vec<(Cow<'a, str>, &'a RawValue)>,
@@ -27,7 +27,7 @@ impl<'a, 'p> Object<'a, 'p> {
         }
     }
 
-    /// Opens a whole body as an object; the outer error is that it is not JSON.
+    /// Opens a whole body as an object. The outer error means that the body is not JSON.
     pub(crate) fn open_body(json: &'a [u8], faults: &mut Faults) -> Result<Result<Self, Faulted>, serde_json::Error> {
         // Reading the members checks the syntax of the whole body; a second pass is needed only where that fails.
         match serde_json::from_slice::<RawMembers<'a>>(json) {
@@ -50,7 +50,7 @@ impl<'a, 'p> Object<'a, 'p> {
         self.members.iter().any(|(key, _)| key == name)
     }
 
-    /// Takes the member `name` as it stands. A second one of the same name is a fault.
+    /// Takes the member `name` unparsed. A repeated name is a fault.
     pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<&'a RawValue> {
         self.known.push(name);
         let found = self.members.iter().position(|(key, _)| key == name).map(|index| self.members.remove(index).1);
@@ -87,7 +87,8 @@ impl<'a, 'p> Object<'a, 'p> {
         C::read(raw, most, self.path.member(name), faults).ok()
     }
 
-    /// Takes the members of one of two forms of an object. `forms` names the members of both, for the fault that none or both are there.
+    /// Reads the members of one of two forms of an object. `forms` is the text of the fault if none or both are
+    /// present.
     pub(crate) fn one_of<A: Members, B: Members>(&mut self, forms: &str, faults: &mut Faults) -> Result<Form<A, B>, Faulted> {
         let [first, second] = [A::NAMES, B::NAMES].map(|names| names.iter().any(|name| self.has(name)));
         match (first, second) {
@@ -107,7 +108,7 @@ impl<'a, 'p> Object<'a, 'p> {
     pub(crate) fn close(self, faults: &mut Faults) -> Result<(), Faulted> {
         let mut result = Ok(());
         if self.unkept > 0 {
-            let detail = format!("the object has {} fields more than the {} that are looked at", self.unkept, RawMembers::MOST);
+            let detail = format!("the object has {} fields more than the {} that are read", self.unkept, RawMembers::MOST);
             result = Err(faults.add(&self.path, RequestFault::TooManyFields, detail));
         }
         let known = if self.members.is_empty() { String::new() } else { self.known.join(", ") };
@@ -147,7 +148,7 @@ struct RawMembers<'a> {
 }
 
 impl RawMembers<'_> {
-    /// The largest number of members kept, more than ten times those of any object. Further ones are counted, so that a hostile
+    /// The largest number of members kept, more than ten times those of any object. Further ones are counted, so that a
     /// body takes no more memory than its length.
     const MOST: usize = 256;
 }

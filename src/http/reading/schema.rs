@@ -1,4 +1,4 @@
-//! Schemas of request objects, built from the members that the readers take, and the named schemas to which they refer.
+//! Schemas of request objects, built from the declarations of their members, and the named schemas to which they refer.
 
 use super::{Kind, Member, Members, PlainKind};
 use utoipa::ToSchema;
@@ -10,7 +10,7 @@ use utoipa::openapi::{RefOr, Schema};
 pub(crate) struct Components(Vec<(String, RefOr<Schema>)>);
 
 impl Components {
-    /// A reference to the schema `name`, which `build` describes; `about` describes the place of use.
+    /// A reference to the schema `name`, which `build` builds. `about` is the description where it is used.
     pub(crate) fn refer(&mut self, name: &str, about: &str, build: impl FnOnce(&mut Self) -> RefOr<Schema>) -> RefOr<Schema> {
         if !self.0.iter().any(|(known, _)| known == name) {
             let schema = build(self);
@@ -36,7 +36,7 @@ impl Components {
 /// Adds members to a schema.
 pub(crate) type AddMembers = fn(ObjectSchema<'_>) -> ObjectSchema<'_>;
 
-/// The schema of an object that takes its members and no others.
+/// The schema of an object that allows no members but its own.
 pub(crate) struct ObjectSchema<'c> {
     builder: ObjectBuilder,
     components: &'c mut Components,

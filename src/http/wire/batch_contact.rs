@@ -1,4 +1,4 @@
-//! A contact of a batch, with the parameters that it states itself. A contact without faults is read in one pass, straight into numbers;
+//! A contact of a batch, with its own parameters. A contact without faults is read in one pass straight into numbers;
 //! any other is read again by the reader that collects faults.
 
 use super::contact::{self, AngleMembers, AngleSlots, StatedContact, VectorMembers, VectorSlots};
@@ -31,7 +31,7 @@ impl BatchContact {
         }
     }
 
-    /// Its own parameters and, where it has none, `defaults`.
+    /// The contact with its own parameters, and `defaults` for those that it does not state.
     pub(super) fn with_defaults(
         self,
         stated: StatedParameters,
@@ -55,17 +55,17 @@ impl BatchContact {
         let (contact, parameters) = Self::read_with_faults(raw, stated, path, faults)?;
         let parameters = parameters.or(defaults);
         parameters.step_over(stated, &path, faults)?;
-        // The faults of defaults are recorded with the request; they concern a contact where it uses them.
+        // The faults of the defaults are recorded with the request. A contact fails by them only if it uses them.
         if faults.is_empty() { Ok(Self { contact: contact?, parameters }) } else { Err(Faulted) }
     }
 
-    /// The contact, if it can be read in one pass.
+    /// The contact, or `None` if it cannot be read in one pass.
     fn read_plain(raw: &RawValue, stated: StatedParameters) -> Option<Self> {
         let slots = Slots::default().deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
         Self::accept(&slots, stated)
     }
 
-    /// The contact whose values were read; `None` where there is any fault.
+    /// The contact from its values; `None` if there is a fault.
     pub(super) fn accept(slots: &Slots, stated: StatedParameters) -> Option<Self> {
         let contact = contact::accept(slots.angles, slots.vectors)?;
         Some(Self { contact, parameters: ContactParameters::accept(slots.parameters, stated)? })
@@ -143,7 +143,7 @@ mod tests {
     const ALL: StatedParameters = StatedParameters { step_over: true, feed_per_tooth: true };
     const NONE: StatedParameters = StatedParameters { step_over: false, feed_per_tooth: false };
 
-    /// A contact as read by both readers: in one pass, and with faults; `None` where there are any.
+    /// The results of the two readers, in one pass and with faults; `None` if there are faults.
     fn both(text: &str, stated: StatedParameters) -> [Option<String>; 2] {
         let raw: &RawValue = serde_json::from_str(text).unwrap();
         let mut faults = Faults::default();

@@ -1,4 +1,5 @@
-//! The cutters to choose from, each with its drive where stated: teeth, spindle speed and the limit on the feed per tooth.
+//! The cutters to choose from, each with its drive where stated: teeth, spindle speed and the limit on the feed per
+//! tooth.
 
 use super::cutter::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
@@ -18,11 +19,11 @@ pub(crate) const MOST_CUTTERS: usize = 200;
 /// The member `cutters` of a recommendation.
 pub(crate) const CUTTERS: Member<List<CandidateKind>> = Member {
     name: "cutters",
-    about: "the cutters to choose from, any mix of kinds; answers name each by its position",
+    about: "the cutters to choose from, in any mix of kinds; answers refer to each by its position",
     kind: List { item: CandidateKind, about_item: "", fewest: 1, most: MOST_CUTTERS },
 };
 
-/// A cutter to choose from, with the name that answers repeat.
+/// A cutter to choose from, with its name if it has one.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NamedCandidate {
     pub(crate) name: Option<String>,
@@ -31,7 +32,7 @@ pub(crate) struct NamedCandidate {
 
 impl From<LibraryTool> for NamedCandidate {
     fn from(tool: LibraryTool) -> Self {
-        // A library's speeds are within the bounds of a spindle speed, except those under 0.001 rpm.
+        // Spindle speeds of libraries are within the bounds, except those under 0.001 rpm.
         let spindle_speed = tool.spindle_speed_rpm.and_then(|rpm| SpindleSpeed::from_rpm(rpm).ok());
         let drive = drive(tool.teeth, spindle_speed, tool.max_feed_per_tooth);
         let candidate = CandidateCutter { drive, flute_length: tool.flute_length, ..CandidateCutter::new(tool.cutter) };
@@ -45,7 +46,7 @@ fn drive(teeth: Option<u32>, spindle_speed: Option<SpindleSpeed>, max_feed_per_t
 }
 
 members! {
-    /// What a candidate may state in addition to its geometry.
+    /// The optional members of a candidate beside its geometry.
     struct CandidateMembers {
         name: optional NAME: Name = ("name", Name, "a name for the cutter, which the answer repeats"),
         teeth: optional TEETH: Whole,

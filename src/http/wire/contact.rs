@@ -1,4 +1,4 @@
-//! The contact between cutter and surface: by angles, or by vectors.
+//! The contact between cutter and surface, by angles or by vectors.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
@@ -26,13 +26,13 @@ members! {
         normal: required NORMAL: Vector = ("normal", Vector { example: [-0.64, 0.0, 0.77] },
             "the surface's normal, out of the part, of any length but zero; at most 90 deg from the tool axis"),
         feed: required FEED: Vector = ("feed", Vector { example: [1.0, 0.0, 0.84] },
-            "the feed's direction, of any length but zero; only its component in the tangent plane counts"),
+            "the feed's direction, of any length but zero; only its component in the tangent plane is used"),
         tool_axis: optional TOOL_AXIS: Vector = ("tool_axis", Vector { example: [0.1, 0.0, 0.99] },
             "the tool axis from the tip to the spindle, of any length but zero; absent = +Z; the slope and the view from above refer to it"),
     }
 }
 
-/// A slope within the bounds that contacts have.
+/// A slope within the bounds of the domain type.
 fn slope(degrees: f64) -> Result<f64, OutOfRange> {
     static BOUNDS: LazyLock<OutOfRange> = LazyLock::new(|| match Contact::from_degrees(f64::NAN, 0.0) {
         Err(ContactError::Slope(bounds)) => bounds,
@@ -88,7 +88,7 @@ impl Kind for ContactKind {
     }
 }
 
-/// Takes the members of a contact out of `object`, which may have others.
+/// Reads the members of a contact from `object`, which may have others.
 pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
     let form = object.one_of::<AngleMembers, VectorMembers>("give slope_deg and feed_angle_deg, or normal and feed", faults)?;
     let contact = match form {
@@ -107,7 +107,7 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
     })
 }
 
-/// The contact whose values were read in one pass; `None` where there is any fault.
+/// The contact from values read in one pass; `None` if there is a fault.
 pub(super) fn accept(angles: AngleSlots, vectors: VectorSlots) -> Option<StatedContact> {
     let contact = match (AngleMembers::are_absent(&angles), VectorMembers::are_absent(&vectors)) {
         (false, true) => AngleMembers::accept(angles)?.contact(),
@@ -117,7 +117,7 @@ pub(super) fn accept(angles: AngleSlots, vectors: VectorSlots) -> Option<StatedC
     contact.ok()?.ok()
 }
 
-/// The two forms, each with what else an object of this form may hold.
+/// The schemas of the two forms, each with the members that `with` adds.
 pub(super) fn forms(
     names: [&str; 2],
     about: &str,

@@ -8,7 +8,7 @@ use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, Object
 use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
-/// Columns of contacts and of the parameters that they state themselves, all of one length. null is the default.
+/// Columns of contacts and of their own parameters, all of one length. null stands for the default.
 #[derive(Debug)]
 pub(crate) struct ContactColumns {
     angles: AngleColumns,
@@ -75,7 +75,7 @@ impl ContactColumns {
         })
     }
 
-    /// The row as a contact of an array, for the reader that collects faults.
+    /// The row as the JSON of a contact, for the reader that collects faults.
     fn text(&self, index: usize) -> Box<RawValue> {
         let mut text = RowText::default();
         AngleMembers::write_row(&self.angles, index, &mut text);
@@ -94,8 +94,7 @@ pub(crate) fn contact_columns_schema(stated: StatedParameters, most: usize, comp
         (false, false) => "ContactColumnsWithCurvature",
     };
     components.refer(name, "", |components| {
-        let about =
-            "Contacts as columns of one length, by angles or by vectors; null is the default that the request stated beside the contacts";
+        let about = "Contacts as columns of one length, by angles or by vectors; null stands for the request's value beside the contacts";
         let schema = VectorMembers::describe_columns(AngleMembers::describe_columns(ObjectSchema::new(about, components), most), most);
         ParameterColumns::describe(schema, stated, most).build()
     })

@@ -1,4 +1,4 @@
-//! The surface's curvature at a contact: a radius across the feed, or the curvature in every direction in one of two forms.
+//! The curvature of the surface at a contact: a radius across the feed, or the full curvature in one of two forms.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
@@ -21,7 +21,7 @@ const fn per_mm(example: f64) -> Quantity<f64> {
 }
 
 members! {
-    /// The members of a curvature, of which one at most is given.
+    /// The members for the curvature, of which at most one may be given.
     pub(super) plain struct CurvatureMembers / CurvatureSlots / CurvatureColumns {
         radius: optional SURFACE_RADIUS: Quantity<SurfaceCurvature> = ("surface_radius_mm", RADIUS,
             "the surface's radius of curvature across the feed, along which it is straight: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude; or give surface_curvature"),
@@ -66,7 +66,7 @@ impl CurvatureMembers {
         })
     }
 
-    /// The curvature, if one is given; `None` where both are.
+    /// The curvature, if one is given; `None` if both members are.
     pub(super) fn stated(&self) -> Option<Result<Option<StatedCurvature>, Faulted>> {
         let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
         match (self.radius, self.curvature) {

@@ -1,4 +1,4 @@
-//! Cutters: toroidal, ball-end and flat-end.
+//! Toroidal, ball-end and flat-end cutters, discriminated by `type`.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
@@ -11,7 +11,7 @@ use serde_json::value::RawValue;
 use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Type as SchemaKind};
 use utoipa::openapi::{RefOr, Schema};
 
-/// A cutter as a request states it.
+/// A cutter of a request, with its number of teeth.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StatedCutter {
     pub(crate) cutter: Cutter,
@@ -62,7 +62,7 @@ members! {
     }
 }
 members! {
-    /// What a cutter of any kind may state.
+    /// The optional members of cutters of all kinds.
     pub(crate) struct AnyMembers {
         teeth: optional TEETH: Whole = ("teeth", Whole { minimum: 1, maximum: 100, example: 4 },
             "number of teeth z (ISO 13399: ZEFP); required for feed rates"),
@@ -96,14 +96,14 @@ impl Kind for AnyCutter {
     }
 }
 
-/// Takes type and dimensions of a cutter out of `object`, which may have further members.
+/// Reads type and dimensions of a cutter from `object`, which may have further members.
 pub(super) fn read_geometry(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
     let path = object.path();
     match object.required(&TYPE, faults) {
         Ok(Type::Toroidal) => ToroidalDimensions::read(object, faults).cutter(&path, faults),
         Ok(Type::BallEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::ball_end),
         Ok(Type::FlatEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::flat_end),
-        // Without a type a corner radius may or may not belong there, so it is neither missing nor unknown.
+        // Without a type, a corner radius is neither missing nor unknown.
         Err(faulted) => {
             let _ = DiameterOnly::read(object, faults);
             object.optional(&CORNER_RADIUS, faults).and(Err(faulted))
@@ -111,8 +111,8 @@ pub(super) fn read_geometry(object: &mut Object<'_, '_>, faults: &mut Faults) ->
     }
 }
 
-/// The schema of an object with a cutter's type and dimensions and the members that `further` adds. `names` has the name of the
-/// union, then those of its three kinds.
+/// The schema of an object with a cutter's type and dimensions and the members that `further` adds. `names` has the
+/// name of the union, then those of its three kinds.
 pub(super) fn kinds_schema(
     names: [&'static str; 4],
     of_union: &str,

@@ -11,7 +11,7 @@ members! {
     }
 }
 
-/// A stated feed per tooth. 0 means no tooth marks, even where the default is another.
+/// A stated feed per tooth. 0 means no tooth marks and overrides the default.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Feed {
     NoMarks,
@@ -23,7 +23,7 @@ impl Feed {
         if feed == 0.0 { Ok(Self::NoMarks) } else { Length::from_mm(feed).map(Self::PerTooth) }
     }
 
-    /// The feed per tooth, `None` where there are no marks.
+    /// The feed per tooth; `None` without tooth marks.
     pub(super) fn per_tooth(self) -> Option<Length> {
         match self {
             Self::PerTooth(length) => Some(length),

@@ -1,5 +1,5 @@
-//! The figures of the calculations' answers. A row of a table names, describes and fetches a figure; single answers, columns of batches
-//! and their schemas follow from it.
+//! The figures of the calculations' answers. A table has a row for each, with name, description and getter; single
+//! answers, columns of batches and their schemas are built from it.
 
 use super::summary::Check;
 use crate::http::reading::Components;
@@ -18,10 +18,10 @@ pub(crate) struct Figures {
     pub(crate) height: ScallopHeight,
     /// Along the surface.
     pub(crate) step_over: Length,
-    /// `None` where there are no marks.
+    /// `None` without tooth marks.
     pub(crate) feed_per_tooth: Option<Length>,
     pub(crate) feed_rate_mm_min: Option<f64>,
-    /// The word for what limits the feed.
+    /// The word for the limit of the feed.
     pub(crate) limited_by: Option<&'static str>,
     /// The words for the limits that bind, followed by `None`.
     pub(crate) binding_limits: [Option<&'static str>; MOST_WORDS],
@@ -33,7 +33,7 @@ pub(crate) struct Figures {
 }
 
 impl Figures {
-    /// At a step-over and a feed per tooth that are given or found.
+    /// The figures at a step-over and a feed per tooth, given or found.
     pub(crate) fn at(pass: &EvaluatedPass, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Self, NoAnswer> {
         Ok(Self {
             height: pass.scallop_height(step_over, feed_per_tooth)?,
@@ -54,7 +54,7 @@ impl Figures {
 pub(crate) struct Figure {
     /// The name on the wire, with its unit.
     pub(crate) name: &'static str,
-    /// What it is.
+    /// The description for the OpenAPI document.
     about: &'static str,
     kind: FigureKind,
     presence: Presence,
@@ -62,7 +62,7 @@ pub(crate) struct Figure {
     pub(crate) get: fn(&Figures) -> Option<FigureValue>,
 }
 
-/// What values a figure has.
+/// The type of a figure's values.
 enum FigureKind {
     /// Numbers of at least 0.
     Number,
@@ -76,16 +76,18 @@ enum FigureKind {
     Words(fn(&str, &mut Components) -> RefOr<Schema>),
 }
 
-/// How a single answer shows a figure without a value. A batch has null in its column, as for a contact without an answer.
+/// How a single answer shows a figure without a value. A batch has null in its column, as for a contact without an
+/// answer.
 #[derive(Debug, Clone, Copy)]
 enum Presence {
-    /// It always has one.
+    /// It always has a value.
     Always,
-    /// A single answer has null. The text states the condition.
+    /// A single answer has null. The text states when.
     Null(&'static str),
-    /// It is absent from a single answer. The text states the condition.
+    /// It is absent from a single answer. The text states when.
     Absent(&'static str),
-    /// It is absent from a single answer, and its column from a batch's in which it never has a value. The text states where it has one.
+    /// It is absent from a single answer, and its column from a batch's answer if no row has a value. The text states
+    /// when it has one.
     Only(&'static str),
 }
 
@@ -98,10 +100,10 @@ pub(crate) enum FigureValue {
 }
 
 impl FigureValue {
-    /// The same, a number rounded to so many significant digits.
+    /// The same value, a number rounded to `significant_digits`.
     pub(crate) fn rounded(self, significant_digits: Option<u32>) -> Self {
         match (self, significant_digits) {
-            // A double has 17 digits at the most.
+            // A double has at most 17 digits.
             (Self::Number(number), Some(digits)) if digits < 17 => {
                 let text = format!("{number:.*e}", digits.saturating_sub(1) as usize);
                 Self::Number(text.parse().unwrap_or_else(|_| unreachable!("a number that was written can be read")))
@@ -127,11 +129,13 @@ fn mm(length: Length) -> FigureValue {
 
 /// The figures in the answers of all calculations.
 pub(crate) const COMMON_FIGURES: &[Figure] = &[
-    Figure::number("scallop_height_mm", "h, the whole scallop height", |figures| Some(mm(figures.height.total()))),
+    Figure::number("scallop_height_mm", "h, the scallop height", |figures| Some(mm(figures.height.total()))),
     Figure::number("step_over_height_mm", "h1, the height that the step-over alone leaves", |figures| Some(mm(figures.height.step_over))),
     Figure::number("feed_height_mm", "the height that the tooth marks along the feed add", |figures| Some(mm(figures.height.feed))),
-    Figure::share("feed_share", "the feed's share in the whole height", |figures| figures.height.feed_share().map(FigureValue::Number))
-        .or_absent("where there is no height"),
+    Figure::share("feed_share", "the share of the feed height in the scallop height", |figures| {
+        figures.height.feed_share().map(FigureValue::Number)
+    })
+    .or_absent("where the height is 0"),
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
         figures.effective_radius.map(mm)
     })
@@ -194,22 +198,22 @@ impl Figure {
         Self { kind: FigureKind::Words(words), ..Self::number(name, about, get) }
     }
 
-    /// The same where a single answer may have null.
+    /// The same figure, which may be null in a single answer.
     const fn or_null(self, place: &'static str) -> Self {
         Self { presence: Presence::Null(place), ..self }
     }
 
-    /// The same where it may be absent from a single answer.
+    /// The same figure, which may be absent from a single answer.
     const fn or_absent(self, place: &'static str) -> Self {
         Self { presence: Presence::Absent(place), ..self }
     }
 
-    /// The same where the column may be absent, too.
+    /// The same figure, which may be absent from a single answer and whose column may be absent.
     pub(crate) const fn only(self, place: &'static str) -> Self {
         Self { presence: Presence::Only(place), ..self }
     }
 
-    /// Whether a single answer always has the figure, be it null.
+    /// Whether a single answer always has the figure, as a value or null.
     pub(crate) fn is_required(&self) -> bool {
         matches!(self.presence, Presence::Always | Presence::Null(_))
     }

@@ -1,5 +1,5 @@
-//! Machines: a preset's name, the three limits, or a preset with some of them overridden; with optional rapid rate, spindle speed
-//! and clearance.
+//! The machine: a preset's name, the three limits, or a preset with some limits overridden; rapid rate, spindle speed
+//! and clearance are optional.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, WireObject, members, text};
@@ -61,7 +61,7 @@ impl WireObject for Machine {
     }
 }
 
-/// One limit: as stated, else the preset's. Where the preset is faulty, a missing limit is not a further fault.
+/// One limit: the stated one, else the preset's. If the preset has a fault, a missing limit is not a further fault.
 fn limit<T>(
     member: &Member<Quantity<T>>,
     stated: Result<Option<T>, Faulted>,

@@ -1,5 +1,6 @@
-//! The objects of requests and answers, one file for each. A request's object declares its members once; its reader, its schema and the
-//! fast path of batches follow. A figure of an answer has its name, description and value in one row of a table.
+//! The JSON objects of requests and answers, one file for each. An object of a request declares its members once; its
+//! reader, its schema and the fast path of batches are generated. A figure of an answer has one row of a table with
+//! name, description and getter.
 
 mod batch_contact;
 mod candidate;

@@ -9,8 +9,8 @@ use crate::http::codes::NoAnswerCode;
 use crate::http::reading::{Fault, JsonPath};
 use crate::milling::NoAnswer;
 
-/// The fault for `cause` in the request at `path`. It points to the member by which contact or parameters were stated; `step_over` is the
-/// member that bounds the step-over.
+/// The fault for `cause` in the request at `path`. It points to the member by which contact or parameters were stated;
+/// `step_over` is the member that bounds the step-over.
 pub(crate) fn no_answer(
     cause: NoAnswer,
     path: &JsonPath<'_>,

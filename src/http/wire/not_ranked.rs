@@ -4,7 +4,7 @@ use crate::http::codes::NotRankedCode;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// A cutter that is not ranked, and why.
+/// A cutter that is not ranked, and the reason.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[schema(as = NotRankedCutter)]
 pub(crate) struct NotRanked {

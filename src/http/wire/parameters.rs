@@ -1,4 +1,4 @@
-//! The parameters of the calculations: those that hold for a whole request, and those that may differ from contact to contact.
+//! The parameters of the calculations: those of the whole request, and those that each contact may override.
 
 use super::curvature::{CurvatureColumns, CurvatureMembers, CurvatureSlots, SURFACE_RADIUS, StatedCurvature};
 use super::cutter::{AnyCutter, CUTTER, StatedCutter};
@@ -18,7 +18,7 @@ pub(crate) const TOLERANCE: Member<Quantity<Length>> =
     Member { name: "scallop_tolerance_mm", about: "the scallop height that must not be exceeded", kind: Quantity::length(0.015) };
 
 members! {
-    /// The members that hold for all contacts of a request.
+    /// The members that apply to all contacts of a request.
     pub(crate) struct SharedMembers {
         cutter: required CUTTER: AnyCutter,
         runout: optional RUNOUT: RunoutObject,
@@ -26,7 +26,7 @@ members! {
     }
 }
 
-/// The parameters that hold for all contacts of a request.
+/// The parameters that apply to all contacts of a request.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SharedParameters {
     pub(crate) tool: StatedCutter,
@@ -61,7 +61,7 @@ pub(crate) struct ContactParameters {
 }
 
 impl ContactParameters {
-    /// Takes out of `object` the parameters that `stated` allows, all of them optional.
+    /// Reads from `object` the parameters that `stated` allows, all of them optional.
     pub(crate) fn read(object: &mut Object<'_, '_>, stated: StatedParameters, faults: &mut Faults) -> Self {
         let path = object.path();
         let step_over = if stated.step_over { StepOverMembers::read(object, faults).build(&path, faults) } else { Ok(None) };
@@ -75,7 +75,7 @@ impl ContactParameters {
         schema.with::<CurvatureMembers>()
     }
 
-    /// The parameters whose values were read in one pass; `None` where there is any fault.
+    /// The parameters from values read in one pass; `None` if there is a fault.
     pub(super) fn accept(slots: ParameterSlots, stated: StatedParameters) -> Option<Self> {
         let ParameterSlots { step_over, feed, curvature } = slots;
         let unknown =
@@ -93,7 +93,7 @@ impl ContactParameters {
         Some(Self { step_over: Ok(step_over), feed_per_tooth, curvature: CurvatureMembers::accept(curvature)?.stated()? })
     }
 
-    /// These parameters, and `others` where these are absent.
+    /// These parameters, with those of `others` in place of absent ones.
     pub(crate) fn or(self, others: &Self) -> Self {
         Self {
             step_over: self.step_over.and_then(|own| own.map_or(others.step_over, |s| Ok(Some(s)))),
@@ -161,7 +161,7 @@ pub(super) struct ParameterColumns {
 }
 
 impl ParameterColumns {
-    /// Takes out of `object` the columns of the parameters that `stated` allows.
+    /// Reads from `object` the columns of the parameters that `stated` allows.
     pub(super) fn read(object: &mut Object<'_, '_>, stated: StatedParameters, most: usize, faults: &mut Faults) -> Self {
         Self {
             step_over: if stated.step_over { StepOverMembers::read_columns(object, most, faults) } else { StepOverColumns::default() },

@@ -1,4 +1,5 @@
-//! Arrays of points in a JSON body, passed on point by point: a body of a million points is never held as a JSON tree.
+//! Arrays of points in a JSON body, read point by point, so that a body of a million points is never held as a JSON
+//! tree.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each, each_raw, number};
@@ -7,7 +8,7 @@ use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// Passes every point of the array `raw` to `take`, in order. Before a fault is found, `take` may have been called.
+/// Passes every point of the array `raw` to `take` in order. `take` may have been called before a fault is found.
 pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
     let mut in_bounds = true;
     let read = each(raw, faults, |point: [f64; 3]| {
@@ -17,7 +18,8 @@ pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults
     if read.is_ok() && in_bounds {
         return Ok(());
     }
-    // The pass above stops at the first fault without its location. This one reads each item twice and finds all faults.
+    // The pass above stops at the first fault without its location. This pass reads each item twice and finds all
+    // faults.
     let mut result = Ok(());
     let mut index = 0;
     each_raw(raw, path, faults, |item, faults| {
@@ -60,7 +62,7 @@ fn is_in_bounds(point: [f64; 3]) -> bool {
     point.iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE)
 }
 
-/// An array of points that is checked and not kept: for its faults and its schema.
+/// An array of points that is only checked, for its faults and its schema.
 pub(crate) struct Points;
 
 impl Kind for Points {
@@ -97,17 +99,17 @@ mod tests {
     }
 
     #[test]
-    fn points_come_in_order_and_as_written() {
+    fn points_keep_their_order_and_their_exact_values() {
         let (points, faults) = read("[[1, 2.5, -3e2], [0.1, 1e12, -0]]");
         assert_eq!((points, faults.len()), (vec![[1.0, 2.5, -300.0], [0.1, 1e12, -0.0]], 0));
         assert_eq!(read("[]").0.len(), 0);
-        // Coordinates far from the origin keep every bit: text of 17 digits names one double only.
+        // Coordinates far from the origin keep every bit: 17 digits identify a double.
         let far = [5_000_000_123.456_789_f64, 5_000_000_060.3, -5_000_000_000.1];
         assert_eq!(read(&format!("[[{}, {}, {}]]", far[0], far[1], far[2])).0, [far]);
     }
 
     #[test]
-    fn every_fault_has_its_place() {
+    fn every_fault_has_its_pointer() {
         let faults = read(r#"[[1, 2, 3], [1, 2], [1, "2", null], 7, [1e999, 0, 2e12], [1, 2, 3, 4]]"#).1;
         let expected = [
             ("/points/1", "wrong-type"),

@@ -1,4 +1,4 @@
-//! Runout: how far the teeth deviate from their common circle.
+//! The runout of the cutter: the deviation of its teeth from their common circle.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity, WireObject, members};
@@ -23,7 +23,7 @@ pub(crate) struct RunoutObject;
 
 impl WireObject for RunoutObject {
     const NAME: &'static str = "Runout";
-    const ABOUT: &'static str = "How far the teeth deviate from the circle on which they should cut";
+    const ABOUT: &'static str = "The deviation of the teeth from their common circle";
     type Members = RunoutMembers;
     type Value = Runout;
 

@@ -13,7 +13,7 @@ use utoipa::openapi::{RefOr, Schema};
 /// The member `select` of a recommendation.
 pub(crate) const SELECT: Member<SelectKind> = Member {
     name: "select",
-    about: "which facets are machined: those that meet all stated conditions; the other facets still hide those below them and must not be gouged",
+    about: "which facets are machined: those that meet all stated conditions; the cutter must not gouge the other facets, which still hide those below them",
     kind: SelectKind,
 };
 
@@ -49,7 +49,7 @@ impl WireObject for SelectKind {
     fn build(members: SelectionMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Selection, Faulted> {
         let SelectionMembers { slopes, bounds, pieces } = members;
         let (mut selection, mut refused) = (Selection::all(), Ok(()));
-        // Each condition is checked, whatever is wrong with the others.
+        // Each condition is checked, even if another has a fault.
         let mut narrow =
             |name, narrowed: Result<Option<Result<Selection, SelectionError>>, Faulted>, selection: &mut Selection| match narrowed {
                 Ok(None) => {}

@@ -1,4 +1,4 @@
-//! A received surface with its format, its unit, and the warnings about how it was read.
+//! A received surface with its format, its unit, and the warnings of its reader.
 
 use super::Warning;
 use super::unit::unit_name;
@@ -61,7 +61,7 @@ impl From<Format> for Source {
 /// The most facets of a surface that are held; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
 
-/// A surface while it is received: the sums for its shape, and its facets.
+/// A surface that is being received: the sums for its shape, and its facets.
 #[derive(Debug)]
 pub(crate) struct ReceivedSurface {
     pub(crate) sampled: SampledSurface,
@@ -78,13 +78,14 @@ impl ReceivedSurface {
         self.mesh.held_bytes() as u64
     }
 
-    /// The memory that it takes beside what is held to take in `bytes` of a file whose reader holds `vertices` vertices: no format states a facet in
-    /// fewer than 4 bytes or a vertex in fewer than 6, and a vertex of a text is held a while, in a vector that moves to twice its size.
+    /// The further memory in bytes to read `bytes` of a file whose reader holds `vertices` vertices. No format states a
+    /// facet in fewer than 4 bytes or a vertex in fewer than 6, and the vertices of a text are held for a while in a
+    /// vector that grows to twice its size.
     pub(crate) fn bytes_to_take(&self, bytes: usize, vertices: usize) -> u64 {
         (self.mesh.bytes_to_take(bytes / 4, bytes / 6 + vertices) + 12 * bytes) as u64
     }
 
-    /// The memory that it takes beside what is held to take in a package, whatever is in it.
+    /// The further memory in bytes to read a package, whatever it contains.
     pub(crate) fn bytes_to_take_package(&self) -> u64 {
         self.mesh.bytes_to_take(MOST_FACETS, 3 * MOST_FACETS) as u64
     }
@@ -114,25 +115,25 @@ pub(crate) struct SurfaceWithSource {
     pub(crate) source: Source,
     /// The unit that the file states.
     pub(crate) unit: Option<Unit>,
-    /// What the reader of a file left out or found unusual.
+    /// Notes of the file's reader on data that it left out or found unusual.
     pub(crate) notes: Notes,
 }
 
 impl SurfaceWithSource {
-    /// A surface out of a JSON request, of which nothing is left out.
+    /// A surface of a JSON request, of which nothing is left out.
     pub(crate) fn stated(surface: ReceivedSurface, source: Source) -> Self {
         Self { surface, source, unit: None, notes: Notes::default() }
     }
 
-    /// A surface out of a file.
+    /// A surface of a file.
     pub(crate) fn of_file(surface: ReceivedSurface, summary: Summary) -> Self {
         Self { surface, source: summary.format.into(), unit: summary.unit, notes: summary.notes }
     }
 
-    /// The unit of the coordinates: the one of the request, else the file's, else mm.
+    /// The unit of the coordinates: the request's, else the file's, else mm.
     ///
-    /// A 3MF file always states its unit, and the request must not state another. A text may state a unit in the names of its columns;
-    /// where that is not mm, the request must state the unit.
+    /// A 3MF file always states its unit, and the request must not state another. A text may state a unit in the names
+    /// of its columns; where that is not mm, the request must state the unit.
     pub(crate) fn unit_of(&self, requested: Option<Unit>, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Unit, Faulted> {
         let Some(own) = self.unit else { return Ok(requested.unwrap_or_default()) };
         match requested {

@@ -6,7 +6,7 @@ use crate::milling::StepOver;
 use crate::quantity::Length;
 
 members! {
-    /// The members of a step-over, of which one at most is given.
+    /// The members for the step-over, of which at most one may be given.
     pub(super) plain struct StepOverMembers / StepOverSlots / StepOverColumns {
         along_surface: optional STEP_OVER: Quantity<Length> = ("step_over_mm", Quantity::length(0.687),
             "step-over s along the surface, perpendicular to the feed; or give step_over_xy_mm"),

@@ -1,4 +1,5 @@
-//! The parts of an answer other than its figures: the check against the envelope, and a batch's failures, counts and extremes.
+//! The parts of an answer other than its figures: the check against the envelope, and a batch's failures, counts and
+//! extremes.
 
 use crate::http::codes::FaultCode;
 use crate::http::reading::Fault;
@@ -11,8 +12,8 @@ pub(crate) struct Check {
     /// The height by the cutter's exact shape (model `envelope`).
     #[schema(minimum = 0)]
     pub(crate) envelope_scallop_height_mm: f64,
-    /// (height - envelope) / envelope: negative where the model's height is less than the cutter leaves. Absent where the
-    /// envelope's height is 0.
+    /// (height - envelope) / envelope: negative where the model's height is less than the cutter leaves. Absent where
+    /// the envelope's height is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = -1)]
     pub(crate) deviation: Option<f64>,
@@ -27,7 +28,8 @@ pub(crate) struct Failure {
     #[schema(example = "/contacts/17/slope_deg")]
     pub(crate) pointer: String,
     pub(crate) code: FaultCode,
-    /// What is wrong and what is expected, for people; further faults of the contact follow the first, each after its pointer.
+    /// What is wrong and what is expected, for people; further faults of the contact follow the first, each after its
+    /// pointer.
     pub(crate) detail: String,
 }
 
@@ -76,9 +78,9 @@ pub(crate) struct Summary {
     pub(crate) count: usize,
     /// The number of contacts without an answer. `failures` beside the summary lists the first thousand of them.
     pub(crate) failures: usize,
-    /// The number of contacts whose analytic height is more than 5 % below that of the cutter's exact shape, or whose exact shape leaves
-    /// no height to compare. Only where `columns` names `envelope_scallop_height_mm` or `deviation`: the comparison takes longer than
-    /// the calculation.
+    /// The number of contacts whose analytic height is more than 5 % below that of the cutter's exact shape, or whose
+    /// exact shape leaves no height to compare. Only where `columns` names `envelope_scallop_height_mm` or `deviation`:
+    /// the comparison takes longer than the calculation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(crate) outside_analytic_range: Option<usize>,

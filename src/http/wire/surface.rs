@@ -20,10 +20,10 @@ const GRID: Member<GridKind> = Member { name: "grid", about: "points in rows and
 const ROWS: Member<Whole> =
     Member { name: "rows", about: "the number of rows", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
 const COLUMNS: Member<Whole> =
-    Member { name: "columns", about: "the number of points in a row", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
+    Member { name: "columns", about: "the number of points in each row", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
 const GRID_POINTS: Member<Points> =
     Member { name: "points", about: "the points [x, y, z], row after row; rows times columns of them", kind: Points };
-const MESH: Member<MeshKind> = Member { name: "mesh", about: "points and the triangles between them", kind: MeshKind };
+const MESH: Member<MeshKind> = Member { name: "mesh", about: "points, and triangles with them as corners", kind: MeshKind };
 const MESH_POINTS: Member<Points> = Member { name: "points", about: "the points [x, y, z]", kind: Points };
 const TRIANGLES: Member<Triangles> = Member {
     name: "triangles",
@@ -70,7 +70,7 @@ impl Kind for StatedSurface {
             let forms: [(_, _, AddMembers); 4] = [
                 ("PointsSurface", "Sample points", |schema| schema.required(&POINTS)),
                 ("GridSurface", "A grid of points", |schema| schema.required(&GRID)),
-                ("MeshSurface", "Triangles between points", |schema| schema.required(&MESH)),
+                ("MeshSurface", "Triangles with points as corners", |schema| schema.required(&MESH)),
                 ("BezierSurface", "A sampled Bezier patch", |schema| schema.required(&BEZIER).required(&SAMPLES)),
             ];
             let mut any = OneOfBuilder::new().description(Some(SURFACE.about));
@@ -93,7 +93,7 @@ fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
 fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
-    // The shape comes from the samples, as published; the facets only from the corners between them.
+    // The shape is computed from the samples, as published; the facets have the corners of the cells.
     let mesh = patch.tessellate(samples, ReceivedSurface::new().mesh);
     let surface = patch.sampled(samples).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
         faults.add(&object.path().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
@@ -158,13 +158,13 @@ impl Kind for MeshKind {
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         components.refer("Mesh", about, |components| {
-            ObjectSchema::new("Triangles between points", components).required(&MESH_POINTS).required(&TRIANGLES).build()
+            ObjectSchema::new("Triangles with points as corners", components).required(&MESH_POINTS).required(&TRIANGLES).build()
         })
     }
 }
 
-/// The most points or triangles that an array can hold, each with a bracket of its own and 8 bytes, `[0,0,0],`, at least. A growing vector would take
-/// three times their memory when it moves.
+/// The most points or triangles in an array. Each has its own bracket and at least 8 bytes, `[0,0,0],`. The capacity is
+/// reserved at once, because a growing vector takes three times the memory when it moves.
 fn most_items(raw: &RawValue) -> usize {
     let text = raw.get().as_bytes();
     memchr::memchr_iter(b'[', text).count().min(text.len() / 8)
@@ -211,12 +211,13 @@ impl Kind for Triangles {
         if each(raw, faults, |triangle: [u32; 3]| triangles.push(triangle)).is_ok() {
             return Ok(triangles);
         }
-        // The pass above stops at the first fault without its location. This one finds all faults, and takes whole numbers
-        // written as 1.0 or 1e3.
+        // The pass above stops at the first fault without its location. This pass finds all faults, and accepts whole
+        // numbers written as 1.0 or 1e3.
         triangles.clear();
         let mut index = 0;
         each_raw(raw, path, faults, |item, faults| {
-            // In place of a faulty triangle, so that the points of the others are looked up as well. With a recorded fault nothing is planned.
+            // Stands for a triangle with a fault, so that the indices of the others are checked as well. A request with
+            // a fault is not planned.
             triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
             index += 1;
         })?;
@@ -235,7 +236,7 @@ members! {
     /// The members of a Bezier patch.
     pub(crate) struct BezierMembers {
         control_points: required CONTROL_POINTS: Net = ("control_points", Net,
-            "the control points [x, y, z], row after row: 2 to 20 rows of 2 to 20 points, all rows alike"),
+            "the control points [x, y, z], row after row: 2 to 20 rows of 2 to 20 points, all rows of the same length"),
     }
 }
 
@@ -259,7 +260,8 @@ impl WireObject for BezierKind {
     }
 }
 
-/// Rows of control points. At most one row, and one point of a row, more than a patch can have is kept: enough to refuse it.
+/// Rows of control points. At most one row and one point of a row more than the limit are kept, enough to refuse the
+/// patch.
 pub(crate) struct Net;
 
 const MOST_KEPT: usize = Bezier::LARGEST_ORDER + 1;

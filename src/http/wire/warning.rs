@@ -11,7 +11,7 @@ pub(crate) struct Warning {
     pub(crate) code: WarningCode,
     /// An explanation for people; for several contacts, that of the first.
     pub(crate) detail: String,
-    /// The number of contacts of a batch that it concerns.
+    /// The number of contacts of a batch that have the warning.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(crate) contacts: Option<usize>,

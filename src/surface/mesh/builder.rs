@@ -1,4 +1,4 @@
-//! Builds a mesh from facets or points as they arrive, within a bound on memory.
+//! The builder of a mesh from facets or points as they arrive, within a bound on memory.
 
 use super::merge::HeightLattice;
 use super::thinning::PointCloud;
@@ -8,20 +8,20 @@ use crate::surface::{Bounds, Facing, LARGEST_COORDINATE, Sink, Unit, triangulati
 
 /// A sink that welds facets into a [`Mesh`], or triangulates points.
 ///
-/// Corners with equal coordinates become one point. Facets without area are counted and left out. Where there are facets, single points are
-/// ignored; without facets the points are triangulated in the XY plane.
+/// Corners with equal coordinates become one point. Facets without area are counted and left out. Where there are
+/// facets, single points are ignored; without facets the points are triangulated in the XY plane.
 ///
 /// # Memory
-/// At most [`MeshBuilder::facet_limit`] facets are held, N = 2,000,000 by default. A facet takes 12 bytes, a point 24 bytes and 5
-/// to 10 bytes of the welding table; while these grow, old and new storage exist together. A closed mesh has N/2 points: about 70
-/// MB for the default, and at most 140 MB while it grows. The worst case, facets that share no corner, has 3 N points: 230 MB,
-/// 420 MB while it grows.
+/// At most [`MeshBuilder::facet_limit`] facets are held, N = 2,000,000 by default. A facet takes 12 bytes, a point 24
+/// bytes and 5 to 10 bytes of the welding table; while these grow, old and new storage exist together. A closed mesh
+/// has N/2 points: about 70 MB for the default, and at most 140 MB while it grows. The worst case, facets that share no
+/// corner, has 3 N points: 230 MB, 420 MB while it grows.
 ///
-/// At the first facet beyond the bound, the builder merges all facets, earlier and later ones, into the height of the surface
-/// seen from above on a square lattice of sqrt(N/2) x sqrt(N/2) nodes, 8 bytes each. The spacing of the lattice, a power of two
-/// of the file's unit, is the smallest that covers all facets; [`Mesh::merged_cell`] has it. Heights at the nodes are exact;
-/// walls become slopes one spacing wide, and undercuts disappear. Of single points at most N/2 are held; beyond, one point is
-/// kept for each cell of a lattice in the same way.
+/// At the first facet beyond the bound, the builder merges all facets, earlier and later ones, into the height of the
+/// surface seen from above on a square lattice of sqrt(N/2) x sqrt(N/2) nodes, 8 bytes each. The spacing of the
+/// lattice, a power of two of the file's unit, is the smallest that covers all facets; [`Mesh::merged_cell`] has it.
+/// Heights at the nodes are exact; walls become slopes one spacing wide, and undercuts disappear. Of single points at
+/// most N/2 are held; beyond, one point is kept for each cell of a lattice in the same way.
 #[derive(Debug)]
 pub struct MeshBuilder {
     limit: usize,
@@ -39,9 +39,9 @@ pub struct MeshBuilder {
 /// The facets and points of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeshSize {
-    /// How many facets there are.
+    /// The number of facets.
     pub facets: usize,
-    /// How many points there are.
+    /// The number of points.
     pub points: usize,
 }
 
@@ -66,8 +66,8 @@ impl MeshBuilder {
         Self::default()
     }
 
-    /// An empty mesh that holds at most `limit` facets, from 8 to [`MeshBuilder::LARGEST_FACET_LIMIT`]; a limit outside these
-    /// bounds becomes the nearer one.
+    /// An empty mesh that holds at most `limit` facets, from 8 to [`MeshBuilder::LARGEST_FACET_LIMIT`]; a limit outside
+    /// these bounds is set to the nearer bound.
     #[must_use]
     pub fn with_facet_limit(limit: usize) -> Self {
         let limit = limit.clamp(8, Self::LARGEST_FACET_LIMIT);
@@ -98,8 +98,8 @@ impl MeshBuilder {
         self.welder.held_bytes() + self.triangles.capacity() * size_of::<[u32; 3]>() + lattice + self.cloud.held_bytes()
     }
 
-    /// The memory that it takes beside what is held to take in `facets` more facets or points, of which `corners` are new, in bytes: vectors move to
-    /// twice their size, and facets beyond the limit to a lattice, which is made anew when its cells grow.
+    /// The further memory in bytes to add `facets` facets or points with `corners` new corners: vectors grow to twice
+    /// their size, and facets beyond the limit move to a lattice, which is rebuilt when its cells grow.
     #[must_use]
     pub fn bytes_to_take(&self, facets: usize, corners: usize) -> usize {
         let lattice = self.limit / 2 * size_of::<f64>();
@@ -112,25 +112,25 @@ impl MeshBuilder {
         triangles + merged + self.welder.bytes_to_take(corners.min(3 * facets)) + self.cloud.bytes_to_take(facets)
     }
 
-    /// How large the mesh of all that came is at most.
+    /// The largest size that the mesh of all received facets can have.
     #[must_use]
     pub fn size(&self) -> MeshSize {
         if self.lattice.is_some() {
             return MeshSize { facets: self.limit, points: self.limit / 2 };
         }
         if self.triangles.is_empty() {
-            // A triangulation has under two triangles for each point.
+            // A triangulation has fewer than two triangles for each point.
             return MeshSize { facets: 2 * self.cloud.len(), points: self.cloud.len() };
         }
         MeshSize { facets: self.triangles.len(), points: self.welder.len() }
     }
 
-    /// The memory that [`MeshBuilder::finish`] takes, in bytes, beside what is held and the mesh itself.
+    /// The further memory in bytes that [`MeshBuilder::finish`] takes, beside the held data and the mesh itself.
     #[must_use]
     pub fn bytes_to_finish(&self) -> usize {
         let MeshSize { facets, points } = self.size();
         if self.lattice.is_some() {
-            // Points and triangles move to vectors of twice the size.
+            // The vectors of points and triangles grow to twice their size.
             2 * (points * size_of::<[f64; 3]>() + facets * size_of::<[u32; 3]>())
         } else if self.triangles.is_empty() {
             points * BYTES_TO_TRIANGULATE
@@ -141,8 +141,8 @@ impl MeshBuilder {
 
     /// The mesh, in mm, of all facets or points that were added with coordinates in `unit`.
     ///
-    /// With [`Facing::Up`] a surface of which no facet points up but some point down counts as upside down, and is turned over. A
-    /// facet whose back is seen from above is handled by [`Mesh::visibility`], for either `facing`.
+    /// With [`Facing::Up`], a surface with facets that point down and none that point up counts as upside down, and is
+    /// turned over. A facet whose back is seen from above is handled by [`Mesh::visibility`], for either `facing`.
     ///
     /// # Errors
     /// [`MeshError`] where no facet has an area, too few points were added, or a coordinate was out of bounds.
@@ -195,7 +195,7 @@ impl MeshBuilder {
             }
         }
         if triangles.is_empty() {
-            // No facet covers a node: all are smaller than the lattice, or walls.
+            // No facet covers a node: all are smaller than the spacing, or walls.
             return Err(MeshError::NothingFromAbove);
         }
         Ok(Mesh::assembled(points, triangles, self.degenerate, self.facets, merged, from_points))

@@ -6,7 +6,7 @@ use crate::surface::{Facing, Sink, Unit};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use std::f64::consts::PI;
 
-/// The smallest and the largest normal curvature, by sampling directions: another route than eigenvalues.
+/// The smallest and the largest normal curvature, by sampling directions, independently of eigenvalues.
 fn extremes(facet: &FinishFacet) -> (f64, f64) {
     let (t, u) = super::curvature::tangents(facet.normal);
     (0..180).map(|i| f64::from(i).to_radians().sin_cos()).map(|(sin, cos)| [0, 1, 2].map(|a| cos * t[a] + sin * u[a])).fold(
@@ -80,8 +80,8 @@ fn a_plane_has_no_curvature_in_any_tessellation() {
     }
 }
 
-/// Facets of a cylinder along y with `around` flat strips of two triangles on the whole turn; of them those from
-/// `from` to `to` deg, from X.
+/// Facets of a cylinder along y with `around` flat strips of two triangles on the whole turn; of them those from `from`
+/// to `to` deg, from X.
 fn strips(around: u32, radius: f64, from: f64, to: f64, length: f64) -> Vec<[[f64; 3]; 3]> {
     let at = |i: u32, y: f64| {
         let (sin, cos) = (2.0 * PI * f64::from(i) / f64::from(around)).sin_cos();
@@ -107,9 +107,8 @@ fn a_cylinder_of_flat_facets_is_as_curved_as_the_cylinder_through_its_corners() 
             assert!(facets.len() >= around as usize - 4, "{around}");
             for facet in facets {
                 let across = [facet.normal[2], 0.0, -facet.normal[0]];
-                // Chords are shorter than arcs: the normals of neighbouring points differ by 2 sin(a/2) over a chord
-                // of 2 R sin(a/2), exactly 1/R; turned into the facet's plane by cos(a/2), which is 0.966 for 12
-                // facets.
+                // Chords are shorter than arcs: the normals of neighbouring points differ by 2 sin(a/2) over a chord of
+                // 2 R sin(a/2), exactly 1/R; turned into the facet's plane by cos(a/2), which is 0.966 for 12 facets.
                 let expected = (PI / f64::from(around)).cos() / radius;
                 // The strips at both ends have one side only; there the neighbours weigh 250 times as much.
                 assert_relative_eq!(facet.curvature_between(across, across), expected, max_relative = 0.05);

@@ -1,4 +1,4 @@
-//! A facet as input of planning: corners, unit normal, area and the curvature of the surface there.
+//! A facet of the input of planning: corners, unit normal, area, and the curvature of the surface.
 
 use crate::quantity::Angle;
 
@@ -11,15 +11,15 @@ pub struct FinishFacet {
     pub normal: [f64; 3],
     /// The area in mm^2.
     pub area: f64,
-    /// The curvature tensor of the surface in 1/mm, positive where the surface is convex: the symmetric 3 x 3 matrix
-    /// K as xx, xy, xz, yy, yz, zz. It maps the normal to 0; the normal curvature along a unit tangent vector t is
-    /// t'Kt, the twist between tangents t and u is t'Ku.
+    /// The curvature tensor of the surface in 1/mm, positive where the surface is convex: the symmetric 3 x 3 matrix K
+    /// as xx, xy, xz, yy, yz, zz. It maps the normal to 0; the normal curvature along a unit tangent vector t is t'Kt,
+    /// the twist between tangents t and u is t'Ku.
     pub curvature: [f64; 6],
 }
 
 impl FinishFacet {
-    /// The angle between the normal and the vertical, from 0 to under 90 deg: atan2(|(n_x, n_y)|, n_z), exact near
-    /// both ends.
+    /// The angle between the normal and the vertical, from 0 to under 90 deg: atan2(|(n_x, n_y)|, n_z), exact near both
+    /// ends.
     #[must_use]
     pub fn slope(&self) -> Angle {
         let [x, y, z] = self.normal;

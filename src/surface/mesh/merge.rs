@@ -1,13 +1,14 @@
-//! The height of a surface seen from above on a lattice whose spacing doubles as the surface grows: bounded memory for any file.
+//! The heights of a surface seen from above on a lattice whose spacing doubles as the surface grows, so that memory is
+//! bounded for any file.
 
 use crate::numerics::raster::scan;
 use crate::surface::Bounds;
 
 /// Largest heights at the nodes (i cell, j cell) for whole i and j, cell a power of two.
 ///
-/// Every second node of a lattice is a node of the next coarser one, so that doubling the spacing leaves exactly the heights of a
-/// lattice that was coarse from the start. Node (i, j) is stored at (i mod side, j mod side): no two nodes of a range of `side`
-/// share a place, and the range can grow without moving stored heights.
+/// Every second node of a lattice is a node of the next coarser one, so that doubling the spacing gives exactly the
+/// heights of a lattice with this spacing from the start. Node (i, j) is stored at (i mod side, j mod side): no two
+/// nodes of a range of `side` share a place, and the range can grow without moving stored heights.
 #[derive(Debug)]
 pub(super) struct HeightLattice {
     side: i64,
@@ -20,12 +21,13 @@ pub(super) struct HeightLattice {
     visits: u64,
 }
 
-/// Visits after which the spacing doubles: a second of work. A file of many facets, each as large as the part, would otherwise
-/// cost facets times nodes.
+/// The visits after which the spacing doubles, about a second of work. Without it, a file with many facets, each as
+/// large as the part, would take facets times nodes.
 const VISITS: u64 = 400_000_000;
 
 impl HeightLattice {
-    /// A lattice for at most `limit` facets, two for each square between nodes, fine enough for `bounds`, which more facets may enlarge.
+    /// A lattice for at most `limit` facets, two for each square between nodes, fine enough for `bounds`, which more
+    /// facets may enlarge.
     pub(super) fn new(limit: usize, bounds: &Bounds) -> Self {
         let side = (limit / 2).isqrt().max(2);
         #[expect(clippy::cast_precision_loss, reason = "under 2^53")]
@@ -134,7 +136,7 @@ impl HeightLattice {
                 match (lower[0], lower[1], upper[1], upper[0]) {
                     (Some(a), Some(b), Some(c), Some(d)) => {
                         let z = |index: u32| points[index as usize][2];
-                        // Along the flatter diagonal, so that an edge of the part is not cut across.
+                        // The flatter diagonal does not cut across an edge of the part.
                         if (z(a) - z(c)).abs() <= (z(b) - z(d)).abs() {
                             triangles.extend([[a, b, c], [a, c, d]]);
                         } else {

@@ -1,5 +1,4 @@
-//! A surface as triangles that share corners: building, visibility from above, connected pieces, selection and
-//! curvature.
+//! Triangle meshes of surfaces: building, visibility from above, connected pieces, selection and curvature.
 
 mod builder;
 mod curvature;
@@ -29,10 +28,11 @@ pub use view::{NO_FACET, ViewFromAbove};
 pub use visibility::{AreaShares, FacetClass, Visibility};
 
 use super::{Bounds, Sink};
+use nalgebra::Vector3;
 use std::fmt;
 
-/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of vertical.
-/// Files in single precision move corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a
+/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of
+/// vertical. Single precision moves corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half a
 /// metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
@@ -48,7 +48,7 @@ pub struct Mesh {
     from_points: bool,
 }
 
-/// Why facets or points do not make a mesh.
+/// The reason why facets or points do not make a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeshError {
     /// A coordinate is not finite, or beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE).
@@ -63,16 +63,16 @@ pub enum MeshError {
         /// The number of points received.
         points: u64,
     },
-    /// More facets than are held, and none of them covers a node of the lattice on which they are merged: all are
+    /// There are more facets than are held, and none covers a node of the lattice on which they are merged: all are
     /// walls.
     NothingFromAbove,
-    /// A triangle of an index list names a missing point.
+    /// A triangle of an index list refers to a missing point.
     IndexOutOfRange {
         /// The triangle, from 0.
         triangle: usize,
         /// Its corner, from 0.
         corner: usize,
-        /// The number that it names.
+        /// The number of the missing point.
         index: u64,
         /// The number of points.
         points: usize,
@@ -110,8 +110,8 @@ impl MeshBuilder {
     /// Adds the triangles of an index list, with points numbered from 0.
     ///
     /// # Errors
-    /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number
-    /// of a missing point.
+    /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number of
+    /// a missing point.
     pub fn indexed(&mut self, points: &[[f64; 3]], triangles: &[[u64; 3]]) -> Result<(), MeshError> {
         if let Some(point) = points.iter().position(|&point| !builder::in_range(point)) {
             return Err(MeshError::PointOutOfRange { point });
@@ -142,7 +142,7 @@ impl Mesh {
         Self { points, triangles, bounds, degenerate, received, merged_cell, from_points }
     }
 
-    /// How large the mesh is.
+    /// The number of triangles and points.
     #[must_use]
     pub fn size(&self) -> MeshSize {
         MeshSize { facets: self.triangles.len(), points: self.points.len() }
@@ -172,8 +172,8 @@ impl Mesh {
         self.degenerate
     }
 
-    /// The number of facets with an area that were added; more than the triangles where they were merged, 0 where
-    /// points were triangulated.
+    /// The number of facets with an area that were added: more than the triangles if facets were merged, 0 if points
+    /// were triangulated.
     #[must_use]
     pub fn received_facets(&self) -> u64 {
         self.received
@@ -198,15 +198,15 @@ impl Mesh {
         self.triangles[facet].map(|index| self.points[index as usize])
     }
 
-    /// The unit normal of a triangle, by the sense of its corners, and its area; both in mm^2; both are 0 where
-    /// rounding left none.
+    /// The unit normal of a triangle, by the sense of its corners, and its area in mm^2; both are 0 if rounding left no
+    /// area.
     #[must_use]
     pub fn normal_and_area(&self, facet: usize) -> ([f64; 3], f64) {
         let [a, b, c] = self.corners(facet);
         let normal = cross(a, b, c);
-        // Scaled by the largest part, so that squares of tiny normals do not vanish.
+        // Scaled by the largest component, so that squares of tiny components do not underflow.
         let largest = normal.iter().fold(0.0_f64, |largest, part| largest.max(part.abs()));
-        // A facet as thin as a rounding may lose its area when its corners are converted to mm.
+        // A facet as thin as a rounding error may lose its area when its corners are converted to mm.
         if largest == 0.0 {
             return ([0.0; 3], 0.0);
         }
@@ -216,16 +216,16 @@ impl Mesh {
     }
 }
 
-/// (b - a) x (c - a): along the normal, as long as twice the area.
+/// (b - a) x (c - a), a vector along the normal with twice the area as its length.
 fn cross(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
-    let (u, v) = (difference(b, a), difference(c, a));
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    let [a, b, c] = [a, b, c].map(Vector3::from);
+    (b - a).cross(&(c - a)).into()
 }
 
 fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    (Vector3::from(a) - Vector3::from(b)).into()
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    Vector3::from(a).dot(&Vector3::from(b))
 }

@@ -1,4 +1,4 @@
-//! The connected pieces of a mesh.
+//! The connected pieces of a mesh, found by union-find.
 
 use super::Mesh;
 
@@ -10,7 +10,7 @@ pub struct Pieces {
 }
 
 impl Pieces {
-    /// The number of the piece of each facet, from 0 in the order in which the pieces' first facets come.
+    /// The number of each facet's piece, from 0 in the order of the pieces' first facets.
     #[must_use]
     pub fn of_facets(&self) -> &[u32] {
         &self.of_facet
@@ -57,7 +57,7 @@ impl Mesh {
     }
 }
 
-/// The representative of a point's set; halves the path to it.
+/// The representative of a point's set. Halves the path to it.
 fn root(parent: &mut [u32], mut point: u32) -> u32 {
     while parent[point as usize] != point {
         let above = parent[parent[point as usize] as usize];

@@ -14,7 +14,7 @@ pub struct Selection {
     pieces: Option<Vec<u32>>,
 }
 
-/// Why a selection is invalid.
+/// The reason why a selection is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SelectionError {
     /// The slope band is empty, or not within 0 to 90 deg.
@@ -117,9 +117,9 @@ impl Mesh {
         Ok((0..self.triangles().len()).map(|facet| in_pieces(facet) && in_box(facet) && in_band(facet)).collect())
     }
 
-    /// The facets to plan for: visible from above, selected, not vertical, in the order of the mesh. Facets steeper
-    /// than the limit of [`Mesh::visibility`] are among them, because passes run over them although they set no
-    /// spacing; leave them out by [`FinishFacet::slope`]. `selected` comes from [`Mesh::selected`].
+    /// The facets to plan for: visible from above, selected and not vertical, in the order of the mesh. Facets steeper
+    /// than the limit of [`Mesh::visibility`] are included, because passes cross them although they do not limit the
+    /// spacing; [`FinishFacet::slope`] identifies them. `selected` is the result of [`Mesh::selected`].
     #[must_use]
     pub fn facets_for_finishing(&self, visibility: &Visibility, selected: &[bool]) -> Vec<FinishFacet> {
         let wanted: Vec<u32> = (0_u32..)

@@ -42,7 +42,7 @@ pub(super) fn degrees(value: f64) -> Angle {
     Angle::from_degrees(value).unwrap()
 }
 
-/// All facets seen, up to 85 deg.
+/// All facets visible from above, up to 85 deg.
 pub(super) fn finish_facets(mesh: &Mesh) -> Vec<FinishFacet> {
     let selected = mesh.selected(&Selection::all(), &mesh.pieces()).unwrap();
     mesh.facets_for_finishing(&mesh.visibility(degrees(85.0)), &selected)

@@ -62,7 +62,7 @@ fn an_index_list_gives_the_mesh_or_names_its_fault() {
 }
 
 #[test]
-fn of_a_closed_box_the_top_is_machined_and_the_walls_are_steep() {
+fn the_top_of_a_closed_box_is_machined_and_its_walls_are_steep() {
     let solid = mesh(&solid_box([0.0; 3], [40.0, 20.0, 10.0]));
     let AreaShares { hidden, overhanging, steep, machined } = shares(&solid);
     assert_eq!(hidden, 0.0);
@@ -164,7 +164,7 @@ fn a_sphere_shows_its_upper_half() {
 }
 
 #[test]
-fn conditions_of_a_selection_hold_together() {
+fn a_selected_facet_meets_all_conditions() {
     let mut facets = solid_box([0.0; 3], [10.0, 10.0, 5.0]);
     facets.extend(solid_box([20.0, 0.0, 0.0], [30.0, 10.0, 8.0]));
     facets.extend([[[40.0, 0.0, 0.0], [50.0, 0.0, 10.0], [40.0, 10.0, 0.0]]]);
@@ -198,7 +198,7 @@ fn a_patch_gives_its_facets_facing_up() {
 }
 
 #[test]
-fn more_facets_than_are_held_become_heights_on_a_lattice() {
+fn facets_beyond_the_limit_become_heights_on_a_lattice() {
     let height = |x: f64, y: f64| 0.3 * x + 2.0 * (0.2 * y).sin();
     let mut builder = MeshBuilder::with_facet_limit(5000);
     let fine = grid(101, 151, |u, v| [60.0 * u, 40.0 * v, height(60.0 * u, 40.0 * v)]);
@@ -261,7 +261,7 @@ fn values_of_the_facets_seen_form_a_raster() {
     assert_eq!((0..10).map(|cell| hole.facet(cell).is_some()).collect::<Vec<_>>(), [[true].as_slice(), &[false; 8], &[true]].concat());
 }
 
-/// Calls every function of a mesh; all numbers must be finite.
+/// Calls every function of a mesh and checks that all numbers are finite.
 fn examine(mesh: &Mesh) {
     let pieces = mesh.pieces();
     assert!(pieces.count() >= 1 && pieces.of_facets().iter().all(|&piece| piece < pieces.count()));

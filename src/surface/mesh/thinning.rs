@@ -2,8 +2,8 @@
 
 use crate::surface::Bounds;
 
-/// At most `limit` points. Of more points, the one nearest to the centre of each cell of a lattice is kept, unmoved; the cells are the
-/// smallest, by powers of two, that leave at most half of the limit.
+/// A cloud of at most `limit` points. If there are more, the point nearest to the centre of each cell of a lattice is
+/// kept, unmoved; the cells are the smallest, by powers of two, that leave at most half of the limit.
 #[derive(Debug)]
 pub(super) struct PointCloud {
     limit: usize,
@@ -26,14 +26,14 @@ impl PointCloud {
         self.received
     }
 
-    /// The side of the cells, where points were thinned.
+    /// The side of the cells, if points were thinned.
     pub(super) fn cell(&self) -> Option<f64> {
         self.exponent.map(|exponent| 2.0_f64.powi(exponent))
     }
 
     pub(super) fn add(&mut self, point: [f64; 3]) {
         self.received += 1;
-        // Scanners repeat a point that did not move; repetitions must not cause thinning.
+        // Scanners repeat points; repetitions must not cause thinning.
         if self.points.last() == Some(&point) {
             return;
         }
@@ -48,7 +48,7 @@ impl PointCloud {
         self.points.len()
     }
 
-    /// The memory that `more` points take beside what is held, in bytes, while the vector moves to twice its size.
+    /// The further memory in bytes for `more` points, while the vector grows to twice its size.
     pub(super) fn bytes_to_take(&self, more: usize) -> usize {
         let count = (self.points.len() + more).min(self.limit + 1);
         if count > self.points.capacity() { 2 * count * size_of::<[f64; 3]>() } else { 0 }
@@ -111,7 +111,7 @@ mod tests {
         let cell = cloud.cell().unwrap();
         let points = cloud.into_points();
         assert!(points.len() > 200 && points.len() <= 1000, "{} of {cell}", points.len());
-        // Each is a point that came.
+        // Each is one of the received points.
         assert!(points.iter().all(|&[x, y, z]| z == x + 200.0 * y));
     }
 

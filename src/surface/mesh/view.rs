@@ -5,13 +5,13 @@ use crate::numerics::raster::{Frame, Raster};
 use crate::surface::Bounds;
 use rayon::prelude::*;
 
-/// The facet of a cell without surface.
+/// The facet number of a cell without surface.
 pub const NO_FACET: u32 = u32::MAX;
 
-/// What is seen from above at the centre of each cell.
+/// The heights and facets seen from above at the centres of cells.
 #[derive(Debug, Clone)]
 pub struct ViewFromAbove {
-    /// Place and size of the raster.
+    /// Position and size of the raster.
     pub frame: Frame,
     /// The largest height of the mesh at the cell's centre, in mm; minus infinity where there is no surface.
     pub heights: Vec<f64>,
@@ -19,8 +19,8 @@ pub struct ViewFromAbove {
     pub facets: Vec<u32>,
 }
 
-/// Rows and cells that a raster pass may visit: about 0.2 s. Facets that each cover the whole part are seen on larger
-/// cells.
+/// The largest number of rows and cells that a pass may visit, about 0.2 s. Many facets that each cover the whole part
+/// get larger cells.
 const VISITS: f64 = 5e7;
 
 impl ViewFromAbove {
@@ -30,7 +30,7 @@ impl ViewFromAbove {
         Some(self.facets[cell]).filter(|&facet| facet != NO_FACET).map(|facet| facet as usize)
     }
 
-    /// A value of the facet seen in each cell, as a raster; `None` where there is no surface.
+    /// A raster of a value of the facet seen in each cell; `None` where there is no surface.
     pub fn of_facets<T: Clone>(&self, figure: impl Fn(usize) -> T) -> Raster<Option<T>> {
         let values = (0..self.facets.len()).map(|cell| self.facet(cell).map(&figure)).collect();
         Raster { frame: self.frame, values }
@@ -38,13 +38,12 @@ impl ViewFromAbove {
 }
 
 impl Mesh {
-    /// The mesh seen from above on at most `side` x `side` square cells, `side` from 1 to 4096; a number outside
-    /// these bounds becomes the nearer one.
+    /// The mesh seen from above on at most `side` x `side` square cells, `side` from 1 to 4096; a number outside these
+    /// bounds is set to the nearer bound.
     ///
-    /// The longer side of the bounds is divided into `side` cells, or fewer where facets cover each other so often
-    /// that the work, the cells covered by all facets together, would exceed 5e7. Heights are exact at cell centres;
-    /// where two facets have the same height the one that points up is seen, then the one that comes first. Walls are
-    /// not seen.
+    /// The longer side of the bounds is divided into `side` cells, or fewer if the cells covered by all facets together
+    /// would exceed 5e7. Heights are exact at cell centres; of two facets with the same height, the one that points up
+    /// is seen, then the first. Walls are not seen.
     ///
     /// # Panics
     /// Never: the bound on facets keeps their numbers within 32 bits.
@@ -90,10 +89,11 @@ impl Mesh {
         let affordable = (height + (height * height + 4.0 * VISITS * area).sqrt()) / (2.0 * VISITS);
         #[expect(clippy::cast_precision_loss, reason = "at most 4096")]
         let stated = (max[0] - min[0]).max(max[1] - min[1]) / side as f64;
-        // A mesh of walls on one spot has no extent; any cell will do. One a rounding wide needs cells wider than that.
+        // A mesh of walls above one point has no extent, and any cell size serves. An extent of a rounding error needs
+        // larger cells.
         let magnitude = self.bounds().largest_magnitude();
         let cell = stated.max(affordable).max(magnitude * f64::EPSILON).max(1e-300);
-        // The ceiling of a rounded quotient may be side + 1.
+        // The ceiling of a rounded quotient can be side + 1.
         let frame = Frame::covering(min, max, cell);
         Frame { columns: frame.columns.min(side), rows: frame.rows.min(side), ..frame }
     }

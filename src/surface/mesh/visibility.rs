@@ -5,7 +5,7 @@ use super::{Mesh, cross};
 use crate::quantity::Angle;
 use rayon::prelude::*;
 
-/// The class of a facet for a cutter that comes from above.
+/// The class of a facet for a cutter from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FacetClass {
     /// It points up, but another part of the surface is above it.
@@ -88,18 +88,18 @@ impl Mesh {
     /// The class of each facet; facets with a slope over `max_slope` are steep.
     ///
     /// A raster of depth with about 8 cells for each facet, from 64 x 64 to 1024 x 1024 over the longer side of the
-    /// bounds, holds what is seen at cell centres ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]).
-    /// A facet that points up is visible when at least half of the centres that it covers show it, or no other facet
-    /// above it. One that covers no centre is visible when its centroid is not below everything seen in its cell and
-    /// the eight around it; so is a wall. A facet that points down and is seen at half of its centres has the wrong
-    /// orientation: it counts as turned. A closed solid has none.
+    /// bounds, has the facets seen at cell centres ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]).
+    /// A facet that points up is visible if, at half or more of the centres that it covers, no other facet is above it.
+    /// A wall, or a facet that covers no centre, is visible if its centroid is not below all that is seen in its cell
+    /// and the eight around it. A facet that points down and is seen at half of its centres has the wrong orientation
+    /// and counts as turned; a closed solid has none.
     #[must_use]
     pub fn visibility(&self, max_slope: Angle) -> Visibility {
         let facets = self.triangles().len();
         let view = self.seen_from_above((8 * facets).isqrt().clamp(64, 1024));
         let frame = view.frame;
         let height = self.bounds().max[2] - self.bounds().min[2];
-        // Heights of one edge, computed for the two facets that share it, differ by roundings of the coordinates.
+        // The heights of a common edge, computed for its two facets, differ by rounding errors of the coordinates.
         let rounding = 1e-9 * height + 4.0 * f64::EPSILON * self.bounds().largest_magnitude();
         let one = |facet: usize| {
             let corners = self.corners(facet);

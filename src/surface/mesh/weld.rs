@@ -1,4 +1,4 @@
-//! Numbers points so that equal ones have the same number.
+//! Welding: the numbering of points, with the same number for equal points.
 
 use hashbrown::HashTable;
 use std::hash::{BuildHasher, RandomState};
@@ -8,7 +8,8 @@ use std::hash::{BuildHasher, RandomState};
 pub(super) struct Welder {
     points: Vec<[f64; 3]>,
     table: HashTable<u32>,
-    /// Secret factors: with known ones, a file could put all its points into one place of the table, which takes quadratic time.
+    /// Secret factors. With known ones, a file could put all its points into one place of the table, which would take
+    /// quadratic time.
     keys: [u64; 3],
 }
 
@@ -24,7 +25,7 @@ impl Welder {
         Self { points: Vec::new(), table: HashTable::new(), keys: [0_u8, 1, 2].map(|n| random.hash_one(n) | 1) }
     }
 
-    /// The number of a point, from 0 in the order in which different points come. The zeros of both signs are equal; there is no NaN.
+    /// The number of a point, from 0 in the order of the first occurrence. 0 and -0 are equal; there is no NaN.
     pub(super) fn index(&mut self, point: [f64; 3]) -> u32 {
         // Adding 0 removes the sign of a zero.
         let point = point.map(|coordinate| coordinate + 0.0);
@@ -48,11 +49,11 @@ impl Welder {
         self.points.len()
     }
 
-    /// The memory that `more` different points take beside what is held, in bytes, while vector and table move to twice their size.
+    /// The further memory in bytes for `more` different points, while vector and table grow to twice their size.
     pub(super) fn bytes_to_take(&self, more: usize) -> usize {
         let count = self.points.len() + more;
         let points = if count > self.points.capacity() { 2 * count * size_of::<[f64; 3]>() } else { 0 };
-        // Seven eighths of a power of two of places.
+        // The table holds seven eighths of a power of two.
         let table = if count > self.table.capacity() { (count * 8 / 7 + 8).next_power_of_two() * 5 } else { 0 };
         points + table
     }

@@ -37,7 +37,8 @@ pub enum FaultKind {
     UnknownFormat,
     /// A violation of the format.
     Malformed,
-    /// A number that is not finite, beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE), or the index of a missing vertex.
+    /// A number that is not finite, beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE), or the index of a missing
+    /// vertex.
     OutOfRange,
     /// Ends before the size that it states.
     Truncated,
@@ -49,7 +50,7 @@ pub enum FaultKind {
     Empty,
 }
 
-/// Why a file was refused.
+/// The reason why a file was refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
     location: FileLocation,
@@ -78,7 +79,7 @@ impl Fault {
         self.location.clone()
     }
 
-    /// What is expected there.
+    /// The expected content.
     #[must_use]
     pub fn expected(&self) -> &str {
         &self.flaw.expected

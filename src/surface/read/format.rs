@@ -8,7 +8,7 @@ use std::fmt;
 /// The largest number of bytes examined: licence texts in comments at the start of a file are shorter.
 pub(super) const HEAD: usize = 1 << 16;
 
-/// The expected content of a file, for the text of faults.
+/// The accepted formats, for the text of faults.
 pub(super) const EXPECTED: &str = "points in text, PCD, STL, OBJ, PLY or 3MF";
 
 /// The format of a file.
@@ -50,7 +50,7 @@ impl fmt::Display for Format {
     }
 }
 
-/// The format that a file's sender states, for content that leaves it open.
+/// The format that a file's sender states, used if the content is ambiguous.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FormatHint(Option<NamedFormat>);
 
@@ -64,8 +64,8 @@ enum NamedFormat {
 }
 
 impl FormatHint {
-    /// The format by a media type, with or without parameters, or else by the extension of a file name. General media types such as
-    /// `text/plain` and `application/octet-stream` state no format.
+    /// The format by a media type, with or without parameters, or else by the extension of a file name. General media
+    /// types such as `text/plain` and `application/octet-stream` state no format.
     #[must_use]
     pub fn new(media_type: Option<&str>, file_name: Option<&str>) -> Self {
         Self(media_type.and_then(by_media_type).or_else(|| file_name.and_then(by_name)))
@@ -98,7 +98,7 @@ fn by_name(name: &str) -> Option<NamedFormat> {
     }
 }
 
-/// Which reader a file needs.
+/// The reader of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Family {
     Text,
@@ -118,8 +118,8 @@ pub(super) struct Detected {
     pub(super) mark: usize,
 }
 
-/// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all. With `is_decoded` it was converted to UTF-8
-/// from another encoding, and so is text.
+/// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all. With `is_decoded`, it was
+/// converted to UTF-8 and is therefore text.
 pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<Detected, Fault> {
     if head.is_empty() {
         return Err(Flaw::new(FaultKind::Empty, "a surface", "an empty file").at_byte(0));
@@ -158,22 +158,23 @@ fn unknown(found: impl Into<std::borrow::Cow<'static, str>>) -> Flaw {
     Flaw::new(FaultKind::UnknownFormat, EXPECTED, found)
 }
 
-/// Whether a file without a byte-order mark is text in UTF-16: text in the Latin alphabet then has a null byte in every unit. A
-/// binary STL's header may have them, too, but its numbers do not.
+/// Whether a file without a byte-order mark is text in UTF-16: text in the Latin alphabet then has a null byte in every
+/// unit. A binary STL's header may have them, too, but its numbers do not.
 fn is_utf_16(head: &[u8]) -> bool {
     let every_second_null = |odd: usize| head.len() >= 4 && head.iter().skip(odd).step_by(2).all(|byte| *byte == 0);
     head.iter().any(|byte| *byte != 0) && (every_second_null(0) || every_second_null(1))
 }
 
-/// Whether a binary file is an STL: its length is what its count requires, or its first records hold coordinates. A file too
-/// short for one record is not.
+/// Whether a binary file is an STL: its length is what its count requires, or its first records hold coordinates. A
+/// file too short for one record is not.
 fn is_binary_stl(head: &[u8]) -> bool {
     let Some((start, records)) = head.split_at_checked(84) else { return false };
     let count = start.last_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
     if head.len() < HEAD && head.len() as u64 == 84 + 50 * u64::from(count) {
         return true;
     }
-    // Bytes other than coordinates give exponents of all sizes; the coordinates of a part are between a fraction of a nanometre and 1e12.
+    // Bytes other than coordinates give exponents of all sizes; the coordinates of a part are between a fraction of a
+    // nanometre and 1e12.
     let is_plausible = |bytes: &[u8; 4]| {
         let size = f32::from_le_bytes(*bytes).abs();
         size == 0.0 || (1e-20..=1e12).contains(&size)
@@ -205,9 +206,9 @@ fn by_magic(text: &[u8]) -> Option<Family> {
     }
 }
 
-/// The position of the first control byte that is not part of a text, in the first 134 bytes: a binary STL's header of 80 bytes,
-/// its count of 4, whose highest byte is such a byte up to 150 million facets, and its first record of 50. Further on, such a
-/// byte is a fault of a text.
+/// The position of the first control byte that is not part of a text, in the first 134 bytes: a binary STL's header of
+/// 80 bytes, its count of 4, whose highest byte is such a byte up to 150 million facets, and its first record of 50.
+/// Further on, such a byte is a fault of a text.
 ///
 /// Null bytes and Ctrl-Z that end a text of several lines are its end, as old systems write it.
 fn control_byte(text: &[u8]) -> Option<usize> {
@@ -282,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn the_name_decides_where_content_does_not() {
+    fn the_name_decides_if_the_content_is_ambiguous() {
         assert_eq!(family(b"hello\n", "part.STL"), Family::StlAscii);
         assert_eq!(family(b"# nothing\n", "part.obj"), Family::Obj);
         assert_eq!(family(b"hello\n", "part.ply"), Family::Ply);

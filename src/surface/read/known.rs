@@ -1,4 +1,4 @@
-//! Formats that are recognised but not read, so that the refusal names them.
+//! Formats that are detected only to name them in the refusal.
 
 use super::lines::{Words, is_word, line_end, starts_number, statements};
 
@@ -67,7 +67,8 @@ pub(super) fn by_statement(text: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// A line of IGES has 80 columns, of which the 73rd is the letter of a section, at first S, and the others after it are its number.
+/// A line of IGES has 80 columns, of which the 73rd is the letter of a section, at first S, and the others after it are
+/// its number.
 fn is_iges(text: &[u8]) -> bool {
     let line = &text[..line_end(text).unwrap_or(text.len())];
     line.len() == 80 && line[72] == b'S' && line[73..].iter().all(|byte| matches!(byte, b' ' | b'0'..=b'9'))
@@ -85,8 +86,8 @@ fn markup(text: &[u8]) -> &'static str {
     names.into_iter().find(|(tag, _)| memchr::memmem::find(text, tag).is_some()).map_or("an XML file", |(_, name)| name)
 }
 
-/// The first statement of a program in G-code, after `%`, comments in parentheses and after semicolons, and the number O of the program: a
-/// word such as G21, after a block number or alone.
+/// The first statement of a program in G-code, after `%`, comments in parentheses and after semicolons, and the number
+/// O of the program: a word such as G21, after a block number or alone.
 fn is_gcode(text: &[u8]) -> bool {
     let is_numbered = |word: &[u8], letter: u8| {
         word.len() >= 2 && word[0].eq_ignore_ascii_case(&letter) && word[1..].iter().all(|byte| byte.is_ascii_digit() || *byte == b'.')

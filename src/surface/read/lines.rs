@@ -1,12 +1,12 @@
-//! Splits chunks, which end anywhere, into lines, and lines into words.
+//! Splitting of chunks, which may end anywhere, into lines, and of lines into words.
 
 use super::fault::{Fault, FaultKind, Flaw};
 
-/// The longest line that is accepted, in bytes: far longer than any point, facet or polygon needs. It bounds the memory of a
-/// reader of text.
+/// The longest line that is accepted, in bytes: far longer than any point, facet or polygon needs. It bounds the memory
+/// of a reader of text.
 pub(super) const LONGEST_LINE: usize = 1 << 16;
 
-/// Joins chunks into lines. A line ends with LF, CR LF, or CR alone.
+/// The splitter of chunks into lines. A line ends with LF, CR LF, or CR alone.
 #[derive(Debug)]
 pub(super) struct Lines {
     /// The incomplete line at the end of the last chunk.

@@ -52,7 +52,8 @@ impl Mesh {
         self.vertices.get(vertex).map(|corner| self.face.add(*corner))
     }
 
-    /// Passes a triangle of the vertices with these numbers to the sink, unless a number occurs twice; `None` where a vertex is missing.
+    /// Passes a triangle of the vertices with these numbers to the sink, unless a number occurs twice; `None` where a
+    /// vertex is missing.
     pub(super) fn add_triangle<S: Sink>(&mut self, vertices: [usize; 3], sink: &mut S) -> Option<()> {
         let [a, b, c] = vertices;
         let corners = [*self.vertices.get(a)?, *self.vertices.get(b)?, *self.vertices.get(c)?];

@@ -1,12 +1,13 @@
 //! Readers of surface files: points in text, ASCII PCD, STL, OBJ, PLY and 3MF.
 //!
-//! A [`Reader`] takes a file in chunks that end anywhere, and passes points and facets to a [`Sink`]. The sink gets the facets of a
-//! file that has them, otherwise its points. Text, PCD and STL are not held; OBJ and PLY, whose facets refer to vertices by number, hold
-//! the vertices; 3MF, whose directory stands at its end, holds the compressed file and its meshes. Memory grows with the data that
-//! arrive, not with the counts that a file states.
+//! A [`Reader`] takes a file in chunks that end anywhere, and passes points and facets to a [`Sink`]. The sink gets the
+//! facets of a file that has them, otherwise its points. Text, PCD and STL are not held; OBJ and PLY, whose facets
+//! refer to vertices by number, hold the vertices; 3MF, whose directory stands at its end, holds the compressed file
+//! and its meshes. Memory grows with the data that arrive, not with the counts that a file states.
 //!
-//! A file that cannot be read, or can be read in two ways, is refused with a [`Fault`] that names line or byte. What is left out on
-//! purpose is counted in the [`Summary`]. Coordinates are passed on in the file's unit; where the file states one, the summary has it.
+//! A file that cannot be read, or can be read in two ways, is refused with a [`Fault`] that names line or byte. Data
+//! that the reader leaves out are counted in the [`Summary`]. Coordinates are passed on in the file's unit, which is in
+//! the summary if the file states it.
 
 mod decimal;
 mod fault;
@@ -34,10 +35,11 @@ use super::{LARGEST_COORDINATE, Sink, Unit};
 use format::{Detected, HEAD};
 use utf_16::Utf16;
 
-/// The default limit on the vertices of an OBJ, PLY or 3MF file ([`Reader::with_vertex_limit`] changes it): 480 MB of coordinates.
+/// The default limit on the vertices of an OBJ, PLY or 3MF file ([`Reader::with_vertex_limit`] changes it): 480 MB of
+/// coordinates.
 pub const DEFAULT_VERTEX_LIMIT: usize = 20_000_000;
 
-/// What a reader found in a file.
+/// The result of reading a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Summary {
     /// The format, by the content.
@@ -46,23 +48,25 @@ pub struct Summary {
     pub points: u64,
     /// Facets passed to the sink; a polygon of n corners counts n - 2.
     pub facets: u64,
-    /// The unit of the coordinates, where the file states one: 3MF always does, text may in its header. A caller must not assume another.
+    /// The unit of the coordinates, where the file states one: 3MF always does, text may in its header. A caller must
+    /// not assume another.
     pub unit: Option<Unit>,
-    /// What was left out on purpose, or accepted although it is unusual.
+    /// Data that were left out, or accepted although they are unusual.
     pub notes: Notes,
 }
 
-/// What a reader left out on purpose, or accepted although it is unusual; all zero for a clean file.
+/// Counts of data that a reader left out, or accepted although they are unusual; 0 for a regular file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Notes {
     /// Text and PCD: columns other than x, y and z, in the first line of data.
     pub further_columns: u64,
     /// Binary STL and PLY: bytes after the end that the file's counts give.
     pub trailing_bytes: u64,
-    /// OBJ: point and line elements. PLY: rows of elements other than vertices, faces and triangle strips. 3MF: placed objects of the types
-    /// `support` and `other`. They are not part of a surface.
+    /// OBJ: point and line elements. PLY: rows of elements other than vertices, faces and triangle strips. 3MF: placed
+    /// objects of the types `support` and `other`. They are not part of a surface.
     pub other_elements: u64,
-    /// OBJ and PLY: polygons whose outline crosses itself or doubles back, so that no cut into triangles gives their area.
+    /// OBJ and PLY: polygons whose outline crosses itself or doubles back, so that no cut into triangles gives their
+    /// area.
     pub crossed_polygons: u64,
     /// PCD: points without coordinates (`nan`), which stand for measurements without an echo.
     pub missing_points: u64,
@@ -72,13 +76,14 @@ pub struct Notes {
 
 /// Reads one file, whatever its format.
 ///
-/// Push the file's bytes in chunks of any size, then finish. The result does not depend on where the chunks end. The format comes from
-/// the first 64 KiB, and from the [`FormatHint`] where they leave it open. Text in UTF-16 with a byte-order mark is converted.
+/// Push the file's bytes in chunks of any size, then finish. The result does not depend on where the chunks end. The
+/// format is detected from the first 64 KiB, and from the [`FormatHint`] if they are ambiguous. Text in UTF-16 with a
+/// byte-order mark is converted.
 #[derive(Debug)]
 pub struct Reader {
     hint: FormatHint,
     vertex_limit: usize,
-    /// The same of a 3MF file.
+    /// The limit for a 3MF file.
     package_vertex_limit: usize,
     archive_limit: usize,
     /// The decoder of a file in UTF-16.
@@ -88,7 +93,7 @@ pub struct Reader {
 
 #[derive(Debug)]
 enum Stage {
-    /// The format is not known yet; the first bytes are held.
+    /// The format is not detected yet; the first bytes are held.
     Head(Vec<u8>),
     Body(Box<Body>),
     Refused(Fault),
@@ -120,14 +125,15 @@ impl Reader {
         Self { archive_limit: bytes, ..self }
     }
 
-    /// The same reader with a limit of `vertices` vertices for an OBJ, PLY or 3MF file, 24 bytes each; a 3MF file may have twice as many
-    /// triangles, 12 bytes each, and place four times as many.
+    /// The same reader with a limit of `vertices` vertices for an OBJ, PLY or 3MF file, 24 bytes each; a 3MF file may
+    /// have twice as many triangles, 12 bytes each, and place four times as many.
     #[must_use]
     pub fn with_vertex_limit(self, vertices: usize) -> Self {
         Self { vertex_limit: vertices, package_vertex_limit: vertices, ..self }
     }
 
-    /// The same for 3MF files only, which take 48 bytes a vertex at their end; to be called after [`Reader::with_vertex_limit`].
+    /// The same for 3MF files only, which take 48 bytes a vertex at their end; to be called after
+    /// [`Reader::with_vertex_limit`].
     #[must_use]
     pub fn with_package_vertex_limit(self, vertices: usize) -> Self {
         Self { package_vertex_limit: vertices, ..self }
@@ -142,10 +148,10 @@ impl Reader {
         self.remember(result)
     }
 
-    /// Takes the next bytes of a file, for a caller with several threads, which must pass the whole file by this method. Blocks
-    /// of lines of long texts are appended to `blocks` instead of being read. The caller reads them on any thread, and calls
-    /// [`Reader::record_block`] for each, in their order, before it pushes more. The points of a block follow all points that
-    /// `sink` has by then.
+    /// Takes the next bytes of a file, for a caller with several threads, which must pass the whole file by this
+    /// method. Blocks of lines of long texts are appended to `blocks` instead of being read. The caller reads them on
+    /// any thread, and calls [`Reader::record_block`] for each, in their order, before it pushes more. The points of a
+    /// block follow all points that `sink` has by then.
     ///
     /// # Errors
     /// As [`Reader::push`].
@@ -157,7 +163,8 @@ impl Reader {
     /// Records the result of reading the next of the blocks.
     ///
     /// # Errors
-    /// The block's first [`Fault`], with its line counted from the start of the file, and the same one at every later call.
+    /// The block's first [`Fault`], with its line counted from the start of the file, and the same one at every later
+    /// call.
     pub fn record_block(&mut self, read: BlockOutcome) -> Result<(), Fault> {
         let result = match &mut self.stage {
             Stage::Body(body) => match &mut **body {
@@ -195,9 +202,8 @@ impl Reader {
         }
     }
 
-    /// The memory that the reader holds beyond a fixed amount, in bytes: the vertices of an OBJ or PLY file, and a 3MF file as
-    /// it is received. Each push
-    /// adds at most a few times the length of its chunk.
+    /// The memory of the reader beyond a fixed amount, in bytes: the vertices of an OBJ or PLY file, or the received
+    /// part of a 3MF file. Each push adds at most a few times the length of its chunk.
     #[must_use]
     pub fn held_bytes(&self) -> usize {
         let Stage::Body(body) = &self.stage else { return 0 };
@@ -209,7 +215,7 @@ impl Reader {
         }
     }
 
-    /// Whether the file is a 3MF package, which is read at its end and takes more memory then.
+    /// Whether the file is a 3MF package, which is parsed at its end and then takes more memory.
     #[must_use]
     pub fn is_archive(&self) -> bool {
         matches!(&self.stage, Stage::Body(body) if matches!(**body, Body::ThreeMf(_)))

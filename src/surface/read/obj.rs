@@ -1,9 +1,10 @@
-//! Wavefront OBJ: vertices (`v`) and polygons (`f`) that name them by number, from 1 at the start of the file or from -1 backwards.
+//! Reader of Wavefront OBJ: vertices (`v`) and polygons (`f`) that refer to them by number, from 1 at the start of the
+//! file or from -1 backwards.
 //!
-//! A face may name only vertices that precede it. Weights and colours after a vertex, texture coordinates and normals of a corner,
-//! groups, materials and names are ignored. Point and line elements are not part of a surface and are counted. A file without faces
-//! yields its vertices as points. Unknown statements are refused, and so are free-form curves and surfaces, whose control points do
-//! not lie on them.
+//! A face may refer only to vertices before it. Weights and colours after a vertex, texture coordinates and normals of
+//! a corner, groups, materials and names are ignored. Point and line elements are not part of a surface and are
+//! counted. A file without faces yields its vertices as points. Unknown statements are refused, and so are free-form
+//! curves and surfaces, whose control points do not lie on them.
 
 use super::decimal::coordinate;
 use super::fault::{Fault, FaultKind, Flaw, quoted};
@@ -60,7 +61,8 @@ impl Reader {
 }
 
 impl Content {
-    /// Reads a line. A backslash at its end continues the statement on the next line, except in a comment, where it may end a path.
+    /// Reads a line. A backslash at its end continues the statement on the next line, except in a comment, where it may
+    /// end a path.
     fn line<S: Sink>(&mut self, line: &[u8], sink: &mut S) -> Result<(), Flaw> {
         let line = trimmed(line);
         if self.begun.is_empty() && line.first() == Some(&b'#') {

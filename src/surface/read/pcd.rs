@@ -1,7 +1,8 @@
-//! Reader of PCD, the format of the Point Cloud Library, with data in text: a header that names the fields, then a point in each line.
+//! Reader of PCD, the format of the Point Cloud Library, with data in text: a header that names the fields, then a
+//! point in each line.
 //!
-//! The fields `x`, `y` and `z` are read, wherever they stand. Points whose coordinates are `nan` are places without a measurement, and are
-//! counted. Binary data are refused.
+//! The fields `x`, `y` and `z` are read, wherever they stand. Points whose coordinates are `nan` are places without a
+//! measurement, and are counted. Binary data are refused.
 
 use super::decimal::{coordinate, names_no_finite_number};
 use super::fault::{Fault, FaultKind, Flaw, quoted};

@@ -1,7 +1,8 @@
-//! Triangulation of polygons: the triangles have the polygon's orientation, so that area, moments and normals are the polygon's.
+//! Triangulation of polygons: the triangles have the polygon's orientation, so that area, moments and normals are the
+//! polygon's.
 //!
-//! A fan from the first corner covers every convex polygon and many others. Where a triangle of the fan would have the opposite
-//! orientation, ear clipping is used instead [Meisters 1975, two ears theorem].
+//! A fan from the first corner covers every convex polygon and many others. Where a triangle of the fan would have the
+//! opposite orientation, ear clipping is used instead [Meisters 1975, two ears theorem].
 
 use nalgebra::Vector3;
 
@@ -13,8 +14,8 @@ const MOST_CORNERS: usize = 1 << 16;
 /// The largest number of corners of a polygon that no fan covers: the time of ear clipping grows with its square.
 const MOST_CORNERS_BY_EARS: usize = 512;
 
-/// The share of a polygon's area by which a triangle may have the opposite orientation: corners in single precision are rounded by 6e-8
-/// of their size, which reverses triangles whose corners should be collinear.
+/// The share of a polygon's area by which a triangle may have the opposite orientation: corners in single precision are
+/// rounded by 6e-8 of their size, which reverses triangles whose corners should be collinear.
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// How well the triangles represent the polygon.
@@ -121,8 +122,8 @@ impl Ring {
         let mut left = corners.len();
         let mut at = 0;
         let mut refused = 0;
-        // At first a corner on the border of an ear blocks it. Where that leaves no ear, as where two parts of the outline coincide, only
-        // corners strictly inside block.
+        // At first a corner on the border of an ear blocks it. Where that leaves no ear, as where two parts of the
+        // outline coincide, only corners strictly inside block.
         let mut strict = false;
         // A simple polygon needs a few tests for each corner; this many mean that the polygon is not simple.
         let mut looks = 16 * corners.len();

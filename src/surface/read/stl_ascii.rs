@@ -1,8 +1,8 @@
 //! Reader of ASCII STL: `solid`, facets of three vertices each, `endsolid`; any number of solids.
 //!
-//! Keywords may have any case and words may be spread over lines in any way, except that the name of a solid ends with its line.
-//! Normals are ignored, because the corners define them: zero and NaN are accepted. The last `endsolid` may be missing, and so may
-//! one before another `solid`.
+//! Keywords may have any case and words may be spread over lines in any way, except that the name of a solid ends with
+//! its line. Normals are ignored, because the corners define them: zero and NaN are accepted. The last `endsolid` may
+//! be missing, and so may one before another `solid`.
 
 use super::decimal::{coordinate, number};
 use super::fault::{Fault, FaultKind, Flaw};

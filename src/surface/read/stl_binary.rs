@@ -1,5 +1,5 @@
-//! Reader of binary STL: a header of 80 bytes, which is ignored, a count of 4 bytes, and a record of 50 bytes for each facet: normal and
-//! corners in single precision, little-endian, and 2 bytes that programs use in different ways.
+//! Reader of binary STL: a header of 80 bytes, which is ignored, a count of 4 bytes, and a record of 50 bytes for each
+//! facet: normal and corners in single precision, little-endian, and 2 bytes that programs use in different ways.
 //!
 //! Normals are ignored, because the corners define them. Bytes after the last facet are counted.
 
@@ -60,7 +60,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Moves bytes from `chunk` to the incomplete header or record until it has `size` of them, and returns whether it has.
+    /// Moves bytes from `chunk` to the incomplete header or record until it has `size` of them, and returns whether it
+    /// has.
     fn complete(&mut self, chunk: &mut &[u8], size: usize) -> bool {
         let (part, rest) = chunk.split_at(chunk.len().min(size - self.length));
         self.begun[self.length..self.length + part.len()].copy_from_slice(part);

@@ -1,6 +1,6 @@
-//! Text in UTF-16 with a byte-order mark, converted to UTF-8 as it arrives.
+//! A streaming decoder of UTF-16 with a byte-order mark to UTF-8.
 
-/// Converts chunks that end anywhere.
+/// The decoder. Chunks may end anywhere.
 #[derive(Debug)]
 pub(super) struct Utf16 {
     is_big: bool,

@@ -1,5 +1,5 @@
-//! The vertices of an OBJ or PLY file, which are held because faces name them by number. They are stored in blocks of a fixed size:
-//! a growing vector would copy all of them to twice the memory each time that it is full.
+//! The vertices of an OBJ or PLY file, which are held because faces name them by number. They are stored in blocks of a
+//! fixed size: a growing vector would copy all of them to twice the memory each time that it is full.
 
 /// Vertices in a block: 96 KiB.
 const BLOCK: usize = 4096;

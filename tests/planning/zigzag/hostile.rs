@@ -1,4 +1,4 @@
-//! Meshes that no CAD system should write: the stages from facets to plans end, and every figure is a number.
+//! Degenerate meshes: all stages from facets to plans terminate, and every figure is finite.
 
 use super::{degrees, mm, published_cutters, settings};
 use scallopd::milling::Model;
@@ -13,7 +13,7 @@ fn of_facets(facets: impl IntoIterator<Item = [[f64; 3]; 3]>) -> Mesh {
     builder.finish(Unit::Millimetre, Facing::Up).unwrap()
 }
 
-/// How many plans there are; all of their figures are checked.
+/// The number of plans; all of their figures are checked.
 fn plans_on(mesh: &Mesh) -> usize {
     let selected = mesh.selected(&Selection::all(), &mesh.pieces()).unwrap();
     let visibility = mesh.visibility(degrees(85.0));
@@ -51,7 +51,7 @@ fn a_million_coincident_points_are_one() {
 }
 
 #[test]
-fn a_point_shared_by_all_facets_costs_no_quadratic_time() {
+fn a_point_shared_by_all_facets_takes_no_quadratic_time() {
     let rim = |index: u32| {
         let (sin, cos) = (std::f64::consts::TAU * f64::from(index) / 20_000.0).sin_cos();
         [20.0 * cos, 20.0 * sin, 0.0]
@@ -69,7 +69,7 @@ fn an_edge_of_many_facets_has_a_plan() {
 }
 
 #[test]
-fn sheets_that_cut_each_other_are_planned_by_what_is_seen() {
+fn intersecting_sheets_are_planned_by_their_visible_parts() {
     let mesh = of_facets([square([0.0, 0.0, 6.0, 6.0]), square([6.0, 6.0, 0.0, 0.0]), square([3.0, 3.0, 3.0, 3.0])].concat());
     assert_eq!(plans_on(&mesh), 2);
 }
@@ -85,7 +85,7 @@ fn slivers_beside_a_square_change_no_plan() {
 }
 
 #[test]
-fn a_part_of_a_kilometre_far_from_the_origin_ends() {
+fn planning_a_part_of_a_kilometre_far_from_the_origin_terminates() {
     let far = |facet: [[f64; 3]; 3]| facet.map(|[x, y, z]| [5e4 * x + 1e8, 5e4 * y - 1e8, z]);
     plans_on(&of_facets(square([0.0, 1.0, 2.0, 0.5]).map(far)));
 }

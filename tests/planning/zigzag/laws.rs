@@ -39,8 +39,8 @@ fn an_inclined_rectangle_takes_the_time_of_the_published_method() {
             #[expect(clippy::cast_precision_loss, reason = "hundreds")]
             let passes = plan.planes as f64;
             assert!((passes - expected.passes).abs() <= 1.0, "{passes} passes for {}", expected.passes);
-            // With the simulation's own number of passes nothing is left but spacings, kept in single precision, and
-            // the last one, which the border cuts short.
+            // With the simulation's number of passes, only the spacings differ, which are in single precision, and the
+            // last one, which ends at the border.
             let pass = travel_time(mm(if candidate == 0 { h } else { w }), limits).seconds();
             let link = travel_time(step_over, limits).seconds();
             let own = passes * pass + (passes - 1.0) * link;
@@ -101,8 +101,8 @@ fn two_pieces_take_the_sum_of_their_runs_and_links() {
     approx::assert_relative_eq!(plan.tour.run_length, 2.0 * alone.tour.run_length, max_relative = 1e-7);
     // Facets moved by 100 mm are rounded to 1e-14, and so are their spacings, which are kept in single precision.
     approx::assert_relative_eq!(plan.time.seconds() - plan.tour.lift_seconds, 2.0 * alone.time.seconds(), max_relative = 1e-7);
-    // One behind the other along the passes: the same planes with two runs each. Each piece is finished before the
-    // next, with one lift between them.
+    // One behind the other along the passes: the same planes with two runs each. Each piece is machined completely
+    // before the next, with one lift between them.
     let mut behind = one.clone();
     behind.extend(placed(&one, 0.0, [100.0, 0.0, 0.0]));
     let plan = ranked(&behind, &cutters[..1], &settings).plans.remove(0);

@@ -1,4 +1,4 @@
-//! Zigzag passes simulated on the surface: against the published and independent times, section 6 of the method on
+//! Zigzag passes simulated on the surface, compared with published and independent times, the published method on
 //! planes, laws, and the cutter's solid.
 
 mod hostile;
@@ -36,7 +36,7 @@ pub(crate) fn settings(model: Model) -> ZigzagSettings {
     ZigzagSettings { model, ..ZigzagSettings::new(mm(0.01), machine) }
 }
 
-/// The same in one direction.
+/// The same settings in one direction.
 pub(crate) fn in_direction(model: Model, direction: f64) -> ZigzagSettings {
     ZigzagSettings { directions: Directions::Only(vec![degrees(direction)]), ..settings(model) }
 }

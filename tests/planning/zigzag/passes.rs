@@ -1,4 +1,4 @@
-//! Plans point by point.
+//! Passes of plans, point by point.
 
 use super::surfaces::{facets, published};
 use super::{degrees, drive, in_direction, mm, published_cutters, ranked};
@@ -81,7 +81,7 @@ fn points_lie_in_the_planes_and_have_the_heights_of_the_model() {
             approx::assert_relative_eq!(point.feed_rate.mm_min(), point.feed_per_tooth.unwrap().mm() * 20_000.0, max_relative = 1e-12);
         }
     }
-    // Feeds give way where step-overs leave room; where they leave none, it is for 1 in 100 points at the most.
+    // Feeds are reduced where step-overs allow it; at most 1 in 100 points has no such feed.
     println!("{over} of {} points over the tolerance", passes.points.len());
     assert!(100 * over <= passes.points.len(), "{over} of {}", passes.points.len());
 }

@@ -64,11 +64,11 @@ fn an_independent_simulation_takes_the_same_time_in_every_direction() {
             let ranking = ranked(&facets, &cutters, &in_direction(Model::Analytic, direction.as_f64().unwrap()));
             for plan in &ranking.plans {
                 let expected = reference[name][["toroidal", "ball_end"][plan.candidate]][index].as_f64().unwrap();
-                // The reference knows no lifts.
+                // The reference has no lifts.
                 let ratio = (plan.time.seconds() - plan.tour.lift_seconds) / expected;
-                // It is good to about 1 %, and its links are as long as the spacing. Along a border at 45 deg they
-                // are sqrt(2) as long, which takes the cube root of that, 1.12 times as long: 10 ms of about 0.6 s
-                // for a pass and its link, 1.6 %.
+                // It is good to about 1 %, and its links are as long as the spacing. Along a border at 45 deg they are
+                // sqrt(2) as long, which takes the cube root of that, 1.12 times as long: 10 ms of about 0.6 s for a
+                // pass and its link, 1.6 %.
                 assert!((ratio - 1.0).abs() < 0.032, "{name}, cutter {} at {direction} deg: {ratio}", plan.candidate);
                 ratios.push(ratio);
             }

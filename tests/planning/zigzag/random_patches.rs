@@ -1,4 +1,4 @@
-//! Which cutter is named on random smooth patches, against a simulation of its own kind: on samples of the patch in
+//! The fastest cutter on random smooth patches, compared with an independent simulation on samples of the patch in
 //! place of facets.
 
 use super::surfaces::{BezierPatch, Patch, cross, dot, facets, unit};
@@ -7,14 +7,14 @@ use scallopd::milling::Model;
 use scallopd::motion::{Preset, travel_time};
 use scallopd::quantity::Length;
 
-/// How many patches are compared. A run of 200 is stated in benches/README.md.
+/// The number of patches. benches/README.md has the result for 200.
 const PATCHES: u32 = 5;
 
-/// Samples in each parameter. The worst of a strip's samples stands for its worst point; with a quarter as many it
-/// allows up to a sixth too much.
+/// The number of samples along each parameter. The worst sample of a strip represents its worst point; with a quarter
+/// as many, the step-over is up to a sixth too large.
 const SAMPLES: u32 = 180;
 
-/// Numbers from 0 to 1 that look random (Knuth's multiplier).
+/// Pseudo-random numbers from 0 to 1 (Knuth's multiplier).
 fn random(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     f64::from(u32::try_from(*state >> 32).unwrap()) / f64::from(u32::MAX)
@@ -35,7 +35,7 @@ fn patch(state: &mut u64) -> BezierPatch {
     BezierPatch { net }
 }
 
-/// A sample of a patch: place, unit normal, area seen from above.
+/// A sample of a patch: point, unit normal, area seen from above.
 struct Sample {
     place: [f64; 3],
     normal: [f64; 3],
@@ -53,9 +53,8 @@ fn samples(patch: &BezierPatch) -> Vec<Sample> {
     (0..SAMPLES).flat_map(|i| (0..SAMPLES).map(move |j| at(i, j))).collect()
 }
 
-/// The time of zigzag passes in one direction by the rules of the paper: the spacing of each strip is that of its
-/// worst sample, the length of a pass that of the samples in a window around its plane, and links are as long as the
-/// spacing.
+/// The time of zigzag passes in one direction by the rules of the paper: the spacing of each strip is that of its worst
+/// sample, the length of a pass that of the samples in a window around its plane, and links are as long as the spacing.
 fn time(samples: &[Sample], direction: f64, core: f64, corner: f64) -> f64 {
     let limits = Preset::named("five_axis_vmc").unwrap().limits;
     let (sin, cos) = direction.to_radians().sin_cos();
@@ -101,7 +100,7 @@ fn time(samples: &[Sample], direction: f64, core: f64, corner: f64) -> f64 {
 }
 
 #[test]
-fn the_faster_cutter_is_named_on_random_patches() {
+fn the_faster_cutter_is_recommended_on_random_patches() {
     let mut state = 12;
     let settings = settings(Model::Analytic);
     let (mut agree, mut clear, mut losses) = (0, 0, Vec::new());

@@ -15,7 +15,7 @@ fn level(n: usize) -> Vec<FinishFacet> {
 }
 
 #[test]
-fn candidates_come_fastest_first_and_never_under_their_bound() {
+fn candidates_are_sorted_by_time_and_never_under_their_bound() {
     let facets = facets(&published(1), 50, 50);
     let mut candidates = published_cutters().to_vec();
     candidates.push(CandidateCutter::new(Cutter::ball_end(mm(4.0))));
@@ -70,7 +70,7 @@ fn a_flat_end_along_the_level_line_has_no_step_over() {
 }
 
 #[test]
-fn no_facets_have_no_plan() {
+fn a_surface_without_facets_has_no_plan() {
     let ranking = ranked(&[], &published_cutters(), &settings(Model::Envelope));
     assert_eq!((ranking.plans.len(), ranking.not_ranked.len()), (0, 2));
 }
@@ -116,7 +116,7 @@ fn feed_marks_narrow_the_spacing_and_slow_teeth_the_feed() {
 }
 
 #[test]
-fn confidence_names_what_weakens_it() {
+fn confidence_lists_the_weaknesses() {
     let facets = facets(&published(1), 80, 80);
     let ranking = ranked(&facets, &published_cutters(), &settings(Model::Envelope));
     let confidence = ranking.confidence.unwrap();
@@ -128,7 +128,7 @@ fn confidence_names_what_weakens_it() {
 }
 
 #[test]
-fn a_ranking_that_nobody_waits_for_ends_early() {
+fn a_cancelled_ranking_ends_early() {
     let facets = facets(&published(1), 60, 60);
     let settings = settings(Model::Envelope);
     let asked = AtomicUsize::new(0);
@@ -140,7 +140,7 @@ fn a_ranking_that_nobody_waits_for_ends_early() {
     // Two cutters in 46 directions, each with some 80 planes.
     let in_all = asked.into_inner();
     assert!(in_all > 200, "{in_all}");
-    // Wherever it is stopped, few looks are left: one for each thing that would have begun.
+    // After the cancellation, the flag is checked only a few times: once for each step that would have started.
     for stopped_at in [0, 1, 10, in_all / 2, in_all - 10] {
         let asked = AtomicUsize::new(0);
         let stop = || asked.fetch_add(1, Ordering::Relaxed) >= stopped_at;

@@ -1,5 +1,4 @@
-//! Plans against the cutter's solid on smooth surfaces: what the imprints of two neighbouring passes leave between
-//! them.
+//! Plans against the cutter's solid on smooth surfaces: the height that two neighbouring passes leave between them.
 
 use super::surfaces::{Height, dot, facets, unit};
 use super::{mm, ranked, settings};
@@ -37,8 +36,8 @@ impl Solid {
         [x + out * n[0], y + out * n[1], z + self.corner * (n[2] - 1.0)]
     }
 
-    /// How far over `from` along `n` the solid with its tip at `tip` begins, up to `most`: by halving, since a ray up
-    /// enters it once.
+    /// The distance from `from` along `n` to the solid with its tip at `tip`, up to `most`. Bisection suffices, because
+    /// a ray up enters the solid once.
     fn height(self, tip: [f64; 3], from: [f64; 3], n: [f64; 3], most: f64) -> f64 {
         let inside = |t: f64| {
             let p = [0, 1, 2].map(|axis| from[axis] + t * n[axis] - tip[axis]);
@@ -90,7 +89,7 @@ fn scallops_between_imprints_keep_the_tolerance_and_use_it() {
                     continue;
                 }
                 places += 1;
-                // The imprints beside the place, every 0.02 mm: between them stands 0.02^2/8/1.5 mm, 0.03 um.
+                // The tips beside the point, every 0.02 mm; between them 0.02^2/8/1.5 mm = 0.03 um are left.
                 let tips: Vec<[f64; 3]> = (-75..=75)
                     .flat_map(|mark| pair.iter().map(move |&across| (along + 0.02 * f64::from(mark), across)))
                     .map(|(along, across)| place(along, across))

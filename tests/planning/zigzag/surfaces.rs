@@ -1,5 +1,4 @@
-//! Surfaces for the tests as facets with exact normals' slopes left to the facets and exact curvatures: Bezier
-//! patches, planes, quadrics.
+//! Surfaces for the tests, as facets with the exact curvatures: Bezier patches, planes, quadrics.
 
 use scallopd::surface::FinishFacet;
 
@@ -98,8 +97,8 @@ pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
 
 /// The curvature tensor of a patch, positive where convex seen against the upward normal, as xx, xy, xz, yy, yz, zz.
 ///
-/// With the dual vectors g^u, g^v of the tangents the tensor is -(L g^u g^u + M (g^u g^v + g^v g^u) + N g^v g^v), L =
-/// n r_uu and so on.
+/// With the dual vectors g^u, g^v of the tangents the tensor is -(L g^u g^u + M (g^u g^v + g^v g^u) + N g^v g^v), L = n
+/// r_uu and so on.
 pub(crate) fn curvature([_, ru, rv, ruu, ruv, rvv]: [[f64; 3]; 6]) -> [f64; 6] {
     let up = |n: [f64; 3]| if n[2] < 0.0 { n.map(|c| -c) } else { n };
     let n = up(unit(cross(ru, rv)));

@@ -100,8 +100,8 @@ __all__ = [
 class Client:
     """Calls one server.
 
-    Threads may share a client: each call under way uses a connection of its own, and idle connections are kept for the next calls.
-    A process made by `fork` needs a client of its own.
+    Threads may share a client: each call under way uses a connection of its own, and idle connections are kept for the next
+    calls. A process made by `fork` needs a client of its own.
 
     A parameter that is None is not sent. Numbers of a batch come from any sequences: lists, tuples, `array.array`, numpy arrays.
 
@@ -119,11 +119,11 @@ class Client:
     ) -> None:
         """
         `base_url`: the server, with the path under which a proxy offers it, if any.
-        `timeout`: seconds that an attempt may take from connecting to the answer's last byte. In an upload each piece of 256 KiB has
-        this time to be sent, and the answer has it from the last piece on. The default exceeds the server's own limit of 60 s,
-        whose answer says more.
-        `retry_for`: seconds that a call waits, in all, between attempts, when the server is overloaded or restarts. Zero turns
-        repeating off; connections that broke while idle are always replaced. A call that timed out is not repeated.
+        `timeout`: seconds that an attempt may take from connecting to the answer's last byte. In an upload each piece of 256 KiB
+        has this time to be sent, and the answer has it from the last piece on. The default exceeds the server's own limit of 60
+        s, whose answer has more detail.
+        `retry_for`: seconds that a call waits, in all, between attempts, when the server is overloaded or restarts. Zero disables
+        repeating; connections that broke while idle are always replaced. A call that timed out is not repeated.
         `headers`: sent with every request, such as `authorization` for a proxy.
         """
         self._transport = Transport(base_url, timeout, retry_for, headers or {}, ssl_context)
@@ -226,9 +226,9 @@ class Client:
     ) -> Recommendation:
         """`recommend` with the surface in a file (STL, OBJ, PLY, 3MF or text), whose bytes are read while they are sent.
 
-        A file is a path, bytes or an open binary file; `File(source, name)` names bytes, because the suffix helps to know the format.
-        The cutters of `libraries` (Fusion, FreeCAD or CSV) join `cutters`. A file that cannot be read twice, such as a pipe, is sent
-        once: the call is then not repeated.
+        A file is a path, bytes or an open binary file; `File(source, name)` names bytes, because the suffix helps to detect the
+        format. The cutters of `libraries` (Fusion, FreeCAD or CSV) join `cutters`. A file that cannot be read twice, such as a
+        pipe, is sent once: the call is then not repeated.
         """
         body = _recommendation(cutters, scallop_height_mm, machine, cast(Dict[str, Any], parameters))
         parts = [("surface", _file(surface))] + [("library", _file(library)) for library in libraries]

@@ -17,7 +17,7 @@ class Timeout(ScallopdError, TimeoutError):
 
 
 class ConnectionLost(ScallopdError, ConnectionError):
-    """No connection held for long enough to get an answer, in all the time that the client repeats a call."""
+    """No attempt got an answer in the time in which the client repeats a call."""
 
 
 class InvalidAnswer(ScallopdError):
@@ -29,11 +29,11 @@ class Fault:
     """One fault of a request."""
 
     pointer: str
-    """Where: a JSON pointer (RFC 6901) into the request, or the line or byte of an upload."""
+    """The location: a JSON pointer (RFC 6901) into the request."""
     code: str
-    """What: one of the service's fault codes."""
+    """One of the service's fault codes."""
     detail: str
-    """What is wrong and what is allowed, for a person."""
+    """What is wrong and what is expected, for people."""
 
 
 class Problem(ScallopdError):
@@ -47,7 +47,7 @@ class Problem(ScallopdError):
         self.detail = str(content.get("detail", ""))
         self.instance = str(content.get("instance", ""))
         self.request_id: Optional[str] = content.get("request_id")
-        """The id that the server's log lines of this request carry."""
+        """The request's id, which is in the server's log lines."""
         self.errors: List[Fault] = [
             Fault(str(error.get("pointer", "")), str(error.get("code", "")), str(error.get("detail", "")))
             for error in content.get("errors", [])
@@ -57,7 +57,7 @@ class Problem(ScallopdError):
         """With status 429 or 503: the seconds that the server asks to wait."""
         self.members: Dict[str, Any] = dict(content)
         """The whole problem as the server wrote it."""
-        # A single fault is the problem's own detail, which has no place.
+        # The only fault is the problem's own detail, which has no location.
         place = f"{self.errors[0].pointer}: " if len(self.errors) == 1 and self.errors[0].pointer else ""
         lines = [f"{self.status} {self.type}: {place}{self.detail}"]
         if len(self.errors) > 1:

@@ -39,7 +39,7 @@ class File:
             self._start = self._file.tell()
 
     def length(self) -> Optional[int]:
-        """The number of bytes from the file's position to its end; None where only reading can tell."""
+        """The number of bytes from the file's position to its end; None if it is known only after reading."""
         if self._path is not None:
             return os.stat(self._path).st_size
         if not self.replayable or self._file is None:
@@ -49,7 +49,7 @@ class File:
         return end - self._start
 
     def chunks(self, length: Optional[int]) -> Iterator[bytes]:
-        """The bytes. `length` is what was announced: a file that has become longer is sent to there, a shorter one is an error."""
+        """The bytes. `length` is the announced length: of a longer file only so many bytes are sent, a shorter one is an error."""
         if self._path is not None:
             with open(self._path, "rb") as file:
                 yield from _read(file, length, self.name)

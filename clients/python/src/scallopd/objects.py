@@ -72,7 +72,7 @@ class Contact(TypedDict, total=False):
 
 
 class BatchContact(Contact, total=False):
-    """A contact of a batch, with what differs from the batch's shared parameters."""
+    """A contact of a batch, with its own parameters in place of the shared ones."""
 
     step_over_mm: float
     step_over_xy_mm: float
@@ -242,14 +242,14 @@ class _WarningText(TypedDict):
 
 
 class Warning(_WarningText, total=False):
-    """What is answered but must be looked at; in a batch with the number of contacts concerned."""
+    """A fact about an answer that needs attention; in a batch with the number of contacts."""
 
     contacts: int
     first_index: int
 
 
 class Check(TypedDict):
-    """The chosen model's height against the exact cutter's."""
+    """The comparison of the model's height with that of the cutter's exact shape."""
 
     envelope_scallop_height_mm: float
     deviation: float
@@ -416,7 +416,7 @@ class Plan(TypedDict, total=False):
 
 
 class NotRanked(TypedDict, total=False):
-    """A cutter that is not ranked, and why."""
+    """A cutter that is not ranked, and the reason."""
 
     cutter: int
     name: str

@@ -19,7 +19,7 @@ from .errors import ConnectionLost, InvalidAnswer, Timeout, problem_from
 FIRST_PAUSE_S = 0.05
 LONGEST_PAUSE_S = 1.0
 REPEATED_STATUSES = (429, 502, 503)
-"""The service's own when it is at its limit, and 502 of a proxy whose connection to a replica broke."""
+"""The statuses of the service at its limit, and 502 of a proxy whose connection to a replica broke."""
 
 
 class Body(Protocol):
@@ -53,7 +53,7 @@ class JsonBody:
 
 
 def _plain(value: Any) -> Any:
-    """What `json` does not know: numpy arrays and scalars and `array.array` by their `tolist`, other buffers, mappings, iterables."""
+    """Converts values that `json` does not support: numpy arrays and scalars and `array.array` by `tolist`, other buffers, mappings, iterables."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Mapping):
@@ -69,7 +69,7 @@ def _plain(value: Any) -> Any:
 
 
 class _BodyError(Exception):
-    """Reading the body's source failed. Keeps its `OSError` apart from those of the connection."""
+    """Reading the body's source failed. Distinguishes its `OSError` from those of the connection."""
 
     def __init__(self, cause: OSError) -> None:
         super().__init__(str(cause))
@@ -110,7 +110,7 @@ class _DeadlineReader(io.RawIOBase):
 
 
 class _DeadlineSocket:
-    """What `http.client.HTTPResponse` needs of a socket."""
+    """The part of a socket that `http.client.HTTPResponse` uses."""
 
     def __init__(self, sock: socket.socket, until: float) -> None:
         self._reader = _DeadlineReader(sock)
@@ -177,7 +177,7 @@ class Transport:
                 raise Timeout(f"{method} {self._base_url}{path}: no answer within {self._timeout:g} s") from None
             except (OSError, http.client.HTTPException) as error:
                 if idle is not None:
-                    continue  # A stale connection is no sign of trouble: the next idle one, then a new one, follow at once.
+                    continue  # A stale connection is no failure: the next idle one, then a new one, is tried at once.
                 wait = pause
                 if not repeatable or wait > left:
                     raise ConnectionLost(f"{method} {self._base_url}{path}: {error or type(error).__name__}") from error

@@ -1,4 +1,4 @@
-//! The rules that a body can break as it arrives, before its content is looked at.
+//! The rules that a request's body can break while it is received, before it is parsed.
 
 use std::fmt;
 use std::time::Duration;
@@ -12,26 +12,26 @@ use crate::memory_budget::BudgetExceeded;
 /// The rule that a body broke.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum BodyFault {
-    /// More bytes than are accepted, decompressed.
+    /// The body has more bytes than are accepted, counted after decompression.
     TooLarge {
-        /// How many are accepted.
+        /// The number of bytes that are accepted.
         max_bytes: u64,
     },
-    /// Nothing came for too long.
+    /// No data arrived for too long.
     Stalled {
-        /// How long nothing may come.
+        /// The longest pause that is accepted.
         longest: Duration,
     },
-    /// It came too slowly on average.
+    /// The average rate was too low.
     TooSlow {
-        /// The slowest average that is accepted.
+        /// The lowest average rate that is accepted.
         min_bytes_s: u64,
     },
-    /// It came in very many tiny pieces.
+    /// The body arrived in too many small chunks.
     Fragmented,
-    /// There is no memory to hold it.
+    /// The memory budget has no room for the body.
     Memory(BudgetExceeded),
-    /// It could not be read or decompressed.
+    /// The body could not be read or decompressed.
     Unreadable(String),
 }
 
@@ -39,9 +39,9 @@ impl fmt::Display for BodyFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooLarge { max_bytes } => write!(f, "the body, counted decompressed, is larger than {max_bytes} bytes"),
-            Self::Stalled { longest } => write!(f, "nothing of the body came for {} s", longest.as_secs()),
-            Self::TooSlow { min_bytes_s } => write!(f, "the body came at less than {min_bytes_s} bytes a second"),
-            Self::Fragmented => write!(f, "the body came in too many chunks of a few bytes"),
+            Self::Stalled { longest } => write!(f, "no data of the body arrived for {} s", longest.as_secs()),
+            Self::TooSlow { min_bytes_s } => write!(f, "the body arrived at less than {min_bytes_s} bytes a second"),
+            Self::Fragmented => write!(f, "the body arrived in too many chunks of a few bytes"),
             Self::Memory(exceeded) => write!(f, "{exceeded}"),
             Self::Unreadable(cause) => write!(f, "the body could not be read: {cause}"),
         }

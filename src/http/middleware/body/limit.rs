@@ -1,4 +1,5 @@
-//! A body that ends with an error at its largest size, and whose bytes are reserved from the memory budget while they are held.
+//! The limit of a request body's size. A body over the limit ends with an error; its bytes are reserved from the memory
+//! budget while they are held.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ impl LimitedBody {
     }
 }
 
-/// Bytes that return their share of the budget when the last reference to them is dropped.
+/// Bytes with their reservation, which returns to the budget when the last reference to them is dropped.
 struct ReservedBytes {
     bytes: Bytes,
     _reservation: Reservation,

@@ -1,6 +1,6 @@
-//! Rules for a request's body: how slowly it may arrive (`wire`), how large it may be once decompressed (`limit`), and how long the
-//! answer may take after its last byte. A body that breaks a rule ends with an error, and the answer is the rule's problem whatever the
-//! handler made of that error.
+//! Rules for a request's body: the lowest rate of arrival (`wire`), the largest size after decompression (`limit`), and
+//! the longest time from its last byte to the answer. A body that breaks a rule ends with an error. The answer is then
+//! the rule's problem, whatever the handler returned.
 
 mod fault;
 mod limit;
@@ -54,15 +54,15 @@ impl BodyRules {
         }
     }
 
-    /// Ends the body, which is decompressed, at the largest size.
+    /// Limits the decompressed body to the largest size.
     pub(super) fn limit(&self, request: Request) -> Request {
         let progress = BodyProgress::of(&request);
         request.map(|body| Body::new(limit::LimitedBody::new(body, self.max_bytes, progress)))
     }
 }
 
-/// `answer`, where it comes within `longest` of the request's last byte and the body broke no rule. A long upload over a slow line is
-/// not a slow answer.
+/// Returns `answer` if it is ready within `longest` of the request's last byte and the body broke no rule. The time of
+/// the upload does not count: it depends on the client's connection.
 pub(super) async fn answer_in_time(longest: Duration, progress: Arc<BodyProgress>, answer: impl Future<Output = Response>) -> Response {
     let mut answer = std::pin::pin!(answer);
     let answer = loop {

@@ -1,4 +1,4 @@
-//! The record of a body's arrival, which the log, the pace and the limit share.
+//! The progress of a request's body. The log, the minimum rate and the size limit share one record.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -10,19 +10,19 @@ use tokio::time::Instant;
 use super::fault::BodyFault;
 use crate::memory_budget::MemoryBudget;
 
-/// The arrival of one request's body. The layer that identifies requests adds it to the request's extensions.
+/// The progress of one request's body. The outermost layer adds it to the request's extensions.
 #[derive(Debug)]
 pub(in super::super) struct BodyProgress {
     began: Instant,
-    /// Bytes over the wire, before decompression.
+    /// Bytes received, before decompression.
     wire_bytes: AtomicU64,
     decompressed_bytes: AtomicU64,
-    /// When bytes last came, in ms since `began`.
+    /// The time of the last bytes, in ms since `began`.
     last_byte_ms: AtomicU64,
-    /// Whether a part of the body has not been read.
+    /// Whether a part of the body is still unread.
     is_unread: AtomicBool,
     fault: OnceLock<BodyFault>,
-    /// What the body's bytes are reserved from while they are held.
+    /// The budget from which the body's bytes are reserved while they are held.
     budget: MemoryBudget,
 }
 
@@ -46,7 +46,7 @@ impl BodyProgress {
         progress.map_or_else(|| unreachable!("the outermost layer adds the record"), Arc::clone)
     }
 
-    /// Adds bytes that came over the wire; all so far.
+    /// Adds received bytes and returns their total.
     pub(super) fn add_wire_bytes(&self, bytes: u64) -> u64 {
         // 2^64 ms are half a billion years.
         let elapsed = u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX);
@@ -54,7 +54,7 @@ impl BodyProgress {
         self.wire_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes
     }
 
-    /// Adds bytes that were decompressed, or came as they are; all so far.
+    /// Adds bytes after decompression and returns their total.
     pub(super) fn add_decompressed_bytes(&self, bytes: u64) -> u64 {
         self.decompressed_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes
     }
@@ -67,7 +67,7 @@ impl BodyProgress {
         self.wire_bytes.load(Ordering::Relaxed)
     }
 
-    /// When bytes last came; before any, when the request's head did.
+    /// The time of the last bytes; before the first, the time of the request's head.
     pub(super) fn last_byte(&self) -> Instant {
         self.began + Duration::from_millis(self.last_byte_ms.load(Ordering::Relaxed))
     }
@@ -81,7 +81,7 @@ impl BodyProgress {
         self.is_unread.load(Ordering::Relaxed)
     }
 
-    /// Records that the body broke a rule. Only the first fault counts: later ones follow from it.
+    /// Records that the body broke a rule. Only the first fault is kept: later ones follow from it.
     pub(super) fn note_fault(&self, fault: BodyFault) -> BodyFault {
         self.fault.get_or_init(|| fault).clone()
     }

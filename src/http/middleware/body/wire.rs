@@ -1,5 +1,6 @@
-//! A body as it comes over the wire: counted, gathered into frames of some size, and ended with an error where it stalls or trickles.
-//! Only the time spent waiting for the client counts, not the time that the server takes over what came.
+//! A request's body before decompression. It is counted, its small frames are joined, and it ends with an error if it
+//! stalls or is too slow. Only the time spent waiting for the client counts, not the time in which the server processes
+//! the data.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -14,50 +15,52 @@ use tokio::time::{Instant, Sleep, sleep_until};
 use super::fault::BodyFault;
 use super::progress::BodyProgress;
 
-/// Frames smaller than this are gathered: a client may send a body in chunks of one byte, each of which would pass through all layers.
+/// Smaller frames are joined: a client may send a body in chunks of one byte, each of which would pass through all
+/// layers.
 const SMALL_FRAME: usize = 4 * 1024;
 
-/// Small frames are gathered up to this size.
+/// Small frames are joined up to this size.
 const GATHERED_FRAME: usize = 16 * 1024;
 
-/// A body may have this many frames, and beyond them one for each so many bytes: each frame takes processor time.
+/// A body may have this many frames, and beyond them one for each `MIN_AVERAGE_FRAME` bytes: each frame takes processor
+/// time.
 const FREE_FRAMES: u64 = 1 << 16;
 const MIN_AVERAGE_FRAME: u64 = 64;
 
-/// How slowly a body may come.
+/// The limits of a slow body.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Pace {
-    /// How long nothing may come.
+    /// The longest pause.
     pub(super) longest_stall: Duration,
-    /// The slowest average since the body's first byte.
+    /// The lowest average rate since the body's first byte.
     pub(super) min_bytes_s: u64,
 }
 
 impl Pace {
-    /// How far a body may be behind the slowest average: packets are lost and sent again, and small bodies come in one.
+    /// The time by which a body may be late against the lowest average rate, because lost packets are sent again.
     const TOLERANCE: Duration = Duration::from_secs(2);
 
-    /// Whether `bytes` that were waited for so long came too slowly.
+    /// Whether the average rate of `bytes` received in the time `waited` is too low.
     #[expect(clippy::cast_precision_loss, reason = "rates need no more than a double's digits, and 2^53 bytes are 8 PiB")]
     fn is_too_slow(&self, bytes: u64, waited: Duration) -> bool {
         (bytes as f64) < self.min_bytes_s as f64 * waited.saturating_sub(Self::TOLERANCE).as_secs_f64()
     }
 }
 
-/// A body whose arrival is recorded and paced.
+/// A body whose progress is recorded and whose rate is checked.
 pub(in super::super) struct WireBody {
     body: Body,
     pace: Pace,
     progress: Arc<BodyProgress>,
     frames: u64,
     gathered: BytesMut,
-    /// The frame after those gathered.
+    /// The frame after those joined.
     next: Option<Frame<Bytes>>,
     has_ended: bool,
     /// The time spent waiting since the first byte.
     waited: Duration,
     waiting_since: Option<Instant>,
-    /// Wakes the task when the body has stalled too long, or before.
+    /// Wakes the task when the longest pause has passed, or earlier.
     alarm: Option<Pin<Box<Sleep>>>,
 }
 
@@ -77,7 +80,7 @@ impl WireBody {
         }
     }
 
-    /// Records that a frame of `bytes` came, and checks the average since the first of them.
+    /// Records a frame of `bytes`, and checks the average rate since the first.
     fn note_frame(&mut self, bytes: u64) -> Result<(), BodyFault> {
         let is_first = self.frames == 0;
         self.frames += 1;
@@ -96,12 +99,12 @@ impl WireBody {
         Ok(())
     }
 
-    /// Ready when the body has stalled too long.
+    /// Ready when the longest pause has passed.
     fn poll_stall(&mut self, context: &mut Context<'_>) -> Poll<BodyFault> {
         let longest = self.pace.longest_stall;
         let deadline = *self.waiting_since.get_or_insert_with(Instant::now) + longest;
         loop {
-            // An alarm that is too early costs less than one that is set anew for each frame.
+            // An early wake-up costs less than resetting the timer for each frame.
             let alarm = self.alarm.get_or_insert_with(|| Box::pin(sleep_until(deadline)));
             if alarm.is_elapsed() {
                 alarm.as_mut().reset(deadline);
@@ -113,12 +116,12 @@ impl WireBody {
         }
     }
 
-    /// The frames gathered, as one.
+    /// The joined frames.
     fn take_gathered(&mut self) -> Option<Frame<Bytes>> {
         (!self.gathered.is_empty()).then(|| Frame::data(self.gathered.split().freeze()))
     }
 
-    /// The next frame of some size. The connection hands over one frame at a time, so that small ones are held until others follow.
+    /// The next frame. The connection returns one frame at a time; a small one is held until others follow.
     fn poll_gathered(&mut self, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::BoxError>>> {
         if let Some(next) = self.next.take() {
             return Poll::Ready(Some(Ok(next)));
@@ -182,7 +185,8 @@ mod tests {
 
     const PACE: Pace = Pace { longest_stall: Duration::from_secs(15), min_bytes_s: 100 };
 
-    /// What becomes of a body of `pieces` of so many bytes, each sent after such a pause. The clock is tokio's paused one.
+    /// The fault, if any, of a body of `pieces` chunks of `bytes` bytes, each sent after `pause`. The clock is tokio's
+    /// paused clock.
     async fn receive(pieces: u32, bytes: usize, pause: Duration) -> Option<BodyFault> {
         let (mut sender, body) = Channel::<Bytes, axum::BoxError>::new(1);
         tokio::spawn(async move {
@@ -217,18 +221,18 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn the_average_counts_from_the_first_byte() {
-        // Within the longest stall, and 100 bytes a second later than 3 s after the first: 2 s are tolerated.
+        // The pause is within the longest, and the second 100 bytes arrive 3 s after the first: 2 s are tolerated.
         assert_eq!(receive(14, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { min_bytes_s: 100 }));
         assert_eq!(receive(3, 1, Duration::from_millis(900)).await, None);
-        // The time until the first byte is the stall's.
+        // The time until the first byte counts only as a pause.
         assert_eq!(receive(1, 1, Duration::from_secs(14)).await, None);
     }
 
-    /// The lengths of the frames in which bytes that come in frames of these sizes are passed on, and the fault.
+    /// The sizes of the frames passed on when frames of `sizes` are received, and the fault.
     async fn passed_on(sizes: Vec<usize>) -> (Vec<usize>, Option<BodyFault>) {
         let expected: Vec<u8> = (0_u8..251).cycle().take(sizes.iter().sum()).collect();
         let mut left = &expected[..];
-        // All frames are there at once.
+        // All frames are available at once.
         let (mut sender, body) = Channel::<Bytes, axum::BoxError>::new(sizes.len());
         for size in sizes {
             sender.send_data(Bytes::copy_from_slice(left.split_off(..size).unwrap())).await.unwrap();
@@ -248,7 +252,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn small_frames_are_gathered_and_large_ones_passed_on_in_order() {
+    async fn small_frames_are_joined_and_large_ones_passed_on_in_order() {
         let mut sizes = vec![1; 40_000];
         sizes.extend([10_000, 1, 2, 5000, 3]);
         assert_eq!(passed_on(sizes).await, (vec![16_384, 16_384, 7232, 10_000, 3, 5000, 3], None));

@@ -86,8 +86,8 @@ impl Type {
 #[derive(Debug)]
 pub(super) struct HeaderLines {
     begun: Vec<u8>,
-    /// The line end of the first line, which holds for all. After `end_header` and a CR, a LF may be the first byte of binary data; it is
-    /// part of the line end only if the first line ends so.
+    /// The line end of the first line, which holds for all. After `end_header` and a CR, a LF may be the first byte of
+    /// binary data; it is part of the line end only if the first line ends so.
     ending: Option<u8>,
     /// The first line ended with a CR; the next byte shows whether a LF belongs to it.
     after_cr: bool,
@@ -119,12 +119,12 @@ impl HeaderLines {
         flaw.at_line(self.ended)
     }
 
-    /// The refusal of a file that ends here.
+    /// The fault of a file that ends in its header.
     pub(super) fn cut_off(&self) -> Fault {
         Flaw::new(FaultKind::Truncated, "a header that ends with \"end_header\"", "the end of the file").at_line(self.ended + 1)
     }
 
-    /// Takes the header's part off `chunk`, and returns the header when it is complete.
+    /// Reads the header's bytes from `chunk`, and returns the header when it is complete.
     pub(super) fn push(&mut self, chunk: &mut &[u8]) -> Result<Option<Header>, Fault> {
         while let Some((&byte, rest)) = chunk.split_first() {
             if self.after_cr && byte != b'\n' {

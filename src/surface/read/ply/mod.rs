@@ -1,10 +1,11 @@
-//! Reader of PLY: a header that describes elements and their properties, then the rows of one element after the other, as text or
-//! binary in either byte order.
+//! Reader of PLY: a header that describes elements and their properties, then the rows of one element after the other,
+//! as text or binary in either byte order.
 //!
-//! Vertices need scalars x, y and z of any type; faces a list `vertex_indices` or `vertex_index` of integers. Other properties
-//! and other elements are skipped by their description in the header. Vertices must come before faces. A file without faces
-//! yields its vertices as points, which are not held. Triangle strips (`tristrips`) are read as well: every vertex after the
-//! first two of a strip forms a triangle with the two before it, and -1 starts another strip.
+//! Vertices need scalars x, y and z of any type; faces a list `vertex_indices` or `vertex_index` of integers. Other
+//! properties and other elements are skipped by their description in the header. Vertices must come before faces. A
+//! file without faces yields its vertices as points, which are not held. Triangle strips (`tristrips`) are read as
+//! well: every vertex after the first two of a strip forms a triangle with the two before it, and -1 starts another
+//! strip.
 
 mod ascii;
 mod binary;

@@ -1,9 +1,9 @@
-//! Splits the triangle strips of PLY into facets.
+//! Conversion of the triangle strips of PLY to facets.
 
 use super::super::mesh::Mesh;
 use super::Sink;
 
-/// A strip while it is read.
+/// A strip that is being read.
 #[derive(Debug, Default)]
 pub(super) struct Strip {
     /// The last two vertices, or fewer at the start of a strip.
@@ -13,8 +13,8 @@ pub(super) struct Strip {
 }
 
 impl Strip {
-    /// Adds the vertex of this number, and passes the triangle that it closes to the sink; `None` starts another strip. Returns
-    /// `None` where the vertex is missing.
+    /// Adds the vertex of this number, and passes the triangle that it closes to the sink; `None` starts another strip.
+    /// Returns `None` where the vertex is missing.
     pub(super) fn add<S: Sink>(&mut self, vertex: Option<usize>, mesh: &mut Mesh, sink: &mut S) -> Option<()> {
         let Some(vertex) = vertex else {
             *self = Self::default();

@@ -1,7 +1,7 @@
 //! Blocks of whole lines of a long text, which several threads can read in parallel.
 //!
-//! Where a block ends depends on the text alone, not on the chunks in which it arrives, so that sums over blocks are reproducible to the
-//! bit. The caller chooses the threads.
+//! Where a block ends depends on the text alone, not on the chunks in which it arrives, so that sums over blocks are
+//! reproducible to the bit. The caller chooses the threads.
 
 use super::super::fault::Fault;
 use super::super::lines::{LONGEST_LINE, line_end};
@@ -18,7 +18,8 @@ pub struct TextBlock {
     layout: Layout,
 }
 
-/// The result of reading a block, which the caller passes to [`Reader::record_block`](crate::surface::read::Reader::record_block).
+/// The result of reading a block, which the caller passes to
+/// [`Reader::record_block`](crate::surface::read::Reader::record_block).
 #[derive(Debug)]
 #[must_use = "the reader needs it to count lines and points and to report faults"]
 pub struct BlockOutcome {

@@ -1,13 +1,13 @@
-//! Tables without a header that can be read in two ways: as columns between commas or numbers with decimal commas, as points or as a
-//! matrix of heights.
+//! Tables without a header that can be read in two ways: as columns between commas or numbers with decimal commas, as
+//! points or as a matrix of heights.
 
 use super::super::decimal::number;
 use super::super::fault::{FaultKind, Flaw, quoted};
 use super::super::lines::trimmed;
 use super::layout::Separator;
 
-/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with opacity,
-/// intensity and time.
+/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with
+/// opacity, intensity and time.
 const WIDEST_POINT: usize = 12;
 
 /// The readings that the lines so far leave open.
@@ -42,15 +42,15 @@ impl Doubt {
         Ok(Self { first_line: number, first: quoted(trimmed(line)), commas, width: width.filter(|width| *width > 3) })
     }
 
-    /// Takes a line of data, the first one included, into account.
+    /// Adds a line of data, including the first one.
     pub(super) fn look_at(&mut self, line: &[u8]) {
         if let Some((least, most)) = self.commas {
             self.commas = decimal_comma_fields(line).map(|count| (least.min(count), most.max(count)));
         }
     }
 
-    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal point has shown that
-    /// commas separate columns.
+    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal
+    /// point has shown that commas separate columns.
     pub(super) fn flaw(&self, points: u64, has_mark: bool) -> Option<(Flaw, u64)> {
         if let Some((least, most)) = self.commas.filter(|_| !has_mark)
             && (least == 6 || least != most)
@@ -70,8 +70,9 @@ fn is_whole(field: &[u8], mark: u8) -> bool {
     number(field, mark).is_some_and(|(_, length)| length == field.len())
 }
 
-/// The number of fields between commas in a line that can also be read as three numbers with decimal commas between commas: three
-/// to six whole numbers, of which the second, fourth and sixth of six have no sign and no blank before them.
+/// The number of fields between commas in a line that can also be read as three numbers with decimal commas between
+/// commas: three to six whole numbers, of which the second, fourth and sixth of six have no sign and no blank before
+/// them.
 fn decimal_comma_fields(line: &[u8]) -> Option<usize> {
     let fields: Vec<&[u8]> = trimmed(line).split(|byte| *byte == b',').take(7).collect();
     let is_possible = |(index, field): (usize, &&[u8])| {

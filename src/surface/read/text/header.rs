@@ -34,7 +34,8 @@ impl Header {
         Ok(None)
     }
 
-    /// The header with these columns; `None` where two axes share a column, as with a separator that the line does not have.
+    /// The header with these columns; `None` where two axes share a column, as with a separator that the line does not
+    /// have.
     fn of(names: &[Name], candidates: &[Vec<usize>; 3]) -> Result<Option<Self>, Flaw> {
         for (axis, columns) in candidates.iter().enumerate() {
             if let [one, other, ..] = columns[..] {
@@ -85,7 +86,8 @@ impl Name<'_> {
         self.words[after..].iter().rev().find_map(|word| length_unit(word)).transpose()
     }
 
-    /// The rank of the name for an axis, the best first: 0 for the axis alone or with a unit, 1 if it begins with it, 2 if it contains it.
+    /// The rank of the name for an axis, the best first: 0 for the axis alone or with a unit, 1 if it begins with it, 2
+    /// if it contains it.
     fn rank(&self, axis: usize) -> Option<u8> {
         let index = [b"0", b"1", b"2"][axis];
         match &self.words[..] {
@@ -106,8 +108,8 @@ fn candidates(names: &[Name], axis: usize) -> Vec<usize> {
     ranks().filter(|(_, rank)| Some(*rank) == best).map(|(column, _)| column).collect()
 }
 
-/// The names of a header, without an empty one after a separator at its end. Between blanks, a unit in brackets belongs to the name
-/// before it.
+/// The names of a header, without an empty one after a separator at its end. Between blanks, a unit in brackets belongs
+/// to the name before it.
 fn names(line: &[u8], separator: Separator) -> Vec<Name<'_>> {
     let mut names: Vec<Name> = Vec::new();
     for text in separator.fields(line) {
@@ -144,7 +146,8 @@ fn length_unit(word: &[u8]) -> Option<Result<Unit, Flaw>> {
     }))
 }
 
-/// The unit of three columns. Where only some of them state one, it must be the millimetre, which is assumed for the others.
+/// The unit of three columns. Where only some of them state one, it must be the millimetre, which is assumed for the
+/// others.
 fn unit_of(units: [Option<Unit>; 3]) -> Result<Option<Unit>, Flaw> {
     let mut stated = units.into_iter().flatten();
     let Some(first) = stated.next() else { return Ok(None) };

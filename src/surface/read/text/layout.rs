@@ -1,4 +1,4 @@
-//! How the lines of a text are split into columns and numbers.
+//! The layout of a text: how lines are split into columns and numbers.
 
 use super::super::decimal::{bounded, names_no_finite_number, number, unbounded};
 use super::super::fault::{FaultKind, Flaw, quoted};
@@ -15,8 +15,8 @@ pub(super) enum Separator {
 }
 
 impl Separator {
-    /// In the order in which they are tried: where a line can be read with two of them, the first counts. Decimal commas leave
-    /// `1,5;2,5;3,5` to the semicolon, and `1, 2, 3` is not three numbers between blanks.
+    /// In the order in which they are tried. If a line can be read with two of them, the first is used. Decimal commas
+    /// leave `1,5;2,5;3,5` to the semicolon, and `1, 2, 3` is not three numbers between blanks.
     pub(super) const ALL: [Self; 4] = [Self::Semicolon, Self::Tab, Self::Comma, Self::Blanks];
 
     pub(super) fn byte(self) -> u8 {
@@ -77,7 +77,7 @@ fn quotation_end(text: &[u8]) -> usize {
     at
 }
 
-/// How the lines of a file are read.
+/// The layout of the lines of a file.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Layout {
     pub(super) separator: Separator,
@@ -110,7 +110,8 @@ impl Layout {
         }
     }
 
-    /// Checks that `read` columns and those in `rest` are as many as the header names. A separator at the end of the line adds no column.
+    /// Checks that `read` columns and those in `rest` are as many as the header names. A separator at the end of the
+    /// line adds no column.
     fn check_width(&self, read: usize, rest: Option<&[u8]>, width: usize) -> Result<(), Flaw> {
         let further = match rest {
             None => 0,
@@ -176,8 +177,8 @@ impl Layout {
         }
     }
 
-    /// The number in an unusual field: with a decimal comma as the first mark of the file, in quotation marks, or after blanks
-    /// between tabs; else the reason why it is not a number.
+    /// The number in an unusual field: with a decimal comma as the first mark of the file, in quotation marks, or after
+    /// blanks between tabs; else the reason why it is not a number.
     fn odd_number<'a>(&mut self, rest: &'a [u8]) -> Result<(f64, Option<&'a [u8]>), Flaw> {
         let (field, after) = self.separator.split(rest);
         let bare = trimmed(field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\"")).unwrap_or(field));

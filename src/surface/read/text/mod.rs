@@ -1,12 +1,12 @@
-//! Reader of points in lines of text, as spreadsheets, measuring machines and scanners write them: a point in each line, its coordinates
-//! in columns.
+//! Reader of points in lines of text, as spreadsheets, measuring machines and scanners write them: a point in each
+//! line, its coordinates in columns.
 //!
-//! The first line of data shows the separator of the file: semicolon, tab, comma or blanks, whichever first yields three numbers;
-//! a line `sep=;` states it. The decimal mark is a point, or, where the comma does not separate, a comma; the first coordinate
-//! with a mark decides. A header may name the columns x, y and z, in any order and case, and their unit, also in a comment or
-//! with a row of units below; without a header they are the first three. Every line after a header must have its columns. A line
-//! with one whole number before the points is their count, as in PTS. Lines that are blank or begin with `#` or `//` are
-//! comments.
+//! The first line of data shows the separator of the file: semicolon, tab, comma or blanks, whichever first yields
+//! three numbers; a line `sep=;` states it. The decimal mark is a point, or, where the comma does not separate, a
+//! comma; the first coordinate with a mark decides. A header may name the columns x, y and z, in any order and case,
+//! and their unit, also in a comment or with a row of units below; without a header they are the first three. Every
+//! line after a header must have its columns. A line with one whole number before the points is their count, as in PTS.
+//! Lines that are blank or begin with `#` or `//` are comments.
 //!
 //! A table that can be read in two ways is refused with [`FaultKind::Ambiguous`].
 
@@ -61,8 +61,8 @@ impl Reader {
         self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
     }
 
-    /// Takes the next bytes of a text that arrives this way as a whole. Blocks are appended to `blocks` once the lines before them have
-    /// determined the layout.
+    /// Takes the next bytes of a text that arrives this way as a whole. Blocks are appended to `blocks` once the lines
+    /// before them have determined the layout.
     pub(super) fn push_in_blocks<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S, blocks: &mut Vec<TextBlock>) -> Result<(), Fault> {
         while !chunk.is_empty() {
             let Some(lines) = self.blocks.next(&mut chunk) else { continue };
@@ -144,7 +144,7 @@ impl Table {
         Ok(())
     }
 
-    /// A comment before the data may name the columns.
+    /// Keeps a comment before the data, which may name the columns.
     fn comment(&mut self, comment: &[u8]) {
         let content = without_hard_blanks(comment);
         let content = trimmed_start(content.strip_prefix(b"//").unwrap_or_else(|| &content[1..]));
@@ -158,7 +158,8 @@ impl Table {
         self.stated.and_then(|stated| all.iter().position(|separator| *separator == stated)).map_or(all, |at| &all[at..=at])
     }
 
-    /// Reads a line before any data: the first of them, a header, a row of units, a count or a separator. Only data have a point.
+    /// Reads a line before any data: the first of them, a header, a row of units, a count or a separator. Only data
+    /// have a point.
     fn first(&mut self, line: &[u8], number: u64) -> Result<Option<[f64; 3]>, Flaw> {
         if self.header.is_none()
             && let Some(separator) = stated_separator(line)

@@ -9,7 +9,8 @@ use std::collections::HashMap;
 /// The deepest nesting of components.
 const DEEPEST: usize = 32;
 
-/// The largest number of objects that are placed, counted each time. Components of components grow exponentially with their depth.
+/// The largest number of objects that are placed, counted each time. Components of components grow exponentially with
+/// their depth.
 const MOST_PLACED: u64 = 100_000;
 
 /// The build of a package.
@@ -22,7 +23,8 @@ pub(super) struct Build<'a> {
 }
 
 impl<'a> Build<'a> {
-    /// The build of `models`, by their paths in lower case, with at most four facets for each vertex that a package may have.
+    /// The build of `models`, by their paths in lower case, with at most four facets for each vertex that a package may
+    /// have.
     pub(super) fn new(models: &'a HashMap<String, Model>, vertex_limit: usize) -> Self {
         Self { models, most_facets: (vertex_limit as u64).saturating_mul(4), facets: 0, placed: 0, left_out: 0 }
     }

@@ -1,12 +1,13 @@
-//! Reader of 3MF: a ZIP package with models in XML, whose objects are meshes or components of other objects, placed by build items.
+//! Reader of 3MF: a ZIP package with models in XML, whose objects are meshes or components of other objects, placed by
+//! build items.
 //!
-//! The directory of a ZIP archive stands at its end, so the compressed file is held, up to [`DEFAULT_ARCHIVE_LIMIT`]; the models are
-//! inflated and parsed as streams. The meshes are held, too, up to the limit on vertices, because components place them. Objects of
-//! the types `support` and `other` are not part of the surface and are counted. The model's unit is passed on in the summary, and every
-//! coordinate is in that unit.
+//! The directory of a ZIP archive stands at its end, so the compressed file is held, up to [`DEFAULT_ARCHIVE_LIMIT`];
+//! the models are inflated and parsed as streams. The meshes are held, too, up to the limit on vertices, because
+//! components place them. Objects of the types `support` and `other` are not part of the surface and are counted. The
+//! model's unit is passed on in the summary, and every coordinate is in that unit.
 //!
-//! The core specification and its production extension (models in several files) are read. Extensions that do not change the surface,
-//! such as materials, are ignored; a model that requires any other extension is refused.
+//! The core specification and its production extension (models in several files) are read. Extensions that do not
+//! change the surface, such as materials, are ignored; a model that requires any other extension is refused.
 
 mod build;
 mod model;
@@ -21,8 +22,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use xml::Event;
 
-/// The default limit on the size of a compressed 3MF file, in bytes; [`Reader::with_archive_limit`](super::Reader::with_archive_limit)
-/// changes it.
+/// The default limit on the size of a compressed 3MF file, in bytes;
+/// [`Reader::with_archive_limit`](super::Reader::with_archive_limit) changes it.
 pub const DEFAULT_ARCHIVE_LIMIT: usize = 256 << 20;
 
 /// The limits of a package: 2 GiB after inflation are some 25 million facets.
@@ -63,7 +64,8 @@ impl Reader {
         let unit = model.unit;
         let items = model.items.clone();
         let mut models = HashMap::from([(root.to_lowercase(), model)]);
-        // Models in other files, named by build items and components; the files that these name are read in the next round.
+        // Models in other files, named by build items and components; the files that these name are read in the next
+        // round.
         let mut wanted = models_named_by(&models[&root.to_lowercase()]);
         while let Some(path) = wanted.pop() {
             if models.contains_key(&path.to_lowercase()) {

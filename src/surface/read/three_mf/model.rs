@@ -1,4 +1,4 @@
-//! A model of 3MF: its unit, its objects and its build items.
+//! Parser of a 3MF model: its unit, its objects and its build items.
 
 use super::super::LARGEST_COORDINATE;
 use super::super::decimal::coordinate;
@@ -106,7 +106,7 @@ pub(super) struct Room {
 }
 
 impl Room {
-    /// Room for so many vertices and twice as many triangles, which a closed mesh has.
+    /// Room for `limit` vertices and twice as many triangles, as in a closed mesh.
     pub(super) fn for_vertices(limit: usize) -> Self {
         Self { vertex_limit: limit, vertices: limit, triangles: limit.saturating_mul(2), parts: MOST_PARTS }
     }

@@ -92,7 +92,7 @@ fn local(name: &str) -> &str {
     name.rsplit_once(':').map_or(name, |(_, local)| local)
 }
 
-/// Bounds the bytes that the parser collects in its buffer for one event.
+/// A reader that bounds the bytes of one event in the parser's buffer.
 struct Metered<R> {
     inner: R,
     read: u64,

@@ -1,5 +1,5 @@
-//! Calls a server with the client that progenitor generates from the OpenAPI 3.0 document: typed requests, typed answers, a typed problem.
-//! Usage: scallopd-contract-client BASE_URL EXAMPLES_FOLDER
+//! Calls a server with the client that progenitor generates from the OpenAPI 3.0 document: typed requests, typed
+//! answers, a typed problem. Usage: scallopd-contract-client BASE_URL EXAMPLES_FOLDER
 
 #![deny(warnings)]
 
@@ -90,7 +90,7 @@ async fn problem(client: &Client) -> Result<(), Box<dyn StdError>> {
     Ok(())
 }
 
-/// The generator knows no forms: the form is made by hand, of generated types.
+/// The generator does not support forms, so the form is built by hand from generated types.
 async fn upload(base_url: &str, examples: &str) -> Result<(), Box<dyn StdError>> {
     let example: Value = read(examples, "cutter_recommendation_upload.request")?;
     let parameters: types::RecommendationParameters = serde_json::from_value(example["parameters"].clone())?;
@@ -105,7 +105,7 @@ async fn upload(base_url: &str, examples: &str) -> Result<(), Box<dyn StdError>>
     Ok(())
 }
 
-/// Later versions may add codes.
+/// An unknown code must be accepted, because later versions may add codes.
 fn unknown_code() -> Result<(), Box<dyn StdError>> {
     let warning: types::Warning = serde_json::from_value(json!({"code": "a-code-of-a-later-version", "detail": "news"}))?;
     assert_eq!(warning.code.as_str(), "a-code-of-a-later-version");
@@ -137,7 +137,8 @@ fn typed<T: DeserializeOwned + Serialize>(request: Value) -> Result<T, Box<dyn S
     Ok(typed)
 }
 
-/// Fails unless the values agree, numbers to 1e-9 of themselves. Empty lists may be absent: the generator does not tell the two apart.
+/// Fails unless the values agree, numbers to a relative 1e-9. Empty lists may be absent: the generator does not
+/// distinguish them.
 fn alike(expected: &Value, found: &Value, place: &str) {
     match (expected, found) {
         (Value::Object(expected), Value::Object(found)) => {
