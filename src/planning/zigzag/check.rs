@@ -47,7 +47,7 @@ const CHOSEN: usize = 1600;
 const STRIPS: usize = 400;
 
 /// How many places are chosen from a strip at most: half of them because they bind it.
-const MOST_OF_STRIP: usize = 2 * BINDING;
+const MOST_OF_STRIP: usize = 6;
 
 /// How often the spacing follows from a check.
 const ROUNDS: usize = 4;
@@ -137,10 +137,13 @@ impl<'a> Inspector<'a> {
     fn evaluate(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Evaluated> {
         let stride = planes.len().div_ceil(STRIPS).max(1);
         let of_strip = (CHOSEN * stride / planes.len().max(1)).clamp(2, MOST_OF_STRIP) / 2;
-        let risky = self.riskiest(spaced, planes, stride);
+        // A ball's spacing is exact to second order at every slope.
+        let is_ball = self.cutter.core_radius().mm() == 0.0;
+        let risky = if is_ball { vec![[(0.0, 0); BINDING]; planes.len()] } else { self.riskiest(spaced, planes, stride) };
         let chosen = planes.iter().zip(&risky).enumerate().step_by(stride).flat_map(|(strip, (plane, risky))| {
             let binding = plane.binding.into_iter().flatten().take(of_strip);
-            let risky = risky.iter().take(of_strip).map(|&(_, facet)| facet).filter(|facet| !plane.binding.contains(&Some(*facet)));
+            let risky = risky.iter().take(of_strip).filter(|(risk, _)| *risk > 0.0).map(|&(_, facet)| facet);
+            let risky = risky.filter(|facet| !plane.binding.contains(&Some(*facet)));
             binding.chain(risky).map(move |facet| (strip, facet))
         });
         let places: Vec<(usize, u32)> = Self::by_strip(spaced, planes, drawn).into_iter().chain(chosen).collect();
@@ -273,7 +276,9 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
         let by_inverse = inspector.widest(spaced, facet, spacing).map(|widest| widest / spacing);
         // Heights go about with the square of the spacing.
         let correction = by_inverse.unwrap_or_else(|| if height.is_finite() { (AIM * tolerance / height).sqrt() } else { 0.5 });
-        Some(if is_over { correction.clamp(0.5, AIM) } else { correction.clamp(1.0, 1.2) })
+        // A factor that would make the spacing wider than the cutter would leave later corrections without effect.
+        let widest = (spaced.widest / spacing).clamp(1.0, 1.2);
+        Some(if is_over { correction.clamp(0.5, AIM) } else { correction.clamp(1.0, widest) })
     };
     let corrections: Vec<Option<f64>> = highest.par_iter().enumerate().with_min_len(8).map(correction).collect();
     #[expect(clippy::float_cmp, reason = "1 where nothing is corrected")]

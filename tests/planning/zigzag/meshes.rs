@@ -6,7 +6,7 @@ use scallopd::planning::Level;
 use scallopd::planning::zigzag::{CandidateCutter, SurfaceWeakness, ZigzagPlan, heights};
 use scallopd::quantity::Angle;
 use scallopd::surface::mesh::Selection;
-use scallopd::surface::{Facing, FinishFacet, Grid, MeshBuilder, Sink, Unit};
+use scallopd::surface::{Facing, FinishFacet, Grid, MeshBuilder, Unit};
 
 /// The facets of a grid of points, with their curvatures as the service estimates them.
 fn estimated(rows: u32, columns: u32, at: impl Fn(u32, u32) -> [f64; 3]) -> Vec<FinishFacet> {
