@@ -1,6 +1,6 @@
 //! Cutting parameters: the step-over and feed per tooth that finish the most area per time under a tolerance on the scallop height.
 
-use super::{EvaluatedPass, NoAnswer};
+use super::{EvaluatedPass, NoAnswer, Runout};
 use crate::quantity::Length;
 use std::fmt;
 
@@ -78,10 +78,18 @@ impl CuttingLimits {
     }
 }
 
-/// Places of the first search over the feed, evenly over its logarithm, and the ratio of the largest feed to the smallest. Where h is smooth the product has
-/// one maximum, and at less than a hundredth of the largest feed the marks no longer count.
-const PLACES: i32 = 10;
+/// The ratio of the largest feed to the smallest of the first search over the feed: at less than a hundredth of the largest feed the marks no longer count.
 const FEED_RANGE: f64 = 256.0;
+
+/// Places of that search, evenly over the feed's logarithm. Where h is smooth the product has one maximum.
+const PLACES: u8 = 10;
+
+/// Places with runout, where the product has a maximum for deep marks alone and one for deep and shallow ones. The feeds of the two differ by some share of the number of teeth;
+/// neighbouring places differ by 15 %.
+const PLACES_WITH_RUNOUT: u8 = 40;
+
+/// Between places 15 % apart, a maximum is at most 1 % higher than at the nearest place, where the product is as flat as that of a circle; all places that are this near to the best are refined.
+const NEARLY_BEST: f64 = 0.95;
 
 /// The ratio by which neighbouring feeds differ where the search ends. Around its maximum the product falls with the square of that:
 /// 1e-8.
@@ -106,10 +114,20 @@ impl EvaluatedPass {
         let step_over = |feed: f64| self.widest(tolerance, Length::computed(feed), limits.max_step_over);
         let area = |feed: f64| step_over(feed).map_or(0.0, |step_over| step_over.mm() * feed);
 
-        let ratio = FEED_RANGE.powf(-1.0 / f64::from(PLACES - 1));
-        let places = (0..PLACES).map(|place| largest_feed.mm() * ratio.powi(place)).map(|feed| (feed, area(feed)));
+        let count = if self.pass().runout == Runout::NONE { PLACES } else { PLACES_WITH_RUNOUT };
+        let ratio = FEED_RANGE.powf(-1.0 / f64::from(count - 1));
+        let mut places = [(0.0, 0.0); PLACES_WITH_RUNOUT as usize];
+        let places = &mut places[..usize::from(count)];
+        for (place, exponent) in places.iter_mut().zip(0..) {
+            let feed = largest_feed.mm() * ratio.powi(exponent);
+            *place = (feed, area(feed));
+        }
+        if places.iter().skip(1).all(|(_, area)| *area <= 0.0) {
+            // At the largest feed roundings decide whether the marks leave the tolerance; at the next one they do not.
+            step_over(places[1].0)?;
+        }
         let fastest = |best: (f64, f64), next: (f64, f64)| if next.1 > best.1 { next } else { best };
-        let mut best = places.reduce(fastest).unwrap_or((largest_feed.mm(), 0.0));
+        let mut best = places.iter().copied().fold((largest_feed.mm(), 0.0), fastest);
         // Where the largest step-over begins to bind the product has a corner, which the search would find only nearly.
         if let Some(max_step_over) = limits.max_step_over
             && let Ok(feed) = self.max_feed_per_tooth(tolerance, max_step_over)
@@ -117,7 +135,15 @@ impl EvaluatedPass {
             let feed = feed.mm().min(largest_feed.mm());
             best = fastest(best, (feed, area(feed)));
         }
-        best = fastest(best, highest(best.0 * ratio, (best.0 / ratio).min(largest_feed.mm()), area));
+        let area_at = |place: Option<usize>| place.and_then(|place| places.get(place)).map_or(0.0, |(_, area)| *area);
+        let nearly = NEARLY_BEST * best.1;
+        let peaks = places
+            .iter()
+            .enumerate()
+            .filter(|(place, (_, area))| *area >= nearly && *area >= area_at(place.checked_sub(1)) && *area >= area_at(Some(place + 1)));
+        for (_, (feed, _)) in peaks {
+            best = fastest(best, highest(feed * ratio, (feed / ratio).min(largest_feed.mm()), area));
+        }
 
         let feed_per_tooth = Length::computed(best.0);
         let mut step_over = self.widest(tolerance, feed_per_tooth, limits.max_step_over)?;
@@ -163,11 +189,15 @@ impl EvaluatedPass {
     ) -> Result<CuttingParameters, NoAnswer> {
         let reached = |value: Length, limit: Length| (value.mm() / limit.mm() - 1.0).abs() <= REACHED;
         let height = self.scallop_height(step_over, Some(feed_per_tooth))?.total();
+        let by_feed = limits.max_feed_per_tooth.is_some_and(|limit| reached(feed_per_tooth, limit));
+        let by_step_over = limits.max_step_over.is_some_and(|limit| reached(step_over, limit));
+        // Unless limits bind both, the tolerance binds one of them, also where the height jumps over it.
+        let by_tolerance = reached(height, tolerance) || !(by_feed && by_step_over);
         let limited_by = [
-            reached(height, tolerance).then_some(LimitedBy::ScallopTolerance),
-            limits.max_feed_per_tooth.filter(|limit| reached(feed_per_tooth, *limit)).map(|_| LimitedBy::MaxFeedPerTooth),
+            by_tolerance.then_some(LimitedBy::ScallopTolerance),
+            by_feed.then_some(LimitedBy::MaxFeedPerTooth),
             limits.min_step_over.filter(|limit| reached(step_over, *limit)).map(|_| LimitedBy::MinStepOver),
-            limits.max_step_over.filter(|limit| reached(step_over, *limit)).map(|_| LimitedBy::MaxStepOver),
+            by_step_over.then_some(LimitedBy::MaxStepOver),
         ];
         Ok(CuttingParameters { step_over, feed_per_tooth, limited_by })
     }

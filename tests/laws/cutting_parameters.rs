@@ -3,7 +3,7 @@
 use crate::laws::passes::{BOTH, evaluated, height, mm, passes, toroidal};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, CuttingLimits, EvaluatedPass, LimitedBy, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, CuttingLimits, EvaluatedPass, LimitedBy, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 
 fn at_40_deg(cutter: Cutter) -> Pass {
     let contact = Contact::from_degrees(40.0, 30.0).unwrap();
@@ -39,8 +39,6 @@ proptest! {
 
     #[test]
     fn no_pair_on_a_grid_is_faster(pass in passes(), tolerance in 0.002..0.02_f64, largest_feed in 0.02..0.5_f64) {
-        // With runout the product has a second maximum, where deep marks alone begin to clear enough, which the search can miss: docs/envelope-on-curved-surfaces.md.
-        let pass = Pass { runout: Runout::NONE, ..pass };
         let limits = CuttingLimits::new(Some(mm(largest_feed)), None, Some(mm(2.0))).unwrap();
         for model in BOTH {
             let Ok(evaluated) = EvaluatedPass::new(model, pass) else { continue };
@@ -56,4 +54,59 @@ proptest! {
             }
         }
     }
+}
+
+/// One maximum of the product is that of the deepest tooth's marks alone, the other that of deep and shallow marks; here they are nearly equal.
+#[test]
+fn both_maxima_with_runout_are_found() {
+    for (teeth, radial, axial) in [(2, 0.0061, -0.0067), (3, 0.0061, -0.0067), (2, 0.003, 0.001), (4, 0.001, 0.002), (6, 0.002, 0.0)] {
+        let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
+        for alpha in [0.0, 20.0, 55.0, 90.0] {
+            let contact = Contact::from_degrees(43.8, alpha).unwrap();
+            let pass = Pass {
+                cutter: toroidal(0.5, 0.14),
+                contact,
+                surface: SurfaceCurvature::PLANE,
+                runout,
+                teeth: std::num::NonZeroU32::new(teeth),
+            };
+            let envelope = evaluated(Model::Envelope, pass);
+            for tolerance in [0.002, 0.005, 0.008, 0.01, 0.012, 0.015, 0.02] {
+                let Ok(fastest) = envelope.fastest(mm(tolerance), &CuttingLimits::NONE) else { continue };
+                let found = fastest.step_over.mm() * fastest.feed_per_tooth.mm();
+                for place in 1..=200 {
+                    let feed = 0.4 * f64::from(place) / 200.0;
+                    let area = envelope.max_step_over(mm(tolerance), Some(mm(feed))).map_or(0.0, |widest| widest.mm() * feed);
+                    assert!(area <= found * (1.0 + 1e-6), "{area} at {feed}, {fastest:?}, tolerance {tolerance}, {pass:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Along a wall the step-over leaves nothing, whatever it is: without a largest one there is no fastest.
+#[test]
+fn without_a_largest_step_over_there_is_no_fastest_along_a_wall() {
+    for (cutter, tolerance, smallest) in [
+        (Cutter::flat_end(mm(12.962_432_073_597_608)), 0.027_853_027_670_048_557, Some(mm(0.18))),
+        (Cutter::ball_end(mm(10.0)), 0.01, None),
+        (toroidal(5.0, 0.4), 0.02, Some(mm(0.5))),
+    ] {
+        let contact = Contact::from_degrees(90.0, 90.0).unwrap();
+        let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
+        let found = evaluated(Model::Envelope, pass).fastest(mm(tolerance), &CuttingLimits::new(None, smallest, None).unwrap());
+        assert!(matches!(found, Err(NoAnswer::ToleranceLimitsNoStepOver { .. })), "{found:?}");
+    }
+}
+
+/// The tolerance binds where the height jumps over it at a larger feed or step-over.
+#[test]
+fn the_tolerance_is_named_wherever_limits_do_not_bind_both_lengths() {
+    let runout = Runout::NONE.with_radial_mm(0.003_522_595_252_865_276_4).unwrap().with_axial_mm(0.003_443_138_659_330_416_8).unwrap();
+    let cutter = Cutter::toroidal(mm(13.126_799_813_871_317), mm(0.431_257_225_048_038_4)).unwrap();
+    let contact = Contact::from_degrees(0.0, 90.0).unwrap();
+    let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout, teeth: std::num::NonZeroU32::new(2) };
+    let limits = CuttingLimits::new(Some(mm(6_366.817_544_471_17 / 16_000.0)), None, None).unwrap();
+    let fastest = evaluated(Model::Envelope, pass).fastest(mm(0.005_565_678_660_558_304), &limits).unwrap();
+    assert_eq!(fastest.limited_by().collect::<Vec<_>>(), [LimitedBy::ScallopTolerance, LimitedBy::MaxFeedPerTooth]);
 }

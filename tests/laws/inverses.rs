@@ -3,7 +3,7 @@
 use crate::laws::passes::{BOTH, has_lobes, height, mm, passes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
-use scallopd::milling::{EvaluatedPass, NoAnswer, Pass, Runout};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, NoAnswer, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Angle;
 
 /// The height at a largest feed or step-over is the tolerance. With runout the height can jump where the deep marks alone cease
@@ -82,4 +82,14 @@ proptest! {
             assert_relative_eq!(runout.feed_per_tooth(spacing, climb).unwrap().mm(), feed, max_relative = 1e-11);
         }
     }
+}
+
+/// Along a wall marks leave the same whatever the step-over: with marks too far apart there is none.
+#[test]
+fn along_a_wall_marks_over_the_tolerance_leave_no_step_over() {
+    let contact = Contact::from_degrees(90.0, 90.0).unwrap();
+    let cutter = Cutter::toroidal(mm(1.0), mm(0.025)).unwrap();
+    let surface = SurfaceCurvature::PLANE;
+    let evaluated = EvaluatedPass::new(BOTH[1], Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).unwrap();
+    assert!(matches!(evaluated.max_step_over(mm(0.001), Some(mm(0.396))), Err(NoAnswer::FeedUsesUpTolerance { .. })));
 }

@@ -2,6 +2,7 @@
 //! where the two differ.
 
 use super::Envelope;
+use super::clearing::Clearing;
 use super::newton::{self, Lengths, Place, Sought};
 use super::outline::{Cleared, Outline, Outlook};
 use super::section::{Pattern, Section};
@@ -161,6 +162,7 @@ impl Envelope {
         if !pattern.is_even() || !self.is_quick(pattern.spacing) {
             return None;
         }
-        newton::solve_from(&self.body, sought, lengths, Place { t: cleared.right, x: cleared.right_x, neighbour_x: cleared.left_x })
+        let place = Place { t: cleared.right, x: [cleared.right_x; 2], neighbour_x: [cleared.left_x; 2] };
+        newton::solve_from(&self.body, sought, lengths, place, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
     }
 }

@@ -12,9 +12,12 @@
 
 mod body;
 mod chord;
+mod clearing;
+mod closed_form;
 mod concave;
 mod newton;
 mod outline;
+mod runout;
 mod section;
 
 use super::gouging;
@@ -123,9 +126,17 @@ impl Envelope {
         let room = tolerance.mm() - step_over_height.mm();
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().min(largest);
         let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
-        let quick = if self.drop == 0.0 { self.quickly(lengths, Sought::MarkSpacing) } else { None };
+        let quick = if let Some(feed) = self.feed_on_floor_or_wall(tolerance.mm(), s) {
+            Some(feed.min(largest))
+        } else if self.pattern(guess).is_even() {
+            self.quickly(lengths, Sought::MarkSpacing).map(|found| found.mark_spacing)
+        } else if self.is_convex_up_to(tolerance.mm()) {
+            self.quick_feed_with_runout(tolerance.mm(), s, step_over_height.mm(), guess)
+        } else {
+            None
+        };
         let height = |feed: f64| self.level(s, self.pattern(feed));
-        let quick = quick.map(|found| found.mark_spacing).filter(|feed| (Length::SMALLEST..=largest).contains(feed));
+        let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
         let found = self.feed_at(tolerance.mm(), s, quick, guess, largest);
         match found {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
@@ -194,8 +205,15 @@ impl Envelope {
         let on_floor = 2.0 * (core + (2.0 * corner * p).sqrt());
         let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
-        let quick = if pattern.is_even() { self.quickly(lengths, Sought::StepOver) } else { None };
-        let quick = quick.map(|found| found.step_over);
+        let quick = if let Some(step_over) = self.step_over_on_floor_or_wall(p, &pattern) {
+            Some(step_over.min(largest))
+        } else if pattern.is_even() {
+            self.quickly(lengths, Sought::StepOver).map(|found| found.step_over)
+        } else if self.is_convex_up_to(p) {
+            self.quick_step_over_with_runout(p, &pattern, guess)
+        } else {
+            None
+        };
         let width = if self.is_convex_up_to(p) {
             quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p))
         } else {
@@ -258,7 +276,8 @@ impl Envelope {
         if across > 2.0 * outer || s > self.largest_step_over(0.0) {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
         }
-        if across.hypot(along) > 2.0 * outer {
+        // The largest step-over and feed lie on this border to a rounding.
+        if across.hypot(along) > 2.0 * outer * (1.0 + 4.0 * f64::EPSILON) {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
         self.level(s, pattern).ok_or_else(|| self.no_height(s))
@@ -268,7 +287,8 @@ impl Envelope {
     fn level(&self, s: f64, pattern: Pattern) -> Option<f64> {
         let f = pattern.spacing;
         if !pattern.is_even() {
-            return self.searched_level(s, pattern, self.guess(s, pattern));
+            let quick = self.level_on_floor_or_wall(s, &pattern).or_else(|| self.quick_level_with_runout(s, &pattern));
+            return quick.filter(|level| self.is_convex_up_to(*level)).or_else(|| self.searched_level(s, pattern, self.guess(s, pattern)));
         }
         if self.pass.surface.is_plane()
             && let Some(closed) = self.closed_form(s, f)
@@ -283,25 +303,6 @@ impl Envelope {
         }
     }
 
-    /// h on a plane for marks of equal depth, where it has a closed form.
-    fn closed_form(&self, s: f64, f: f64) -> Option<f64> {
-        let (slope, outer) = (self.contact().slope(), self.cutter.outer_radius().mm());
-        if slope.cos() == 0.0 {
-            // Only the cylinder touches a wall.
-            return Some(circle_height(outer, (s * self.spacing_ratio()).hypot(f * self.climb.cos())));
-        }
-        if slope.sin() == 0.0 {
-            // The corners of the rectangle between two teeth of two passes lie on the flat or on the corner's round.
-            let beyond_flat = s.hypot(f) - 2.0 * self.cutter.core_radius().mm();
-            return Some(if beyond_flat > 0.0 { circle_height(self.cutter.corner_radius().mm(), beyond_flat) } else { 0.0 });
-        }
-        match self.cutter.kind() {
-            CutterKind::BallEnd if self.ball_alone(s, f) => Some(circle_height(outer, s.hypot(f))),
-            CutterKind::FlatEnd if f == 0.0 => Some(self.edge_height(s)),
-            _ => None,
-        }
-    }
-
     fn contact(&self) -> Contact {
         self.pass.contact
     }
@@ -311,38 +312,6 @@ impl Envelope {
     /// apart there.
     fn spacing_ratio(&self) -> f64 {
         if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
-    }
-
-    /// Whether a ball-end cutter touches the ridge with its ball and not with its side.
-    ///
-    /// On the sphere the lowest rectangle is centred over the contact, R - h below the centre; its highest corner is
-    /// (s |sin(theta)| + f |cos(theta)|) / 2 up the slope and has to be below the centre.
-    fn ball_alone(&self, s: f64, f: f64) -> bool {
-        let (slope, theta, radius) = (self.contact().slope(), self.contact().theta(), self.cutter.outer_radius().mm());
-        let half_diagonal = s.hypot(f) / 2.0;
-        let up = f64::midpoint(s * theta.sin().abs(), f * theta.cos().abs());
-        half_diagonal <= radius && ((radius - half_diagonal) * (radius + half_diagonal)).sqrt() * slope.cos() >= up * slope.sin()
-    }
-
-    /// h1 of a flat-end cutter between floor and wall.
-    ///
-    /// The outline seen along the feed is half of the edge's circle, the half within 90 deg of the feed's line seen from above, and the
-    /// side over both its ends. Where the circle is at the angle delta from the contact it is R sin(S) (1 - cos(delta)) high. Ridges
-    /// between two edges are the ends of a chord along the level line, of which the outline shows the part cos(theta):
-    ///
-    /// h1 = R sin(S) (1 - cos(delta)), sin(delta) = s / (2 R cos(theta)), while delta <= 90 deg - alpha, where the side begins.
-    ///
-    /// Ridges between edge and side lie on the circle at s cos(S) / cos(climb) from the side, seen from above: at the angle epsilon from
-    /// where it begins, with R (1 - cos(epsilon)) that distance, and at delta = epsilon - (90 deg - alpha) from the contact.
-    fn edge_height(&self, s: f64) -> f64 {
-        let (outer, sin) = (self.cutter.outer_radius().mm(), self.contact().slope().sin());
-        let (along_steepest, alpha) = (self.contact().theta().cos().abs(), self.contact().alpha());
-        if s <= 2.0 * outer * along_steepest * alpha.cos().abs() {
-            return circle_height(outer * along_steepest, s) * sin / along_steepest;
-        }
-        let epsilon = 2.0 * (s * self.spacing_ratio() / (2.0 * outer)).min(1.0).sqrt().asin();
-        let delta = epsilon - alpha.cos().abs().atan2(alpha.sin().abs());
-        2.0 * outer * sin * (delta / 2.0).sin().powi(2)
     }
 
     /// About h, for a search to start from: the parabola of the groove, and along the feed that of radius R. For the groove that is less than h near
@@ -409,13 +378,6 @@ impl Envelope {
     fn largest_feed(&self, s: f64) -> f64 {
         largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
     }
-}
-
-/// P - sqrt(P^2 - c^2/4), what circles of radius P leave at the distance c <= 2P, without cancellation.
-fn circle_height(radius: f64, chord: f64) -> f64 {
-    // A rounding may put c over 2P where the caller's own comparison did not.
-    let ratio = (chord / (2.0 * radius)).min(1.0);
-    chord / 2.0 * ratio / (1.0 + ((1.0 - ratio) * (1.0 + ratio)).sqrt())
 }
 
 /// The length whose part `ratio` and the leg `leg` have the hypotenuse `hypotenuse`, a rounding less; at most what can be stated.

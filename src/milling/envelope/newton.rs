@@ -14,7 +14,8 @@
 //! places, and the chords, run inside the body.
 
 use super::body::Body;
-use super::chord::{Accuracy, Chord, Marks, balance};
+use super::chord::{Accuracy, balance};
+use super::clearing::{Clearing, Held, Row};
 
 /// The height of the ridge, the step-over and the distance of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
@@ -35,26 +36,42 @@ pub(super) enum Sought {
 /// Quadratic convergence takes four to six steps from a guess that is right to a few percent, and some more from elsewhere.
 const MOST_STEPS: usize = 24;
 
-/// The ridge on the body, of whose lengths the sought one is only a guess; `None` unless the outcome is proved.
-pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths) -> Option<Lengths> {
-    solve_from(body, sought, lengths, Place::start(body, lengths.step_over, lengths.mark_spacing))
+/// A ridge: its lengths, and where its chords lie.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ridge {
+    pub(super) lengths: Lengths,
+    pub(super) place: Place,
 }
 
-/// The same from a place near the ridge.
-pub(super) fn solve_from(body: &Body, sought: Sought, mut lengths: Lengths, mut place: Place) -> Option<Lengths> {
+/// The ridge on the body for marks of equal depth, of whose lengths the sought one is only a guess; `None` unless the outcome is proved.
+pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths) -> Option<Lengths> {
+    let both = [Clearing::EVEN; 2];
+    solve_from(body, sought, lengths, Place::start(body, lengths.step_over, both, lengths.mark_spacing), both).map(|ridge| ridge.lengths)
+}
+
+/// The ridge from a place near it, whose near and far edges are cleared by marks of their own.
+pub(super) fn solve_from(
+    body: &Body,
+    sought: Sought,
+    mut lengths: Lengths,
+    mut place: Place,
+    [near_marks, far_marks]: [Clearing; 2],
+) -> Option<Ridge> {
     for _ in 0..MOST_STEPS {
         let s = lengths.step_over;
-        let marks = Marks::even(lengths.mark_spacing);
-        let (p, reach) = (lengths.level, s + lengths.mark_spacing);
-        let near = Chord::search(body, &mut place.x, place.t, p, &marks, Accuracy::rough(p), reach);
-        let far = Chord::search(body, &mut place.neighbour_x, place.t - s, p, &marks, Accuracy::rough(p), reach);
+        let f = lengths.mark_spacing;
+        let (p, reach) = (lengths.level, s + f);
+        let row = |t: f64| Row { t, p, feed: f };
+        let near_held = near_marks.search(body, &mut place.x, row(place.t), Accuracy::rough(p), reach);
+        let far_held = far_marks.search(body, &mut place.neighbour_x, row(place.t - s), Accuracy::rough(p), reach);
+        let (near, far) = (&near_held.chord, &far_held.chord);
         if !(near.by_side > 0.0 && far.by_side < 0.0) {
-            // The chords have to lie on both sides of the deepest one; the change of slope between them tells about where that is.
+            // The chords have to lie on both sides of the deepest one; the change of slope between them shows about where that is.
             let aside = -s * f64::midpoint(near.by_side, far.by_side) / (near.by_side - far.by_side);
             if aside.is_nan() {
                 return None;
             }
-            follow(&mut place, (&near, &far), aside.clamp(-reach, reach), Change::NONE);
+            follow(&mut place, (&near_held, &far_held), aside.clamp(-reach, reach), Change::NONE);
             continue;
         }
         let share = balance(near.by_side, far.by_side);
@@ -73,23 +90,17 @@ pub(super) fn solve_from(body: &Body, sought: Sought, mut lengths: Lengths, mut 
             }
         };
         let aside = -(near.value + near.by_height * change.rise + near.by_spacing * change.longer) / near.by_side;
-        follow(&mut place, (&near, &far), aside.clamp(-s, s), change);
+        follow(&mut place, (&near_held, &far_held), aside.clamp(-s, s), change);
         lengths.level += change.rise;
         lengths.step_over += change.wider;
         lengths.mark_spacing += change.longer;
         if proved {
-            let (t, f) = (place.t, marks.spacing);
-            let places = [(place.x, t), (place.x - f, t), (place.neighbour_x, t - s), (place.neighbour_x - f, t - s)];
-            let runs_inside = |share: f64| {
-                let inside = |x: f64, y: f64| body.distance(x - share * f, y, p).value <= 1e-9 * p;
-                inside(place.x, t) && inside(place.neighbour_x, t - s)
-            };
             if body.is_concave()
-                && !(places.into_iter().all(|(x, y)| body.reaches(x, y, p)) && (f == 0.0 || [0.25, 0.5, 0.75].into_iter().all(runs_inside)))
+                && !(near_marks.is_seen(body, place.x, row(place.t)) && far_marks.is_seen(body, place.neighbour_x, row(place.t - s)))
             {
                 return None;
             }
-            return Some(lengths);
+            return Some(Ridge { lengths, place });
         }
     }
     None
@@ -114,26 +125,30 @@ fn bounded(change: f64, length: f64) -> f64 {
 }
 
 /// Moves the place by a step of t, and x of both chords as the step changes them.
-fn follow(place: &mut Place, (near, far): (&Chord, &Chord), aside: f64, change: Change) {
+fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Change) {
     place.t += aside;
-    place.x += near.shift.of(aside, change.rise, change.longer);
-    place.neighbour_x += far.shift.of(aside - change.wider, change.rise, change.longer);
+    for (x, shift) in place.x.iter_mut().zip(&near.shifts) {
+        *x += shift.of(aside, change.rise, change.longer);
+    }
+    for (x, shift) in place.neighbour_x.iter_mut().zip(&far.shifts) {
+        *x += shift.of(aside - change.wider, change.rise, change.longer);
+    }
 }
 
-/// Where the search for the ridge stands: the offset t, and where both chords end along the feed.
+/// Where the search for the ridge stands: the offset t, and where both edges' chords end along the feed, two of each where deep and shallow marks alternate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) t: f64,
-    pub(super) x: f64,
-    pub(super) neighbour_x: f64,
+    pub(super) x: [f64; 2],
+    pub(super) neighbour_x: [f64; 2],
 }
 
 impl Place {
     /// Half-way between the passes, the chords where the body is a paraboloid.
-    fn start(body: &Body, step_over: f64, mark_spacing: f64) -> Self {
-        let (half_step, half_mark, radii) = (step_over / 2.0, mark_spacing / 2.0, body.relative_radii());
+    pub(super) fn start(body: &Body, step_over: f64, [near, far]: [Clearing; 2], feed: f64) -> Self {
+        let (half_step, radii) = (step_over / 2.0, body.relative_radii());
         // A sharp edge fed along the level line has no radius across the feed; its lowest places are somewhere on the cutter.
         let ahead = (radii.skew * half_step / radii.across.max(f64::MIN_POSITIVE)).clamp(-body.reach(), body.reach());
-        Self { t: half_step, x: half_mark + ahead, neighbour_x: half_mark - ahead }
+        Self { t: half_step, x: [near.spacing(feed) / 2.0 + ahead; 2], neighbour_x: [far.spacing(feed) / 2.0 - ahead; 2] }
     }
 }

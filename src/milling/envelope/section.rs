@@ -148,7 +148,7 @@ impl<'a> Section<'a> {
 
     /// The cleared interval at the height p. `near` is one at another height, to start from.
     ///
-    /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it (and shallow marks meet each other, where two can be neighbours), or
+    /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it (or shallow marks each other, where two can be neighbours), or
     /// where deep marks alone meet.
     fn interval(&self, p: f64, near: Option<&Interval>) -> Option<Interval> {
         let pattern = &self.pattern;
@@ -158,30 +158,26 @@ impl<'a> Section<'a> {
             let right = self.edge(p, &marks, 1.0, near.map(|near| &near.right), left.t + self.widest)?;
             return Some(Interval { left, right });
         }
-        let before = Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: 0.0 };
-        let behind = Marks { spacing: pattern.spacing, front_drop: 0.0, back_drop: pattern.drop };
+        // Between two shallow marks no less stays than between a deep and a shallow one, so that they alone count where two can be neighbours.
+        let before =
+            Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: if pattern.shallow_pairs { pattern.drop } else { 0.0 } };
+        let behind = if pattern.shallow_pairs { before } else { Marks { front_drop: 0.0, back_drop: pattern.drop, ..before } };
         let deep = Marks::even(pattern.deep_spacing);
         let left = |marks: &Marks| self.edge(p, marks, -1.0, near.map(|near| &near.left), FURTHEST);
-        let lefts = (left(&before), left(&behind), left(&deep));
+        let before_left = left(&before);
+        let lefts = (before_left, if pattern.shallow_pairs { before_left } else { left(&behind) }, left(&deep));
         let furthest_left = [lefts.0, lefts.1, lefts.2].iter().flatten().map(|edge| edge.t).fold(-FURTHEST, f64::max);
         let right = |marks: &Marks| self.edge(p, marks, 1.0, near.map(|near| &near.right), furthest_left + self.widest);
         let interval = |left: Option<Edge>, marks: &Marks| left.and_then(|left| Some(Interval { left, right: right(marks)? }));
-        let alternating = interval(lefts.0, &before).zip(interval(lefts.1, &behind)).map(|(a, b)| Interval {
-            left: if a.left.t > b.left.t { a.left } else { b.left },
-            right: if a.right.t < b.right.t { a.right } else { b.right },
-        });
-        let alternating = alternating.and_then(|interval| {
-            if !pattern.shallow_pairs {
-                return Some(interval);
-            }
-            // Between two shallow marks more can stay than between a deep and a shallow one.
-            let shallow = Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: pattern.drop };
-            let (shallow_left, shallow_right) = (left(&shallow)?, right(&shallow)?);
-            Some(Interval {
-                left: if shallow_left.t > interval.left.t { shallow_left } else { interval.left },
-                right: if shallow_right.t < interval.right.t { shallow_right } else { interval.right },
+        let alternating = interval(lefts.0, &before);
+        let alternating = if pattern.shallow_pairs {
+            alternating
+        } else {
+            alternating.zip(interval(lefts.1, &behind)).map(|(a, b)| Interval {
+                left: if a.left.t > b.left.t { a.left } else { b.left },
+                right: if a.right.t < b.right.t { a.right } else { b.right },
             })
-        });
+        };
         let alternating = alternating.filter(|interval| interval.width() >= 0.0);
         match (alternating, interval(lefts.2, &deep)) {
             (Some(a), Some(b)) if a.left.t <= b.right.t && b.left.t <= a.right.t => Some(Interval {
@@ -228,7 +224,7 @@ impl<'a> Section<'a> {
                 return Some(Edge { t: furthest * side, x, by_height: 0.0 });
             }
             let newton = t - chord.value / chord.by_side;
-            if rise > 0.0 && chord.value.abs() <= 1e-9 * p * chord.by_height.abs() {
+            if rise > 0.0 && chord.value.abs() <= 1e-12 * p * chord.by_height.abs() {
                 return Some(edge(newton));
             }
             if chord.value > 0.0 && rise > 0.0 {

@@ -1,5 +1,6 @@
 //! The model against its table, its closed forms and its laws.
 
+use super::closed_form::circle_height;
 use super::*;
 use crate::milling::{Analytic, Runout, SurfaceCurvature};
 use proptest::prelude::*;
@@ -48,6 +49,28 @@ fn cutters() -> impl Strategy<Value = Cutter> {
 /// An angle from 0 to 90 deg, its ends among them.
 fn quarter_turn() -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 8 => 0.0..90.0_f64, 1 => Just(90.0)]
+}
+
+/// The largest step-over and feed have a height, and no less than those a thousandth smaller.
+fn assert_widest_leave_most(cutter: Cutter, slope: f64, alpha: f64, share: f64) {
+    let envelope = on_plane(cutter, slope, alpha);
+    for marks in [0.0, share * envelope.largest_feed(0.0)] {
+        let s = envelope.largest_step_over(marks);
+        let (widest, before) =
+            (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(0.999 * s, Pattern::even(marks)).unwrap());
+        assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {s}, {widest} there");
+    }
+    let s = share.max(0.01) * envelope.largest_step_over(0.0);
+    let marks = envelope.largest_feed(s);
+    let (widest, before) = (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(s, Pattern::even(0.999 * marks)).unwrap());
+    assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {marks}, {widest} there");
+}
+
+/// An input of which roundings put the largest step-over out of the domain.
+#[test]
+fn the_largest_step_over_and_feed_are_in_the_domain() {
+    let cutter = Cutter::toroidal(mm(10.145_104_240_978_43), mm(1.446_994_298_805_383_7)).unwrap();
+    assert_widest_leave_most(cutter, 67.405_866_252_726_36, 12.228_362_219_247_067, 0.952_840_327_116_88);
 }
 
 /// The general search, also where the model has a closed form.
@@ -134,6 +157,34 @@ proptest! {
         approx::assert_relative_eq!(quick.level, searched(&envelope, s, marks), max_relative = 1e-12);
     }
 
+    /// The general search knows nothing of ridges between marks of two kinds: it intersects and joins intervals.
+    #[test]
+    fn with_runout_the_quick_and_the_general_search_agree(
+        cutter in cutters(), slope in 0.01..89.99_f64, theta in quarter_turn(), share in 0.001..0.9_f64, marks in 0.001..0.4_f64, radial in 0.0..0.005_f64, axial in -0.005..0.005_f64, teeth in 2_u32..6, bend in prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.3_f64, 0.0..0.3_f64]],
+        tolerance in 1e-4..0.03_f64,
+    ) {
+        let (on_plane, outer) = (by_theta(cutter, slope, theta), cutter.outer_radius().mm());
+        let runout = Runout::NONE.with_radial_mm(radial * outer).unwrap().with_axial_mm(axial * outer).unwrap();
+        let surface = SurfaceCurvature::from_principal_per_mm(bend.map(|bend| bend / outer), Angle::from_degrees(20.0).unwrap()).unwrap();
+        let Ok(envelope) = Envelope::new(Pass { runout, surface, teeth: NonZeroU32::new(teeth), ..on_plane.pass }) else { return Ok(()) };
+        let (s, p) = (share * outer, tolerance * outer);
+        let pattern = envelope.pattern(marks * outer);
+        prop_assume!(!pattern.is_even());
+        let search = |s: f64, pattern| Section::new(&envelope.body, pattern, 2.0 * s).level(s, envelope.guess(s, pattern));
+        let width = |pattern| Section::new(&envelope.body, pattern, 4.0 * outer / envelope.spacing_ratio().max(1e-9)).width(p);
+        if let Ok(level) = envelope.height(s, pattern) {
+            // Both add roundings of places of the size of R.
+            approx::assert_relative_eq!(level, search(s, pattern), max_relative = 1e-10, epsilon = 1e-13 * outer);
+        }
+        if let Ok(feed) = envelope.max_feed_per_tooth(mm(p), mm(s)) {
+            let level = |share: f64| search(s, envelope.pattern(feed.mm() * share));
+            prop_assert!(level(1.0 - 1e-9) <= p * (1.0 + 1e-9) && level(1.0 + 1e-6) >= p * (1.0 - 1e-9), "{} {} {p}", level(1.0 - 1e-9), level(1.0 + 1e-6));
+        }
+        if let Ok(step_over) = envelope.max_step_over(mm(p), Some(mm(pattern.spacing))) {
+            approx::assert_relative_eq!(step_over.mm(), width(pattern), max_relative = 1e-8);
+        }
+    }
+
     #[test]
     fn the_distance_to_the_body_is_convex(
         cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(),
@@ -173,9 +224,29 @@ proptest! {
 
     #[test]
     fn floor_and_wall_are_the_limits_of_slopes_beside_them(
-        cutter in cutters(), theta in quarter_turn(), share in 0.01..0.9_f64, marks in 0.01..0.4_f64,
+        cutter in cutters(), theta in quarter_turn(), share in 0.01..0.9_f64, marks in 0.01..0.4_f64, axial in 0.001..0.1_f64, teeth in 2_u32..4,
     ) {
         let s = share * 2.0 * cutter.outer_radius().mm();
+        let with_runout = |slope: f64| {
+            let runout = Runout::NONE.with_axial_mm(axial).unwrap();
+            Envelope::new(Pass { runout, teeth: NonZeroU32::new(teeth), ..by_theta(cutter, slope, theta).pass }).unwrap()
+        };
+        let (floor, beside) = (with_runout(0.0), with_runout(1e-7));
+        if let (Ok(floor), Ok(beside)) = (floor.height(s, floor.pattern(marks)), beside.height(s, beside.pattern(marks))) {
+            approx::assert_abs_diff_eq!(beside, floor, epsilon = 6e-8);
+        }
+        let tolerance = 0.05;
+        // The height is the tolerance, or it jumps over it where the deep marks cease to overlap.
+        let is_largest = |value: Length, height: &dyn Fn(f64) -> f64| {
+            let [here, beyond] = [1.0, 1.0 + 1e-9].map(|share| height(value.mm() * share));
+            here <= tolerance * (1.0 + 1e-9) && (here >= tolerance * (1.0 - 1e-9) || beyond > tolerance)
+        };
+        if let Ok(feed) = floor.max_feed_per_tooth(mm(tolerance), mm(s)) {
+            assert!(is_largest(feed, &|feed| floor.height(s, floor.pattern(feed)).unwrap_or(f64::MAX)), "{feed:?}");
+        }
+        if let Ok(step_over) = floor.max_step_over(mm(tolerance), Some(mm(marks))) {
+            assert!(is_largest(step_over, &|s| floor.height(s, floor.pattern(marks)).unwrap_or(f64::MAX)), "{step_over:?}");
+        }
         // Within 1e-7 deg = 1.7e-9 rad of floor or wall every place of the body moves by less than 2e-9 * 30 mm along the normal.
         let moved = 6e-8;
         for f in [0.0, marks] {
@@ -230,16 +301,7 @@ proptest! {
     fn the_widest_passes_and_marks_leave_the_most(
         cutter in cutters(), slope in 0.0..90.0_f64, alpha in 0.0..90.0_f64, share in prop_oneof![1 => Just(0.0), 3 => 0.01..1.0_f64],
     ) {
-        let envelope = on_plane(cutter, slope, alpha);
-        for marks in [0.0, share * envelope.largest_feed(0.0)] {
-            let s = envelope.largest_step_over(marks);
-            let (widest, before) = (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(0.999 * s, Pattern::even(marks)).unwrap());
-            prop_assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {s}, {widest} there");
-        }
-        let s = share.max(0.01) * envelope.largest_step_over(0.0);
-        let marks = envelope.largest_feed(s);
-        let (widest, before) = (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(s, Pattern::even(0.999 * marks)).unwrap());
-        prop_assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {marks}, {widest} there");
+        assert_widest_leave_most(cutter, slope, alpha, share);
     }
 
     #[test]

@@ -102,7 +102,7 @@ pub(super) fn checked(
     let drawn = drawn_by_area(spaced.workpiece, DRAWN);
     let mut kept = None;
     for round in 0..if follows { ROUNDS } else { 0 } {
-        let planes = planes_of(&spaced, stop)?;
+        let planes = planes_of(&spaced, operation.room, stop)?;
         let evaluated = inspector.evaluate(&spaced, &planes, &drawn);
         let widens = round < 2;
         let Some(next) = corrected(&spaced, &planes, &evaluated, &inspector, widens) else {
@@ -143,7 +143,7 @@ impl<'a> Inspector<'a> {
         let chosen = planes.iter().zip(&risky).enumerate().step_by(stride).flat_map(|(strip, (plane, risky))| {
             let binding = plane.binding.into_iter().flatten().take(of_strip);
             let risky = risky.iter().take(of_strip).filter(|(risk, _)| *risk > 0.0).map(|&(_, facet)| facet);
-            let risky = risky.filter(|facet| !plane.binding.contains(&Some(*facet)));
+            let risky = risky.filter(move |facet| !plane.binding[..of_strip].contains(&Some(*facet)));
             binding.chain(risky).map(move |facet| (strip, facet))
         });
         let places: Vec<(usize, u32)> = Self::by_strip(spaced, planes, drawn).into_iter().chain(chosen).collect();

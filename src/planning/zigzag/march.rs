@@ -93,6 +93,8 @@ impl Plane {
 /// Why there are no planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum NoPlanes {
+    /// More planes or runs than there is room for.
+    NoRoom,
     /// The work was cancelled.
     Cancelled,
     /// No spacing keeps the scallop height.

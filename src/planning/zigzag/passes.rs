@@ -7,6 +7,7 @@ use super::march::{Plane, Spaced};
 use super::plan::ZigzagPlan;
 use super::prepared::{Prepared, rows_of};
 use super::regions::{Stretch, in_order};
+use super::room::{PlanRoom, Room};
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::sweep::{Heading, Sweep};
@@ -121,7 +122,9 @@ pub fn passes(
     let sweep = Sweep::new(&workpiece, plan.direction);
     let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece));
     let spaced = Spaced::new(&workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
-    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings), candidate.cutter);
+    // The plan is there: it has had its room.
+    let room = Room::new(PlanRoom::LARGEST);
+    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings, &room), candidate.cutter);
     let mut chord = CHORD_SHARE * settings.scallop_height.mm();
     let kept = (0..=DOUBLINGS).find_map(|_| {
         let kept: Vec<Vec<usize>> = runs.par_iter().map(|run| thinned(&run.places, chord)).collect();
@@ -138,7 +141,7 @@ pub fn passes(
         .zip(&kept)
         .map(|(run, kept)| kept.iter().map(|&index| pointing.point(&run.plane, run.places[index])).collect())
         .collect();
-    let time = time_of_tips(&runs, &points, &spaced, prepared.operation(settings));
+    let time = time_of_tips(&runs, &points, &spaced, prepared.operation(settings, &room));
     let mut run_starts = Vec::with_capacity(points.len());
     let mut next = 0;
     for run in &points {

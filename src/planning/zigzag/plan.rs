@@ -106,10 +106,10 @@ pub enum NotRankedReason {
 }
 
 impl From<NoPlanes> for NotRankedReason {
-    /// A plan that was cancelled is discarded with the whole ranking, whatever its reason.
+    /// A plan that was cancelled, or has no room, is discarded with the whole ranking, whatever its reason.
     fn from(reason: NoPlanes) -> Self {
         match reason {
-            NoPlanes::NoSpacing | NoPlanes::Cancelled => Self::NoStepOver,
+            NoPlanes::NoSpacing | NoPlanes::Cancelled | NoPlanes::NoRoom => Self::NoStepOver,
             NoPlanes::TooManyPlanes => Self::TooManyPasses,
             NoPlanes::TooManyRuns => Self::TooManyRuns,
             NoPlanes::TooManyMet => Self::TooMuchWork,

@@ -1,0 +1,99 @@
+//! What clears a place at an edge of a pass: the chords along the feed that the cutter's section has to hold there, for teeth that reach equally deep and for teeth that do not.
+
+use super::body::Body;
+use super::chord::{Accuracy, Chord, Marks, Shift};
+
+/// The marks that clear a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Clearing {
+    /// Marks of equal depth, `feeds` feeds per tooth apart and `drop` less deep than those of the deepest tooth.
+    Even {
+        /// 1 for neighbouring teeth, z for the deepest tooth alone.
+        feeds: f64,
+        /// delta for shallow teeth.
+        drop: f64,
+    },
+    /// A deep mark beside a shallow one, which is `drop` less deep: before it or behind it, whichever clears less.
+    Mixed {
+        /// delta.
+        drop: f64,
+    },
+}
+
+/// A row of the section: its lateral offset, its height, and the feed per tooth of the marks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    pub(super) t: f64,
+    pub(super) p: f64,
+    pub(super) feed: f64,
+}
+
+/// The chord that holds least, and how the chords' ends follow when the other unknowns change.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held {
+    pub(super) chord: Chord,
+    pub(super) shifts: [Shift; 2],
+}
+
+impl Clearing {
+    /// The marks of neighbouring teeth without runout.
+    pub(super) const EVEN: Self = Self::Even { feeds: 1.0, drop: 0.0 };
+
+    /// How far apart the marks are at a feed per tooth.
+    pub(super) fn spacing(&self, feed: f64) -> f64 {
+        match self {
+            Self::Even { feeds, .. } => feeds * feed,
+            Self::Mixed { .. } => feed,
+        }
+    }
+
+    /// The pairs of marks of which all have to be held, at a feed per tooth.
+    fn pairs(&self, feed: f64) -> (Marks, Option<Marks>) {
+        match *self {
+            Self::Even { feeds, drop } => (Marks { spacing: feeds * feed, front_drop: drop, back_drop: drop }, None),
+            Self::Mixed { drop } => {
+                let before = Marks { spacing: feed, front_drop: drop, back_drop: 0.0 };
+                (before, Some(Marks { front_drop: 0.0, back_drop: drop, ..before }))
+            }
+        }
+    }
+
+    /// The chord in a row of whose ends the further one is furthest outside; `x` has each chord's front end, where its search starts and ends.
+    pub(super) fn search(&self, body: &Body, x: &mut [f64; 2], row: Row, accuracy: Accuracy, reach: f64) -> Held {
+        let Row { t, p, feed } = row;
+        let (one, other) = self.pairs(feed);
+        let first = Chord::search(body, &mut x[0], t, p, &one, accuracy, reach);
+        let second = other.map(|marks| Chord::search(body, &mut x[1], t, p, &marks, accuracy, reach));
+        let mut shifts = [first.shift, second.map_or(first.shift, |second| second.shift)];
+        let mut chord = match second {
+            Some(second) => {
+                Chord { furthest: first.furthest.max(second.furthest), ..if first.value >= second.value { first } else { second } }
+            }
+            None => first,
+        };
+        if let Self::Even { feeds, .. } = self {
+            // The marks move apart by so much when the feed grows by 1.
+            chord.by_spacing *= feeds;
+            for shift in &mut shifts {
+                shift.by_spacing *= feeds;
+            }
+        }
+        Held { chord, shifts }
+    }
+
+    /// How far outside the section the chords in a row are, negative inside, searched from `x` on.
+    pub(super) fn outside(&self, body: &Body, mut x: [f64; 2], row: Row, reach: f64) -> f64 {
+        self.search(body, &mut x, row, Accuracy::full(row.p), reach).chord.value
+    }
+
+    /// Whether the chords and the lines from the contact to their ends run inside the body, as far as a few places on them show.
+    pub(super) fn is_seen(&self, body: &Body, x: [f64; 2], Row { t, p, feed }: Row) -> bool {
+        let (one, other) = self.pairs(feed);
+        [Some(one), other].into_iter().zip(x).filter_map(|(marks, x)| Some((marks?, x))).all(|(marks, x)| {
+            let (front, back) = (p - marks.front_drop, p - marks.back_drop);
+            let highest = front.max(back);
+            let inside = |share: f64| body.distance(x - share * marks.spacing, t, highest).value <= 1e-9 * p;
+            body.reaches(x, t, front) && body.reaches(x - marks.spacing, t, back) && [0.25, 0.5, 0.75].into_iter().all(inside)
+        })
+    }
+}

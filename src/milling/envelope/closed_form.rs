@@ -1,0 +1,164 @@
+//! Heights and inverses that have a closed form: on planes at floors and walls, of balls, and of sharp edges.
+
+use super::Envelope;
+use super::section::Pattern;
+use crate::milling::CutterKind;
+use crate::numerics::bracketed_root;
+use std::convert::Infallible;
+
+impl Envelope {
+    /// h on a plane for marks of equal depth, where it has a closed form.
+    pub(super) fn closed_form(&self, s: f64, f: f64) -> Option<f64> {
+        // Only the cylinder touches a wall. On a floor the corners of the rectangle between two teeth of two passes lie on the flat or on the corner's round.
+        if let Some(disc) = self.disc() {
+            return Some(disc.height((s * disc.shares[0]).hypot(f * disc.shares[1])));
+        }
+        let outer = self.cutter.outer_radius().mm();
+        match self.cutter.kind() {
+            CutterKind::BallEnd if self.ball_alone(s, f) => Some(circle_height(outer, s.hypot(f))),
+            CutterKind::FlatEnd if f == 0.0 => Some(self.edge_height(s)),
+            _ => None,
+        }
+    }
+
+    /// Whether a ball-end cutter touches the ridge with its ball and not with its side.
+    ///
+    /// On the sphere the lowest rectangle is centred over the contact, R - h below the centre; its highest corner is
+    /// (s |sin(theta)| + f |cos(theta)|) / 2 up the slope and has to be below the centre.
+    pub(super) fn ball_alone(&self, s: f64, f: f64) -> bool {
+        let (slope, theta, radius) = (self.contact().slope(), self.contact().theta(), self.cutter.outer_radius().mm());
+        let half_diagonal = s.hypot(f) / 2.0;
+        let up = f64::midpoint(s * theta.sin().abs(), f * theta.cos().abs());
+        half_diagonal <= radius && ((radius - half_diagonal) * (radius + half_diagonal)).sqrt() * slope.cos() >= up * slope.sin()
+    }
+
+    /// h1 of a flat-end cutter between floor and wall.
+    ///
+    /// The outline seen along the feed is half of the edge's circle, the half within 90 deg of the feed's line seen from above, and the
+    /// side over both its ends. Where the circle is at the angle delta from the contact it is R sin(S) (1 - cos(delta)) high. Ridges
+    /// between two edges are the ends of a chord along the level line, of which the outline shows the part cos(theta):
+    ///
+    /// h1 = R sin(S) (1 - cos(delta)), sin(delta) = s / (2 R cos(theta)), while delta <= 90 deg - alpha, where the side begins.
+    ///
+    /// Ridges between edge and side lie on the circle at s cos(S) / cos(climb) from the side, seen from above: at the angle epsilon from
+    /// where it begins, with R (1 - cos(epsilon)) that distance, and at delta = epsilon - (90 deg - alpha) from the contact.
+    fn edge_height(&self, s: f64) -> f64 {
+        let (outer, sin) = (self.cutter.outer_radius().mm(), self.contact().slope().sin());
+        let (along_steepest, alpha) = (self.contact().theta().cos().abs(), self.contact().alpha());
+        if s <= 2.0 * outer * along_steepest * alpha.cos().abs() {
+            return circle_height(outer * along_steepest, s) * sin / along_steepest;
+        }
+        let epsilon = 2.0 * (s * self.spacing_ratio() / (2.0 * outer)).min(1.0).sqrt().asin();
+        let delta = epsilon - alpha.cos().abs().atan2(alpha.sin().abs());
+        2.0 * outer * sin * (delta / 2.0).sin().powi(2)
+    }
+}
+
+/// The cutter on a plane floor or wall, where its section at every height is a disc, of a flat and a round at its rim, or a strip.
+#[derive(Debug, Clone, Copy)]
+struct Disc {
+    /// The radius of the flat.
+    flat: f64,
+    /// The radius of the round.
+    round: f64,
+    /// The shares of the passes' and of the marks' distance that count.
+    shares: [f64; 2],
+}
+
+impl Disc {
+    /// The radius at the height p.
+    fn radius(&self, p: f64) -> f64 {
+        let rise = p.clamp(0.0, self.round);
+        self.flat + (rise * (2.0 * self.round - rise)).sqrt()
+    }
+
+    /// The height at which the diameter is `chord`.
+    fn height(&self, chord: f64) -> f64 {
+        let beyond_flat = chord - 2.0 * self.flat;
+        if beyond_flat > 0.0 { circle_height(self.round, beyond_flat) } else { 0.0 }
+    }
+
+    /// Half of the chord at the height p whose middle is half of `across` from the centre.
+    fn half_chord(&self, p: f64, across: f64) -> Option<f64> {
+        let radius = self.radius(p);
+        (p >= 0.0 && radius >= across / 2.0).then(|| ((radius - across / 2.0) * (radius + across / 2.0)).sqrt())
+    }
+}
+
+/// With runout a chord ends in the section of a deep mark or of a shallow one, which is that of the height p - delta. All sections are centred over the contact, so that of the intervals that alternating
+/// marks and deep marks alone clear one holds the other.
+impl Envelope {
+    fn disc(&self) -> Option<Disc> {
+        let (slope, outer) = (self.contact().slope(), self.cutter.outer_radius().mm());
+        if !self.pass.surface.is_plane() {
+            None
+        } else if slope.cos() == 0.0 {
+            Some(Disc { flat: 0.0, round: outer, shares: [self.spacing_ratio(), self.climb.cos()] })
+        } else if slope.sin() == 0.0 {
+            Some(Disc { flat: self.cutter.core_radius().mm(), round: self.cutter.corner_radius().mm(), shares: [1.0; 2] })
+        } else {
+            None
+        }
+    }
+
+    /// h on a plane floor or wall with runout.
+    pub(super) fn level_on_floor_or_wall(&self, s: f64, pattern: &Pattern) -> Option<f64> {
+        let disc = self.disc()?;
+        let (across, along) = (s * disc.shares[0], pattern.spacing * disc.shares[1]);
+        let by_deep = across.hypot(pattern.deep_spacing * disc.shares[1]);
+        // The largest step-over and feed lie on this border to a rounding.
+        let by_deep = (by_deep <= 2.0 * (disc.flat + disc.round) * (1.0 + 8.0 * f64::EPSILON)).then(|| disc.height(by_deep));
+        let (least, drop) = (disc.height(across.hypot(along)), pattern.drop);
+        let alternating = if pattern.shallow_pairs {
+            least + drop
+        } else {
+            let excess =
+                |p: f64| disc.half_chord(p - drop, across).zip(disc.half_chord(p, across)).map_or(-1.0, |(a, b)| (a + b - along).max(-1.0));
+            let Ok(level) = bracketed_root(least, least + drop, |p| Ok::<_, Infallible>(excess(p)));
+            level
+        };
+        Some(by_deep.map_or(alternating, |by_deep| by_deep.min(alternating)))
+    }
+
+    /// The largest feed per tooth that keeps the height p on a plane floor or wall in passes s apart; 0 where none does.
+    pub(super) fn feed_on_floor_or_wall(&self, p: f64, s: f64) -> Option<f64> {
+        let disc = self.disc()?;
+        let pattern = self.pattern(1.0);
+        let across = s * disc.shares[0];
+        let (deep, shallow) = (disc.half_chord(p, across), disc.half_chord(p - pattern.drop, across));
+        let by_deep = deep.map_or(0.0, |deep| 2.0 * deep / pattern.deep_spacing);
+        let alternating = deep.zip(shallow).map_or(0.0, |(deep, shallow)| shallow + if pattern.shallow_pairs { shallow } else { deep });
+        Some(at_share(by_deep.max(alternating), disc.shares[1]))
+    }
+
+    /// The largest step-over that keeps the height p on a plane floor or wall; 0 where none does.
+    pub(super) fn step_over_on_floor_or_wall(&self, p: f64, pattern: &Pattern) -> Option<f64> {
+        let disc = self.disc()?;
+        let along = pattern.spacing * disc.shares[1];
+        // Chords of a disc lie as far from its centre as they are long in a disc that is turned by a quarter.
+        let by_deep = disc.half_chord(p, pattern.deep_spacing * disc.shares[1]).unwrap_or(0.0);
+        let alternating = if p < pattern.drop {
+            0.0
+        } else if pattern.shallow_pairs || pattern.is_even() {
+            disc.half_chord(p - pattern.drop, along).unwrap_or(0.0)
+        } else {
+            // Two circles whose centres are a feed apart meet at this distance from the line between them, unless the smaller one's widest place is inside the other.
+            let (deep, shallow) = (disc.radius(p), disc.radius(p - pattern.drop));
+            let from_shallow = (along - (deep - shallow) * (deep + shallow) / along) / 2.0;
+            if from_shallow <= 0.0 { shallow } else { ((shallow - from_shallow) * (shallow + from_shallow)).max(0.0).sqrt() }
+        };
+        Some(at_share(2.0 * by_deep.max(alternating), disc.shares[0]))
+    }
+}
+
+/// The length of which the share `share` is `length`; 0 for 0 whatever the share.
+fn at_share(length: f64, share: f64) -> f64 {
+    if length > 0.0 { length / share } else { 0.0 }
+}
+
+/// P - sqrt(P^2 - c^2/4), what circles of radius P leave at the distance c <= 2P, without cancellation.
+pub(super) fn circle_height(radius: f64, chord: f64) -> f64 {
+    // A rounding may put c over 2P where the caller's own comparison did not.
+    let ratio = (chord / (2.0 * radius)).min(1.0);
+    chord / 2.0 * ratio / (1.0 + ((1.0 - ratio) * (1.0 + ratio)).sqrt())
+}

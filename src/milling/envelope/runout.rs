@@ -1,0 +1,148 @@
+//! Runout by the quick search: a pass clears what deep and shallow marks leave side by side, or what the deepest tooth's marks alone leave.
+//!
+//! Each of the two clears an interval of offsets, of which each has a right and a left edge. Where the intervals meet the pass clears both together, so that a ridge can lie between an edge of one
+//! and an edge of the other. With all edges of one kind of marks, and with one edge of each, the search is that for one convex function, and its outcome is proved as without runout.
+
+use super::Envelope;
+use super::clearing::{Clearing, Row};
+use super::newton::{self, Lengths, Place, Ridge, Sought};
+use super::section::Pattern;
+use crate::quantity::Length;
+
+/// By how far a place is inside, as a share of the height, before it counts as cleared by the other marks, too: some hundred roundings.
+const INSIDE: f64 = 1e-13;
+
+/// A ridge between marks of one kind.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    ridge: Ridge,
+    marks: Clearing,
+}
+
+impl Envelope {
+    /// The marks that alternate in depth, and those of the deepest tooth alone.
+    fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
+        let drop = self.drop;
+        let alternating = if pattern.shallow_pairs { Clearing::Even { feeds: 1.0, drop } } else { Clearing::Mixed { drop } };
+        [alternating, Clearing::Even { feeds: pattern.deep_spacing / pattern.spacing, drop: 0.0 }]
+    }
+
+    fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
+        let both = [marks; 2];
+        let place = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
+        newton::solve_from(&self.body, sought, lengths, place, both).map(|ridge| Found { ridge, marks })
+    }
+
+    /// Whether a ridge between marks of the kinds `marks` has the two intervals meet.
+    fn meet(&self, ridge: &Ridge, marks: [Clearing; 2]) -> bool {
+        let Lengths { level, step_over, mark_spacing } = ridge.lengths;
+        let Place { t, x, neighbour_x } = ridge.place;
+        [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().any(|share| {
+            let middle = f64::midpoint(x[0] - marks[0].spacing(mark_spacing) / 2.0, neighbour_x[0] - marks[1].spacing(mark_spacing) / 2.0);
+            marks.into_iter().all(|marks| {
+                let x = [middle + marks.spacing(mark_spacing) / 2.0; 2];
+                let row = Row { t: t - share * step_over, p: level, feed: mark_spacing };
+                marks.outside(&self.body, x, row, step_over + mark_spacing) <= INSIDE * level
+            })
+        })
+    }
+
+    /// The ridge with one edge of `best` and one of `other` marks where it is better than `best` itself, otherwise `best`; `None` where the search for it ends without an answer.
+    fn or_with(&self, sought: Sought, best: Found, other: Clearing) -> Option<Ridge> {
+        let Lengths { level, step_over, mark_spacing } = best.ridge.lengths;
+        let Place { t, x, neighbour_x } = best.ridge.place;
+        let longer = (other.spacing(mark_spacing) - best.marks.spacing(mark_spacing)) / 2.0;
+        let [near_x, far_x] = [x, neighbour_x].map(|x| [x[0] + longer; 2]);
+        let reach = step_over + mark_spacing;
+        let clears = |x: [f64; 2], t: f64| other.outside(&self.body, x, Row { t, p: level, feed: mark_spacing }, reach) < -INSIDE * level;
+        let (place, marks) = if clears(near_x, t) {
+            (Place { t, x: near_x, neighbour_x }, [other, best.marks])
+        } else if clears(far_x, t - step_over) {
+            (Place { t, x, neighbour_x: far_x }, [best.marks, other])
+        } else {
+            return Some(best.ridge);
+        };
+        newton::solve_from(&self.body, sought, best.ridge.lengths, place, marks).filter(|ridge| self.meet(ridge, marks))
+    }
+
+    /// h for passes s apart; `None` where the search's outcome is not proved.
+    pub(super) fn quick_level_with_runout(&self, s: f64, pattern: &Pattern) -> Option<f64> {
+        if !self.is_quick(pattern.spacing) {
+            return None;
+        }
+        let [alternating, deep] = self.kinds(pattern);
+        let lengths = |level: f64| Lengths { level, step_over: s, mark_spacing: pattern.spacing };
+        let even = |spacing: f64| self.guess(s, Pattern::even(spacing));
+        let across = s * self.spacing_ratio();
+        let deep_overlaps = across.hypot(pattern.deep_spacing * self.climb.cos()) <= 2.0 * self.cutter.outer_radius().mm();
+        let by_deep = deep_overlaps.then(|| self.ridge_between(Sought::Level, lengths(even(pattern.deep_spacing)), deep));
+        let by_deep = match by_deep {
+            Some(found) => Some(found?),
+            None => None,
+        };
+        if let Some(by_deep) = by_deep.filter(|found| found.ridge.lengths.level <= self.drop) {
+            // Shallow teeth do not reach that deep.
+            return Some(by_deep.ridge.lengths.level);
+        }
+        let by_both = self.ridge_between(Sought::Level, lengths(even(pattern.spacing) + self.drop), alternating)?;
+        let ridge = match by_deep {
+            None => by_both.ridge,
+            Some(by_deep) if by_deep.ridge.lengths.level < by_both.ridge.lengths.level => {
+                self.or_with(Sought::Level, by_deep, alternating)?
+            }
+            Some(_) => self.or_with(Sought::Level, by_both, deep)?,
+        };
+        Some(ridge.lengths.level)
+    }
+
+    /// The largest feed per tooth that keeps the height p in passes s apart, which alone leave `step_over_height` < p; `None` where the search's outcome is not proved.
+    pub(super) fn quick_feed_with_runout(&self, p: f64, s: f64, step_over_height: f64, guess: f64) -> Option<f64> {
+        let pattern = self.pattern(guess);
+        if !self.is_quick(guess) {
+            return None;
+        }
+        let [alternating, deep] = self.kinds(&pattern);
+        let lengths = |mark_spacing: f64| Lengths { level: p, step_over: s, mark_spacing };
+        let by_deep = self.ridge_between(Sought::MarkSpacing, lengths(guess * pattern.spacing / pattern.deep_spacing), deep)?;
+        if p <= self.drop {
+            return Some(by_deep.ridge.lengths.mark_spacing);
+        }
+        // Without marks the shallow teeth leave delta more than the deepest.
+        let is_held = step_over_height + self.drop < p;
+        let by_both = if is_held { Some(self.ridge_between(Sought::MarkSpacing, lengths(guess), alternating)?) } else { None };
+        let ridge = match by_both {
+            Some(by_both) if by_both.ridge.lengths.mark_spacing > by_deep.ridge.lengths.mark_spacing => {
+                self.or_with(Sought::MarkSpacing, by_both, deep)?
+            }
+            _ => self.or_with(Sought::MarkSpacing, by_deep, alternating)?,
+        };
+        Some(ridge.lengths.mark_spacing)
+    }
+
+    /// The largest step-over that keeps the height p; 0 where the marks leave more, `None` where the search's outcome is not proved.
+    pub(super) fn quick_step_over_with_runout(&self, p: f64, pattern: &Pattern, guess: f64) -> Option<f64> {
+        if !self.is_quick(pattern.spacing) {
+            return None;
+        }
+        let [alternating, deep] = self.kinds(pattern);
+        let lengths = |level: f64, step_over: f64| Lengths { level, step_over, mark_spacing: pattern.spacing };
+        // The interval of offsets that marks of one kind clear, from the right; empty where passes side by side leave more.
+        let interval = |marks: Clearing| {
+            if let Some(found) = self.ridge_between(Sought::StepOver, lengths(p, guess), marks) {
+                let right = found.ridge.place.t;
+                return Some(Some([right, right - found.ridge.lengths.step_over]));
+            }
+            let start = self.guess(0.0, Pattern::even(marks.spacing(pattern.spacing))) + self.drop;
+            let least = self.ridge_between(Sought::Level, lengths(start, Length::SMALLEST), marks)?;
+            (least.ridge.lengths.level >= p).then_some(None)
+        };
+        let by_both = if p > self.drop { interval(alternating)? } else { None };
+        let deep_overlaps = pattern.deep_spacing * self.climb.cos() < 2.0 * self.cutter.outer_radius().mm();
+        let by_deep = if deep_overlaps { interval(deep)? } else { None };
+        let width = |[right, left]: [f64; 2]| right - left;
+        Some(match (by_both, by_deep) {
+            (Some(a), Some(b)) if a[1] <= b[0] && b[1] <= a[0] => width([a[0].max(b[0]), a[1].min(b[1])]),
+            (a, b) => a.into_iter().chain(b).map(width).fold(0.0, f64::max),
+        })
+    }
+}
