@@ -7,7 +7,7 @@ use super::evidence::{Evidence, WIDEST_POINT};
 use super::layout::Separator;
 
 /// The readings that the lines so far leave open.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Doubt {
     first_line: u64,
     first: String,
@@ -50,9 +50,10 @@ impl Doubt {
         }
     }
 
-    /// The same doubt about lines that follow.
+    /// The same doubt about lines that follow. The lines before them have shown what the columns are.
     pub(super) fn of_more_lines(&self) -> Self {
-        Self { commas: self.commas.map(|_| (usize::MAX, 0)), ..self.clone() }
+        let commas = self.commas.map(|_| (usize::MAX, 0));
+        Self { first_line: self.first_line, first: self.first.clone(), commas, columns: None }
     }
 
     /// Takes lines into account that `more` looked at.

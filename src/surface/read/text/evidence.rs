@@ -20,7 +20,7 @@ const LONGEST_MATRIX: u64 = 50;
 
 /// The columns of a table in which each line examined so far has the same number of numbers, more than three, and
 /// nothing else.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Evidence {
     separator: Separator,
     columns: Vec<Column>,
