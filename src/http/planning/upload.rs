@@ -45,14 +45,14 @@ described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used where the content is ambiguous",
+        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used where the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
         Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))
             .build()
     });
     let library = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb or a zip of them) or CSV; its ball-end, bull-nose and flat cutters join cutters",
+        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them, of which those that its .fctl lists name are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
     ));
     let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));
     let form = ObjectSchema::new("A surface file, the parameters and tool libraries, in any order", components);
@@ -158,11 +158,11 @@ impl Received {
         };
         let task = read_text(&parameters, budget, cancelled, |object, faults| {
             let libraries = std::mem::take(&mut self.libraries);
-            let (checked, warning) = (libraries.check(faults).map(|()| libraries.left_out()), libraries.warning());
-            let parameters = Parameters::read(object, libraries.into_candidates(), checked, faults);
+            let warnings: Vec<_> = libraries.warnings().collect();
+            let parameters = Parameters::read(object, libraries, faults);
             let surface = self.surface(faults);
             let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
-            task.warn(warning);
+            task.warn(warnings);
             Ok(task)
         })?;
         answer_to(task, means, cancelled)

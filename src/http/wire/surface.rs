@@ -60,14 +60,15 @@ impl Kind for StatedSurface {
             [false, true, false, false] => object.required(&GRID, faults).map(|surface| SurfaceWithSource::stated(surface, Source::Grid)),
             [false, false, true, false] => object.required(&MESH, faults).map(|surface| SurfaceWithSource::stated(surface, Source::Mesh)),
             [false, false, false, true] => bezier(&mut object, faults),
-            [false, false, false, false] => {
-                Err(faults.add(&path, RequestFault::MissingField, "give points, grid, mesh, or bezier with samples"))
-            }
             _ => {
-                // All forms are read, so that all their faults are listed.
+                // All forms are read, so that all their faults are listed, and faults of unknown members list all forms.
                 let _ = (object.optional(&POINTS, faults), object.optional(&GRID, faults), object.optional(&MESH, faults));
                 let _ = (object.optional(&BEZIER, faults), object.optional(&SAMPLES, faults));
-                Err(faults.add(&path, RequestFault::ConflictingFields, "give one of points, grid, mesh, and bezier with samples"))
+                Err(if forms.contains(&true) {
+                    faults.add(&path, RequestFault::ConflictingFields, "give one of points, grid, mesh, and bezier with samples")
+                } else {
+                    faults.add(&path, RequestFault::MissingField, "give points, grid, mesh, or bezier with samples")
+                })
             }
         };
         object.close(faults)?;

@@ -5,6 +5,7 @@ mod curvature;
 #[cfg(test)]
 mod curvature_tests;
 mod finish_facet;
+mod flat_regions;
 mod merge;
 mod part;
 mod pieces;

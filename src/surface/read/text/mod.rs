@@ -11,6 +11,7 @@
 //! A table that can be read in two ways is refused with [`FaultKind::Ambiguous`].
 
 mod doubt;
+mod evidence;
 mod header;
 mod layout;
 
@@ -155,9 +156,9 @@ pub(super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
 }
 
 impl Table {
-    /// How the lines after these are read, once their layout is known.
+    /// How the lines after these are read, once their layout and the columns of a table without a header are known.
     fn job(&self) -> Option<Job> {
-        let layout = self.layout?;
+        let layout = self.layout.filter(|_| !self.doubt.as_ref().is_some_and(Doubt::needs_lines))?;
         Some(Job { layout, doubt: self.doubt.as_ref().filter(|_| layout.mark.is_none()).map(Doubt::of_more_lines) })
     }
 
@@ -183,10 +184,12 @@ impl Table {
             if matches!(cleaned, Cow::Owned(_)) && self.layout.is_some_and(|layout| layout.separator == Separator::Blanks) {
                 refuse_mixed_blanks(line)?;
             }
-            point
+            self.points += 1;
+            sink.point(point);
+            return Ok(());
         };
         if let Some(doubt) = &mut self.doubt {
-            doubt.look_at(line);
+            doubt.look_at(&without_hard_blanks(line));
         }
         self.points += 1;
         sink.point(point);
