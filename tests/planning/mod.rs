@@ -10,6 +10,7 @@ mod recommendation;
 mod simulated;
 mod surfaces;
 mod upload;
+mod warned;
 mod wavy;
 mod zigzag;
 

@@ -434,6 +434,16 @@ def idle_connections(address):
     return ["idle"] * len(streams)
 
 
+def full_budget(address):
+    """As many connections as may be open, and beside them all that fills the memory budget."""
+    parts = [separate_facets, unread_answers, four_vertex_floods, many_planes]
+    idle = [connect(address) for _ in range(3900)]
+    got = side_by_side(len(parts), lambda index: parts[index](address))
+    for stream in idle:
+        stream.close()
+    return [status for statuses in got for status in statuses]
+
+
 def half_closed(address):
     with connect(address) as stream:
         stream.sendall(post("/v1/scallop-height", HEIGHT))
@@ -460,6 +470,7 @@ ATTACKS = {
     "16 MiB in one-byte chunks": (one_byte_chunks, {400}),
     "4200 idle connections": (idle_connections, {"idle"}),
     "half-closed client": (half_closed, {200}),
+    "3900 idle connections beside a full budget": (full_budget, {200, 408, 413, 503}),
     "4 ordinary batches of 250,000": (ordinary_batches, {200, 503}),
     "16 uploads of 100 MB": (sixteen_uploads, {200, 503}),
     "64 uploads of 20 MB": (sixty_four_uploads, {200, 503}),
@@ -475,7 +486,7 @@ ATTACKS = {
 
 
 # Work that must be answered; the others have 5 s.
-USUAL_TIMEOUT = {ordinary_batches, sixteen_uploads, sixty_four_uploads, separate_facets, package}
+USUAL_TIMEOUT = {full_budget, ordinary_batches, sixteen_uploads, sixty_four_uploads, separate_facets, package}
 
 
 class Server:

@@ -177,6 +177,9 @@ struct SimulatedFigures {
     /// The largest height that the cutter leaves there.
     #[schema(required = false, minimum = 0)]
     uncut_height_mm: f64,
+    /// How far that height may be off: the error of the raster on which it is found.
+    #[schema(required = false, minimum = 0)]
+    uncut_height_error_mm: f64,
     /// A lower bound: no zigzag that keeps the scallop height takes less time.
     #[schema(required = false, minimum = 0)]
     least_time_s: f64,
@@ -245,7 +248,8 @@ struct ScallopAnswer {
     max: f64,
 }
 
-/// Times by direction, before the check of the scallop height.
+/// Times by direction. The recommended direction's is that of the plan. The others are estimates: the times before the check of the
+/// scallop height, multiplied by the factor by which the check changed the time of the fastest direction.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 struct ByDirection {
     /// The directions.
@@ -312,6 +316,7 @@ impl RankedCandidate {
                 over_tolerance_share: scallop.over_tolerance_share,
                 uncut_share: plan.reach.map_or(0.0, |reach| reach.uncut_share),
                 uncut_height_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height.mm()),
+                uncut_height_error_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height_error.mm()),
                 least_time_s: plan.least_time.seconds(),
                 by_direction: ByDirection { direction_deg: directions, machining_time_s: times },
                 rectangle: plan.rectangle.map(|plan| OnRectangle {

@@ -139,6 +139,16 @@ impl Parameters {
         })
     }
 
+    /// Whether the request states `include` with at least one part.
+    pub(super) fn has_include(&self) -> bool {
+        !self.include.is_empty()
+    }
+
+    /// Whether the request states directions.
+    pub(super) fn has_directions(&self) -> bool {
+        self.directions.is_some()
+    }
+
     pub(super) fn includes(&self, part: Part) -> bool {
         self.include.contains(&part)
     }

@@ -25,4 +25,8 @@ pub(crate) struct NotRanked {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub(crate) uncut_height_mm: Option<f64>,
+    /// How far that height may be off: the error of the raster on which it is found; only with the code `cannot-reach`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub(crate) uncut_height_error_mm: Option<f64>,
 }

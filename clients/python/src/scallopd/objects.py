@@ -412,6 +412,7 @@ class Plan(TypedDict, total=False):
     over_tolerance_share: float
     uncut_share: float
     uncut_height_mm: float
+    uncut_height_error_mm: float
     least_time_s: float
     by_direction: Dict[str, List[float]]
     rectangle: Dict[str, float]
@@ -425,6 +426,8 @@ class NotRanked(TypedDict, total=False):
     code: str
     detail: str
     uncut_share: float
+    uncut_height_mm: float
+    uncut_height_error_mm: float
 
 
 class Passes(TypedDict, total=False):

@@ -50,6 +50,17 @@ impl Doubt {
         }
     }
 
+    /// The same doubt about lines that follow. The lines before them have shown what the columns are.
+    pub(super) fn of_more_lines(&self) -> Self {
+        let commas = self.commas.map(|_| (usize::MAX, 0));
+        Self { first_line: self.first_line, first: self.first.clone(), commas, columns: None }
+    }
+
+    /// Takes lines into account that `more` looked at.
+    pub(super) fn add(&mut self, more: &Self) {
+        self.commas = self.commas.zip(more.commas).map(|(own, others)| (own.0.min(others.0), own.1.max(others.1)));
+    }
+
     /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal
     /// point has shown that commas separate columns.
     pub(super) fn flaw(&self, points: u64, has_mark: bool) -> Option<(Flaw, u64)> {
