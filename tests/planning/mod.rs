@@ -4,6 +4,7 @@ mod critical_slope;
 mod examples;
 mod faults;
 mod formats;
+mod libraries;
 mod published;
 mod recommendation;
 mod simulated;

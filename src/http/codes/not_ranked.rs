@@ -10,6 +10,7 @@ codes! {
         NoStepOver = "no-step-over": "No step-over keeps the scallop height", "Allow more height, or use another cutter.";
         TooManyPasses = "too-many-passes": "The plan would have too many passes or runs", "Allow more height, select a part of the surface, or use a larger cutter.";
         Gouges = "gouges": "The cutter gouges the surface beside its contacts", "Use a cutter with a larger corner radius, or a smaller one.";
+        FaultyTool = "faulty-tool": "The tool's entry in its library has faults", "Correct the members that the detail names; the other tools of the library are used.";
     }
 }
 

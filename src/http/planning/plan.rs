@@ -3,6 +3,7 @@
 use super::answer::{RankedCandidate, RecommendationAnswer, model};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
+use super::library;
 use super::map::MapAnswer;
 use super::memory::{BYTES_OF_A_MAP, Means};
 use super::parameters::{Method, Parameters, Part};
@@ -107,8 +108,9 @@ impl Task {
         };
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
-        let not_ranked: Vec<NotRanked> =
+        let mut not_ranked: Vec<NotRanked> =
             ranking.not_ranked.iter().map(|not_ranked| self.not_ranked(not_ranked.candidate, not_ranked.reason)).collect();
+        not_ranked.extend(self.faulty_tools());
         let candidates: Vec<_> = ranking.plans.iter().map(|plan| RankedCandidate::simulated(plan, named)).collect();
         let (Some(first), Some(confidence)) = (candidates.first(), &ranking.confidence) else {
             return Err(Problem::no_cutter_fits(not_ranked));
@@ -175,6 +177,7 @@ impl Task {
                 _ => not_ranked.push(self.not_ranked(index, NotRankedReason::NoStepOver)),
             }
         }
+        not_ranked.extend(self.faulty_tools());
         candidates.sort_by(|a, b| a.time().seconds().total_cmp(&b.time().seconds()));
         let Some(first) = candidates.first() else { return Err(Problem::no_cutter_fits(not_ranked)) };
         let unused = [("include", self.parameters.has_include()), ("directions_deg", self.parameters.has_directions())];
@@ -244,6 +247,12 @@ impl Task {
         let model = if self.parameters.method == Method::Rectangle { self.parameters.model() } else { Model::Analytic };
         let job = Job::new(toroidal, ball_end, self.parameters.scallop_height, self.parameters.machine.limits, model).ok()?;
         recommend(&job, &self.shape).ok()
+    }
+
+    /// The faulty tools of the libraries, whose positions follow those of the candidates.
+    fn faulty_tools(&self) -> impl Iterator<Item = NotRanked> {
+        let first = self.parameters.candidates.len();
+        self.parameters.faulty_tools.iter().enumerate().map(move |(index, tool)| library::not_ranked(tool, first + index))
     }
 
     fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[schema(as = NotRankedCutter)]
 pub(crate) struct NotRanked {
-    /// The position of the cutter in the request, from 0; cutters of libraries follow.
+    /// The position of the cutter in the request, from 0; cutters of libraries follow, and then their faulty tools.
     pub(crate) cutter: usize,
     /// The cutter's name, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -386,6 +386,7 @@ class Recommended(TypedDict, total=False):
 
     cutter: int
     name: str
+    preset: str
     direction_deg: float
     machining_time_s: float
     step_over_xy_mm: float
@@ -397,6 +398,7 @@ class Plan(TypedDict, total=False):
 
     cutter: int
     name: str
+    preset: str
     type: CutterType
     direction_deg: float
     machining_time_s: float
