@@ -19,6 +19,7 @@ mod newton;
 mod outline;
 mod runout;
 mod section;
+mod sharp_edge;
 
 use super::gouging;
 use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
@@ -207,6 +208,8 @@ impl Envelope {
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
         let quick = if let Some(step_over) = self.step_over_on_floor_or_wall(p, &pattern) {
             Some(step_over.min(largest))
+        } else if self.is_sharp_on_concave(pattern.spacing) {
+            sharp_edge::step_over(&self.body, p, guess)
         } else if pattern.is_even() {
             self.quickly(lengths, Sought::StepOver).map(|found| found.step_over)
         } else if self.is_convex_up_to(p) {
@@ -262,10 +265,16 @@ impl Envelope {
         if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
     }
 
-    /// Whether the quick search can end: not on floors and walls, nor for a sharp edge without marks.
+    /// Whether a sharp edge without marks cuts a concave surface, where the edge's own curve has the ridge.
+    fn is_sharp_on_concave(&self, mark_spacing: f64) -> bool {
+        mark_spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd && self.body.is_concave()
+    }
+
+    /// Whether the quick search can end: not on plane floors and walls, where the section's edges are straight along the feed, nor for a sharp edge without marks.
     fn is_quick(&self, mark_spacing: f64) -> bool {
         let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
-        slope.sin() != 0.0 && slope.cos() != 0.0 && !(sharp && mark_spacing == 0.0)
+        let is_straight = self.pass.surface.is_plane() && (slope.sin() == 0.0 || slope.cos() == 0.0);
+        !(is_straight || sharp && mark_spacing == 0.0)
     }
 
     /// h for passes s apart with a pattern of marks, both in the tangent plane.
@@ -296,7 +305,12 @@ impl Envelope {
             return Some(closed);
         }
         let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
-        match self.quickly(lengths, Sought::Level).map(|found| found.level) {
+        let quick = if self.is_sharp_on_concave(f) {
+            sharp_edge::level(&self.body, s)
+        } else {
+            self.quickly(lengths, Sought::Level).map(|found| found.level)
+        };
+        match quick {
             Some(level) if self.is_convex_up_to(level) => Some(level),
             Some(level) => self.height_on_concave(s, pattern, Some(level), true),
             None => self.searched_level(s, pattern, lengths.level),
