@@ -125,7 +125,7 @@ impl Envelope {
         }
         let largest = self.largest_feed(s);
         let room = tolerance.mm() - step_over_height.mm();
-        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().min(largest);
+        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().max(self.feed_on_flat(tolerance.mm(), s)).min(largest);
         let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
         let quick = if let Some(feed) = self.feed_on_floor_or_wall(tolerance.mm(), s) {
             Some(feed.min(largest))
@@ -150,6 +150,9 @@ impl Envelope {
     /// The largest feed per tooth up to `largest` at which the pass clears the step-over s down to the height p; `None` where none does from [`Length::SMALLEST`] on.
     fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
         let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
+        if excess(largest) <= 0.0 {
+            return Some(largest);
+        }
         let mut low = guess.clamp(Length::SMALLEST, largest);
         let mut high;
         if excess(low) <= 0.0 {
@@ -339,7 +342,25 @@ impl Envelope {
             pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
         };
         // Above the whole cutter there is no section.
-        (s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer)).min(outer / 4.0)
+        let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
+        // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the height, or beyond it on the corner's round.
+        let (slope, theta) = (self.contact().slope(), self.contact().theta());
+        let steep = s * theta.sin().abs() + f * theta.cos().abs();
+        let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
+        let on_flat = slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE));
+        let guess = if self.pass.surface.is_plane() { parabola.min(on_flat) } else { parabola };
+        guess.min(outer / 4.0)
+    }
+
+    /// About the largest feed per tooth near a plane floor, where the tolerance p exceeds the height of the whole flat: the marks lie on the flat and on the corner's round. 0 elsewhere.
+    fn feed_on_flat(&self, p: f64, s: f64) -> f64 {
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let over_flat = (p - 2.0 * core * self.contact().slope().sin()).min(corner);
+        if over_flat <= 0.0 || !self.pass.surface.is_plane() {
+            return 0.0;
+        }
+        let diameter = 2.0 * (core + (over_flat * (2.0 * corner - over_flat)).sqrt());
+        ((diameter - s) * (diameter + s)).max(0.0).sqrt()
     }
 
     /// h by the general search.
