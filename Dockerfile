@@ -1,4 +1,4 @@
-# The server as one static file in an image with nothing else. `docker build .`, or deploy/build-image.sh without Docker.
+# An image with the server as one static file and nothing else. `docker build .`, or deploy/build-image.sh without Docker.
 
 # Both bases can come from a private mirror: --build-arg BUILD_IMAGE=mirror.example/rust:1.95-slim-bookworm
 ARG BUILD_IMAGE=docker.io/library/rust:1.95-slim-bookworm
@@ -8,7 +8,7 @@ ARG RUNTIME_IMAGE=scratch
 FROM ${BUILD_IMAGE} AS toolchain
 SHELL ["/bin/sh", "-eu", "-c"]
 WORKDIR /build
-# Images that hold the musl tools already are taken as they are, so that a mirror can do without apt.
+# Nothing is installed if the image has the musl tools, so that a mirror needs no apt.
 # Versions follow the base image's Debian release: pinning them would break the build at every point release.
 # hadolint ignore=DL3008
 RUN command -v musl-gcc || { \
@@ -20,7 +20,7 @@ RUN command -v musl-gcc || { \
     [ -d "$(rustc --print sysroot)/lib/rustlib/$target" ] || rustup target add "$target"
 
 # The dependencies, from the manifest and an empty program: this layer lasts until one of the two files changes.
-# Tables of benches, tests and examples name files that are not here yet.
+# Tables of benches, tests and examples refer to files that are not copied yet.
 FROM toolchain AS dependencies
 COPY Cargo.toml Cargo.lock ./
 RUN cp Cargo.toml Cargo.toml.whole; \
@@ -32,7 +32,7 @@ RUN cp Cargo.toml Cargo.toml.whole; \
     rm -r src
 
 FROM dependencies AS build
-# What /metrics gives as the revision.
+# The revision shown by /metrics.
 ARG REVISION=unknown
 COPY . .
 # Newer than the empty program, whatever the checkout's times are.
@@ -53,12 +53,12 @@ LABEL org.opencontainers.image.title="scallopd" \
       org.opencontainers.image.created="${CREATED}" \
       org.opencontainers.image.source="${SOURCE}"
 COPY --from=build /image/scallopd /scallopd
-# A number, so that Kubernetes can tell that it is not root; the one that distroless images use.
+# A number, so that Kubernetes can verify that it is not root; the same as in distroless images.
 USER 65532:65532
 # In a container every address is the container's own.
 ENV SCALLOPD_LISTEN=0.0.0.0:8080
 EXPOSE 8080
-# The server asks itself: there is no shell and no curl.
+# The server checks itself, because there is no shell and no curl.
 HEALTHCHECK --interval=10s --timeout=3s --start-period=2s --retries=3 CMD ["/scallopd", "healthcheck"]
 STOPSIGNAL SIGTERM
 ENTRYPOINT ["/scallopd"]

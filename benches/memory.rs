@@ -6,12 +6,15 @@
 #![allow(clippy::cast_precision_loss, reason = "figures to print, under 2^53")]
 
 use peak_alloc::PeakAlloc;
+use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
-use scallopd::planning::memory::{Parallelism, bytes_of_mesh, bytes_to_prepare, bytes_to_rank};
+use scallopd::planning::memory::{Parallelism, RankingSize, bytes_of_mesh, bytes_to_prepare, bytes_to_rank};
 use scallopd::planning::reach::ReachMap;
-use scallopd::planning::zigzag::{CandidateCutter, SurfaceEvidence, ZigzagSettings, bytes_of_passes, passes, rank};
+use scallopd::planning::zigzag::{
+    CandidateCutter, NoRanking, PlanRoom, SurfaceEvidence, ZigzagSettings, bytes_of_passes, passes, rank_within,
+};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, MeshBuilder, Sink, Unit};
@@ -76,20 +79,32 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
     let toroidal = |index: u32| Cutter::toroidal(mm(6.0 + 0.1 * f64::from(index)), mm(1.0)).expect("a cutter");
     let cutters: Vec<CandidateCutter> = (0..8).map(|index| CandidateCutter::new(toroidal(index))).collect();
     let tried: Vec<Cutter> = cutters.iter().map(|candidate| candidate.cutter).collect();
-    line("trying 8 cutters", facets, 0, || reach.uncut_of_each(&tried, mm(0.01)).len());
+    for (threads, pool) in pools {
+        line(&format!("trying 8 cutters, {threads} threads"), facets, 0, || {
+            pool.install(|| tried.par_iter().map(|&cutter| reach.uncut(cutter, mm(0.01)).share).sum::<f64>())
+        });
+    }
     let machine = Machine::from(Preset::named("five_axis_vmc").expect("a preset").limits);
     for height in [0.01, 1e-4] {
         let settings = ZigzagSettings::new(mm(height), machine);
         for (threads, pool) in pools {
             let parallelism = Parallelism { threads: *threads, candidates: *threads };
-            // The memory beside the facets themselves, of 152 bytes each, which are already held.
-            let stated = bytes_to_rank(facets, cutters.len(), parallelism) - 152 * facets;
-            let name = format!("8 cutters, {threads} threads, {height}");
-            let ranking =
-                line(&name, facets, stated, || pool.install(|| rank(&finish, &cutters, &settings, SurfaceEvidence::default(), &|| false)));
-            let plan = ranking.as_ref().and_then(|ranking| ranking.plans.first()).expect("a plan");
+            // Beside the facets themselves, of 152 bytes, which are held already.
+            let ranked = |room: PlanRoom| {
+                let size = RankingSize { facets, candidates: cutters.len(), diameters: 24 };
+                let stated = bytes_to_rank(size, parallelism, room) - 152 * facets;
+                let name = format!("8 cutters, {threads} threads, {height}, {} planes", room.planes);
+                let evidence = SurfaceEvidence::default();
+                line(&name, facets, stated, || pool.install(|| rank_within(&finish, &cutters, &settings, evidence, room, &|| false)))
+            };
+            let ranking = match ranked(PlanRoom::USUAL) {
+                Err(NoRanking::NoRoom) => ranked(PlanRoom::LARGEST),
+                ranking => ranking,
+            };
+            let plan = ranking.as_ref().ok().and_then(|ranking| ranking.plans.first()).expect("a plan");
             let candidate = &cutters[plan.candidate];
-            let stated_one = bytes_to_rank(facets, 1, Parallelism { threads: *threads, candidates: 1 }) - 152 * facets;
+            let size = RankingSize { facets, candidates: 1, diameters: 24 };
+            let stated_one = bytes_to_rank(size, Parallelism { threads: *threads, candidates: 1 }, PlanRoom::LARGEST) - 152 * facets;
             let stated = stated_one + bytes_of_passes(plan, &finish, 100_000);
             let points =
                 line("passes", facets, stated, || pool.install(|| passes(plan, &finish, candidate, &settings, &|_, _| None, 100_000)));
@@ -102,6 +117,10 @@ fn main() {
     let pools: Vec<(usize, ThreadPool)> =
         [1, 2].map(|count| (count, ThreadPoolBuilder::new().num_threads(count).build().expect("threads"))).into();
     let builder = || MeshBuilder::with_facet_limit(FACETS);
+    println!("200 facets");
+    let mut few = builder();
+    waves(200, 0.0, |facet| few.facet(facet));
+    planned(few, &pools);
     for (name, count, gap) in [("shared corners", FACETS, 0.0), ("facets apart", FACETS, 0.01), ("merged", 4 * FACETS, 0.01)] {
         println!("{name}");
         let stated = builder().bytes_to_take(FACETS, 3 * FACETS);
@@ -113,12 +132,14 @@ fn main() {
         println!("  held by its own account: {} each", builder.held_bytes() / FACETS);
         planned(builder, &pools);
     }
-    println!("points");
-    let stated = builder().bytes_to_take(FACETS, 0);
-    let builder = line("building", FACETS, stated, || {
-        let mut builder = builder();
-        waves(FACETS, 0.0, |[corner, ..]| builder.point(corner));
-        builder
-    });
-    planned(builder, &pools[..1]);
+    for count in [FACETS / 50, FACETS] {
+        println!("{count} points");
+        let stated = builder().bytes_to_take(count, 0);
+        let builder = line("building", count, stated, || {
+            let mut builder = builder();
+            waves(count, 0.0, |[corner, ..]| builder.point(corner));
+            builder
+        });
+        planned(builder, &pools[..1]);
+    }
 }

@@ -4,6 +4,7 @@
 //! The directory is read entry by entry without trusting its counts, an entry is inflated as it is read, and every
 //! inflated byte counts towards one limit of the whole archive, which overlapping or repeated entries cannot exceed.
 
+use crate::cancellation::CancelFlag;
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use std::cell::Cell;
 use std::fmt;
@@ -66,6 +67,7 @@ pub(crate) struct Archive<'a> {
     limits: ArchiveLimits,
     /// The bytes that may still be inflated.
     left: Cell<u64>,
+    cancel: CancelFlag,
 }
 
 /// A file of an archive.
@@ -114,7 +116,12 @@ impl<'a> Archive<'a> {
                 position: entry.wayfinder(),
             });
         }
-        Ok(Self { zip, entries, limits, left: Cell::new(limits.inflated_bytes) })
+        Ok(Self { zip, entries, limits, left: Cell::new(limits.inflated_bytes), cancel: CancelFlag::default() })
+    }
+
+    /// The same archive, of which nothing more is inflated once `cancel` is set.
+    pub(crate) fn until(self, cancel: &CancelFlag) -> Self {
+        Self { cancel: cancel.clone(), ..self }
     }
 
     /// The files of the archive, in the order of its directory; folders are left out.
@@ -142,7 +149,7 @@ impl<'a> Archive<'a> {
             CompressionMethod::DEFLATE => Content::Deflated(flate2::bufread::DeflateDecoder::new(local.data())),
             other => return Err(ArchiveFault::Compression(other.as_u16())),
         };
-        Ok(Inflating { content: local.verifying_reader(content), left: &self.left })
+        Ok(Inflating { content: local.verifying_reader(content), left: &self.left, cancel: &self.cancel })
     }
 
     /// The whole content of a file.
@@ -173,6 +180,7 @@ fn damaged(error: impl fmt::Display) -> ArchiveFault {
 pub(crate) struct Inflating<'a> {
     content: rawzip::ZipSliceVerifier<Content<'a>>,
     left: &'a Cell<u64>,
+    cancel: &'a CancelFlag,
 }
 
 enum Content<'a> {
@@ -191,6 +199,9 @@ impl Read for Content<'_> {
 
 impl Read for Inflating<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.cancel.is_cancelled() {
+            return Err(io::Error::other("it is no longer needed"));
+        }
         let read = self.content.read(buffer)?;
         match self.left.get().checked_sub(read as u64) {
             Some(left) => self.left.set(left),

@@ -20,3 +20,21 @@ impl CancelFlag {
         self.0.load(Ordering::Relaxed)
     }
 }
+
+/// A flag that is set when this is dropped: with the future whose result the computation is for.
+#[derive(Debug, Default)]
+pub struct CancelOnDrop(CancelFlag);
+
+impl std::ops::Deref for CancelOnDrop {
+    type Target = CancelFlag;
+
+    fn deref(&self) -> &CancelFlag {
+        &self.0
+    }
+}
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use tokio::sync::Notify;
+use tokio::sync::futures::Notified;
 use tokio::time::{Instant, timeout_at};
 
 /// A bound on the bytes reserved at once. Clones share it.
@@ -68,7 +69,18 @@ impl MemoryBudget {
         self.0.refusals.load(Ordering::Relaxed)
     }
 
-    /// An empty reservation.
+    /// Counts a refused reservation, and is why.
+    pub fn refuse(&self, exceeded: BudgetExceeded) -> BudgetExceeded {
+        self.0.refusals.fetch_add(1, Ordering::Relaxed);
+        exceeded
+    }
+
+    /// Ends when bytes return after this call.
+    pub fn returned(&self) -> Notified<'_> {
+        self.0.returned.notified()
+    }
+
+    /// A reservation of no bytes, to grow.
     pub fn open(&self) -> Reservation {
         Reservation { budget: self.clone(), bytes: 0 }
     }
@@ -104,9 +116,7 @@ impl Reservation {
     /// # Errors
     /// [`BudgetExceeded`]; the reservation is unchanged then.
     pub fn grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
-        self.try_grow(bytes).inspect_err(|_| {
-            self.budget.0.refusals.fetch_add(1, Ordering::Relaxed);
-        })
+        self.try_grow(bytes).map_err(|exceeded| self.budget.refuse(exceeded))
     }
 
     /// Reserves `bytes` more. Waits at most `longest` for bytes to return.
@@ -118,19 +128,38 @@ impl Reservation {
         loop {
             // Registered before the attempt, so that bytes that return after it are noticed.
             let budget = self.budget.clone();
-            let returned = budget.0.returned.notified();
+            let returned = budget.returned();
             match self.try_grow(bytes) {
                 Err(BudgetExceeded::Now) if timeout_at(deadline, returned).await.is_ok() => {}
                 outcome => {
-                    return outcome.inspect_err(|_| {
-                        budget.0.refusals.fetch_add(1, Ordering::Relaxed);
-                    });
+                    return outcome.map_err(|exceeded| budget.refuse(exceeded));
                 }
             }
         }
     }
 
-    fn try_grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
+    /// The same on a thread that may block; ends early, too, once `stop` returns true.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`]: the reservation is as before.
+    pub fn grow_blocking(&mut self, bytes: u64, longest: Duration, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
+        /// Bytes return within milliseconds unless the load persists.
+        const PAUSE: Duration = Duration::from_millis(2);
+        let begun = std::time::Instant::now();
+        loop {
+            match self.try_grow(bytes) {
+                Err(BudgetExceeded::Now) if begun.elapsed() < longest && !stop() => std::thread::sleep(PAUSE),
+                Ok(()) => return Ok(()),
+                Err(exceeded) => return Err(self.budget.refuse(exceeded)),
+            }
+        }
+    }
+
+    /// Reserves `bytes` more; a failure is no refusal yet.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded`]: the reservation is as before.
+    pub fn try_grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
         let Shared { total, reserved, .. } = &*self.budget.0;
         let own = self.bytes.checked_add(bytes).filter(|own| *own <= self.budget.largest()).ok_or(BudgetExceeded::Always)?;
         // No overflow: `reserved` and `bytes` are at most `total`, and a sum beyond it is not stored.

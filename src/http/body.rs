@@ -16,6 +16,7 @@ use http_body::{Frame, SizeHint};
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::convert::Infallible;
+use std::io;
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
@@ -53,12 +54,17 @@ pub(crate) struct WrittenJson {
 impl WrittenJson {
     pub(crate) fn of(answer: &impl Serialize) -> Result<Self, Problem> {
         let mut text = Vec::with_capacity(USUAL_ANSWER);
+        let written = serde_json::to_writer(&mut text, answer);
+        written.map(|()| Self::in_pieces([text])).map_err(|error| not_written(&error))
+    }
+
+    /// The same for a large answer; once `cancel` is set, writing ends early with any result.
+    pub(crate) fn until(cancel: &CancelFlag, answer: &impl Serialize) -> Result<Self, Problem> {
+        let mut text = Cancellable { text: Vec::with_capacity(USUAL_ANSWER), cancel };
         match serde_json::to_writer(&mut text, answer) {
-            Ok(()) => Ok(Self::in_pieces([text])),
-            Err(error) => {
-                tracing::error!(%error, "an answer could not be written");
-                Err(Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR))
-            }
+            Ok(()) => Ok(Self::in_pieces([text.text])),
+            Err(_) if cancel.is_cancelled() => Err(Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)),
+            Err(error) => Err(not_written(&error)),
         }
     }
 
@@ -87,6 +93,31 @@ impl WrittenJson {
 
     fn length(&self) -> u64 {
         self.pieces.iter().map(|piece| piece.len() as u64).sum()
+    }
+}
+
+fn not_written(error: &serde_json::Error) -> Problem {
+    tracing::error!(%error, "an answer could not be written");
+    Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
+}
+
+/// A text whose writing fails once the flag is set.
+struct Cancellable<'a> {
+    text: Vec<u8>,
+    cancel: &'a CancelFlag,
+}
+
+impl io::Write for Cancellable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.cancel.is_cancelled() {
+            return Err(io::Error::other("the answer is no longer needed"));
+        }
+        self.text.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 

@@ -161,7 +161,7 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
     }
 }
 
-/// Why a request failed (RFC 9457).
+/// The reason why a request failed (RFC 9457).
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Problem)]
 pub(crate) struct ProblemBody {
@@ -271,7 +271,7 @@ const UNPROCESSABLE: &str = "UnprocessableProblem";
 /// their union.
 pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
     let mut schemas: Vec<(String, RefOr<Schema>)> = Vec::new();
-    let mut any = OneOfBuilder::new().description(Some("Why a well-formed request has no answer, discriminated by `type`."));
+    let mut any = OneOfBuilder::new().description(Some("The reason why a well-formed request has no answer, discriminated by `type`."));
     let mut mapping = Vec::new();
     let mut add = |name: String, types: &[&'static str], figures: (&[ProblemFigure], &[ProblemFigure])| {
         any = std::mem::take(&mut any).item(Ref::from_schema_name(&name));

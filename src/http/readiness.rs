@@ -28,7 +28,7 @@ impl Readiness {
     }
 }
 
-/// Whether the server is alive
+/// The liveness probe
 ///
 /// 200 as long as the process answers.
 #[utoipa::path(
@@ -39,7 +39,7 @@ pub async fn livez() -> &'static str {
     "alive\n"
 }
 
-/// Whether the server accepts requests
+/// The readiness probe
 ///
 /// 200, or 503 once the server is about to stop.
 ///

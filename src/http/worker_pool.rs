@@ -16,18 +16,17 @@ use axum::http::request::Parts;
 use axum::response::{IntoResponse, Response};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
-use tokio::time::timeout;
+use tokio::time::{Instant, timeout, timeout_at};
 
 use super::metrics::Metrics;
 use super::overload::Overload;
-use crate::cancellation::CancelFlag;
+use super::problem::Problem;
+use crate::cancellation::{CancelFlag, CancelOnDrop};
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
+use crate::priority;
 
 /// The largest number of threads for each permit; more bring little.
 const MAX_THREADS_PER_REQUEST: usize = 8;
-
-/// The niceness of worker threads, which gives them a third of the weight of the threads that serve connections.
-const NICENESS: i32 = 5;
 
 /// The worker threads and the permits to use them. Clones share both.
 #[derive(Clone)]
@@ -37,6 +36,8 @@ struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
+    /// Half of the permits, for recommendations: so many at once keep all cores busy, and batches find a permit beside them.
+    plans: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
     threads_of_a_permit: usize,
@@ -59,17 +60,9 @@ fn threads(name: &'static str, count: usize) -> std::io::Result<ThreadPool> {
     ThreadPoolBuilder::new()
         .num_threads(count)
         .thread_name(move |index| format!("{name}-{index}"))
-        .start_handler(|_| lower_priority())
+        .start_handler(|_| priority::lower())
         .build()
         .map_err(std::io::Error::other)
-}
-
-/// If the system refuses, the thread keeps its priority.
-fn lower_priority() {
-    #[cfg(target_os = "linux")]
-    if let Err(error) = rustix::process::nice(NICENESS) {
-        tracing::debug!(%error, "a worker thread keeps its priority");
-    }
 }
 
 impl WorkerPool {
@@ -84,6 +77,7 @@ impl WorkerPool {
         let shared = Shared {
             free: Mutex::new(free),
             permits: Arc::new(Semaphore::new(most)),
+            plans: Arc::new(Semaphore::new(most.div_ceil(2))),
             pieces: threads("piece", cores)?,
             threads_of_a_permit,
             metrics: metrics.clone(),
@@ -96,14 +90,21 @@ impl WorkerPool {
     /// # Errors
     /// [`Overload::Workers`] if none becomes free.
     pub async fn admit(&self, longest: Duration) -> Result<WorkPermit, Overload> {
-        let Ok(Ok(permit)) = timeout(longest, Arc::clone(&self.0.permits).acquire_owned()).await else {
-            self.0.metrics.shed(Overload::Workers);
-            return Err(Overload::Workers);
-        };
+        let permit = self.acquire(&self.0.permits, longest).await?;
         // Threads return before their permit: see the order in the `Drop` of `Held`.
         let threads = self.0.free().pop();
         let held = Held { threads, _permit: permit, pool: self.clone() };
         Ok(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
+    }
+
+    async fn acquire(&self, semaphore: &Arc<Semaphore>, longest: Duration) -> Result<OwnedSemaphorePermit, Overload> {
+        match timeout(longest, Arc::clone(semaphore).acquire_owned()).await {
+            Ok(Ok(permit)) => Ok(permit),
+            _ => {
+                self.0.metrics.shed(Overload::Workers);
+                Err(Overload::Workers)
+            }
+        }
     }
 }
 
@@ -121,16 +122,8 @@ impl Drop for Held {
     }
 }
 
-#[derive(Debug, Default)]
-struct CancelOnDrop(CancelFlag);
-
-impl Drop for CancelOnDrop {
-    fn drop(&mut self) {
-        self.0.cancel();
-    }
-}
-
-/// One request's permit and its threads. Dropping it cancels its work; the threads become free when the work has ended.
+/// One request's permit and its threads. Dropping it cancels the work that it runs; the threads are free once that
+/// has ended.
 pub struct WorkPermit {
     held: Arc<Held>,
     cancel: CancelOnDrop,
@@ -147,7 +140,7 @@ impl WorkPermit {
     /// flag that is set when the future is dropped. A panic in `work` continues in the caller.
     pub async fn run<T: Send + 'static>(self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> T {
         let held = Arc::clone(&self.held);
-        let cancel = self.cancel.0.clone();
+        let cancel = CancelFlag::clone(&self.cancel);
         let threads = self.held.threads.as_ref().unwrap_or_else(|| unreachable!("each permit has threads"));
         run_on(threads, held, move || work(&cancel)).await
     }
@@ -190,8 +183,9 @@ impl Work {
     /// unless the load persists.
     const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
-    /// The longest time that an upload waits, because its client would have to send the file again.
-    const LONGEST_WAIT_OF_UPLOAD: Duration = Duration::from_secs(20);
+    /// How long an upload or a recommendation waits: sending a file again would cost its client more, and of dozens
+    /// of recommendations at once, each of which takes some 0.1 s, the last waits some seconds.
+    pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
 
     pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget) -> Self {
         Self { workers, budget }
@@ -210,7 +204,43 @@ impl Work {
     /// # Errors
     /// [`Overload::Workers`] if no permit becomes free.
     pub async fn run_after_upload<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
-        Ok(self.workers.admit(Self::LONGEST_WAIT_OF_UPLOAD).await?.run(work).await)
+        Ok(self.workers.admit(Self::LONGEST_WAIT_OF_PLAN).await?.run(work).await)
+    }
+
+    /// Runs `work` with a permit and with `bytes` more in `memory`, for both of which it waits at most `longest`.
+    /// While it waits for memory it holds no permit, so that requests which need less are worked on meanwhile.
+    ///
+    /// # Errors
+    /// [`Overload`] as a problem to answer with.
+    pub(crate) async fn run_with_memory<T: Send + 'static>(
+        &self,
+        mut memory: Reservation,
+        bytes: u64,
+        longest: Duration,
+        work: impl FnOnce(Reservation, &CancelFlag) -> T + Send + 'static,
+    ) -> Result<T, Problem> {
+        let deadline = Instant::now() + longest;
+        let (permit, plan) = loop {
+            // Before the attempt, so that bytes that return after it are noticed.
+            let returned = self.budget.returned();
+            let left = || deadline.saturating_duration_since(Instant::now());
+            let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
+            let permit = self.workers.admit(left()).await?;
+            match memory.try_grow(bytes) {
+                Ok(()) => break (permit, plan),
+                Err(BudgetExceeded::Always) => return Err(self.budget.refuse(BudgetExceeded::Always).into()),
+                Err(BudgetExceeded::Now) => drop((permit, plan)),
+            }
+            if timeout_at(deadline, returned).await.is_err() {
+                return Err(self.budget.refuse(BudgetExceeded::Now).into());
+            }
+        };
+        let work = move |cancelled: &CancelFlag| {
+            let result = work(memory, cancelled);
+            drop(plan);
+            result
+        };
+        Ok(permit.run(work).await)
     }
 
     /// Runs `work` on `count` new threads instead of the permit's, because each thread takes memory.
@@ -241,15 +271,7 @@ impl Work {
         self.budget.reserve(bytes)
     }
 
-    /// Adds `bytes` to a reservation for work that follows an upload. Waits for free memory as long as for a permit.
-    ///
-    /// # Errors
-    /// [`BudgetExceeded`], which is a problem to answer with.
-    pub async fn grow_after_upload(&self, memory: &mut Reservation, bytes: u64) -> Result<(), BudgetExceeded> {
-        memory.grow_within(bytes, Self::LONGEST_WAIT_OF_UPLOAD).await
-    }
-
-    /// The same for other requests.
+    /// Adds `bytes` to a reservation, after waiting for others to return theirs as long as for a permit.
     ///
     /// # Errors
     /// [`BudgetExceeded`], which is a problem to answer with.
@@ -279,7 +301,6 @@ impl<S: Send + Sync> FromRequestParts<S> for Work {
 #[cfg(test)]
 mod tests {
     use std::sync::mpsc;
-    use std::time::Instant;
 
     use super::*;
 

@@ -1,5 +1,8 @@
-//! The memory that planning takes, stated beforehand so that a caller can reserve it. `cargo bench --bench memory` measures it.
+//! The memory that planning takes, stated beforehand so that a caller can reserve it. `cargo bench --bench memory`
+//! measures it.
 
+use super::zigzag::PlanRoom;
+use crate::surface::FinishFacet;
 use crate::surface::mesh::MeshSize;
 
 /// Of each facet and point of a mesh: corner numbers and coordinates.
@@ -19,24 +22,48 @@ const CURVATURE_POINT: usize = 60;
 /// Of each facet that is planned: [`FinishFacet`](crate::surface::FinishFacet), and what the simulation prepares of it.
 const PLANNED_FACET: usize = 152 + 168;
 
-/// For each candidate in work: a facet in the order of its direction, and while it is between two planes, which all facets may be at once.
+/// For each candidate or direction in work: a facet in the order of its direction, and while it is between two
+/// planes, which all facets may be at once.
 const ORDERED_FACET: usize = 128 + 80;
 
-/// For each candidate in work: 50,000 planes, those of the check before, the cells of a plane, and 65,536 runs with their order.
-const PLANES: usize = 28 << 20;
+/// For each candidate or direction in work: a plane with those of the check before, factors and heights, in vectors
+/// that move to twice their size; a run with its order; a cell of a plane.
+const PLANE: usize = 210;
+const RUN: usize = 200;
+const CELL: usize = 56;
 
-/// For each direction in work: the planes, the cells of a plane and the runs.
-const PLANES_OF_SEARCH: usize = 23 << 20;
+/// The most cells of a plane.
+const MOST_CELLS: usize = 100_000;
 
-/// The most facets that the search over directions samples, some more than it draws, and what is held of each.
+/// The most facets that the search over directions samples for the directions around the best, some more than it
+/// draws; for all directions half as many; and what is held of each.
 const SAMPLED: usize = 7_000;
 const SAMPLED_FACET: usize = 176;
 
 /// Of each candidate: tables of spacings and feeds, and times by direction.
 const CANDIDATE: usize = 64 << 10;
 
-/// The trial of eight cutters on a view of 256 x 256 cells, and what else does not grow.
-const FIXED: usize = 12 << 20;
+/// The side of the raster on which cutters are tried, and what is held of each cell: height and facet seen, height
+/// and area.
+pub const TRIAL_SIDE: usize = 256;
+const TRIAL_CELL: usize = 20;
+
+/// While a cutter is tried, for each thread: the raster with a border, three times, and three figures of each cell.
+const TRIAL: usize = 1_400_000 + 20 * TRIAL_SIDE * TRIAL_SIDE;
+
+/// What else does not grow.
+const FIXED: usize = 1 << 18;
+
+/// What is ranked, as far as the memory depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RankingSize {
+    /// The facets that are planned.
+    pub facets: usize,
+    /// The candidates.
+    pub candidates: usize,
+    /// The longest extent of the surface in diameters of the smallest candidate.
+    pub diameters: usize,
+}
 
 /// How a ranking uses threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,28 +80,40 @@ pub fn bytes_of_mesh(MeshSize { facets, points }: MeshSize) -> usize {
     facets * MESH_FACET + points * MESH_POINT
 }
 
-/// The memory that it takes to class the facets of a mesh of this size and to estimate their curvatures, in bytes, beside the mesh.
+/// The memory that it takes to class the facets of a mesh of this size, to estimate their curvatures and to see the
+/// mesh from above, in bytes, beside the mesh.
 #[must_use]
 pub fn bytes_to_prepare(MeshSize { facets, points }: MeshSize) -> usize {
     let view = (8 * facets).clamp(1 << 12, 1 << 20) * VIEW_CELL;
-    facets * (CLASSES + CURVATURE_FACET) + points * CURVATURE_POINT + view
+    let curvatures = facets * CURVATURE_FACET + points * CURVATURE_POINT;
+    facets * CLASSES + (curvatures + view).max(facets * size_of::<FinishFacet>() + TRIAL_SIDE * TRIAL_SIDE * VIEW_CELL)
 }
 
-/// The memory that it takes to rank `candidates` on a mesh with `facets` facets, in bytes, beside the mesh.
+/// What is held of a mesh with so many facets once it is prepared, in bytes, beside the mesh.
 #[must_use]
-pub fn bytes_to_rank(facets: usize, candidates: usize, parallelism: Parallelism) -> usize {
+pub fn bytes_prepared(facets: usize) -> usize {
+    facets * (CLASSES + size_of::<FinishFacet>()) + TRIAL_SIDE * TRIAL_SIDE * VIEW_CELL
+}
+
+/// The memory that it takes to rank, in bytes, beside the mesh.
+#[must_use]
+pub fn bytes_to_rank(size: RankingSize, parallelism: Parallelism, room: PlanRoom) -> usize {
+    let RankingSize { facets, candidates, diameters } = size;
     let sampled = facets.min(SAMPLED);
-    let search = sampled * SAMPLED_FACET + parallelism.threads * (sampled * ORDERED_FACET + PLANES_OF_SEARCH);
-    let plans = parallelism.candidates.min(candidates) * (facets * ORDERED_FACET + PLANES);
-    facets * (CLASSES + PLANNED_FACET) + search.max(plans) + candidates * CANDIDATE + FIXED
+    let plan = room.planes * PLANE + room.runs * RUN + diameters.saturating_add(2).min(MOST_CELLS) * CELL;
+    let trial = parallelism.threads.min(candidates) * TRIAL;
+    let search = (sampled + sampled / 2) * SAMPLED_FACET + parallelism.threads * (sampled * ORDERED_FACET + plan);
+    let plans = parallelism.candidates.min(candidates) * (facets * ORDERED_FACET + plan);
+    let held = facets * (CLASSES + PLANNED_FACET) + candidates * CANDIDATE + TRIAL_SIDE * TRIAL_SIDE * TRIAL_CELL;
+    held + search.max(plans).max(trial) + FIXED
 }
 
-/// The most threads and candidates at once, of at most `threads`, with which ranking takes at most `most` bytes, and these bytes; one of each where none
-/// fits.
+/// The most threads and candidates at once, of at most `threads`, with which ranking takes at most `most` bytes, and
+/// these bytes; one of each where none fits.
 #[must_use]
-pub fn fitting(facets: usize, candidates: usize, threads: usize, most: usize) -> (Parallelism, usize) {
+pub fn fitting(size: RankingSize, threads: usize, room: PlanRoom, most: usize) -> (Parallelism, usize) {
     let ways = (1..=threads).rev().flat_map(|threads| (1..=threads).rev().map(move |candidates| Parallelism { threads, candidates }));
-    let with_bytes = |way| (way, bytes_to_rank(facets, candidates, way));
+    let with_bytes = |way| (way, bytes_to_rank(size, way, room));
     let fits = ways.map(with_bytes).find(|&(_, bytes)| bytes <= most);
     fits.unwrap_or_else(|| with_bytes(Parallelism { threads: 1, candidates: 1 }))
 }
@@ -83,14 +122,27 @@ pub fn fitting(facets: usize, candidates: usize, threads: usize, most: usize) ->
 mod tests {
     use super::*;
 
+    const TWO: Parallelism = Parallelism { threads: 2, candidates: 2 };
+
+    fn size(facets: usize, candidates: usize) -> RankingSize {
+        RankingSize { facets, candidates, diameters: 20 }
+    }
+
     #[test]
     fn as_many_threads_and_candidates_as_fit_are_used() {
-        let whole = bytes_to_rank(500_000, 10, Parallelism { threads: 8, candidates: 8 });
-        assert_eq!(fitting(500_000, 10, 8, whole).0, Parallelism { threads: 8, candidates: 8 });
-        let (way, bytes) = fitting(500_000, 10, 8, whole - 1);
+        let (size, room) = (size(500_000, 10), PlanRoom::LARGEST);
+        let whole = bytes_to_rank(size, Parallelism { threads: 8, candidates: 8 }, room);
+        assert_eq!(fitting(size, 8, room, whole).0, Parallelism { threads: 8, candidates: 8 });
+        let (way, bytes) = fitting(size, 8, room, whole - 1);
         assert_eq!((way, bytes < whole), (Parallelism { threads: 8, candidates: 7 }, true));
-        assert_eq!(fitting(500_000, 10, 8, 0).0, Parallelism { threads: 1, candidates: 1 });
-        // Few facets need few bytes, whatever the threads.
-        assert!(bytes_to_rank(2, 2, Parallelism { threads: 2, candidates: 2 }) < 80 << 20);
+        assert_eq!(fitting(size, 8, room, 0).0, Parallelism { threads: 1, candidates: 1 });
+    }
+
+    #[test]
+    fn few_facets_need_few_megabytes() {
+        let few = bytes_to_rank(size(200, 2), TWO, PlanRoom::USUAL);
+        assert!(few < 8 << 20, "{few}");
+        // The largest plans of few facets.
+        assert!(bytes_to_rank(size(200, 2), TWO, PlanRoom::LARGEST) < 64 << 20);
     }
 }

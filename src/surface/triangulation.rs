@@ -6,6 +6,9 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 /// out.
 pub const LONG_EDGE: f64 = 4.0;
 
+/// How many points are inserted between two checks for cancellation: about a millisecond.
+const INSERTED_AT_ONCE: usize = 1024;
+
 /// A point of the plane and its number.
 struct Site {
     at: Point2<f64>,
@@ -29,11 +32,13 @@ impl HasPosition for Site {
 /// the next line. The spacing at an edge is the smaller spacing of its ends, but at least half the median of all
 /// points, so that two points close together by chance leave no hole.
 ///
-/// **Time** is O(n log n) for all inputs: points are inserted in rounds of four times as many as before, chosen at
-/// random, each round along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi
-/// and Rote 2003), after three that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time
-/// for points near a line.
-pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+/// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random,
+/// each round along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and
+/// Rote 2003), after three that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time for
+/// points near a line.
+///
+/// Once `stop` returns true the triangulation ends within milliseconds, without triangles.
+pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut points = points;
     for point in &mut points {
         // The library refuses magnitudes under 1.8e-43 other than 0; -0 becomes 0.
@@ -43,11 +48,14 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]
     }
     points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(b[2].total_cmp(&a[2])));
     points.dedup_by(|b, a| a[..2] == b[..2]);
-    let Some(order) = insertion_order(&points) else {
+    let Some(order) = insertion_order(&points, stop) else {
         return (points, Vec::new());
     };
     let mut delaunay = DelaunayTriangulation::<Site>::with_capacity(points.len(), 3 * points.len(), 2 * points.len());
-    for &index in &order {
+    for (count, &index) in order.iter().enumerate() {
+        if count.is_multiple_of(INSERTED_AT_ONCE) && stop() {
+            return (points, Vec::new());
+        }
         let [x, y, _] = points[index as usize];
         // Coordinates are in the library's range: finite, at most 1e12 in magnitude, 0 or at least 1e-40.
         if delaunay.insert(Site { at: Point2::new(x, y), index }).is_err() {
@@ -55,6 +63,9 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]
         }
     }
     let spacing = spacing(&delaunay, points.len());
+    if stop() {
+        return (points, Vec::new());
+    }
     let length = |a: u32, b: u32| {
         let (a, b) = (points[a as usize], points[b as usize]);
         (a[0] - b[0]).hypot(a[1] - b[1])
@@ -94,9 +105,12 @@ fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
     shortest.into_iter().map(|three| three.into_iter().rev().find(|length| length.is_finite()).unwrap_or(0.0)).collect()
 }
 
-/// The order in which points are inserted; `None` where all lie on one line. `points` are sorted by x, then y, and
-/// differ.
-fn insertion_order(points: &[[f64; 3]]) -> Option<Vec<u32>> {
+/// The order in which points are inserted; `None` where all lie on one line or `stop` returns true. `points` are
+/// sorted by x, then y, and differ.
+fn insertion_order(points: &[[f64; 3]], stop: &dyn Fn() -> bool) -> Option<Vec<u32>> {
+    if stop() {
+        return None;
+    }
     let coordinate = |point: &[f64; 3]| robust::Coord { x: point[0], y: point[1] };
     let (first, last) = (coordinate(points.first()?), coordinate(points.last()?));
     let off_line = points.iter().position(|point| robust::orient2d(first, last, coordinate(point)) != 0.0)?;
@@ -104,6 +118,9 @@ fn insertion_order(points: &[[f64; 3]]) -> Option<Vec<u32>> {
     // Ranks in place of coordinates order the points within tight clusters.
     let mut by_y: Vec<u32> = (0..count).collect();
     by_y.sort_unstable_by(|&a, &b| points[a as usize][1].total_cmp(&points[b as usize][1]).then(a.cmp(&b)));
+    if stop() {
+        return None;
+    }
     let mut keys = vec![0_u32; points.len()];
     let scaled = |rank: usize| u32::try_from((rank * 65_536) / points.len()).expect("under 65536");
     for (rank, &index) in by_y.iter().enumerate() {
@@ -115,6 +132,9 @@ fn insertion_order(points: &[[f64; 3]]) -> Option<Vec<u32>> {
     for i in (1..order.len()).rev() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         order.swap(i, usize::try_from((state >> 33) % (i as u64 + 1)).expect("at most i"));
+    }
+    if stop() {
+        return None;
     }
     let (mut start, mut end) = (0, 64);
     while start < order.len() {
@@ -147,8 +167,12 @@ fn hilbert(mut x: u32, mut y: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::cell::Cell;
     use std::time::{Duration, Instant};
+
+    fn triangulate(points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        super::triangulate(points, &|| false)
+    }
 
     /// The area of the triangles seen from above.
     fn area((points, triangles): &(Vec<[f64; 3]>, Vec<[u32; 3]>)) -> f64 {
@@ -207,6 +231,27 @@ mod tests {
     fn points_on_one_line_have_no_triangles() {
         for points in [vec![], vec![[1.0, 2.0, 3.0]; 1000], (0..1000).map(|i| [f64::from(i), 3.0 * f64::from(i), 1.0]).collect()] {
             assert_eq!(triangulate(points).1.len(), 0);
+        }
+    }
+
+    #[test]
+    fn a_triangulation_that_is_cancelled_ends_without_triangles() {
+        let points = lattice(100, 100, [1.0, 1.0], 0.5, |_, _| true);
+        let asked = Cell::new(0);
+        let stop_at = |count: usize| {
+            asked.set(0);
+            super::triangulate(points.clone(), &|| {
+                asked.set(asked.get() + 1);
+                asked.get() >= count
+            })
+        };
+        assert!(!stop_at(usize::MAX).1.is_empty());
+        let in_all = asked.get();
+        // Ten thousand points, a thousand at once, and the steps before and after.
+        assert!(in_all >= 14, "{in_all}");
+        for count in 1..=in_all {
+            assert_eq!(stop_at(count).1.len(), 0, "stopped at {count} of {in_all}");
+            assert_eq!(asked.get(), count);
         }
     }
 

@@ -8,7 +8,9 @@ use std::time::{Duration, Instant};
 
 use tracing_subscriber::fmt::MakeWriter;
 
-/// The time for which lines are collected before they are written.
+use crate::priority;
+
+/// How long lines are gathered before they are written.
 const GATHERING: Duration = Duration::from_millis(10);
 
 /// The longest time that `stop` waits for the reader of the log.
@@ -44,7 +46,12 @@ impl Lines {
     /// The system cannot start the thread.
     pub(super) fn write_to(&self, mut output: impl Write + Send + 'static) -> io::Result<JoinHandle<()>> {
         let lines = self.clone();
-        std::thread::Builder::new().name("log".to_owned()).spawn(move || while lines.write_some(&mut output) {})
+        let write = move || {
+            // Requests come first where cores are few: a write takes as long as some requests.
+            priority::lower();
+            while lines.write_some(&mut output) {}
+        };
+        std::thread::Builder::new().name("log".to_owned()).spawn(write)
     }
 
     /// Marks the queue as complete.

@@ -6,6 +6,7 @@ use scallopd::http::{RouteClass, Routes};
 
 use crate::app::{TestApp, defaults};
 use crate::service::server::{self, until};
+use serde_json::json;
 
 const KIB: u64 = 1024;
 
@@ -42,4 +43,22 @@ async fn a_body_without_memory_at_this_moment_is_refused_with_a_retry() {
     drop(held);
     assert_eq!(send().await.unwrap().status(), 200);
     until("its memory is free", async || server.state.budget.reserved() == 0).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn dozens_of_small_recommendations_at_once_are_all_answered() {
+    let app = TestApp::start().await;
+    let points: Vec<_> = (0..121).map(|place| json!([10 * (place % 11), 10 * (place / 11), f64::from(place % 11) / 4.0])).collect();
+    let body = json!({
+        "surface": {"grid": {"rows": 11, "columns": 11, "points": points}},
+        "cutters": [{"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2}, {"type": "ball_end", "diameter_mm": 10}],
+        "scallop_height_mm": 0.01, "machine": {"preset": "vmc"}, "directions_deg": [30],
+    });
+    let send = || app.client.post(app.url("/v1/cutter-recommendation")).json(&body).send();
+    let requests: Vec<_> = (0..64).map(|_| tokio::spawn(send())).collect();
+    for request in requests {
+        let answer = request.await.unwrap().unwrap();
+        assert_eq!(answer.status(), 200, "{}", answer.text().await.unwrap());
+    }
+    until("their memory is free", async || app.state.budget.reserved() == 0).await;
 }

@@ -44,7 +44,7 @@ impl ProblemFigure {
                 ("max_step_over_mm", "the step-over whose height is the tolerance; a smaller one leaves room for tooth marks")
             }
             Self::LargestStepOver => {
-                ("largest_step_over_mm", "the step-over at which the passes just meet; absent where it is the feed that has no limit")
+                ("largest_step_over_mm", "the step-over at which the passes just meet; absent if the feed has no limit")
             }
             Self::SmallestRadius => (
                 "smallest_radius_mm",

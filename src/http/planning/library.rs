@@ -21,6 +21,11 @@ impl Libraries {
         self.0.push(read);
     }
 
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Records the faults of refused libraries, each with file, tool and member.
     pub(super) fn check(&self, faults: &mut Faults) -> Result<(), Faulted> {
         let root = JsonPath::Root;

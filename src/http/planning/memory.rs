@@ -2,38 +2,68 @@
 
 use crate::http::wire::ReceivedSurface;
 use crate::http::worker_pool::Work;
-use crate::memory_budget::Reservation;
-use crate::planning::memory::{Parallelism, bytes_of_mesh, bytes_to_prepare, fitting};
+use crate::memory_budget::{BudgetExceeded, Reservation};
+use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, fitting};
+use crate::planning::zigzag::PlanRoom;
 use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
+use std::time::Duration;
 
 /// The resources that a recommendation holds.
 #[derive(Debug)]
 pub(super) struct Means {
     pub(super) memory: Reservation,
     pub(super) parallelism: Parallelism,
+    pub(super) room: PlanRoom,
+    /// How long more memory may be waited for.
+    longest_wait: Duration,
+    /// The memory that one request may have, in bytes.
+    largest: usize,
 }
 
-/// The resources that a recommendation needs.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Needs {
-    pub(super) bytes: u64,
-    pub(super) parallelism: Parallelism,
-}
-
-impl Needs {
-    /// The needs of a plan on a mesh of this size, with as many threads and candidates at once as one request may use.
-    pub(super) fn of_plan(size: MeshSize, candidates: usize, work: &Work) -> Self {
-        let mesh = bytes_of_mesh(size);
-        let largest = usize::try_from(work.budget().largest()).unwrap_or(usize::MAX);
-        let (parallelism, bytes) = fitting(size.facets, candidates, work.threads(), largest.saturating_sub(mesh));
-        Self { bytes: (mesh + bytes) as u64, parallelism }
+impl Means {
+    /// No memory yet.
+    pub(super) fn none(work: &Work, longest_wait: Duration) -> Self {
+        Self {
+            memory: work.budget().open(),
+            parallelism: Parallelism { threads: work.threads(), candidates: work.threads() },
+            room: PlanRoom::USUAL,
+            longest_wait,
+            largest: usize::try_from(work.budget().largest()).unwrap_or(usize::MAX),
+        }
     }
 
-    /// The needs of all that follows the reading of a surface, for any selection and up to `candidates` candidates.
-    pub(super) fn after_reading(mesh: &MeshBuilder, candidates: usize, work: &Work) -> Self {
-        let plan = Self::of_plan(mesh.size(), candidates, work);
-        Self { bytes: plan.bytes.max(bytes_of_workpiece(mesh)), ..plan }
+    /// The same with this memory.
+    pub(super) fn with(self, memory: Reservation) -> Self {
+        Self { memory, ..self }
+    }
+
+    /// The memory that a ranking on a mesh of this size takes, in bytes, and how it may use threads: as many and as
+    /// many candidates at once as fit one request.
+    pub(super) fn needed(&self, mesh: MeshSize, size: RankingSize) -> (u64, Parallelism) {
+        let mesh = bytes_of_mesh(mesh);
+        let (parallelism, bytes) = fitting(size, self.parallelism.threads, self.room, self.largest.saturating_sub(mesh));
+        ((mesh + bytes) as u64, parallelism)
+    }
+
+    /// Reserves the memory for a ranking. On a worker thread.
+    pub(super) fn provide(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
+        let (bytes, parallelism) = self.needed(mesh, size);
+        self.memory.shrink_to(bytes);
+        self.add(bytes - self.memory.bytes(), stop)?;
+        self.parallelism = parallelism;
+        Ok(())
+    }
+
+    /// Reserves `bytes` more. On a worker thread.
+    pub(super) fn add(&mut self, bytes: u64, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
+        self.memory.grow_blocking(bytes, self.longest_wait, stop)
+    }
+
+    /// Reserves the memory for larger plans, after one did not fit. On a worker thread.
+    pub(super) fn enlarge(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
+        self.room = self.room.larger();
+        self.provide(mesh, size, stop)
     }
 }
 
@@ -43,9 +73,12 @@ pub(super) fn bytes_of_workpiece(mesh: &MeshBuilder) -> u64 {
     (bytes_of_mesh(size) + mesh.bytes_to_finish().max(bytes_to_prepare(size))) as u64
 }
 
-/// The memory of the facets of a JSON surface, in bytes for each byte of the body, while their vectors grow to twice
-/// their size. A point takes at least 8 bytes, `[0,0,0],`, and a point of a grid makes two facets: 72 bytes, 15 of the
-/// vertex table, and 36 for each facet.
+/// The memory that a map takes: figures of each cell and their text, in a vector that moves to twice its size.
+pub(super) const BYTES_OF_A_MAP: u64 = 256 * (TRIAL_SIDE * TRIAL_SIDE) as u64;
+
+/// The memory that the facets of a surface in JSON take for each byte in which the body states it, while their
+/// vectors move to twice their size. A point takes 8 bytes at least, `[0,0,0],`, and in a grid stands for two facets:
+/// 72 bytes and 15 of the table that finds it, and 36 for each facet.
 const BYTES_OF_A_BYTE: usize = 20;
 
 /// The points and triangles of a JSON mesh, which are held until all are read: 24 bytes for each 8 of the body.
@@ -54,15 +87,58 @@ const BYTES_OF_A_BYTE_OF_A_MESH: usize = 3;
 /// The facets of a sampled patch: one million, before they are merged.
 const BYTES_OF_A_PATCH: usize = 48 << 20;
 
-/// The memory in bytes to read the surface of a JSON body, beside the body itself.
+/// A facet of a patch, with the half of a point and of its place in the table that belong to it, in vectors that move
+/// to twice their size, and the samples.
+const BYTES_OF_A_SAMPLED_FACET: usize = 120;
+
+/// The most samples along a parameter of a patch.
+const MOST_SAMPLES: usize = 1000;
+
+/// The memory that it takes to read the surface in a JSON body, in bytes, beside the body.
 pub(super) fn bytes_to_read(json: &[u8]) -> u64 {
-    // A member's name may be written with escapes.
-    let may_be_patch = memchr::memchr(b'\\', json).is_some() || memchr::memmem::find(json, b"bezier").is_some();
-    let facets = (BYTES_OF_A_BYTE * json.len()).min(bytes_of_most_facets()).max(if may_be_patch { BYTES_OF_A_PATCH } else { 0 });
+    let facets = (BYTES_OF_A_BYTE * json.len()).min(bytes_of_most_facets()).max(bytes_of_patch(json));
     (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets) as u64
 }
 
-/// The most memory in bytes of a surface's facets while they are read.
+/// The memory that the facets of a patch take as it is sampled, where the JSON may hold one: two for each square of
+/// the largest number that stands after the name `samples`.
+fn bytes_of_patch(json: &[u8]) -> usize {
+    // The name of a member may be written with escapes.
+    if memchr::memchr(b'\\', json).is_some() {
+        return BYTES_OF_A_PATCH;
+    }
+    let number_after = |place: usize| {
+        let text = json[place..].trim_ascii_start();
+        let text = text.strip_prefix(b":").unwrap_or(text).trim_ascii_start();
+        let digits = text.iter().take(5).take_while(|byte| byte.is_ascii_digit()).count();
+        let number = text[..digits].iter().fold(0_usize, |number, digit| 10 * number + usize::from(digit - b'0'));
+        // Numbers in another form, such as 1e3, count as the largest.
+        let is_plain = digits > 0 && !matches!(text.get(digits), Some(b'.' | b'e' | b'E'));
+        if is_plain { number.min(MOST_SAMPLES) } else { MOST_SAMPLES }
+    };
+    let name = b"\"samples\"";
+    let samples = memchr::memmem::find_iter(json, name).map(|place| number_after(place + name.len())).max();
+    samples.map_or(0, |samples| (2 * samples * samples * BYTES_OF_A_SAMPLED_FACET).min(BYTES_OF_A_PATCH))
+}
+
+/// The memory that the facets of a surface take at most while they are taken in, in bytes.
 fn bytes_of_most_facets() -> usize {
     usize::try_from(ReceivedSurface::new().bytes_to_take_package()).unwrap_or(usize::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_patch_is_counted_by_its_samples_however_they_are_written() {
+        let patch = |samples: &str| bytes_to_read(format!("{{\"bezier\": [], {samples}}}").as_bytes());
+        assert_eq!(patch("\"points\": 1000"), bytes_to_read(b"{\"bezier\": [], \"points\": 1000}"));
+        let [few, many] = ["\"samples\": 80", "\"samples\" :\n 1000"].map(patch);
+        assert!(few > 1 << 20 && few < 2 << 20, "{few}");
+        assert!(many > BYTES_OF_A_PATCH as u64);
+        for unclear in ["\"samples\": 8e2", "\"samples\": 800.0", "\"sample\\u0073\": 8", "\"samples\": \"8\"", "\"samples\": 10000000"] {
+            assert!(patch(unclear) > BYTES_OF_A_PATCH as u64, "{unclear}");
+        }
+    }
 }

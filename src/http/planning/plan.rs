@@ -4,17 +4,18 @@ use super::answer::{RankedCandidate, RecommendationAnswer, model};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::map::MapAnswer;
-use super::memory::Means;
+use super::memory::{BYTES_OF_A_MAP, Means};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
-use super::simulation::{Simulation, Workpiece};
+use super::simulation::{Simulation, Workpiece, ranking_size};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning};
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
+use crate::planning::memory::RankingSize;
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
 use crate::planning::{Confidence, Evidence, Job, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
@@ -32,12 +33,14 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// Determines shape and facets of the surface at `path`.
+    /// Takes shape and facets of the surface that was sent at `path`. Once `stop` returns true the task is discarded,
+    /// and may be any.
     pub(super) fn new(
         parameters: Parameters,
         sourced: SurfaceWithSource,
         path: &JsonPath<'_>,
         faults: &mut Faults,
+        stop: &dyn Fn() -> bool,
     ) -> Result<Self, Faulted> {
         let unit = sourced.unit_of(parameters.unit, path, faults)?;
         let shape = sourced.surface.sampled.shape(unit, parameters.facing);
@@ -45,9 +48,9 @@ impl Task {
         let mut warnings = sourced.warnings(&shape);
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let workpiece = match parameters.method {
-            Method::Surface => Some(Workpiece::new(mesh, unit, &parameters).map_err(|fault| fault.report(path, faults))?),
-            // Without facets, method rectangle has an answer with less evidence.
-            Method::Rectangle => match Workpiece::new(mesh, unit, &parameters) {
+            Method::Surface => Some(Workpiece::new(mesh, unit, &parameters, stop).map_err(|fault| fault.report(path, faults))?),
+            // Without facets the method loses evidence, not its answer.
+            Method::Rectangle => match Workpiece::new(mesh, unit, &parameters, stop) {
                 Ok(workpiece) => Some(workpiece),
                 Err(fault) if fault.is_sound() => None,
                 Err(fault) => return Err(fault.report(path, faults)),
@@ -75,14 +78,11 @@ impl Task {
         self.warnings.extend(warnings);
     }
 
-    /// The size of the mesh of the plan.
-    pub(super) fn size(&self) -> MeshSize {
-        self.workpiece.as_ref().map_or(MeshSize { facets: 0, points: 0 }, |workpiece| workpiece.mesh.size())
-    }
-
-    /// The number of cutters that are compared.
-    pub(super) fn candidates(&self) -> usize {
-        self.parameters.candidates.len()
+    /// How large the mesh and the ranking on it are.
+    pub(super) fn size(&self) -> (MeshSize, RankingSize) {
+        let candidates: Vec<_> = self.parameters.candidates.iter().map(|named| named.candidate).collect();
+        let none = (MeshSize { facets: 0, points: 0 }, RankingSize { facets: 0, candidates: candidates.len(), diameters: 0 });
+        self.workpiece.as_ref().map_or(none, |workpiece| (workpiece.mesh.size(), ranking_size(&workpiece.mesh, &candidates)))
     }
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer is discarded and has no
@@ -101,7 +101,7 @@ impl Task {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<RecommendationAnswer, Problem> {
         let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, means.parallelism, stop) else {
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, means, stop)? else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
         let ranking = &simulation.ranking;
@@ -113,8 +113,13 @@ impl Task {
             return Err(Problem::no_cutter_fits(not_ranked));
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
-        let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, means)? } else { None };
-        let map = if self.parameters.includes(Part::Map) { MapAnswer::new(workpiece, &simulation) } else { None };
+        let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, means, stop)? } else { None };
+        let map = if self.parameters.includes(Part::Map) {
+            means.add(BYTES_OF_A_MAP, stop)?;
+            MapAnswer::new(workpiece, &simulation)
+        } else {
+            None
+        };
         let critical = self.published().map(|published| published.plan);
         Ok(RecommendationAnswer {
             method: self.parameters.method.into(),
@@ -133,9 +138,15 @@ impl Task {
         })
     }
 
-    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may use.
-    fn passes(&mut self, workpiece: &Workpiece, simulation: &Simulation, means: &mut Means) -> Result<Option<PassesAnswer>, Problem> {
-        let passes = match means.memory.grow(PassesAnswer::bytes(workpiece, simulation)) {
+    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may.
+    fn passes(
+        &mut self,
+        workpiece: &Workpiece,
+        simulation: &Simulation,
+        means: &mut Means,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<PassesAnswer>, Problem> {
+        let passes = match means.add(PassesAnswer::bytes(workpiece, simulation), stop) {
             Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
             Err(BudgetExceeded::Always) => Err("the passes need more memory than one request may use".to_owned()),
             Ok(()) => PassesAnswer::new(workpiece, simulation).transpose().map_err(|error| error.to_string()),
@@ -149,7 +160,7 @@ impl Task {
     fn on_rectangle(
         self,
         workpiece: Option<&Workpiece>,
-        means: &Means,
+        means: &mut Means,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
@@ -166,7 +177,7 @@ impl Task {
         let Some(first) = candidates.first() else { return Err(Problem::no_cutter_fits(not_ranked)) };
         let published = self.published();
         let critical = published.as_ref().map(|published| published.plan);
-        let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, means, stop);
+        let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, means, stop)?;
         Ok(RecommendationAnswer {
             method: self.parameters.method.into(),
             model: model(self.parameters.model()),
@@ -191,17 +202,17 @@ impl Task {
         published: Option<Recommendation>,
         candidates: &[RankedCandidate],
         workpiece: Option<&Workpiece>,
-        means: &Means,
+        means: &mut Means,
         stop: &(dyn Fn() -> bool + Sync),
-    ) -> ConfidenceAnswer {
+    ) -> Result<ConfidenceAnswer, Problem> {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
-        let Some(workpiece) = workpiece else { return (&confidence).into() };
-        // The order depends on the recommended cutter and the next one.
+        let Some(workpiece) = workpiece else { return Ok((&confidence).into()) };
+        // The recommended cutter and the next one decide about the order.
         let compared: Vec<usize> = candidates.iter().take(2).map(RankedCandidate::cutter).collect();
         let by = Model::Envelope;
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, means.parallelism, stop) else {
-            return (&confidence).into();
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, means, stop)? else {
+            return Ok((&confidence).into());
         };
         let figures = simulation.ranking.surface;
         let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.machined_pieces, simulated: None };
@@ -213,7 +224,7 @@ impl Task {
         // Without a simulation of the recommended cutter, the others cannot be compared with it.
         let times: Vec<_> =
             if candidates.first().and_then(simulated).is_some() { candidates.iter().filter_map(simulated).collect() } else { Vec::new() };
-        (&confidence.with_simulation(&times)).into()
+        Ok((&confidence.with_simulation(&times)).into())
     }
 
     /// The published comparison, where exactly one toroidal and one ball-end cutter are compared and it has an answer.

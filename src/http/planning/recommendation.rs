@@ -1,9 +1,10 @@
 //! `POST /v1/cutter-recommendation`: the surface in the JSON body.
 
 use super::answer::RecommendationAnswer;
-use super::memory::{Means, Needs, bytes_of_workpiece, bytes_to_read};
+use super::memory::{Means, bytes_of_workpiece, bytes_to_read};
 use super::parameters::Parameters;
 use super::plan::Task;
+use super::simulation::on_threads;
 use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
@@ -11,8 +12,9 @@ use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Components, Faulted, ObjectSchema};
 use crate::http::wire::{CUTTERS, SURFACE};
 use crate::http::worker_pool::Work;
-use crate::memory_budget::Reservation;
-use axum::http::StatusCode;
+use crate::memory_budget::{BudgetExceeded, Reservation};
+use crate::planning::memory::{bytes_of_mesh, bytes_prepared};
+use std::time::Duration;
 use utoipa::openapi::{RefOr, Schema};
 
 described!(RecommendationRequest, describe_request);
@@ -26,22 +28,53 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 ///
 /// Which of the cutters finishes a surface soonest, in which direction and with which step-over and feed, and how
 /// reliable the recommendation is. By default zigzag passes are simulated on the surface itself; method `rectangle`
-/// compares the surface with an inclined rectangle that spreads as much.
+/// plans on the equivalent inclined rectangle of the surface.
 #[utoipa::path(
     post, path = "/v1/cutter-recommendation", tag = "planning", operation_id = "cutter_recommendation",
     request_body = RecommendationRequest,
     responses((status = 200, description = "The recommendation, with all candidates", body = RecommendationAnswer), Problems),
 )]
 pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    let mut memory = work.reserve(0)?;
-    work.grow(&mut memory, bytes_to_read(body.json())).await?;
-    let read = move |cancelled: &CancelFlag| read(&body, memory, cancelled);
-    let (task, mut memory) = work.run(read).await??;
-    let Needs { bytes, parallelism } = Needs::of_plan(task.size(), task.candidates(), &work);
-    memory.shrink_to(bytes);
-    let more = bytes - memory.bytes();
-    work.grow(&mut memory, more).await?;
-    work.run(move |cancelled| answer_to(task, Means { memory, parallelism }, cancelled)).await?
+    const LONGEST_WAIT: Duration = Work::LONGEST_WAIT_OF_PLAN;
+    let means = Means::none(&work, LONGEST_WAIT);
+    let bytes = bytes_to_read(body.json());
+    let first = move |memory, cancelled: &CancelFlag| {
+        let (task, memory) = read(&body, memory, cancelled)?;
+        drop(body);
+        begin(task, means.with(memory), cancelled)
+    };
+    match work.run_with_memory(work.budget().open(), bytes, LONGEST_WAIT, first).await?? {
+        Begun::Answered(answer) => Ok(answer),
+        Begun::Waits(task, mut means, bytes) => {
+            let memory = std::mem::replace(&mut means.memory, work.budget().open());
+            let again = move |memory, cancelled: &CancelFlag| answer_to(*task, means.with(memory), cancelled);
+            work.run_with_memory(memory, bytes, LONGEST_WAIT, again).await?
+        }
+    }
+}
+
+/// How far a recommendation came.
+enum Begun {
+    Answered(WrittenJson),
+    /// It needs so many bytes more than there were.
+    Waits(Box<Task>, Means, u64),
+}
+
+/// Answers where the memory for it is free; where others hold it, returns all but what the task holds.
+fn begin(task: Task, mut means: Means, cancelled: &CancelFlag) -> Result<Begun, Problem> {
+    let (mesh, ranking) = task.size();
+    let (needed, _) = means.needed(mesh, ranking);
+    means.memory.shrink_to(needed);
+    let more = needed - means.memory.bytes();
+    match means.memory.try_grow(more) {
+        Err(BudgetExceeded::Now) => {
+            let held = (bytes_of_mesh(mesh) + bytes_prepared(mesh.facets)) as u64;
+            means.memory.shrink_to(held);
+            let more = needed - means.memory.bytes();
+            Ok(Begun::Waits(Box::new(task), means, more))
+        }
+        _ => answer_to(task, means, cancelled).map(Begun::Answered),
+    }
 }
 
 /// Reads a body and prepares the facets of the plan. `memory` grows with them.
@@ -55,7 +88,7 @@ fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Res
             exceeded = Some(error);
             return Err(Faulted);
         }
-        Task::new(parameters, surface, &object.path().member(SURFACE.name), faults)
+        Task::new(parameters, surface, &object.path().member(SURFACE.name), faults, &|| cancelled.is_cancelled())
     });
     match exceeded {
         Some(exceeded) => Err(exceeded.into()),
@@ -65,10 +98,9 @@ fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Res
 
 /// Plans within `means`, and writes the answer.
 pub(super) fn answer_to(task: Task, mut means: Means, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
-    let threads = means.parallelism.threads;
-    let answer = Work::on_threads(threads, || task.answer(&mut means, &|| cancelled.is_cancelled())).map_err(|error| {
-        tracing::error!(%error, "no threads for a recommendation");
-        Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
-    })??;
-    WrittenJson::of(&answer)?.holding(means.memory)
+    let stop = || cancelled.is_cancelled();
+    let (mesh, ranking) = task.size();
+    means.provide(mesh, ranking, &stop)?;
+    let answer = on_threads(means.parallelism.threads, || task.answer(&mut means, &stop))??;
+    WrittenJson::until(cancelled, &answer)?.holding(means.memory)
 }

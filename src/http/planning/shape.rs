@@ -41,8 +41,8 @@ pub(super) struct SurfaceAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     steepest_direction_deg: Option<f64>,
-    /// The angle between these two directions, which the published method assumes to be 90. Absent where one of them
-    /// is.
+    /// The angle between these two directions, which the published method assumes to be 90. Absent if one of them is
+    /// absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
     direction_gap_deg: Option<f64>,

@@ -1,19 +1,24 @@
 //! The facets of a surface, and the simulation of all candidates on them.
 
+use super::memory::Means;
 use super::parameters::Parameters;
 use crate::http::codes::RequestFault;
+use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{PIECES_NAME, SELECT};
+use crate::http::worker_pool::Work;
 use crate::milling::Model;
-use crate::planning::memory::Parallelism;
+use crate::planning::memory::{RankingSize, TRIAL_SIDE};
 use crate::planning::reach::{ReachMap, Uncut};
-use crate::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
+use crate::planning::zigzag::{CandidateCutter, NoRanking, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank_within};
 use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility};
-use crate::surface::{FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
+use crate::surface::{Bounds, FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
+use axum::http::StatusCode;
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// The cells along each side of the raster for the reach of cutters and for maps.
-const SIDE: usize = 256;
+/// The side of the raster on which cutters are tried and maps are drawn.
+const SIDE: usize = TRIAL_SIDE;
 
 /// The facets of a surface, with those that are machined.
 pub(super) struct Workpiece {
@@ -66,13 +71,20 @@ impl NoWorkpiece {
 }
 
 impl Workpiece {
-    /// Prepares the facets of a surface.
-    pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters) -> Result<Self, NoWorkpiece> {
-        let mesh = mesh.finish(unit, parameters.facing).map_err(NoWorkpiece::Mesh)?;
+    /// The facets that a surface has.
+    ///
+    /// Once `stop` returns true, work ends after the step that has begun, with any result.
+    pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters, stop: &dyn Fn() -> bool) -> Result<Self, NoWorkpiece> {
+        let go_on = || if stop() { Err(NoWorkpiece::NothingToMachine) } else { Ok(()) };
+        let mesh = mesh.finish_until(unit, parameters.facing, stop).map_err(NoWorkpiece::Mesh)?;
+        go_on()?;
         let pieces = mesh.pieces();
         let selected = mesh.selected(&parameters.selection, &pieces).map_err(NoWorkpiece::Selection)?;
+        go_on()?;
         let visibility = mesh.visibility(parameters.max_slope);
+        go_on()?;
         let facets = mesh.facets_for_finishing(&visibility, &selected);
+        go_on()?;
         let mut next = 0;
         let mut machined = Vec::with_capacity(selected.len());
         let mut places = Vec::with_capacity(selected.len());
@@ -113,37 +125,50 @@ pub(super) struct Simulation {
 }
 
 impl Simulation {
-    /// Simulates the candidates at these positions in the request; `None` as soon as `stop` returns true.
+    /// Simulates the candidates in these places among those of the request, in larger room where a plan needs it;
+    /// `None` as soon as `stop` returns true.
     pub(super) fn run(
         workpiece: &Workpiece,
         parameters: &Parameters,
         places: &[usize],
         shape: &Shape,
         model: Model,
-        parallelism: Parallelism,
+        means: &mut Means,
         stop: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
-        let settings = ZigzagSettings { candidates_at_once: parallelism.candidates, ..parameters.settings(shape, model) };
+    ) -> Result<Option<Self>, Problem> {
+        let mut settings = parameters.settings(shape, model);
         let reach = ReachMap::new(&workpiece.mesh, &workpiece.view, &workpiece.machined);
         let mut candidates = Vec::with_capacity(places.len());
-        // The map of a cutter takes a quarter of a MB, so only the figures are kept.
         for places in places.chunks(MOST_AT_ONCE) {
             if stop() {
-                return None;
+                return Ok(None);
             }
-            let cutters: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate.cutter).collect();
-            let uncut = reach.uncut_of_each(&cutters, parameters.scallop_height);
-            candidates.extend(places.iter().zip(uncut).map(|(&place, uncut)| CandidateCutter {
-                reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }),
-                ..parameters.candidates[place].candidate
-            }));
+            // A map of each cutter takes half a MB, so that only the figures are kept.
+            let tried = places.par_iter().map(|&place| {
+                let candidate = parameters.candidates[place].candidate;
+                let uncut = reach.uncut(candidate.cutter, parameters.scallop_height);
+                let reach = Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height });
+                CandidateCutter { reach, ..candidate }
+            });
+            candidates.extend(tried.collect::<Vec<_>>());
         }
         if stop() {
-            return None;
+            return Ok(None);
         }
         let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.machined_pieces };
-        let ranking = rank(&workpiece.facets, &candidates, &settings, evidence, stop)?;
-        Some(Self { settings, candidates, ranking, reach })
+        let size = ranking_size(&workpiece.mesh, &candidates);
+        let ranking = loop {
+            settings.candidates_at_once = means.parallelism.candidates;
+            let room = means.room;
+            let ranked =
+                on_threads(means.parallelism.threads, || rank_within(&workpiece.facets, &candidates, &settings, evidence, room, stop))?;
+            match ranked {
+                Ok(ranking) => break ranking,
+                Err(NoRanking::NoRoom) => means.enlarge(workpiece.mesh.size(), size, stop)?,
+                Err(NoRanking::Stopped) => return Ok(None),
+            }
+        };
+        Ok(Some(Self { settings, candidates, ranking, reach }))
     }
 
     /// What a candidate leaves uncut.
@@ -152,7 +177,26 @@ impl Simulation {
     }
 }
 
-/// The number of cutters between two checks for cancellation.
+/// The size of a ranking of candidates on a mesh.
+pub(super) fn ranking_size(mesh: &Mesh, candidates: &[CandidateCutter]) -> RankingSize {
+    let Bounds { min, max } = mesh.bounds();
+    let longest = (max[0] - min[0]).hypot(max[1] - min[1]);
+    let diameters = candidates.iter().map(|candidate| 2.0 * candidate.cutter.outer_radius().mm());
+    let smallest = diameters.fold(f64::INFINITY, f64::min);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a larger quotient counts as the largest number")]
+    let diameters = (longest / smallest).ceil() as usize;
+    RankingSize { facets: mesh.size().facets, candidates: candidates.len(), diameters }
+}
+
+/// Runs `work` on so many threads; a failure to start them is logged.
+pub(super) fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> Result<T, Problem> {
+    Work::on_threads(count, work).map_err(|error| {
+        tracing::error!(%error, "no threads for a recommendation");
+        Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
+    })
+}
+
+/// How many cutters are tried between two checks for cancellation.
 const MOST_AT_ONCE: usize = 8;
 
 fn mesh_code(error: MeshError) -> RequestFault {

@@ -3,12 +3,12 @@
 
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
-use super::memory::{Means, Needs};
+use super::memory::{Means, bytes_of_workpiece};
 use super::multipart::{Form, Head};
 use super::parameters::Parameters;
 use super::plan::Task;
 use super::recommendation::answer_to;
-use crate::cancellation::CancelFlag;
+use crate::cancellation::{CancelFlag, CancelOnDrop};
 use crate::http::body::{WrittenJson, read_text};
 use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
@@ -18,7 +18,7 @@ use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectS
 use crate::http::wire::{MOST_CUTTERS, ReceivedSurface, SURFACE, SurfaceWithSource};
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
-use crate::planning::memory::Parallelism;
+use crate::planning::memory::RankingSize;
 use crate::surface::read::{self, Format, FormatHint, Reader, TextBlock};
 use crate::surface::{SampledSurface, Sink};
 use crate::tooling::ToolLibrary;
@@ -72,16 +72,11 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 )]
 pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
     let received = Received::read(&mut form, &work, &metrics).await?;
-    let mut memory = work.reserve(0)?;
-    let mut parallelism = Parallelism { threads: 1, candidates: 1 };
-    if let Some(Ok(surface)) = &received.surface {
-        let needs = Needs::after_reading(&surface.surface.mesh, MOST_CUTTERS, &work);
-        work.grow_after_upload(&mut memory, needs.bytes).await?;
-        parallelism = needs.parallelism;
-    }
-    let means = Means { memory, parallelism };
+    let means = Means::none(&work, Work::LONGEST_WAIT_OF_PLAN);
+    let bytes = received.bytes_to_answer(&means);
     let budget = work.budget().clone();
-    work.run_after_upload(move |cancelled| received.answer(means, &budget, cancelled)).await?
+    let answer = move |memory, cancelled: &CancelFlag| received.answer(means.with(memory), &budget, cancelled);
+    work.run_with_memory(work.budget().open(), bytes, Work::LONGEST_WAIT_OF_PLAN, answer).await?
 }
 
 /// The contents of the form.
@@ -127,6 +122,20 @@ impl Received {
         Ok(())
     }
 
+    /// The memory that it takes to make facets to plan on and to rank with plans of the usual size, in bytes.
+    fn bytes_to_answer(&self, means: &Means) -> u64 {
+        /// A candidate in JSON takes more: `{"type":"ball_end","diameter_mm":6}`.
+        const SHORTEST_CANDIDATE: usize = 24;
+        /// Usual for a part of half a metre. What smaller cutters need is added when they are known.
+        const DIAMETERS: usize = 100;
+        let Some(Ok(surface)) = &self.surface else { return 0 };
+        let mesh = &surface.surface.mesh;
+        let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / SHORTEST_CANDIDATE);
+        let candidates = if self.libraries.is_empty() { stated.min(MOST_CUTTERS) } else { MOST_CUTTERS };
+        let (plan, _) = means.needed(mesh.size(), RankingSize { facets: mesh.size().facets, candidates, diameters: DIAMETERS });
+        plan.max(bytes_of_workpiece(mesh))
+    }
+
     fn refuse_part(&mut self, name: Option<&str>) {
         let root = JsonPath::Root;
         let fault = match name {
@@ -154,7 +163,7 @@ impl Received {
             let (checked, warning) = (libraries.check(faults).map(|()| libraries.left_out()), libraries.warning());
             let parameters = Parameters::read(object, libraries.into_candidates(), checked, faults);
             let surface = self.surface(faults);
-            let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults)?;
+            let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
             task.warn(warning);
             Ok(task)
         })?;
@@ -178,7 +187,8 @@ impl Received {
 /// Reads the part with the surface file; the outer error is the form's, the inner one the file's. While one block is
 /// parsed, the next is received; only these two are held. `memory` is the file's reservation.
 async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics, memory: Reservation) -> Result<ReadFile, Problem> {
-    let mut file = File::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()), memory);
+    let cancel = CancelOnDrop::default();
+    let mut file = File::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()), memory, &cancel);
     let mut received = Block::receive(form, metrics).await?;
     while !received.pieces.is_empty() {
         let block = received;
@@ -212,8 +222,10 @@ struct File {
 }
 
 impl File {
-    fn new(hint: FormatHint, memory: Reservation) -> Self {
+    /// The reading of a package ends early once `cancel` is set.
+    fn new(hint: FormatHint, memory: Reservation, cancel: &CancelFlag) -> Self {
         let reader = Reader::new(hint).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE).with_archive_limit(LARGEST_ARCHIVE);
+        let reader = reader.with_cancel_flag(cancel);
         Self { reader, surface: ReceivedSurface::new(), memory }
     }
 

@@ -81,7 +81,7 @@ pub(super) fn checked(
     let drawn = drawn_by_area(inspector.facets, DRAWN);
     let mut kept = None;
     for round in 0..if follows { ROUNDS } else { 0 } {
-        let planes = planes_of(&spaced, stop)?;
+        let planes = planes_of(&spaced, operation.room, stop)?;
         let evaluated = inspector.evaluate(&spaced, &planes, &drawn);
         let widens = round < 2;
         let Some(next) = corrected(&spaced, &planes, &evaluated, &inspector, widens) else {

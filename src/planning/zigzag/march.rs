@@ -95,6 +95,8 @@ pub(super) enum NoPlanes {
     /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`], more than
     /// [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them, or more than [`MOST_MET`] facets met by the strips.
     TooMany,
+    /// More planes or runs than there is room for.
+    NoRoom,
     /// The work was cancelled.
     Cancelled,
 }

@@ -6,7 +6,7 @@
 //!
 //! The files, in the order in which they are used: `workpiece` prepares facets, `slopes` and `spacing` hold what a cutter allows, `sweep` orders facets
 //! across a direction, `march` places the planes, `runs` cuts the facets, `regions` and `links` order the runs, `tour` adds up times, `simulate`
-//! joins these, `prepared` holds a candidate, `search` tries directions, `contacts` and `check` evaluate a plan, `least_time` bounds it, `plan` holds it,
+//! joins these, `room` bounds what a plan may hold, `prepared` holds a candidate, `search` tries directions, `contacts` and `check` evaluate a plan, `least_time` bounds it, `plan` holds it,
 //! `ranking` is the entry, `confidence` rates the order of the plans, `passes` gives a plan point by point, `heights` its scallops facet by facet.
 
 mod candidate;
@@ -22,6 +22,7 @@ mod plan;
 mod prepared;
 mod ranking;
 mod regions;
+mod room;
 mod runs;
 mod search;
 mod settings;
@@ -38,7 +39,8 @@ pub use confidence::{SurfaceConfidence, SurfaceEvidence, SurfaceReason, SurfaceW
 pub use heights::heights;
 pub use passes::{PassPoint, Passes, TooManyPoints, bytes_of_passes, passes};
 pub use plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};
-pub use ranking::{Ranking, rank};
+pub use ranking::{NoRanking, Ranking, rank, rank_within};
+pub use room::PlanRoom;
 pub use settings::{Directions, ZigzagSettings};
 pub use tour::{Pattern, TourFigures};
 pub use workpiece::SurfaceFigures;

@@ -6,6 +6,7 @@ use super::march::{Plane, Spaced};
 use super::plan::ZigzagPlan;
 use super::prepared::{Prepared, rows_of};
 use super::regions::{Stretch, in_order};
+use super::room::{PlanRoom, Room};
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::sweep::{Heading, Sweep};
@@ -101,7 +102,9 @@ pub fn passes(
     let sweep = Sweep::new(&workpiece, plan.direction);
     let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece));
     let spaced = Spaced::new(&workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
-    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings), candidate.cutter);
+    // The plan is there: it has had its room.
+    let room = Room::new(PlanRoom::LARGEST);
+    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings, &room), candidate.cutter);
     let mut chord = CHORD_SHARE * settings.scallop_height.mm();
     let kept = (0..=DOUBLINGS).find_map(|_| {
         let kept: Vec<Vec<usize>> = runs.par_iter().map(|(_, places)| thinned(places, chord)).collect();

@@ -1,6 +1,7 @@
 //! A candidate with what the simulation needs of it: once for all directions.
 
 use super::candidate::{CandidateCutter, FeedRange};
+use super::room::Room;
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::slopes::sines;
@@ -33,8 +34,8 @@ impl Prepared {
     }
 
     /// How the cutter is moved, whatever the direction.
-    pub(super) fn operation<'a>(&'a self, settings: &'a ZigzagSettings) -> Operation<'a> {
-        Operation { machine: &settings.machine, pattern: settings.pattern, feeds: &self.feeds, link_rate: self.link_rate }
+    pub(super) fn operation<'a>(&'a self, settings: &'a ZigzagSettings, room: &'a Room) -> Operation<'a> {
+        Operation { machine: &settings.machine, pattern: settings.pattern, feeds: &self.feeds, link_rate: self.link_rate, room }
     }
 }
 

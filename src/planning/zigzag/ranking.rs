@@ -7,6 +7,7 @@ use super::least_time::least_seconds;
 use super::march::Spaced;
 use super::plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};
 use super::prepared::{Prepared, rows_of};
+use super::room::{PlanRoom, Room};
 use super::search::{TimeOfDirection, fastest, times_by_direction};
 use super::settings::ZigzagSettings;
 use super::sweep::Sweep;
@@ -45,6 +46,44 @@ pub fn rank(
     evidence: SurfaceEvidence,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Ranking> {
+    rank_within(facets, candidates, settings, evidence, PlanRoom::LARGEST, stop).ok()
+}
+
+/// Why nothing was ranked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoRanking {
+    /// `stop` returned true.
+    Stopped,
+    /// A plan has more planes or runs than there is room for, and would fit a larger room.
+    NoRoom,
+}
+
+/// The same as [`rank`] with bounds on the size of plans, and thereby on memory. The result does not depend on the room.
+///
+/// # Errors
+/// [`NoRanking`]
+pub fn rank_within(
+    facets: &[FinishFacet],
+    candidates: &[CandidateCutter],
+    settings: &ZigzagSettings,
+    evidence: SurfaceEvidence,
+    room: PlanRoom,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Ranking, NoRanking> {
+    let room = Room::new(room);
+    // A plan that does not fit ends the others, too.
+    let ranking = ranked(facets, candidates, settings, evidence, &room, &|| room.is_exceeded() || stop());
+    ranking.ok_or(if room.is_exceeded() { NoRanking::NoRoom } else { NoRanking::Stopped })
+}
+
+fn ranked(
+    facets: &[FinishFacet],
+    candidates: &[CandidateCutter],
+    settings: &ZigzagSettings,
+    evidence: SurfaceEvidence,
+    room: &Room,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Ranking> {
     let workpiece = Workpiece::new(facets, settings.max_slope.cos());
     let surface = workpiece.figures();
     let mut not_ranked = Vec::new();
@@ -58,7 +97,7 @@ pub fn rank(
     let rows = rows_of(&workpiece);
     let prepare = |&index: &usize| (!stop()).then(|| Prepared::new(index, &candidates[index], settings, &rows));
     let prepared: Vec<Prepared> = reaching.par_iter().map(prepare).collect::<Option<_>>()?;
-    let times = times_by_direction(&workpiece, &prepared, settings, stop)?;
+    let times = times_by_direction(&workpiece, &prepared, settings, room, stop)?;
     let work: Vec<_> = prepared.iter().zip(times).collect();
     let mut plans = Vec::new();
     // A candidate in work holds all facets in the order of its direction: no more of them at once than there are threads.
@@ -66,7 +105,7 @@ pub fn rank(
         let planned: Vec<Result<ZigzagPlan, NotRanked>> = group
             .par_iter()
             .map(|(prepared, times)| {
-                let plan = plan(facets, &workpiece, prepared, times, settings, stop);
+                let plan = plan(facets, &workpiece, prepared, times, settings, room, stop);
                 plan.map_err(|reason| NotRanked { candidate: prepared.index, reason })
             })
             .collect();
@@ -99,6 +138,7 @@ fn plan(
     prepared: &Prepared,
     times: &[TimeOfDirection],
     settings: &ZigzagSettings,
+    room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<ZigzagPlan, NotRankedReason> {
     let best = fastest(times).ok_or(NotRankedReason::NoStepOver)?;
@@ -110,7 +150,7 @@ fn plan(
     let spaced = Spaced::new(workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
     // A plan that was cancelled is discarded with the whole ranking.
     let (simulated, scallop_height) =
-        checked(spaced, prepared.operation(settings), inspector, follows, stop).map_err(|_| NotRankedReason::NoStepOver)?;
+        checked(spaced, prepared.operation(settings, room), inspector, follows, stop).map_err(|_| NotRankedReason::NoStepOver)?;
     if scallop_height.without_height_share > LARGEST_SHARE_WITHOUT_HEIGHT {
         return Err(NotRankedReason::NoHeight { share: scallop_height.without_height_share });
     }

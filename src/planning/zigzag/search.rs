@@ -2,6 +2,7 @@
 
 use super::march::Spaced;
 use super::prepared::Prepared;
+use super::room::Room;
 use super::settings::{Directions, ZigzagSettings};
 use super::simulate::simulate;
 use super::sweep::Sweep;
@@ -32,6 +33,7 @@ pub(super) fn times_by_direction(
     workpiece: &Workpiece,
     contenders: &[Prepared],
     settings: &ZigzagSettings,
+    room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Vec<TimeOfDirection>>> {
     let around = sampled(workpiece, MOST_FACETS);
@@ -39,7 +41,7 @@ pub(super) fn times_by_direction(
     let mut times: Vec<Vec<TimeOfDirection>> = vec![Vec::new(); contenders.len()];
     let simulated = |facets: &Workpiece, wanted: Vec<(usize, Angle)>, found: &mut Vec<Vec<TimeOfDirection>>| {
         let is_rough = facets.len() < around.len();
-        simulate_all(&Simulation { facets, contenders, settings, is_rough, stop }, wanted, found);
+        simulate_all(&Simulation { facets, contenders, settings, room, is_rough, stop }, wanted, found);
     };
     match &settings.directions {
         Directions::Only(only) => simulated(around, for_all(contenders, only), &mut times),
@@ -111,13 +113,14 @@ struct Simulation<'a> {
     facets: &'a Workpiece,
     contenders: &'a [Prepared],
     settings: &'a ZigzagSettings,
+    room: &'a Room,
     is_rough: bool,
     stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Simulates pairs of contender and direction; the order of the facets is shared by all contenders of a direction.
 fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found: &mut [Vec<TimeOfDirection>]) {
-    let Simulation { facets, contenders, settings, is_rough, stop } = *simulation;
+    let Simulation { facets, contenders, settings, room, is_rough, stop } = *simulation;
     wanted.sort_by(|a, b| a.1.radians().total_cmp(&b.1.radians()));
     let by_direction: Vec<&[(usize, Angle)]> = wanted.chunk_by(|a, b| a.1 == b.1).collect();
     let times: Vec<Vec<(usize, TimeOfDirection)>> = by_direction
@@ -131,7 +134,7 @@ fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found:
             let time = |&(contender, _): &(usize, Angle)| {
                 let prepared = &contenders[contender];
                 let spaced = Spaced::new(facets, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
-                let seconds = simulate(&spaced, prepared.operation(settings), stop).ok().map(|simulated| simulated.figures.seconds);
+                let seconds = simulate(&spaced, prepared.operation(settings, room), stop).ok().map(|simulated| simulated.figures.seconds);
                 (contender, TimeOfDirection { direction, seconds, is_rough })
             };
             of_direction.par_iter().with_min_len(4).map(time).collect()

@@ -2,6 +2,7 @@
 
 use super::links::Links;
 use super::march::{NoPlanes, Plane, Spaced, march};
+use super::room::Room;
 use super::runs::RunFinder;
 use super::spacing::FeedLaw;
 use super::tour::{Pattern, TourFigures};
@@ -15,6 +16,7 @@ pub(super) struct Operation<'a> {
     pub(super) feeds: &'a FeedLaw,
     /// The feed rate of links on the surface, in mm/s.
     pub(super) link_rate: f64,
+    pub(super) room: &'a Room,
 }
 
 impl Operation<'_> {
@@ -45,8 +47,8 @@ pub(super) fn simulate(spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -
     march(spaced, stop, |plane, reached| {
         finder.find(spaced, reached, planes.len(), &plane, operation.feeds);
         planes.push(plane);
-        // They are held until their order is known.
-        if finder.runs.len() > MOST_RUNS { Err(NoPlanes::TooMany) } else { Ok(()) }
+        // Runs are held until their order is known.
+        operation.room.check(planes.len(), finder.runs.len())
     })?;
     let figures = TourFigures::of(&finder.runs, operation.machine, operation.pattern, &operation.links(spaced));
     Ok(Simulated { figures, planes })
@@ -56,12 +58,12 @@ pub(super) fn simulate(spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -
 ///
 /// # Errors
 /// [`NoPlanes`]
-pub(super) fn planes_of(spaced: &Spaced, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
+pub(super) fn planes_of(spaced: &Spaced, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
     let mut planes = Vec::new();
     march(spaced, stop, |plane, reached| {
         reached.retain(|reached| reached.high > plane.at);
         planes.push(plane);
-        Ok(())
+        room.check(planes.len(), 0)
     })?;
     Ok(planes)
 }

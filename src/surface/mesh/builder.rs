@@ -147,6 +147,14 @@ impl MeshBuilder {
     /// # Errors
     /// [`MeshError`] where no facet has an area, too few points were added, or a coordinate was out of bounds.
     pub fn finish(self, unit: Unit, facing: Facing) -> Result<Mesh, MeshError> {
+        self.finish_until(unit, facing, &|| false)
+    }
+
+    /// The same; ends early with any result once `stop` returns true.
+    ///
+    /// # Errors
+    /// As [`MeshBuilder::finish`].
+    pub fn finish_until(self, unit: Unit, facing: Facing, stop: &dyn Fn() -> bool) -> Result<Mesh, MeshError> {
         if self.out_of_range {
             return Err(MeshError::CoordinateOutOfRange);
         }
@@ -161,7 +169,7 @@ impl MeshBuilder {
             }
             let received = self.cloud.received();
             merged = self.cloud.cell().map(|cell| cell * unit.mm());
-            let (points, triangles) = triangulation::triangulate(self.cloud.into_points());
+            let (points, triangles) = triangulation::triangulate(self.cloud.into_points(), stop);
             if triangles.is_empty() {
                 return Err(MeshError::NoTriangulation { points: received });
             }

@@ -32,6 +32,7 @@ pub use text::{BlockOutcome, TextBlock};
 pub use three_mf::DEFAULT_ARCHIVE_LIMIT;
 
 use super::{LARGEST_COORDINATE, Sink, Unit};
+use crate::cancellation::CancelFlag;
 use format::{Detected, HEAD};
 use utf_16::Utf16;
 
@@ -86,6 +87,8 @@ pub struct Reader {
     /// The limit for a 3MF file.
     package_vertex_limit: usize,
     archive_limit: usize,
+    /// Ends the reading of a 3MF file.
+    cancel: CancelFlag,
     /// The decoder of a file in UTF-16.
     utf_16: Option<Utf16>,
     stage: Stage,
@@ -116,7 +119,21 @@ impl Reader {
     pub fn new(hint: FormatHint) -> Self {
         let stage = Stage::Head(Vec::new());
         let package_vertex_limit = DEFAULT_VERTEX_LIMIT;
-        Self { hint, vertex_limit: DEFAULT_VERTEX_LIMIT, package_vertex_limit, archive_limit: DEFAULT_ARCHIVE_LIMIT, utf_16: None, stage }
+        Self {
+            hint,
+            vertex_limit: DEFAULT_VERTEX_LIMIT,
+            package_vertex_limit,
+            archive_limit: DEFAULT_ARCHIVE_LIMIT,
+            cancel: CancelFlag::default(),
+            utf_16: None,
+            stage,
+        }
+    }
+
+    /// The same reader, whose [`Reader::finish`] of a 3MF file ends early with any result once `cancel` is set.
+    #[must_use]
+    pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
+        Self { cancel: cancel.clone(), ..self }
     }
 
     /// The same reader with a limit of `bytes` compressed bytes for a 3MF file.
@@ -195,7 +212,7 @@ impl Reader {
                 Body::StlBinary(reader) => reader.finish(),
                 Body::Obj(reader) => reader.finish(sink),
                 Body::Ply(reader) => reader.finish(sink),
-                Body::ThreeMf(reader) => reader.finish(sink),
+                Body::ThreeMf(reader) => reader.finish(sink, &self.cancel),
             },
             Stage::Refused(fault) => Err(fault),
             Stage::Head(_) => unreachable!("a head is opened above"),

@@ -5,7 +5,8 @@ use super::{drive, in_direction, mm, published_cutters, ranked, settings};
 use scallopd::milling::{Cutter, Model};
 use scallopd::planning::Level;
 use scallopd::planning::zigzag::{
-    CandidateCutter, NotRankedReason, Pattern, ReachFigures, SurfaceEvidence, SurfaceWeakness, ZigzagSettings, rank,
+    CandidateCutter, NoRanking, NotRankedReason, Pattern, PlanRoom, ReachFigures, SurfaceEvidence, SurfaceWeakness, ZigzagSettings, rank,
+    rank_within,
 };
 use scallopd::surface::FinishFacet;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -148,4 +149,18 @@ fn a_cancelled_ranking_ends_early() {
         assert!(ranking.is_none(), "stopped at {stopped_at} of {in_all}");
         assert!(asked.into_inner() <= stopped_at + 100);
     }
+}
+
+#[test]
+fn room_for_plans_bounds_their_size_and_not_their_result() {
+    let facets = facets(&published(1), 40, 40);
+    let (settings, evidence) = (in_direction(Model::Envelope, 30.0), SurfaceEvidence::default());
+    let within = |room| rank_within(&facets, &published_cutters(), &settings, evidence, room, &|| false);
+    let whole = rank(&facets, &published_cutters(), &settings, evidence, &|| false).unwrap();
+    let planes = whole.plans.iter().map(|plan| plan.planes).max().unwrap();
+    assert_eq!(within(PlanRoom::USUAL).as_ref(), Ok(&whole));
+    assert_eq!(within(PlanRoom { planes: planes / 2, ..PlanRoom::LARGEST }), Err(NoRanking::NoRoom));
+    assert_eq!(within(PlanRoom { runs: planes / 2, ..PlanRoom::LARGEST }), Err(NoRanking::NoRoom));
+    assert_eq!(rank_within(&facets, &published_cutters(), &settings, evidence, PlanRoom::USUAL, &|| true), Err(NoRanking::Stopped));
+    assert_eq!(PlanRoom::USUAL.larger().larger(), PlanRoom::LARGEST.larger());
 }

@@ -3,6 +3,7 @@
 use super::super::decimal::unbounded;
 use super::super::fault::{Fault, FaultKind, Flaw};
 use super::model::{Model, Object, Reference, Transform, is_bounded};
+use crate::cancellation::CancelFlag;
 use crate::surface::Sink;
 use std::collections::HashMap;
 
@@ -20,13 +21,14 @@ pub(super) struct Build<'a> {
     facets: u64,
     placed: u64,
     left_out: u64,
+    cancel: &'a CancelFlag,
 }
 
 impl<'a> Build<'a> {
-    /// The build of `models`, by their paths in lower case, with at most four facets for each vertex that a package may
-    /// have.
-    pub(super) fn new(models: &'a HashMap<String, Model>, vertex_limit: usize) -> Self {
-        Self { models, most_facets: (vertex_limit as u64).saturating_mul(4), facets: 0, placed: 0, left_out: 0 }
+    /// The build of `models`, by their paths in lower case, with at most four facets for each vertex that a package
+    /// may have.
+    pub(super) fn new(models: &'a HashMap<String, Model>, vertex_limit: usize, cancel: &'a CancelFlag) -> Self {
+        Self { models, most_facets: (vertex_limit as u64).saturating_mul(4), facets: 0, placed: 0, left_out: 0, cancel }
     }
 
     /// Facets passed to the sink.
@@ -76,6 +78,9 @@ impl<'a> Build<'a> {
         // A reflection reverses the facets' orientation; the reverse order of their corners restores it.
         let is_reflection = transform.determinant() < 0.0;
         for triangle in &object.triangles {
+            if self.cancel.is_cancelled() {
+                return Ok(());
+            }
             let [a, b, c] = triangle.map(|vertex| transform.apply(object.vertices[vertex as usize]));
             if ![a, b, c].into_iter().all(is_bounded) {
                 return Err(unbounded("a vertex beyond it after placing its object"));

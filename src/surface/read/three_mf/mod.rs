@@ -16,6 +16,7 @@ mod xml;
 use super::fault::{Fault, FaultKind, Flaw};
 use super::{Format, Notes, Sink, Summary};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
+use crate::cancellation::CancelFlag;
 use build::Build;
 use model::{Model, Room};
 use std::collections::HashMap;
@@ -56,8 +57,9 @@ impl Reader {
         self.bytes.capacity()
     }
 
-    pub(super) fn finish<S: Sink>(self, sink: &mut S) -> Result<Summary, Fault> {
-        let archive = Archive::open(&self.bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?;
+    /// Once `cancel` is set, reading ends early with any result.
+    pub(super) fn finish<S: Sink>(self, sink: &mut S, cancel: &CancelFlag) -> Result<Summary, Fault> {
+        let archive = Archive::open(&self.bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?.until(cancel);
         let root = root_model(&archive)?;
         let mut room = Room::for_vertices(self.vertex_limit);
         let model = Model::read(&archive, &root, &mut room)?;
@@ -78,7 +80,7 @@ impl Reader {
             wanted.extend(models_named_by(&part));
             models.insert(path.to_lowercase(), part);
         }
-        let mut build = Build::new(&models, self.vertex_limit);
+        let mut build = Build::new(&models, self.vertex_limit, cancel);
         build.place_all(&root, &items, sink)?;
         if build.facets() == 0 {
             return Err(Flaw::new(FaultKind::Empty, "a build item with a mesh", "none").in_entry(&root, 0));

@@ -1,0 +1,63 @@
+//! The bounds on planes and runs that keep the memory of a plan within what was reserved for it.
+
+use super::march::{MOST_PLANES, NoPlanes};
+use super::simulate::MOST_RUNS;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How many planes and runs the plan of each candidate may have. Most plans have some hundred of each; memory for the
+/// most that there may be is reserved for those that need it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PlanRoom {
+    /// The most planes.
+    pub planes: usize,
+    /// The most runs.
+    pub runs: usize,
+}
+
+impl PlanRoom {
+    /// Enough for a part of 200 mm with passes 0.1 mm apart.
+    pub const USUAL: Self = Self { planes: 2_000, runs: 6_000 };
+
+    /// The bounds of all plans: with more planes or runs a direction counts as having no step-over.
+    pub const LARGEST: Self = Self { planes: MOST_PLANES, runs: MOST_RUNS };
+
+    /// The next larger room: five times as much, at most the largest.
+    #[must_use]
+    pub fn larger(self) -> Self {
+        Self { planes: (5 * self.planes).min(MOST_PLANES), runs: (5 * self.runs).min(MOST_RUNS) }
+    }
+}
+
+/// The room of one ranking, and whether a plan needed more.
+#[derive(Debug)]
+pub(super) struct Room {
+    room: PlanRoom,
+    is_exceeded: AtomicBool,
+}
+
+impl Room {
+    pub(super) fn new(room: PlanRoom) -> Self {
+        Self { room, is_exceeded: AtomicBool::new(false) }
+    }
+
+    /// Records that a plan with these planes and runs needs more room, if it does.
+    ///
+    /// # Errors
+    /// [`NoPlanes::TooMany`] where no room would do, [`NoPlanes::NoRoom`] where a larger one would.
+    pub(super) fn check(&self, planes: usize, runs: usize) -> Result<(), NoPlanes> {
+        let most = PlanRoom::LARGEST;
+        if planes > most.planes || runs > most.runs {
+            Err(NoPlanes::TooMany)
+        } else if planes > self.room.planes || runs > self.room.runs {
+            self.is_exceeded.store(true, Ordering::Relaxed);
+            Err(NoPlanes::NoRoom)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Whether a plan needed more.
+    pub(super) fn is_exceeded(&self) -> bool {
+        self.is_exceeded.load(Ordering::Relaxed)
+    }
+}
