@@ -107,7 +107,7 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
             let stated_one = bytes_to_rank(size, Parallelism { threads: *threads, candidates: 1 }, PlanRoom::LARGEST) - 152 * facets;
             let stated = stated_one + bytes_of_passes(plan, &finish, 100_000);
             let points =
-                line("passes", facets, stated, || pool.install(|| passes(plan, &finish, candidate, &settings, &|_, _| None, 100_000)));
+                line("passes", facets, stated, || pool.install(|| passes(plan, &finish, candidate, &settings, &|tip| tip[2], 100_000)));
             println!("  {} planes, {:?} points", plan.planes, points.map(|passes| passes.points.len()));
         }
     }

@@ -11,7 +11,7 @@
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
 use scallopd::planning::reach::{ReachMap, Uncut};
-use scallopd::planning::zigzag::{CandidateCutter, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::planning::zigzag::{CandidateCutter, Ranking, SurfaceEvidence, ZigzagSettings, rank};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};
@@ -86,7 +86,7 @@ fn planned(mesh: &Mesh, cutters: &[Cutter], settings: &ZigzagSettings) -> Option
 }
 
 fn with_reach((cutter, uncut): (&Cutter, Uncut)) -> CandidateCutter {
-    CandidateCutter { reach: Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height }), ..CandidateCutter::new(*cutter) }
+    CandidateCutter { reach: Some((&uncut).into()), ..CandidateCutter::new(*cutter) }
 }
 
 /// The largest memory of this process so far, in MB.

@@ -70,7 +70,7 @@ impl MemoryBudget {
     }
 
     /// Counts a refused reservation, and is why.
-    pub fn refuse(&self, exceeded: BudgetExceeded) -> BudgetExceeded {
+    pub(crate) fn refuse(&self, exceeded: BudgetExceeded) -> BudgetExceeded {
         self.0.refusals.fetch_add(1, Ordering::Relaxed);
         exceeded
     }

@@ -5,7 +5,7 @@
 mod memory;
 mod packing;
 
-use scallopd::tooling::{MOST_TOOLS, ToolLibrary};
+use scallopd::tooling::{MOST_FAULTY, MOST_TOOLS, ToolLibrary};
 
 /// The most memory for a library of at most 16 KB.
 const MOST_BYTES: usize = 64 << 20;
@@ -19,12 +19,17 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     });
     match result {
         Ok(library) => {
-            assert!(library.tools().len() <= MOST_TOOLS && (!library.tools().is_empty() || library.others().count() > 0));
+            assert!(library.tools().len() <= MOST_TOOLS && library.faulty().len() <= MOST_FAULTY);
+            let is_other = library.others().count() > 0 || library.unlisted_files() > 0;
+            assert!(is_other || !library.tools().is_empty() || !library.faulty().is_empty());
+            for tool in library.faulty() {
+                assert!(!tool.faults().is_empty() && tool.to_string().chars().all(|c| !c.is_control()));
+            }
             for tool in library.tools() {
                 assert!(tool.cutter.corner_radius() <= tool.cutter.outer_radius());
                 assert!(tool.name.chars().all(|c| !c.is_control()));
             }
         }
-        Err(fault) => assert!(fault.to_string().chars().all(|c| !c.is_control())),
+        Err(faults) => assert!(!faults.all().is_empty() && faults.to_string().chars().all(|c| !c.is_control())),
     }
 });

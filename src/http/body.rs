@@ -58,7 +58,7 @@ impl WrittenJson {
         written.map(|()| Self::in_pieces([text])).map_err(|error| not_written(&error))
     }
 
-    /// The same for a large answer; once `cancel` is set, writing ends early with any result.
+    /// The same for a large answer; once `cancel` is set, writing ends early and the result has no meaning.
     pub(crate) fn until(cancel: &CancelFlag, answer: &impl Serialize) -> Result<Self, Problem> {
         let mut text = Cancellable { text: Vec::with_capacity(USUAL_ANSWER), cancel };
         match serde_json::to_writer(&mut text, answer) {

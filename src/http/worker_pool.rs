@@ -36,7 +36,8 @@ struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
-    /// Half of the permits, for recommendations: so many at once keep all cores busy, and batches find a permit beside them.
+    /// Half of the permits, for recommendations: so many at once keep all cores busy, and batches find a permit beside
+    /// them.
     plans: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
@@ -91,41 +92,38 @@ impl WorkerPool {
     /// [`Overload::Workers`] if none becomes free.
     pub async fn admit(&self, longest: Duration) -> Result<WorkPermit, Overload> {
         let permit = self.acquire(&self.0.permits, longest).await?;
-        // Threads return before their permit: see the order in the `Drop` of `Held`.
+        // Threads return before their permit: see the order in the `Drop` of `PermitThreads`.
         let threads = self.0.free().pop();
-        let held = Held { threads, _permit: permit, pool: self.clone() };
+        let held = PermitThreads { threads, _permit: permit, pool: self.clone() };
         Ok(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
     }
 
     async fn acquire(&self, semaphore: &Arc<Semaphore>, longest: Duration) -> Result<OwnedSemaphorePermit, Overload> {
-        match timeout(longest, Arc::clone(semaphore).acquire_owned()).await {
-            Ok(Ok(permit)) => Ok(permit),
-            _ => {
-                self.0.metrics.shed(Overload::Workers);
-                Err(Overload::Workers)
-            }
-        }
+        let Ok(Ok(permit)) = timeout(longest, Arc::clone(semaphore).acquire_owned()).await else {
+            self.0.metrics.shed(Overload::Workers);
+            return Err(Overload::Workers);
+        };
+        Ok(permit)
     }
 }
 
 /// The threads of one permit, which return to the pool when this is dropped.
-struct Held {
+struct PermitThreads {
     threads: Option<ThreadPool>,
     _permit: OwnedSemaphorePermit,
     pool: WorkerPool,
 }
 
-impl Drop for Held {
+impl Drop for PermitThreads {
     // The fields, and with them the permit, are dropped after this.
     fn drop(&mut self) {
         self.pool.0.free().extend(self.threads.take());
     }
 }
 
-/// One request's permit and its threads. Dropping it cancels the work that it runs; the threads are free once that
-/// has ended.
+/// One request's permit and its threads. Dropping it cancels its work; the threads become free when the work has ended.
 pub struct WorkPermit {
-    held: Arc<Held>,
+    held: Arc<PermitThreads>,
     cancel: CancelOnDrop,
 }
 
@@ -183,8 +181,8 @@ impl Work {
     /// unless the load persists.
     const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
-    /// How long an upload or a recommendation waits: sending a file again would cost its client more, and of dozens
-    /// of recommendations at once, each of which takes some 0.1 s, the last waits some seconds.
+    /// The longest time that an upload or a recommendation waits. A client would have to send its file again, and of
+    /// dozens of recommendations at once, each of some 0.1 s, the last waits some seconds.
     pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
 
     pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget) -> Self {
@@ -208,7 +206,7 @@ impl Work {
     }
 
     /// Runs `work` with a permit and with `bytes` more in `memory`, for both of which it waits at most `longest`.
-    /// While it waits for memory it holds no permit, so that requests which need less are worked on meanwhile.
+    /// It holds no permit while it waits for memory, so that requests which need less can run.
     ///
     /// # Errors
     /// [`Overload`] as a problem to answer with.
@@ -221,7 +219,7 @@ impl Work {
     ) -> Result<T, Problem> {
         let deadline = Instant::now() + longest;
         let (permit, plan) = loop {
-            // Before the attempt, so that bytes that return after it are noticed.
+            // Registered before the attempt, so that bytes that return after it are noticed.
             let returned = self.budget.returned();
             let left = || deadline.saturating_duration_since(Instant::now());
             let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
@@ -271,7 +269,7 @@ impl Work {
         self.budget.reserve(bytes)
     }
 
-    /// Adds `bytes` to a reservation, after waiting for others to return theirs as long as for a permit.
+    /// Adds `bytes` to a reservation. Waits for free memory as long as for a permit.
     ///
     /// # Errors
     /// [`BudgetExceeded`], which is a problem to answer with.

@@ -1,4 +1,4 @@
-//! Model `analytic`: the published closed formulas, with a circle of the effective radius in place of the cutter.
+//! Model `analytic`: the published closed formulas, which replace the cutter by a circle of the effective radius.
 //!
 //! Formulas: Segonds et al. 2017, eq. 3 and 8 (effective radii), 9 and 12-15 (heights), 16-18 (runout).
 
@@ -6,7 +6,8 @@ use super::gouging;
 use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::{Angle, Length};
 
-/// The radius of curvature of the groove that a cutter leaves, in mm: positive, 0 for a sharp edge, or infinite for a flat.
+/// The radius of curvature of the groove that a cutter leaves, in mm: positive, 0 for a sharp edge, or infinite for a
+/// flat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectiveRadius(f64);
 
@@ -15,18 +16,20 @@ impl EffectiveRadius {
     ///
     /// (R - r) cos^2(alpha) / (sin(S) (1 - sin^2(alpha) sin^2(S))) + r
     ///
-    /// R for a ball-end cutter. Written with theta, cos^2(theta) = cos^2(alpha) / (1 - sin^2(alpha) sin^2(S)), it is regular on
-    /// walls. Infinite on a floor.
+    /// R for a ball-end cutter. Written with theta, cos^2(theta) = cos^2(alpha) / (1 - sin^2(alpha) sin^2(S)), it is
+    /// regular on walls. Infinite on a floor.
     #[must_use]
     pub fn across_feed(cutter: Cutter, contact: Contact) -> Self {
         Self::of(cutter, contact, contact.theta().cos().powi(2))
     }
 
-    /// `TR_eff`, the transverse effective radius, in the plane along the feed [Segonds 2017, eq. 8]: `R_eff` for alpha + 90 deg.
+    /// `TR_eff`, the transverse effective radius, in the plane along the feed [Segonds 2017, eq. 8]: `R_eff` for alpha
+    /// + 90 deg.
     #[must_use]
     pub fn along_feed(cutter: Cutter, contact: Contact) -> Self {
         let (sin, cos) = (contact.alpha().sin(), contact.alpha().cos());
-        // cos^2(theta) for alpha + 90 deg, sin^2(alpha) / (1 - cos^2(alpha) sin^2(S)), its denominator without cancellation.
+        // cos^2(theta) for alpha + 90 deg, sin^2(alpha) / (1 - cos^2(alpha) sin^2(S)), its denominator without
+        // cancellation.
         let share = if sin == 0.0 { 0.0 } else { sin * sin / (sin * sin + (cos * contact.slope().cos()).powi(2)) };
         Self::of(cutter, contact, share)
     }
@@ -41,21 +44,23 @@ impl EffectiveRadius {
         Self(cutter.core_radius().mm() * share / contact.slope().sin() + cutter.corner_radius().mm())
     }
 
-    /// The radius, `None` where it is infinite, or so large that its diameter and reciprocal leave the range of numbers.
+    /// The radius; `None` if it is infinite, or so large that its diameter overflows or its reciprocal underflows.
     #[must_use]
     pub fn finite(self) -> Option<Length> {
         (self.0 < 1e300).then(|| Length::computed(self.0))
     }
 
-    /// height(P, c) = P - sqrt(P^2 - c^2/4), what circles of radius P leave at the distance c. `None` where c > 2P: they do not meet.
+    /// height(P, c) = P - sqrt(P^2 - c^2/4), the height between circles of radius P at the distance c. `None` if c >
+    /// 2P: they do not meet.
     fn height(self, chord: f64) -> Option<f64> {
         let half = chord / 2.0;
         let ratio = half / self.0;
-        // With x = c/2P: P (1 - sqrt(1 - x^2)) = (c/2) x / (1 + sqrt((1 - x)(1 + x))), without cancellation or overflow.
+        // With x = c/2P: P (1 - sqrt(1 - x^2)) = (c/2) x / (1 + sqrt((1 - x)(1 + x))), without cancellation or
+        // overflow.
         (ratio <= 1.0).then(|| half * ratio / (1.0 + ((1.0 - ratio) * (1.0 + ratio)).sqrt()))
     }
 
-    /// chord(P, h) = 2 sqrt(2 P h - h^2), the inverse of the height. `None` where h > P: no circle leaves that much.
+    /// chord(P, h) = 2 sqrt(2 P h - h^2), the inverse of the height. `None` if h > P: no circles leave this height.
     fn chord(self, height: f64) -> Option<f64> {
         (height <= self.0).then(|| 2.0 * height.sqrt() * (2.0 * self.0 - height).sqrt())
     }
@@ -63,8 +68,8 @@ impl EffectiveRadius {
 
 /// The analytic model at one contact.
 ///
-/// The surface's and the groove's curvature enter as 1/rho and 1/R_eff, so that the plane is the curved formula at 1/rho = 0 and
-/// not a case of its own.
+/// The formulas use the curvatures 1/rho of the surface and 1/R_eff of the groove, so that the plane is not a special
+/// case but 1/rho = 0.
 #[derive(Debug, Clone, Copy)]
 pub struct Analytic {
     pass: Pass,
@@ -75,7 +80,8 @@ pub struct Analytic {
 }
 
 impl Analytic {
-    /// Takes the effective radii of a pass: across the feed with R + rr in place of R [Segonds 2017, after eq. 15], along it without runout.
+    /// Computes the effective radii of a pass: across the feed with R + rr in place of R [Segonds 2017, after eq. 15],
+    /// along it without runout.
     ///
     /// # Errors
     /// - [`NoAnswer::FlatFloor`] at slope 0, unless the cutter is a ball-end;
@@ -91,12 +97,13 @@ impl Analytic {
         if across.0 == 0.0 {
             return Err(NoAnswer::SharpEdge);
         }
-        // The groove's circle alone, too, has to be more curved than the surface across the feed, whatever helps along it.
+        // The groove's circle alone must be more curved than the surface across the feed as well, whatever the
+        // curvature along it.
         if across.0.recip() + pass.surface.across_per_mm() <= 0.0 {
             return Err(NoAnswer::Gouges { smallest_radius: Some(effective_radius) });
         }
-        // The climb as printed [Segonds 2017, eq. 16], S cos(alpha); exact is atan(tan(S) cos(alpha)). A zigzag runs the line both
-        // ways, so its sign is taken off.
+        // The climb as printed [Segonds 2017, eq. 16], S cos(alpha); exact is atan(tan(S) cos(alpha)). A zigzag cuts in
+        // both senses, so the absolute value is used.
         let climb = Angle::from_radians(pass.contact.slope().radians() * pass.contact.alpha().cos().abs());
         Ok(Self { pass, across, along, climb, relative_curvature })
     }
@@ -112,16 +119,18 @@ impl Analytic {
         self.across
     }
 
-    /// The effective radius along the feed, as the feed's share uses it.
+    /// The effective radius along the feed, as h2 uses it.
     #[must_use]
     pub fn along_feed(&self) -> EffectiveRadius {
         self.along
     }
 
-    /// h1 and h2 [Segonds 2017, eq. 12-14 and 18] for a step-over along the surface and a feed per tooth; `None` leaves no marks.
+    /// h1 and h2 [Segonds 2017, eq. 12-14 and 18] for a step-over along the surface and a feed per tooth; `None` leaves
+    /// no marks.
     ///
     /// # Errors
-    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`]; [`NoAnswer::SharpEdge`] for the marks of a flat-end cutter fed down the slope.
+    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`]; [`NoAnswer::SharpEdge`] for the marks of a
+    /// flat-end cutter fed down the slope.
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
         Ok(ScallopHeight { step_over: self.step_over_height(step_over)?, feed: self.feed_height(feed_per_tooth)? })
     }
@@ -129,12 +138,13 @@ impl Analytic {
     /// The largest feed per tooth that keeps the tolerance `tolerance` on h1 + h2.
     ///
     /// # Errors
-    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
-    /// step-over in [`Analytic::scallop_height`].
+    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`],
+    /// and those of the step-over in [`Analytic::scallop_height`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let step_over_height = self.step_over_height(step_over)?;
         if step_over_height >= tolerance {
-            // The height at this step-over reaches the tolerance, so the step-over that leaves just the tolerance exists.
+            // The height at this step-over reaches the tolerance, so the step-over that leaves just the tolerance
+            // exists.
             let max_step_over = self.step_over_of(tolerance)?;
             return Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over });
         }
@@ -173,8 +183,8 @@ impl Analytic {
 
     /// The step-over that leaves the height h1, in closed form.
     ///
-    /// The law of cosines [Segonds 2017, eq. 9] gives 1 - cos(beta) = c^2 w with w = h (2 - h k) / (2 (k + c) (1 + h c)), hence
-    /// s = 2 rho sin(beta) = 2 sqrt(w (2 - c^2 w)); on a plane that is the chord 2 sqrt(2 R_eff h - h^2).
+    /// The law of cosines [Segonds 2017, eq. 9] gives 1 - cos(beta) = c^2 w with w = h (2 - h k) / (2 (k + c) (1 + h
+    /// c)), hence s = 2 rho sin(beta) = 2 sqrt(w (2 - c^2 w)); on a plane that is the chord 2 sqrt(2 R_eff h - h^2).
     fn step_over_of(&self, height: Length) -> Result<Length, NoAnswer> {
         let largest_step_over = self.largest_step_over();
         if height > self.step_over_height(largest_step_over)? {
@@ -185,7 +195,8 @@ impl Analytic {
         Ok(Length::computed(2.0 * (w * (2.0 - c * c * w)).sqrt()))
     }
 
-    /// The step-over up to which the grooves meet, and seen from above the passes are not further apart than the cutter, R + rr in place of R, is wide.
+    /// The step-over up to which the grooves meet, and seen from above the passes are not further apart than the
+    /// cutter, R + rr in place of R, is wide.
     fn largest_step_over(&self) -> Length {
         let width = 2.0 * self.pass.cutter.widened(self.pass.runout.radial()).outer_radius().mm() / self.pass.contact.spacing_ratio();
         largest_groove_distance(self.across.0.recip(), self.pass.surface.across_per_mm(), width)
@@ -205,12 +216,12 @@ impl Analytic {
     }
 }
 
-/// h1 [Segonds 2017, eq. 12 with its signs corrected] of grooves with the curvature k = 1/R_eff on a surface with the curvature c = 1/rho, at the
-/// step-over s. `None` where the grooves do not meet.
+/// h1 [Segonds 2017, eq. 12 with its signs corrected] of grooves with the curvature k = 1/R_eff on a surface with the
+/// curvature c = 1/rho, at the step-over s. `None` where the grooves do not meet.
 ///
 /// Printed as A - Dq with A = R_eff cos(beta) - rho (1 - cos(beta)), Dq = sqrt(R_eff^2 - (1 + R_eff/rho)^2 s^2/4) and
-/// sin(beta) = s / 2 rho. With a = A/R_eff, d = Dq/R_eff it equals s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), which neither cancels nor
-/// knows a special case: k = 0 is a flat, c = 0 a plane.
+/// sin(beta) = s / 2 rho. With a = A/R_eff, d = Dq/R_eff it equals s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), without
+/// cancellation and without special cases: k = 0 is a flat, c = 0 a plane.
 fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
     let sin_beta = c * s / 2.0;
     let offset = (k + c) * s / 2.0;
@@ -224,8 +235,9 @@ fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
     Some(s * offset / ((1.0 + cos_beta) * (a + d)))
 }
 
-/// The step-over at which such grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, never more than the surface's
-/// width 2 |rho|, and never more than `width`. A rounding less, so that it lies in the domain of [`groove_height`].
+/// The step-over at which such grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, never
+/// more than the surface's width 2 |rho|, and never more than `width`. Reduced by a rounding error, so that it is in
+/// the domain of [`groove_height`].
 fn largest_groove_distance(k: f64, c: f64, width: f64) -> Length {
     Length::computed((2.0 / (k + c)).min(2.0 / c.abs()).min(width) * (1.0 - 2.0 * f64::EPSILON))
 }

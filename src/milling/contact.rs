@@ -4,14 +4,17 @@ use crate::quantity::{Angle, OutOfRange};
 use nalgebra::Vector3;
 use std::fmt;
 
-/// A contact between cutter and surface: the slope S, and the feed's direction as two angles to the line of steepest slope.
+/// A contact between cutter and surface: the slope S, and the feed's direction as two angles to the line of steepest
+/// slope.
 ///
-/// - `alpha` is measured in the plane normal to the tool axis (the horizontal plane), counter-clockwise seen against the axis from above, from
-///   the line of steepest slope to the feed; from its uphill or its downhill end is the same, because the period is 180 deg,
+/// - `alpha` is measured in the plane normal to the tool axis (the horizontal plane), counter-clockwise seen against
+///   the axis from above, from the line of steepest slope to the feed; from its uphill or its downhill end is the same,
+///   because the period is 180 deg,
 /// - `theta` in the tangent plane, counter-clockwise seen from outside, tan(theta) = tan(alpha) cos(S).
 ///
-/// Formulas written for one are wrong for the other, so both are kept. On a vertical wall all feeds but the vertical one have
-/// `alpha` = 90 deg, and only `theta` distinguishes them. The signs of both matter only where the surface is twisted against the feed.
+/// Formulas for one angle are wrong for the other, so both are kept. On a vertical wall all feeds but the vertical one
+/// have `alpha` = 90 deg, and only `theta` distinguishes them. The signs of both matter only if the surface has twist
+/// in the axes of the feed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     slope: Angle,
@@ -19,7 +22,7 @@ pub struct Contact {
     theta: Angle,
 }
 
-/// Why angles or vectors do not describe a contact. Each variant names the one at fault.
+/// The reason why angles or vectors do not describe a contact. Each variant identifies the faulty input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ContactError {
     /// The slope is outside 0 to 90 deg.
@@ -58,18 +61,21 @@ impl fmt::Display for ContactError {
 
 impl std::error::Error for ContactError {}
 
-/// Sine of the angle between feed and normal up to which the feed counts as running along the normal: vectors are commonly
-/// printed with six digits, so a smaller angle is their rounding.
+/// Sine of the angle between feed and normal up to which the feed counts as running along the normal: vectors are
+/// usually printed with six digits, so a smaller angle is a rounding error.
 const ALONG_NORMAL: f64 = 1e-6;
 
-/// How far normal . axis of unit vectors can be below 0 by rounding alone: three products and their sums, each rounded to half an epsilon.
+/// The largest rounding error of normal . axis for unit vectors: three products and their sums, each rounded to half an
+/// epsilon.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 impl Contact {
-    /// A contact from the slope S and the angle alpha from the steepest line to the feed, counter-clockwise seen from above.
+    /// A contact from the slope S and the angle alpha from the steepest line to the feed, counter-clockwise seen from
+    /// above.
     ///
-    /// alpha and alpha + 180 deg are the same feed line; alpha and -alpha differ only where the surface is twisted. At S = 0 alpha has no
-    /// meaning. At S = 90 deg, alpha = 90 deg is the feed along the wall and every other alpha the vertical feed.
+    /// alpha and alpha + 180 deg are the same feed line; alpha and -alpha differ only where the surface is twisted. At
+    /// S = 0 alpha has no meaning. At S = 90 deg, alpha = 90 deg is the feed along the wall and every other alpha the
+    /// vertical feed.
     ///
     /// # Errors
     /// [`ContactError::Slope`] unless 0 <= S <= 90 deg, [`ContactError::FeedAngle`] for an alpha that is not finite.
@@ -87,15 +93,16 @@ impl Contact {
         Self { slope, alpha: Angle::ZERO, theta: Angle::ZERO }
     }
 
-    /// A contact from the surface's normal n, pointing out of the part, the feed vector, and the tool axis a, which points from the tip to the
-    /// spindle and is +Z where it is `None`. All may have any length.
+    /// A contact from the surface's normal n, pointing out of the part, the feed vector, and the tool axis a, which
+    /// points from the tip to the spindle and is +Z where it is `None`. All may have any length.
     ///
-    /// Only the feed's part in the tangent plane counts. The tangent plane is spanned by the level direction v = a x n / |a x n| and the
-    /// steepest descent u = v x n; theta is the angle of the feed from u towards v, and alpha that of its projection on the plane normal to the axis.
-    /// Where n runs along the axis every direction is level, and u is the projection of X (of Y where the axis runs along X).
+    /// Only the feed's component in the tangent plane is used. The tangent plane is spanned by the level direction v =
+    /// a x n / |a x n| and the steepest descent u = v x n; theta is the angle of the feed from u towards v, and alpha
+    /// that of its projection on the plane normal to the axis. Where n runs along the axis every direction is level,
+    /// and u is the projection of X (of Y where the axis runs along X).
     ///
     /// # Errors
-    /// The [`ContactError`] that names the vector which has no direction, points down, or follows the normal.
+    /// The [`ContactError`] of a vector that has no direction, points down, or is parallel to the normal.
     pub fn from_vectors(normal: [f64; 3], feed: [f64; 3], tool_axis: Option<[f64; 3]>) -> Result<Self, ContactError> {
         let normal = direction(normal).ok_or(ContactError::NormalWithoutDirection)?;
         let feed = direction(feed).ok_or(ContactError::FeedWithoutDirection)?;

@@ -1,13 +1,14 @@
-//! The surface's curvature at the contact, in every direction of the tangent plane.
+//! The curvature of the surface at the contact, in every direction of the tangent plane.
 
 use crate::quantity::{Angle, Length, OutOfRange};
 use std::fmt;
 
-/// The curvature of the surface at the contact, a symmetric 2 x 2 form in the axes of the feed: x along the feed F, y along T = n x F, which
-/// points to the left of the feed seen from outside.
+/// The curvature of the surface at the contact, a symmetric 2 x 2 form in the axes of the feed: x along the feed F, y
+/// along T = n x F, which points to the left of the feed seen from outside.
 ///
-/// To second order the surface is w = -1/2 (k_F x^2 + 2 k_FT x y + k_T y^2) over the tangent plane, w along the normal n. A component is
-/// 1/radius in 1/mm: positive where the surface is convex (it falls away from the tangent plane), negative where it is concave.
+/// To second order the surface is w = -1/2 (k_F x^2 + 2 k_FT x y + k_T y^2) over the tangent plane, w along the normal
+/// n. A component is 1/radius in 1/mm: positive where the surface is convex (it falls away from the tangent plane),
+/// negative where it is concave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceCurvature {
     along: f64,
@@ -33,7 +34,7 @@ pub enum CurvatureComponent {
 /// A curvature that is larger than [`SurfaceCurvature::LARGEST_PER_MM`], or not a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvatureOutOfRange {
-    /// Which component.
+    /// The component.
     pub component: CurvatureComponent,
     /// The bounds of that component, in 1/mm.
     pub bounds: OutOfRange,
@@ -57,14 +58,15 @@ impl std::error::Error for CurvatureOutOfRange {}
 impl SurfaceCurvature {
     /// A plane.
     pub const PLANE: Self = Self { along: 0.0, across: 0.0, twist: 0.0 };
-    /// The smallest radius that can be stated, in mm.
+    /// The smallest radius that is accepted, in mm.
     pub const SMALLEST_RADIUS: f64 = Length::SMALLEST;
-    /// The largest radius that can be stated, in mm; beyond it a surface is a plane for every purpose of a machine tool.
+    /// The largest radius that is accepted, in mm. A surface with a larger radius is a plane for any machine tool.
     pub const LARGEST_RADIUS: f64 = 1e12;
-    /// The largest component that can be stated, in 1/mm, that of [`SurfaceCurvature::SMALLEST_RADIUS`].
+    /// The largest component that is accepted, in 1/mm, that of [`SurfaceCurvature::SMALLEST_RADIUS`].
     pub const LARGEST_PER_MM: f64 = 1.0 / Length::SMALLEST;
 
-    /// From the radius rho in mm across the feed alone: positive convex, negative concave. Along the feed the surface is straight.
+    /// From the radius rho in mm across the feed alone: positive convex, negative concave. Along the feed the surface
+    /// is straight.
     ///
     /// # Errors
     /// [`OutOfRange`] with the bounds of |rho|, for a radius that is 0, beyond them, or not a number.
@@ -85,7 +87,8 @@ impl SurfaceCurvature {
         })
     }
 
-    /// From the principal curvatures k1 and k2 in 1/mm; `angle` runs from the feed to the direction of k1, counter-clockwise seen from outside:
+    /// From the principal curvatures k1 and k2 in 1/mm; `angle` runs from the feed to the direction of k1,
+    /// counter-clockwise seen from outside:
     ///
     /// k_F = k1 cos^2 + k2 sin^2, k_T = k1 sin^2 + k2 cos^2, k_FT = (k1 - k2) sin cos
     ///
@@ -132,7 +135,8 @@ impl SurfaceCurvature {
         eigenvalues(self.along, self.across, self.twist)
     }
 
-    /// The same surface in axes of the tangent plane turned from those of the feed by `angle`, counter-clockwise seen from outside.
+    /// The same surface in axes of the tangent plane turned from those of the feed by `angle`, counter-clockwise seen
+    /// from outside.
     pub(super) fn turned(self, sin: f64, cos: f64) -> Self {
         let (along, across, twist) = (self.along, self.across, self.twist);
         Self {
@@ -156,7 +160,7 @@ pub(super) fn eigenvalues(a: f64, b: f64, c: f64) -> [f64; 2] {
 
 fn within_bounds(value: f64, component: CurvatureComponent) -> Result<f64, CurvatureOutOfRange> {
     let largest = SurfaceCurvature::LARGEST_PER_MM;
-    // Adding 0 makes a negative zero positive.
+    // Adding 0 removes the sign of a negative zero.
     OutOfRange::check(value, -largest, largest).map(|value| value + 0.0).map_err(|bounds| CurvatureOutOfRange { component, bounds })
 }
 

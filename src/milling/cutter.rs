@@ -1,12 +1,13 @@
-//! The rotating cutter, as the solid that it sweeps when it turns.
+//! The cutter, as the solid that it sweeps when it rotates.
 
 use crate::quantity::Length;
 use std::fmt;
 
-/// A cutter for finishing, described by the catalogue dimensions of ISO 13399: cutting diameter DC = 2R and corner radius RE = r.
+/// A cutter for finishing, described by the catalogue dimensions of ISO 13399: cutting diameter DC = 2R and corner
+/// radius RE = r.
 ///
-/// Every kind is the same body, a torus of major radius R - r and minor radius r: the ball-end cutter has R - r = 0, the
-/// flat-end cutter r = 0.
+/// Every kind is the same body, a torus of major radius R - r and minor radius r: the ball-end cutter has R - r = 0,
+/// the flat-end cutter r = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cutter {
     kind: CutterKind,
@@ -28,7 +29,7 @@ pub enum CutterKind {
 /// The corner radius of a toroidal cutter does not fit into its diameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CornerTooLarge {
-    /// Half the diameter, which the corner radius must stay under.
+    /// Half the diameter, the upper bound of the corner radius.
     pub outer_radius: Length,
 }
 
@@ -70,7 +71,7 @@ impl Cutter {
         Self { kind: CutterKind::FlatEnd, outer_radius: diameter.mm() / 2.0, corner_radius: 0.0 }
     }
 
-    /// Which of the three kinds it is.
+    /// The kind of the cutter.
     #[must_use]
     pub fn kind(self) -> CutterKind {
         self.kind
@@ -88,14 +89,14 @@ impl Cutter {
         Length::computed(self.corner_radius)
     }
 
-    /// R - r, the radius of the circle on which the corner's centre runs, in mm.
+    /// R - r, the radius of the circle of the corner's centre, in mm.
     #[must_use]
     pub fn core_radius(self) -> Length {
         Length::computed(self.outer_radius - self.corner_radius)
     }
 
-    /// The same cutter with its outer radius larger by `extra`, as radial runout makes it [Segonds 2017, after eq. 15]. A toroidal
-    /// and a flat-end cutter keep their corner; a ball-end cutter stays a ball, of radius R + extra.
+    /// The same cutter with its outer radius larger by `extra`, as radial runout makes it [Segonds 2017, after eq. 15].
+    /// A toroidal and a flat-end cutter keep their corner; a ball-end cutter stays a ball, of radius R + extra.
     #[must_use]
     pub fn widened(self, extra: Length) -> Self {
         let corner_radius = match self.kind {

@@ -1,11 +1,12 @@
-//! Cutting parameters: the step-over and feed per tooth that finish the most area per time under a tolerance on the scallop height.
+//! Cutting parameters: the step-over and feed per tooth that finish the most area per time under a tolerance on the
+//! scallop height.
 
 use super::{EvaluatedPass, NoAnswer, Runout};
 use crate::quantity::Length;
 use std::fmt;
 
-/// The limits of the cutter's maker, the machine and the user on the cutting parameters. A largest feed rate is a largest feed per tooth: divided by
-/// spindle speed and number of teeth.
+/// The limits of the cutter's maker, the machine and the user on the cutting parameters. A largest feed rate is a
+/// largest feed per tooth: divided by spindle speed and number of teeth.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CuttingLimits {
     max_feed_per_tooth: Option<Length>,
@@ -78,35 +79,40 @@ impl CuttingLimits {
     }
 }
 
-/// The ratio of the largest feed to the smallest of the first search over the feed: at less than a hundredth of the largest feed the marks no longer count.
+/// The ratio of the largest feed to the smallest of the first search over the feed: at less than a hundredth of the
+/// largest feed the marks no longer count.
 const FEED_RANGE: f64 = 256.0;
 
 /// Places of that search, evenly over the feed's logarithm. Where h is smooth the product has one maximum.
 const PLACES: u8 = 10;
 
-/// Places with runout, where the product has a maximum for deep marks alone and one for deep and shallow ones. The feeds of the two differ by some share of the number of teeth;
-/// neighbouring places differ by 15 %.
+/// Places with runout, where the product has a maximum for deep marks alone and one for deep and shallow ones. The
+/// feeds of the two differ by some share of the number of teeth; neighbouring places differ by 15 %.
 const PLACES_WITH_RUNOUT: u8 = 40;
 
-/// Between places 15 % apart, a maximum is at most 1 % higher than at the nearest place, where the product is as flat as that of a circle; all places that are this near to the best are refined.
+/// Between places 15 % apart, a maximum is at most 1 % higher than at the nearest place, where the product is as flat
+/// as that of a circle; all places that are this near to the best are refined.
 const NEARLY_BEST: f64 = 0.95;
 
-/// The ratio by which neighbouring feeds differ where the search ends. Around its maximum the product falls with the square of that:
-/// 1e-8.
+/// The ratio by which neighbouring feeds differ where the search ends. Around its maximum the product falls with the
+/// square of that: 1e-8.
 const CLOSE: f64 = 1e-4;
 
 /// Two lengths within this ratio count as equal where a limit is reached.
 const REACHED: f64 = 1e-9;
 
 impl EvaluatedPass {
-    /// The step-over s and feed per tooth f_z that maximise s f_z, the area finished per tooth and time, subject to h(s, f_z) <= `tolerance` and `limits`.
+    /// The step-over s and feed per tooth f_z that maximise s f_z, the area finished per tooth and time, subject to
+    /// h(s, f_z) <= `tolerance` and `limits`.
     ///
-    /// h grows with both, so the tolerance binds unless limits on both do; along h = tolerance the search is over f_z alone, with the largest step-over at each.
+    /// h grows with both, so the tolerance binds unless limits on both do; along h = tolerance the search is over f_z
+    /// alone, with the largest step-over at each.
     ///
     /// # Errors
-    /// - [`NoAnswer::StepOverUsesUpTolerance`] where the smallest step-over leaves no feed, [`NoAnswer::RunoutUsesUpTolerance`],
-    ///   [`NoAnswer::FeedUsesUpTolerance`];
-    /// - [`NoAnswer::ToleranceLimitsNoFeed`], [`NoAnswer::ToleranceLimitsNoStepOver`] where neither tolerance nor limits bound the feed or the step-over;
+    /// - [`NoAnswer::StepOverUsesUpTolerance`] where the smallest step-over leaves no feed,
+    ///   [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::FeedUsesUpTolerance`];
+    /// - [`NoAnswer::ToleranceLimitsNoFeed`], [`NoAnswer::ToleranceLimitsNoStepOver`] where neither tolerance nor
+    ///   limits bound the feed or the step-over;
     /// - those of [`EvaluatedPass::scallop_height`].
     pub fn fastest(&self, tolerance: Length, limits: &CuttingLimits) -> Result<CuttingParameters, NoAnswer> {
         let smallest = limits.min_step_over.map_or(Length::computed(Length::SMALLEST), |smallest| smallest);
@@ -128,7 +134,8 @@ impl EvaluatedPass {
         }
         let fastest = |best: (f64, f64), next: (f64, f64)| if next.1 > best.1 { next } else { best };
         let mut best = places.iter().copied().fold((largest_feed.mm(), 0.0), fastest);
-        // Where the largest step-over begins to bind the product has a corner, which the search would find only nearly.
+        // Where the largest step-over begins to bind, the product has a corner, which the search would find only
+        // approximately.
         if let Some(max_step_over) = limits.max_step_over
             && let Ok(feed) = self.max_feed_per_tooth(tolerance, max_step_over)
         {
@@ -171,7 +178,7 @@ impl EvaluatedPass {
         Ok(limit.map_or(by_tolerance, |limit| if limit < by_tolerance { limit } else { by_tolerance }))
     }
 
-    /// The largest step-over at a feed per tooth, the largest one stated at the most.
+    /// The largest step-over at a feed per tooth, at most the stated one.
     fn widest(&self, tolerance: Length, feed: Length, limit: Option<Length>) -> Result<Length, NoAnswer> {
         let widest = match (self.max_step_over(tolerance, Some(feed)), limit) {
             (Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }), Some(limit)) if limit <= largest_step_over => limit,
@@ -203,7 +210,8 @@ impl EvaluatedPass {
     }
 }
 
-/// The place in `[low, high]` with the highest value of a function with one maximum, and that value, by golden sections of the logarithm.
+/// The place in `[low, high]` with the highest value of a function with one maximum, and that value, by golden sections
+/// of the logarithm.
 fn highest(low: f64, high: f64, function: impl Fn(f64) -> f64) -> (f64, f64) {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let (mut low, mut high) = (low.ln(), high.ln());

@@ -1,19 +1,19 @@
-//! A pass under the model that is chosen for it, behind one set of functions.
+//! A pass evaluated by either model, behind one set of functions.
 
 use super::{Analytic, EffectiveRadius, Envelope, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::Length;
 
-/// Which model evaluates a pass.
+/// The model that evaluates a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Model {
-    /// The published closed formulas: a circle of the effective radius in place of the cutter.
+    /// The published closed formulas, which replace the cutter by a circle of the effective radius.
     #[default]
     Analytic,
-    /// The cutter's whole lower body: a bound that holds.
+    /// The cutter's exact lower body, which gives an upper bound.
     Envelope,
 }
 
-/// A pass under the model that evaluates it.
+/// A pass with the model that evaluates it.
 #[derive(Debug, Clone, Copy)]
 pub struct EvaluatedPass {
     pass: Pass,
@@ -27,7 +27,7 @@ enum Judge {
 }
 
 impl EvaluatedPass {
-    /// Puts `pass` under `model`.
+    /// Prepares `pass` for `model`.
     ///
     /// # Errors
     /// Those of [`Analytic::new`] and [`Envelope::new`].
@@ -45,7 +45,7 @@ impl EvaluatedPass {
         &self.pass
     }
 
-    /// Which model evaluates.
+    /// The model.
     #[must_use]
     pub fn model(&self) -> Model {
         match self.evaluate {
@@ -54,7 +54,8 @@ impl EvaluatedPass {
         }
     }
 
-    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0 where the cutter gouges.
+    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0
+    /// where the cutter gouges.
     #[must_use]
     pub fn relative_curvature(&self) -> f64 {
         match &self.evaluate {
@@ -63,8 +64,9 @@ impl EvaluatedPass {
         }
     }
 
-    /// How much the third order of a curved surface, which model `envelope` leaves out, changes the marks at the ridge, as a share of the ridge's height: an estimate. The
-    /// height itself changes with the square of it. 0 on a plane and under model `analytic`, infinite for a flat-end cutter where the surface's normal turns.
+    /// How much the third order of a curved surface, which model `envelope` leaves out, changes the marks at the ridge,
+    /// as a share of the ridge's height: an estimate. The height itself changes with the square of it. 0 on a plane and
+    /// under model `analytic`, infinite for a flat-end cutter where the surface's normal turns.
     #[must_use]
     pub fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         match &self.evaluate {

@@ -1,4 +1,4 @@
-//! Warnings about an answer: assumptions of the models that are near their limits.
+//! Model warnings: assumptions of the models that are near their limits.
 
 use super::gouging::NEAR_GOUGING;
 use super::{CutterKind, EffectiveRadius, EvaluatedPass, Model, Pass};
@@ -6,20 +6,21 @@ use crate::quantity::Length;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
-/// An assumption of the model that is near its limit, with the figures that show it.
+/// An assumption of the model that is near its limit, with its figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModelWarning {
-    /// Runout is not small against the feed per tooth: some teeth may leave no mark, and then the analytic feed's share is no bound.
+    /// Runout is not small compared with the feed per tooth: some teeth may leave no mark, and the analytic feed height
+    /// is then no bound.
     RunoutNotSmall {
         /// sqrt(rr^2 + ar^2) over f_z.
         ratio: f64,
     },
-    /// The step-over is wide against the groove, whose circle fits the cutter near the contact only.
+    /// The step-over is wide compared with the groove, whose circle approximates the cutter near the contact only.
     StepOverWide {
         /// Step-over over the effective diameter.
         ratio: f64,
     },
-    /// The feed per tooth is long against the mark, whose circle fits the cutter near the contact only.
+    /// The feed per tooth is long compared with the mark, whose circle approximates the cutter near the contact only.
     FeedPerToothLong {
         /// Feed per tooth over the transverse effective diameter.
         ratio: f64,
@@ -33,9 +34,10 @@ pub enum ModelWarning {
     },
     /// A flat-end cutter's corner leaves sharp marks, and wears.
     SharpMarks,
-    /// On a curved surface the cutter's position changes so much from mark to mark that terms of the third order count, which the
-    /// model leaves out: at every slope under 10 deg, where [`EvaluatedPass::third_order_share`] exceeds 0.03, and beside walls where
-    /// the normal turns by more than a fifth of what is left to 90 deg between two marks.
+    /// On a curved surface the cutter's position changes so much from mark to mark that terms of the third order, which
+    /// the model leaves out, are not negligible: at every slope under 10 deg, where
+    /// [`EvaluatedPass::third_order_share`] exceeds 0.03, and beside walls where the normal turns by more than a fifth
+    /// of what is left to 90 deg between two marks.
     CurvatureApproximate,
     /// The cutter fits closely into the concave surface, so that the second order of its curvature is not enough.
     NearGouging {
@@ -85,22 +87,24 @@ impl fmt::Display for ModelWarning {
     }
 }
 
-/// The share from which runout is no longer small, and from which a chord is no longer short against its circle. At a fifth of the
-/// diameter, the height of the circle and that of its parabola differ by 1 %, which is what neglecting the next order costs.
+/// The share from which runout is no longer small, and from which a chord is no longer short against its circle. At a
+/// fifth of the diameter, the height of the circle and that of its parabola differ by 1 %, which is the error of
+/// neglecting the next order.
 const A_FIFTH: f64 = 0.2;
 
-/// The share by which the third order may change the marks at the ridge. Of 7,185 simulated configurations that stay below it from
-/// 10 deg of slope on, with lambda over 0.6, none exceeds the height by more than 1 %; `docs/envelope-on-curved-surfaces.md` has the
-/// figures.
+/// The share by which the third order may change the marks at the ridge. Of 7,185 simulated configurations that stay
+/// below it from 10 deg of slope on, with lambda over 0.6, none exceeds the height by more than 1 %;
+/// `docs/envelope-on-curved-surfaces.md` has the figures.
 const THIRD_ORDER_SMALL: f64 = 0.03;
 
-/// The slope in degrees under which the third order of a curved surface shows in model `envelope`.
+/// The slope in degrees under which the third order of a curved surface is not negligible in model `envelope`.
 const STEEP_ENOUGH_DEG: f64 = 10.0;
 
 impl EvaluatedPass {
     /// All warnings about this pass at a step-over along the surface and a feed per tooth; `None` leaves no marks.
     ///
-    /// The limits of the circle and of the published runout concern model `analytic`, the third order of the curvature model `envelope`.
+    /// The limits of the circle and of the published runout concern model `analytic`, the third order of the curvature
+    /// model `envelope`.
     pub fn warnings(&self, step_over: Length, feed_per_tooth: Option<Length>) -> impl Iterator<Item = ModelWarning> + use<> {
         let pass = self.pass();
         let circle = match self.model() {
@@ -121,9 +125,9 @@ impl EvaluatedPass {
     }
 }
 
-/// Whether the normal of a concave surface turns by more than a fifth of the angle that is left to a wall between passes or marks. A
-/// sphere of 60 mm at 85 deg, where simulations keep the height, has 0.23 for 30 um; at 88 deg it has 0.9, and the height is exceeded
-/// by half.
+/// Whether the normal of a concave surface turns by more than a fifth of the angle that is left to a wall between
+/// passes or marks. A sphere of 60 mm at 85 deg, where simulations keep the height, has 0.23 for 30 um; at 88 deg it
+/// has 0.9, and the height is exceeded by half.
 fn turns_towards_wall(pass: &Pass, step_over: Length, feed_per_tooth: Option<Length>) -> bool {
     let [_, smallest] = pass.surface.principal_per_mm();
     let furthest = step_over.mm().max(feed_per_tooth.map_or(0.0, Length::mm));

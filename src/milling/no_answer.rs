@@ -1,27 +1,28 @@
-//! Why a valid pass can have no scallop height, feed or step-over, with the figure that shows the way out.
+//! The reasons why a valid pass has no scallop height, feed or step-over, with the figures that help to correct it.
 
 use crate::quantity::Length;
 use std::fmt;
 
-/// A pass that is described validly but has no answer. Each variant carries the bound that it broke.
+/// The reason why a valid pass has no answer, with the bound that it exceeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NoAnswer {
-    /// On a floor the groove of a toroidal or flat-end cutter has no curvature, which the analytic model is made of.
+    /// On a floor the groove of a toroidal or flat-end cutter has no curvature, on which the analytic model is based.
     FlatFloor,
-    /// The step-over is wider than the groove: between the passes stands uncut material.
+    /// The step-over is wider than the groove: uncut material remains between the passes.
     PassesDoNotOverlap {
         /// The step-over at which the grooves just meet.
         largest_step_over: Length,
     },
-    /// Tooth marks lie further apart than the mark is long: between them stands uncut material.
+    /// Tooth marks lie further apart than the mark is long: uncut material remains between them.
     MarksDoNotOverlap {
         /// The distance of marks at which they just meet.
         largest_mark_spacing: Length,
     },
-    /// The surface is more concave than the cutter fits into: beside the contact the cutter cuts into it.
+    /// The cutter does not fit the concave surface and cuts into it beside the contact.
     Gouges {
-        /// The radius of curvature that just takes the cutter: the stated concave radius, or the smaller concave principal radius, times
-        /// 1 - lambda. `None` where the cutter gouges away from the contact, or where a flat gouges whatever the radius.
+        /// The smallest radius of curvature that the cutter fits: the stated concave radius, or the smaller concave
+        /// principal radius, times 1 - lambda. `None` where the cutter gouges away from the contact, or where a flat
+        /// gouges whatever the radius.
         smallest_radius: Option<Length>,
     },
     /// A flat-end cutter's edge runs along the cut: its circle has no radius, which the analytic model needs.
@@ -30,14 +31,14 @@ pub enum NoAnswer {
     PassesCoincideFromAbove,
     /// The step-over alone leaves as much as the tolerance allows, so that no feed is possible.
     StepOverUsesUpTolerance {
-        /// What the step-over alone leaves.
+        /// The height that the step-over alone leaves.
         step_over_height: Length,
         /// The step-over that leaves just the tolerance; a smaller one leaves room for a feed.
         max_step_over: Length,
     },
     /// The feed's marks alone leave as much as the tolerance allows, so that no step-over is possible.
     FeedUsesUpTolerance {
-        /// What the feed alone leaves.
+        /// The height that the feed alone leaves.
         feed_height: Length,
     },
     /// Runout alone moves the marks so far apart that no feed keeps the tolerance.

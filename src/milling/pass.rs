@@ -1,5 +1,4 @@
-//! What a finishing pass is made of, whatever the model that evaluates it: cutter, contact, the surface's curvature, runout, and the
-//! spacing of the passes.
+//! A finishing pass, independent of the model: cutter, contact, curvature of the surface, runout, and step-over.
 
 use super::{Contact, Cutter, NoAnswer, SurfaceCurvature};
 use crate::quantity::{Angle, Length, OutOfRange};
@@ -14,13 +13,14 @@ pub struct Pass {
     pub contact: Contact,
     /// The curvature of the surface at the contact.
     pub surface: SurfaceCurvature,
-    /// How far the teeth run out.
+    /// The runout of the teeth.
     pub runout: Runout,
-    /// z, the number of teeth; `None` where it is unknown. Only runout depends on it, which then takes 2 teeth.
+    /// z, the number of teeth; `None` where it is unknown. It matters only with runout, which assumes 2 teeth if it is
+    /// unknown.
     pub teeth: Option<NonZeroU32>,
 }
 
-/// How far the teeth run out of the circle on which they should cut [Segonds 2017, eq. 16-18]. Both are assumed small against the
+/// The deviation of the teeth from their common circle [Segonds 2017, eq. 16-18]. Both are assumed small against the
 /// feed per tooth: otherwise some teeth leave no mark.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Runout {
@@ -29,12 +29,13 @@ pub struct Runout {
 }
 
 impl Runout {
-    /// A cutter that runs true.
+    /// A cutter without runout.
     pub const NONE: Self = Self { radial: 0.0, axial: 0.0 };
-    /// The largest runout that can be stated, in mm.
+    /// The largest runout that is accepted, in mm.
     pub const LARGEST: f64 = 10.0;
 
-    /// The same with the radial runout rr, in mm: by how much one tooth stands out further than the next.
+    /// The same runout with the radial part rr, in mm: the distance by which one tooth stands out further than the
+    /// next.
     ///
     /// # Errors
     /// [`OutOfRange`] unless 0 <= rr <= [`Runout::LARGEST`].
@@ -42,8 +43,8 @@ impl Runout {
         Ok(Self { radial: OutOfRange::check(radial, 0.0, Self::LARGEST)?, ..self })
     }
 
-    /// The same with the axial runout ar, in mm: by how much one tooth stands lower than the next. Positive, it shortens the
-    /// step from mark to mark where the feed climbs; negative, it lengthens it.
+    /// The same runout with the axial part ar, in mm: the distance by which one tooth stands lower than the next.
+    /// Positive, it shortens the step from mark to mark where the feed climbs; negative, it lengthens it.
     ///
     /// # Errors
     /// [`OutOfRange`] unless |ar| <= [`Runout::LARGEST`].
@@ -63,13 +64,14 @@ impl Runout {
         Length::computed(self.radial.hypot(self.axial))
     }
 
-    /// delta = |rr| sin(S) + |ar| cos(S), by how much the shallowest tooth reaches less deep into a surface of the slope S than the deepest, in mm.
+    /// delta = |rr| sin(S) + |ar| cos(S), by how much the shallowest tooth reaches less deep into a surface of the
+    /// slope S than the deepest, in mm.
     pub(super) fn depth(self, slope: Angle) -> f64 {
         self.radial * slope.sin() + self.axial.abs() * slope.cos()
     }
 
-    /// f'_z, the step from tooth mark to tooth mark that runout makes of the feed per tooth f_z, where the feed climbs at `climb`
-    /// [Segonds 2017, eq. 17]: sqrt((f_z cos + rr)^2 + (f_z sin - ar)^2).
+    /// f'_z, the step from tooth mark to tooth mark that runout makes of the feed per tooth f_z, where the feed climbs
+    /// at `climb` [Segonds 2017, eq. 17]: sqrt((f_z cos + rr)^2 + (f_z sin - ar)^2).
     #[must_use]
     pub fn mark_spacing(self, feed_per_tooth: Length, climb: Angle) -> Length {
         let (x, z) = (feed_per_tooth.mm() * climb.cos() + self.radial, feed_per_tooth.mm() * climb.sin() - self.axial);
@@ -77,7 +79,8 @@ impl Runout {
     }
 
     /// The feed per tooth whose marks are `mark_spacing` apart, the inverse of [`Runout::mark_spacing`]:
-    /// f_z = -b + sqrt(b^2 + q), b = rr cos - ar sin, q = f'_z^2 - rr^2 - ar^2. `None` where no feed above 0 brings the marks that near.
+    /// f_z = -b + sqrt(b^2 + q), b = rr cos - ar sin, q = f'_z^2 - rr^2 - ar^2. `None` if no feed above 0 gives so
+    /// small a distance.
     #[must_use]
     pub fn feed_per_tooth(self, mark_spacing: Length, climb: Angle) -> Option<Length> {
         let b = self.radial * climb.cos() - self.axial * climb.sin();
@@ -88,13 +91,14 @@ impl Runout {
         if discriminant < 0.0 {
             return None;
         }
-        // For b > 0 the two terms of the root cancel; their product form does not: -b + sqrt(b^2 + q) = q / (b + sqrt(b^2 + q)).
+        // For b > 0 the two terms of the root cancel; their product form does not: -b + sqrt(b^2 + q) = q / (b +
+        // sqrt(b^2 + q)).
         let feed = if b > 0.0 { q / (b + discriminant.sqrt()) } else { discriminant.sqrt() - b };
         (feed > 0.0).then(|| Length::computed(feed))
     }
 }
 
-/// How far neighbouring passes lie apart, in one of the two ways in which CAM systems state it.
+/// The step-over, in one of the two ways in which CAM systems state it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StepOver {
     /// s, along the surface, perpendicular to the feed.
@@ -107,7 +111,8 @@ impl StepOver {
     /// s, the step-over along the surface: d / sqrt(1 - sin^2(S) sin^2(alpha)) for one that is seen from above.
     ///
     /// # Errors
-    /// [`NoAnswer::PassesCoincideFromAbove`] on a wall along which the feed runs: no vertical planes tell its passes apart.
+    /// [`NoAnswer::PassesCoincideFromAbove`] on a wall along which the feed runs: vertical planes do not separate its
+    /// passes.
     pub fn along_surface(self, contact: Contact) -> Result<Length, NoAnswer> {
         match self {
             Self::AlongSurface(s) => Ok(s),
@@ -119,12 +124,12 @@ impl StepOver {
     }
 }
 
-/// The height that a pass leaves, in its two shares.
+/// The scallop height of a pass, in its two parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScallopHeight {
-    /// h1, what the step-over alone leaves.
+    /// h1, the height that the step-over alone leaves.
     pub step_over: Length,
-    /// What the tooth marks along the feed add.
+    /// The height that the tooth marks along the feed add.
     pub feed: Length,
 }
 
@@ -135,7 +140,7 @@ impl ScallopHeight {
         self.step_over + self.feed
     }
 
-    /// The share of the feed in the whole, from 0 to 1; `None` where there is no height at all.
+    /// The share of the feed height in the scallop height, from 0 to 1; `None` if the height is 0.
     #[must_use]
     pub fn feed_share(self) -> Option<f64> {
         let total = self.total().mm();

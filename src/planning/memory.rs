@@ -26,9 +26,10 @@ const PLANNED_FACET: usize = 152 + 168;
 /// planes, which all facets may be at once.
 const ORDERED_FACET: usize = 128 + 80;
 
-/// For each candidate or direction in work: a plane with those of the check before, factors and heights, in vectors
-/// that move to twice their size; a run with its order; a cell of a plane.
-const PLANE: usize = 210;
+/// For each candidate or direction in work: a plane with those of the check before and of the best direction so far,
+/// factors, heights and the facets that are checked, in vectors that move to twice their size; a run with its order;
+/// a cell of a plane.
+const PLANE: usize = 210 + 2 * 56 + 64;
 const RUN: usize = 200;
 const CELL: usize = 56;
 

@@ -1,18 +1,31 @@
 //! Which part of a surface a cutter reaches: the surface seen from above, dilated and eroded with the cutter's profile.
 //!
-//! Symbols: R and r outer and corner radius, p(d) the height of the cutter's bottom over its tip at distance d from its axis, z(x, y) the surface, h the side of a
-//! raster cell, and e = h/sqrt(2), half a cell's diagonal.
+//! Symbols: R and r outer and corner radius, p(d) the height of the cutter's bottom over its tip at distance d from
+//! its axis, z(x, y) the surface, h the side of a raster cell, and e = h/sqrt(2), half a cell's diagonal.
 //!
-//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest that the tip can be, and m(x) = min over |u| <= R of t(x + u) + p(|u|) is what all
-//! tips together leave. m - z >= 0 is uncut: on the raster too, because the tip at a cell rests on every cell within R.
+//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest that the tip can be, and m(x) = min
+//! over |u| <= R of t(x + u) + p(|u|) is what all tips together leave. m - z >= 0 is uncut: on the raster too,
+//! because the tip at a cell rests on every cell within R.
 //!
-//! **The raster's error.** On a plane it is none: offsets come in pairs u and -u, so that dilation lifts the plane by as much as erosion lowers it. On a curved
-//! surface the tip that touches at a cell may lie up to e beside all tips of the raster. A tip moved by e along the surface, of relative curvature 1/R - 1/rho in a
-//! hollow of radius rho, touches elsewhere and leaves e^2/2 (1/R)^2 / (1/R - 1/rho) = e^2/(2 R lambda), lambda = 1 - R/rho; on a slope S distances along the surface and
-//! heights along the normal grow by 1/cos S each, which makes e^2/(2 R lambda cos^3 S). With the smallest radius of the cutter's bottom, r, in place of R, and
-//! lambda = 1/3, hollows of at least 1.5 times the cutter's radius, this is the error stated, but at most 2 e tan S + e^2/(2 R lambda), which
-//! bounds the rise of the surface between tips where the corner is sharp. In tighter hollows the raster finds more uncut than there is: it errs towards
-//! refusing a cutter. Beside a sharp edge the raster sees the edge up to half a cell too far away; heights are too small by the change of p over that distance.
+//! **The raster's error.** On a plane it is none: offsets come in pairs u and -u, so that dilation lifts the plane by
+//! as much as erosion lowers it. On a curved surface the tip that touches at a cell may lie up to e beside all tips
+//! of the raster. A tip moved by e along the surface, of relative curvature 1/R - 1/rho in a hollow of radius rho,
+//! touches elsewhere and leaves e^2/2 (1/R)^2 / (1/R - 1/rho) = e^2/(2 R lambda), lambda = 1 - R/rho; on a slope S
+//! distances along the surface and heights along the normal grow by 1/cos S each, which makes e^2/(2 R lambda cos^3
+//! S). With the smallest radius of the cutter's bottom, r, in place of R, and lambda = 1/3, hollows of at least 1.5
+//! times the cutter's radius, this is the error stated, but at most 2 e tan S + e^2/(2 R lambda), which bounds the
+//! rise of the surface between tips where the corner is sharp.
+//!
+//! **Cells that seem uncut.** In a tighter hollow the tips of the raster leave more than that, although the cutter
+//! fits. So where a cell's height exceeds the error, the cutter is also placed where it touches the facet at the
+//! cell, and raised until it cuts nowhere; the cell's height is the lesser of this rise and the raster's. The tip is
+//! then exact, and only the height at which it rests comes from the raster: too low by e^2/2 times the relative
+//! curvature where the surface is smooth. Beside a sharp edge the raster sees the edge up to half a cell too far
+//! away; heights are too small by the change of p over that distance.
+
+mod resting;
+
+pub use resting::RestingHeights;
 
 use crate::milling::Cutter;
 use crate::numerics::raster::{Frame, Raster};
@@ -24,17 +37,24 @@ use rayon::prelude::*;
 /// 1 - R/rho of the tightest hollow for which the error holds.
 const LEAST_CLEARANCE: f64 = 1.0 / 3.0;
 
-/// The largest product of cells, those around the surface included, and offsets in the disc: about 10 ms a cutter. A cutter that takes more is tried on every
-/// second, third, ... cell. The surface of 100 x 80 mm on 256 cells takes discs of up to 6.5 mm in full.
+/// The largest product of cells, those around the surface included, and offsets in the disc: about 10 ms a cutter. A
+/// cutter that takes more is tried on every second, third, ... cell. The surface of 100 x 80 mm on 256 cells takes
+/// discs of up to 6.5 mm in full.
 const WORK: f64 = 6e7;
+
+/// In how many of the cells that seem uncut the cutter is placed at most, a few milliseconds; of more, in as many,
+/// evenly spread.
+const MOST_PLACED: usize = 4_096;
 
 /// A surface on a raster, on which cutters are tried.
 #[derive(Debug, Clone)]
 pub struct ReachMap {
     frame: Frame,
-    /// Heights over the middle of the surface's height; minus infinity where there is no surface.
-    heights: Vec<f32>,
-    /// For each cell the area of the machined surface over it, per area of the cell: 1/cos S, 0 where nothing is machined.
+    heights: RestingHeights,
+    /// For each cell the horizontal part of the unit normal of the machined surface over it.
+    normals: Vec<[f32; 2]>,
+    /// For each cell the area of the machined surface over it, per area of the cell: 1/cos S, 0 where nothing is
+    /// machined.
     area: Vec<f32>,
     /// The largest rounding of a height.
     rounding: f64,
@@ -47,8 +67,8 @@ pub struct Uncut {
     pub share: f64,
     /// The largest height left on the machined area, where it exceeds the raster's error; else 0.
     pub height: Length,
-    /// How far that height may be off, where sharp edges hold the cutter: the change of the cutter's profile between the cells on both sides of the place
-    /// at which it rests, and the error on smooth surfaces.
+    /// How far that height may be off, where sharp edges hold the cutter: the change of the cutter's profile between
+    /// the cells on both sides of the place at which it rests, and the error on smooth surfaces.
     pub height_error: Length,
     /// The raster's error on a level part of the surface; on a slope it is larger.
     pub level_error: Length,
@@ -58,7 +78,8 @@ pub struct Uncut {
     pub map: Raster<Option<f32>>,
 }
 
-/// p(d) for 0 <= d <= R: 0 up to R - r, then the corner's circle; the height of the cutter's bottom over its tip, in mm.
+/// p(d) for 0 <= d <= R: 0 up to R - r, then the corner's circle; the height of the cutter's bottom over its tip, in
+/// mm.
 fn profile(cutter: Cutter, d: f64) -> f64 {
     let (r, over) = (cutter.corner_radius().mm(), d - cutter.core_radius().mm());
     if over <= 0.0 {
@@ -70,26 +91,23 @@ fn profile(cutter: Cutter, d: f64) -> f64 {
 }
 
 impl ReachMap {
-    /// The surface that `view` shows of `mesh`, of which the facets in `machined`, one entry for each facet of the mesh, are to be cut. The others hold the
-    /// cutter as well.
+    /// The surface that `view` shows of `mesh`, of which the facets in `machined`, one entry for each facet of the
+    /// mesh, are to be cut. The others hold the cutter as well.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "heights in single precision; the rounding is part of the error")]
     pub fn new(mesh: &Mesh, view: &ViewFromAbove, machined: &[bool]) -> Self {
         let bounds = mesh.bounds();
-        let middle = 0.5 * (bounds.min[2] + bounds.max[2]);
-        let heights = view.heights.iter().map(|z| (z - middle) as f32).collect();
-        let area = view
-            .facets
-            .iter()
-            .enumerate()
-            .map(|(cell, _)| match view.facet(cell) {
-                // Facets that a view shows are no walls: n_z is at least 1e-4.
-                Some(facet) if machined[facet] => mesh.normal_and_area(facet).0[2].abs().recip() as f32,
-                _ => 0.0,
-            })
-            .collect();
+        let normal_of = |(cell, _): (usize, &u32)| match view.facet(cell) {
+            Some(facet) if machined[facet] => {
+                let ([x, y, z], _) = mesh.normal_and_area(facet);
+                // The side that is seen; facets that a view shows are no walls: n_z is at least 1e-4.
+                ([(x * z.signum()) as f32, (y * z.signum()) as f32], z.abs().recip() as f32)
+            }
+            _ => ([0.0; 2], 0.0),
+        };
+        let (normals, area) = view.facets.iter().enumerate().map(normal_of).unzip();
         let rounding = (bounds.max[2] - bounds.min[2]) * f64::from(f32::EPSILON);
-        Self { frame: view.frame, heights, area, rounding }
+        Self { frame: view.frame, heights: RestingHeights::new(view), normals, area, rounding }
     }
 
     /// What a cutter leaves where it does not reach, `scallop_height` being allowed everywhere.
@@ -110,8 +128,10 @@ impl ReachMap {
             let rise = 2.0 * half_diagonal * tangent + bend(radius);
             (bend(cutter.corner_radius().mm()) * inverse_cosine.powi(3)).min(rise) + self.rounding
         };
-        let (mut machined, mut over, mut worst) = (0.0, 0.0, None::<(f64, usize)>);
+        let mut machined = 0.0;
         let mut left = vec![None; coarse.columns * coarse.rows];
+        // The cells that seem uncut: on the coarse raster and on the fine one.
+        let mut seeming: Vec<(usize, usize)> = Vec::new();
         for row in 0..coarse.rows {
             for column in 0..coarse.columns {
                 let fine = self.frame.index(column * stride, row * stride);
@@ -120,14 +140,28 @@ impl ReachMap {
                     continue;
                 }
                 let cell = row * coarse.columns + column;
-                let height = f64::from(cut[cell]) - f64::from(self.heights[fine]);
+                let height = f64::from(cut[cell]) - f64::from(self.heights.cells()[fine]);
                 machined += area;
                 left[cell] = Some(height as f32);
                 if height > error(area) {
-                    over += if height > scallop_height.mm() + error(area) { area } else { 0.0 };
-                    if worst.is_none_or(|(most, _)| height > most) {
-                        worst = Some((height, cell));
-                    }
+                    seeming.push((cell, fine));
+                }
+            }
+        }
+        let (mut over, mut worst) = (0.0, None::<(f64, usize)>);
+        let step = seeming.len().div_ceil(MOST_PLACED).max(1);
+        for &(cell, fine) in seeming.iter().step_by(step) {
+            let area = f64::from(self.area[fine]);
+            let Some(on_raster) = left[cell].map(f64::from) else { continue };
+            let height = on_raster.min(self.rise(cutter, fine)).max(0.0);
+            left[cell] = Some(height as f32);
+            if height > error(area) {
+                // A cell stands for those between it and the next one.
+                #[expect(clippy::cast_precision_loss, reason = "at most 16")]
+                let area = area * step as f64;
+                over += if height > scallop_height.mm() + error(f64::from(self.area[fine])) { area } else { 0.0 };
+                if worst.is_none_or(|(most, _)| height > most) {
+                    worst = Some((height, cell));
                 }
             }
         }
@@ -144,13 +178,43 @@ impl ReachMap {
             })
             .collect();
         Uncut {
-            share: if machined > 0.0 { over / machined } else { 0.0 },
+            // The last of the cells that are looked at may stand for more than there are.
+            share: if machined > 0.0 { (over / machined).min(1.0) } else { 0.0 },
             height: Length::computed(worst.map_or(0.0, |(height, _)| height)),
             height_error: Length::computed(height_error),
             level_error: Length::computed(error(1.0)),
             cell: Length::computed(coarse.cell),
             map: Raster { frame: self.frame, values },
         }
+    }
+
+    /// How far the cutter rises from where it touches the surface at the middle of a cell until it cuts into the surface
+    /// nowhere, in mm.
+    ///
+    /// The contact has the normal of the facet or, where that is less, the mean normal of the nine cells around: near the
+    /// end of a facet that stands for an arc, the facet's normal is half of the turn to the next facet off the arc's.
+    fn rise(&self, cutter: Cutter, cell: usize) -> f64 {
+        let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
+        let [x, y] = self.frame.centre(column, row);
+        let z = f64::from(self.heights.cells()[cell]) + self.heights.level();
+        let normal_of = |cell: usize| {
+            let [x, y] = self.normals[cell].map(f64::from);
+            [x, y, f64::from(self.area[cell]).recip()]
+        };
+        let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        let nine = around(row, self.frame.rows)
+            .flat_map(|row| around(column, self.frame.columns).map(move |column| (column, row)))
+            .map(|(column, row)| self.frame.index(column, row));
+        let sum = nine
+            .filter(|&cell| self.area[cell] > 0.0)
+            .map(normal_of)
+            .fold([0.0; 3], |sum, n| [sum[0] + n[0], sum[1] + n[1], sum[2] + n[2]]);
+        let length = sum[0].hypot(sum[1]).hypot(sum[2]);
+        let rise = |normal: [f64; 3]| {
+            let tip = tip_of(cutter, [x, y, z], normal);
+            self.heights.raised(cutter, tip) - tip[2]
+        };
+        rise(normal_of(cell)).min(rise(sum.map(|part| part / length)))
     }
 
     /// [`ReachMap::uncut`] of several cutters, in their order, on all threads.
@@ -160,27 +224,14 @@ impl ReachMap {
     }
 }
 
-/// The lowest height of the tip at (x, y) in mm at which the cutter does not cut into the surface: t(x, y) over the cells of a view. `None` where
-/// there is no surface under the cutter.
-///
-/// On a smooth surface it is too low by up to e^2/(2 r cos^3 S), on a level plane by nothing; beside a sharp edge by the change of p over half a cell.
-#[must_use]
-pub fn lowest_tip(view: &ViewFromAbove, cutter: Cutter, [x, y]: [f64; 2]) -> Option<f64> {
-    let radius = cutter.outer_radius().mm();
-    let frame = view.frame;
-    let (from, to) = (frame.nearest_cell([x - radius, y - radius]), frame.nearest_cell([x + radius, y + radius]));
-    let mut lowest = f64::NEG_INFINITY;
-    for row in from.1..=to.1 {
-        for column in from.0..=to.0 {
-            let z = view.heights[frame.index(column, row)];
-            let [u, v] = frame.centre(column, row);
-            let d = (u - x).hypot(v - y);
-            if d <= radius && z > lowest {
-                lowest = lowest.max(z - profile(cutter, d));
-            }
-        }
-    }
-    (lowest > f64::NEG_INFINITY).then_some(lowest)
+/// The tip of a cutter that touches a plane with the normal n at the contact c: the corner's centre is r n above it,
+/// the axis R - r further along the horizontal part of n, and the tip r below the centre.
+pub(super) fn tip_of(cutter: Cutter, contact: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
+    let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+    let horizontal = normal[0].hypot(normal[1]);
+    // On a floor the flat touches as a whole; its middle is over the contact.
+    let out = if horizontal > 0.0 { core / horizontal } else { 0.0 };
+    [contact[0] + (corner + out) * normal[0], contact[1] + (corner + out) * normal[1], contact[2] + corner * normal[2] - corner]
 }
 
 /// The least stride from cell to cell with which the work for a cutter of this radius, in mm, is at most [`WORK`].
@@ -192,7 +243,8 @@ fn stride(frame: Frame, radius: f64) -> usize {
         let (columns, rows) = ((frame.columns as f64 / stride).ceil() + 2.0 * offset, (frame.rows as f64 / stride).ceil() + 2.0 * offset);
         columns * rows * (std::f64::consts::PI * offset * offset).max(1.0)
     };
-    // The work falls with the stride. With a stride as long as the surface one cell is left of it, which takes none, however small it is.
+    // The work falls with the stride. With a stride as long as the surface one cell is left of it, which takes none,
+    // however small it is.
     let most = frame.columns.max(frame.rows);
     let (mut least, mut enough) = (1_usize, 1_usize);
     while enough < most && work(enough) > WORK {
@@ -205,7 +257,8 @@ fn stride(frame: Frame, radius: f64) -> usize {
     least
 }
 
-/// The surface on every stride-th cell, with empty cells around it: `pad` for the tips beside the surface, and as many for what these would touch.
+/// The surface on every stride-th cell, with empty cells around it: `pad` for the tips beside the surface, and as
+/// many for what these would touch.
 struct Coarse {
     cell: f64,
     columns: usize,
@@ -273,7 +326,7 @@ impl Coarse {
         let mut heights = vec![f32::NEG_INFINITY; width * (rows + 4 * pad)];
         for row in 0..rows {
             for column in 0..columns {
-                heights[(row + 2 * pad) * width + column + 2 * pad] = map.heights[map.frame.index(column * stride, row * stride)];
+                heights[(row + 2 * pad) * width + column + 2 * pad] = map.heights.cells()[map.frame.index(column * stride, row * stride)];
             }
         }
         Self { cell, columns, rows, pad, width, heights }
@@ -323,7 +376,8 @@ impl Coarse {
     fn rest(&self, cell: usize, tips: &[f32], disc: &Disc) -> f64 {
         let place = (cell / self.columns + 2 * self.pad) * self.width + cell % self.columns + 2 * self.pad;
         let offsets = disc.offsets(self.width);
-        // The sums stay inside the padded rows: tips lie within `pad` of the surface, what they touch within `pad` of them.
+        // The sums stay inside the padded rows: tips lie within `pad` of the surface, what they touch within `pad` of
+        // them.
         let at = |place: usize, step: isize| place.wrapping_add_signed(step);
         let cuts = offsets.iter().map(|offset| (at(place, offset.step), tips[at(place, offset.step)] + offset.p));
         let Some((tip, _)) = cuts.min_by(|a, b| a.1.total_cmp(&b.1)) else { return 0.0 };

@@ -34,7 +34,7 @@ pub use signal::stop_signal;
 use crate::memory_budget::MemoryBudget;
 use crate::settings::ServerSettings;
 use departure::Departure;
-use stream::{ClientStream, Patience};
+use stream::{ClientStream, ClientTimeouts};
 use table::{ConnectionTable, Entry};
 use tracked::{AnswerBody, RequestBody};
 
@@ -81,9 +81,9 @@ pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, s
     // The stream has its own deadlines for heads, and detects clients that close the connection.
     protocol.timer(TokioTimer::new()).header_read_timeout(None).half_close(true);
     protocol.max_header_size(MAX_HEAD_BYTES).max_buf_size(MAX_BUFFER_BYTES);
-    let patience = Patience { header: settings.header_timeout, idle: settings.idle_timeout, write: settings.write_timeout };
+    let timeouts = ClientTimeouts { header: settings.header_timeout, idle: settings.idle_timeout, write: settings.write_timeout };
     let connections =
-        Connections { protocol, app, patience, table: ConnectionTable::new(settings.max_connections), ending: GracefulShutdown::new() };
+        Connections { protocol, app, timeouts, table: ConnectionTable::new(settings.max_connections), ending: GracefulShutdown::new() };
     let mut stop = pin!(stop);
     loop {
         let accepted = tokio::select! {
@@ -110,7 +110,7 @@ pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, s
 struct Connections {
     protocol: http1::Builder,
     app: App,
-    patience: Patience,
+    timeouts: ClientTimeouts,
     table: ConnectionTable,
     ending: GracefulShutdown,
 }
@@ -138,7 +138,7 @@ impl Connections {
         let stream = Arc::new(Mutex::new(stream));
         let state = Arc::clone(entry.state());
         let App { router, refuse, budget } = self.app.clone();
-        let client = ClientStream::new(Arc::clone(&stream), Arc::clone(&state), self.patience, refuse, budget.open());
+        let client = ClientStream::new(Arc::clone(&stream), Arc::clone(&state), self.timeouts, refuse, budget.open());
         let mut departure = Departure::new(stream, Arc::clone(&state));
         let closes = entry.is_in_reserve();
         let service = service_fn(move |request: Request<Incoming>| {

@@ -31,7 +31,7 @@ pub(super) fn lock(stream: &SharedStream) -> MutexGuard<'_, TcpStream> {
 
 /// The time-outs of a slow client.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Patience {
+pub(super) struct ClientTimeouts {
     pub(super) header: Duration,
     pub(super) idle: Duration,
     pub(super) write: Duration,
@@ -41,7 +41,7 @@ pub(super) struct Patience {
 pub(super) struct ClientStream {
     stream: SharedStream,
     state: Arc<ConnectionState>,
-    patience: Patience,
+    timeouts: ClientTimeouts,
     refuse: Refuse,
     opened: Instant,
     head: Head,
@@ -73,13 +73,13 @@ impl ClientStream {
     pub(super) fn new(
         stream: SharedStream,
         state: Arc<ConnectionState>,
-        patience: Patience,
+        timeouts: ClientTimeouts,
         refuse: Refuse,
         reservation: Reservation,
     ) -> Self {
         let head = Head { number: 0, bytes: 0, began: None, reservation };
         let opened = Instant::now();
-        Self { stream, state, patience, refuse, opened, head, alarm: None, write: None, answered: 0, closing: Closing::Open }
+        Self { stream, state, timeouts, refuse, opened, head, alarm: None, write: None, answered: 0, closing: Closing::Open }
     }
 
     /// Returns `polled`, or an error if the client has left its answer unread for too long.
@@ -88,7 +88,7 @@ impl ClientStream {
             self.write = None;
             return polled;
         }
-        let longest = self.patience.write;
+        let longest = self.timeouts.write;
         let end = self.write.get_or_insert_with(|| Box::pin(sleep(longest)));
         ready!(end.as_mut().poll(context));
         Poll::Ready(Err(io::Error::new(io::ErrorKind::TimedOut, "the client left the answer unread")))
@@ -117,9 +117,9 @@ impl ClientStream {
     /// The deadline for a head, or for the rest of one.
     fn head_deadline(&self) -> Instant {
         match (self.head.began, self.state.awaiting_since()) {
-            (Some(began), _) => began + self.patience.header,
-            (None, Some(since)) if self.state.requests() > 0 => Instant::from_std(since) + self.patience.idle,
-            (None, _) => self.opened + self.patience.header,
+            (Some(began), _) => began + self.timeouts.header,
+            (None, Some(since)) if self.state.requests() > 0 => Instant::from_std(since) + self.timeouts.idle,
+            (None, _) => self.opened + self.timeouts.header,
         }
     }
 

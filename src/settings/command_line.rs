@@ -76,7 +76,7 @@ impl Command {
 #[command(name = "scallopd", version)]
 struct CommandLine {
     #[command(flatten)]
-    given: Given,
+    given: RawSettings,
     #[command(subcommand)]
     subcommand: Option<Subcommand>,
 }
@@ -95,7 +95,7 @@ enum Subcommand {
 
 /// The settings as text, before they are parsed.
 #[derive(Args)]
-pub(super) struct Given {
+pub(super) struct RawSettings {
     /// IP address and port to listen on; port 0 picks a free one, which is logged
     #[arg(long, env = "SCALLOPD_LISTEN", value_name = "ADDR", default_value = "127.0.0.1:8080", global = true)]
     pub(super) listen: String,

@@ -107,7 +107,7 @@ impl Settings {
     ///
     /// # Errors
     /// Every fault, each with its flag and variable.
-    fn read(given: &command_line::Given) -> Result<Self, Faults> {
+    fn read(given: &command_line::RawSettings) -> Result<Self, Faults> {
         let mut faults = Vec::new();
         let listen = take(&mut faults, "SCALLOPD_LISTEN", &given.listen, address);
         let telemetry = TelemetrySettings::read(given, &mut faults);
@@ -120,7 +120,7 @@ impl Settings {
 }
 
 impl TelemetrySettings {
-    fn read(given: &command_line::Given, faults: &mut Vec<Fault>) -> Option<Self> {
+    fn read(given: &command_line::RawSettings, faults: &mut Vec<Fault>) -> Option<Self> {
         let log_format = take(faults, "SCALLOPD_LOG_FORMAT", &given.log_format, log_format);
         let log_level = take(faults, "SCALLOPD_LOG_LEVEL", &given.log_level, level);
         let otlp_endpoint = take(faults, "SCALLOPD_OTLP_ENDPOINT", &given.otlp_endpoint, collector);
@@ -129,7 +129,7 @@ impl TelemetrySettings {
 }
 
 impl ServerSettings {
-    fn read(given: &command_line::Given, faults: &mut Vec<Fault>) -> Option<Self> {
+    fn read(given: &command_line::RawSettings, faults: &mut Vec<Fault>) -> Option<Self> {
         let header_timeout = take(faults, "SCALLOPD_HEADER_TIMEOUT_S", &given.header_timeout_s, seconds(1));
         let idle_timeout = take(faults, "SCALLOPD_IDLE_TIMEOUT_S", &given.idle_timeout_s, seconds(1));
         let write_timeout = take(faults, "SCALLOPD_WRITE_TIMEOUT_S", &given.write_timeout_s, seconds(1));
@@ -148,7 +148,7 @@ impl ServerSettings {
 }
 
 impl HttpSettings {
-    fn read(given: &command_line::Given, faults: &mut Vec<Fault>) -> Option<Self> {
+    fn read(given: &command_line::RawSettings, faults: &mut Vec<Fault>) -> Option<Self> {
         let max_json_bytes = take(faults, "SCALLOPD_MAX_JSON_BYTES", &given.max_json_bytes, fault::bytes);
         let max_upload_bytes = take(faults, "SCALLOPD_MAX_UPLOAD_BYTES", &given.max_upload_bytes, fault::bytes);
         let request_timeout = take(faults, "SCALLOPD_REQUEST_TIMEOUT_S", &given.request_timeout_s, seconds(1));

@@ -1,11 +1,15 @@
 //! Sums over facets, taken in blocks of several facets at a time, apart for facets that point up, are level or point
 //! down.
+//!
+//! Blocks are summed with AVX2 if the processor has it, which is detected at run time. The operations and their order
+//! are the same without it, and no product is fused with a sum, so that sums are bitwise the same on every processor.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
 use super::lanes::{LANES, Lanes};
 use super::piece::Piece;
 use super::slope::slope;
+use multiversion::multiversion;
 
 /// The sides of facets: pointing up, vertical (a level normal), and pointing down.
 pub(super) const UP: usize = 0;
@@ -78,7 +82,7 @@ impl Block {
 
     /// Adds the facets to the sums and empties the block.
     pub(super) fn sum(&mut self, facets: &mut Facets) {
-        let facing = self.facing();
+        let facing = facing(&self.corners);
         let sides = &facing.side[..self.count];
         facets.degenerate += count_of(sides, NOWHERE);
         for (side, piece) in facets.pieces.iter_mut().enumerate() {
@@ -93,31 +97,6 @@ impl Block {
             }
         }
         self.count = 0;
-    }
-
-    /// Area, slope and side of every facet.
-    #[inline(never)] // Inlined, it would leave the caller too few registers.
-    fn facing(&self) -> Facing {
-        let mut facing = Facing { area: [0.0; SIZE], slope: [0.0; SIZE], side: [NOWHERE; SIZE] };
-        for at in (0..SIZE).step_by(LANES) {
-            let [a, b, c] = corners_from(&self.corners, at);
-            let (u, v) = (minus(b, a), minus(c, a));
-            // Along the normal, and as long as twice the facet's area.
-            let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-            let level = normal[0] * normal[0] + normal[1] * normal[1];
-            let doubled = (level + normal[2] * normal[2]).sqrt();
-            let area = doubled * Lanes::all(0.5);
-            let slope = slope(level.sqrt(), normal[2].abs());
-            facing.area[at..at + LANES].copy_from_slice(&area.0);
-            facing.slope[at..at + LANES].copy_from_slice(&slope.0);
-            for lane in 0..LANES {
-                let (z, limit) = (normal[2].0[lane], WALL * doubled.0[lane]);
-                // NaN does not equal 0, so that it gets a side and shows in the sums.
-                let side = LEVEL + usize::from(z < -limit) - usize::from(z > limit);
-                facing.side[at + lane] = if doubled.0[lane] == 0.0 { NOWHERE } else { side };
-            }
-        }
-        facing
     }
 
     /// The facets of one side, of which there is at least one. The other places are filled with its first corner:
@@ -138,9 +117,41 @@ fn count_of(sides: &[usize], side: usize) -> u64 {
     sides.iter().map(|other| u64::from(*other == side)).sum()
 }
 
+/// Area, slope and side of every facet.
+#[inline(always)]
+fn facing_anywhere(corners: &Corners) -> Facing {
+    let mut facing = Facing { area: [0.0; SIZE], slope: [0.0; SIZE], side: [NOWHERE; SIZE] };
+    for at in (0..SIZE).step_by(LANES) {
+        let [a, b, c] = corners_from(corners, at);
+        let (u, v) = (minus(b, a), minus(c, a));
+        // Along the normal, and as long as twice the facet's area.
+        let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let level = normal[0] * normal[0] + normal[1] * normal[1];
+        let doubled = (level + normal[2] * normal[2]).sqrt();
+        let area = doubled * Lanes::all(0.5);
+        let slope = slope(level.sqrt(), normal[2].abs());
+        facing.area[at..at + LANES].copy_from_slice(&area.0);
+        facing.slope[at..at + LANES].copy_from_slice(&slope.0);
+        for lane in 0..LANES {
+            let (z, limit) = (normal[2].0[lane], WALL * doubled.0[lane]);
+            // NaN does not equal 0, so that it gets a side and shows in the sums.
+            let side = LEVEL + usize::from(z < -limit) - usize::from(z > limit);
+            facing.side[at + lane] = if doubled.0[lane] == 0.0 { NOWHERE } else { side };
+        }
+    }
+    facing
+}
+
+/// [`facing_anywhere`] with the instructions that the processor has.
+#[multiversion(targets("x86_64+avx+avx2"))]
+#[inline(never)] // Inlined, it would leave the caller too few registers.
+fn facing(corners: &Corners) -> Facing {
+    facing_anywhere(corners)
+}
+
 /// Adds a full block to a piece: see [`Moments::add_triangle`](super::Moments::add_triangle) for the formula.
-#[inline(never)] // As above.
-fn add(piece: &mut Piece, corners: &Corners, area: &[f64; SIZE], slope: &[f64; SIZE], count: u64) {
+#[inline(always)]
+fn add_anywhere(piece: &mut Piece, corners: &Corners, area: &[f64; SIZE], slope: &[f64; SIZE], count: u64) {
     let nothing = Lanes::all(0.0);
     let shift = piece.moments.shift().map(Lanes::all);
     let (mut weight, mut first, mut second, mut slope_by_weight) = (nothing, [nothing; 3], [nothing; 6], nothing);
@@ -171,6 +182,13 @@ fn add(piece: &mut Piece, corners: &Corners, area: &[f64; SIZE], slope: &[f64; S
         piece.bounds.include(min.map(|min| min.0[lane]));
         piece.bounds.include(max.map(|max| max.0[lane]));
     }
+}
+
+/// [`add_anywhere`] with the instructions that the processor has.
+#[multiversion(targets("x86_64+avx+avx2"))]
+#[inline(never)] // As above.
+fn add(piece: &mut Piece, corners: &Corners, area: &[f64; SIZE], slope: &[f64; SIZE], count: u64) {
+    add_anywhere(piece, corners, area, slope, count);
 }
 
 #[inline(always)]
@@ -291,6 +309,19 @@ mod tests {
                 assert_same(&sums.pieces[side], &one_by_one(&facets, side));
             }
             prop_assert_eq!(sums.degenerate, facets.iter().filter(|facet| facet[0] == facet[1]).count() as u64);
+        }
+
+        #[test]
+        fn sums_are_the_same_to_the_bit_without_wide_instructions(facets in prop::collection::vec(prop::array::uniform3(prop::array::uniform3(-20.0..20.0_f64)), SIZE)) {
+            let mut block = Block::empty();
+            facets.iter().for_each(|facet| _ = block.push(*facet));
+            let (wide, plain) = (facing(&block.corners), facing_anywhere(&block.corners));
+            prop_assert_eq!((wide.area, wide.slope, wide.side), (plain.area, plain.slope, plain.side));
+            let (mut wide_sums, mut plain_sums) = (Piece::about(facets[0][0]), Piece::about(facets[0][0]));
+            add(&mut wide_sums, &block.corners, &wide.area, &wide.slope, SIZE as u64);
+            add_anywhere(&mut plain_sums, &block.corners, &plain.area, &plain.slope, SIZE as u64);
+            // Doubles are shown with all their digits.
+            prop_assert_eq!(format!("{wide_sums:?}"), format!("{plain_sums:?}"));
         }
 
         #[test]

@@ -6,8 +6,8 @@
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// The count of numbers: two vectors of SSE2, which every 64-bit x86 processor has; with more, the registers do not
-/// suffice.
+/// The count of numbers: a vector of AVX2, or two of SSE2, which every 64-bit x86 processor has; with more, the
+/// registers do not suffice.
 pub(super) const LANES: usize = 4;
 
 /// Several numbers with the same operation on each.

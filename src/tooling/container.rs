@@ -1,7 +1,7 @@
 //! Detects the format of a library file by its content, and reads the files of a zip.
 
-use super::fault::{Flaw, LibraryFault, LibraryFaultKind, quoted};
-use super::{ToolLibrary, csv, freecad, fusion};
+use super::fault::{Flaw, LibraryFault, LibraryFaultKind, LibraryFaults, quoted};
+use super::{ToolLibrary, ToolPlace, csv, freecad, fusion};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -16,15 +16,20 @@ const LIMITS: ArchiveLimits = ArchiveLimits { entries: 20_000, inflated_bytes: L
 const EXPECTED: &str = "a tool library: JSON of Fusion or FreeCAD, a zip of them, or CSV";
 
 /// Reads a library of any format.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<ToolLibrary, LibraryFault> {
+pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
     if bytes.len() > LARGEST {
-        return Err(Flaw::too_large(format!("a file of at most {LARGEST} bytes"), format!("{} bytes", bytes.len())).in_file(file));
+        let flaw = Flaw::too_large(format!("a file of at most {LARGEST} bytes"), format!("{} bytes", bytes.len()));
+        return Err(flaw.in_file(file).into());
     }
-    let library = if Archive::is_archive(bytes) { read_archive(bytes, file)? } else { read_plain(bytes, file, None)? };
+    if Archive::is_archive(bytes) {
+        read_archive(bytes, file, library)?
+    } else {
+        read_plain(bytes, file, None, library)?
+    }
     if library.count() == 0 {
-        return Err(Flaw::new(LibraryFaultKind::Empty, "a tool", "none").in_file(file));
+        return Err(Flaw::new(LibraryFaultKind::Empty, "a tool", "none").in_file(file).into());
     }
-    Ok(library)
+    Ok(())
 }
 
 /// The members of a JSON file that identify its format.
@@ -37,75 +42,139 @@ struct Members {
 }
 
 /// Reads a file that is not an archive. `number` is the tool's number in a list of FreeCAD.
-fn read_plain(bytes: &[u8], file: &str, number: Option<u32>) -> Result<ToolLibrary, LibraryFault> {
-    let text = decoded(bytes).map_err(|found| Flaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file))?;
+fn read_plain(bytes: &[u8], file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
+    let unknown = |found: &'static str| LibraryFaults::from(Flaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file));
+    let text = decoded(bytes).map_err(unknown)?;
     if !text.trim_start().starts_with(['{', '[']) {
-        return csv::read(&text, file);
+        return csv::read(&text, file, library);
     }
     let members: Members = serde_json::from_str(&text).map_err(|error| Flaw::json(EXPECTED, &error).in_file(file))?;
     match members {
-        Members { data: Some(_), .. } => fusion::read(text.as_bytes(), file),
-        Members { parameter: Some(_), .. } | Members { shape: Some(_), .. } => {
-            let tool = freecad::read_tool(text.as_bytes(), file, number)?;
-            let mut library = ToolLibrary::default();
-            library.add(tool).map_err(|flaw| flaw.in_file(file))?;
-            Ok(library)
-        }
-        Members { tools: Some(_), .. } => {
-            let found = "a list of FreeCAD, which names the files of its tools; send a zip of them all";
-            Err(Flaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file))
-        }
-        _ => {
-            let found = "JSON without the members data (Fusion) or parameter (FreeCAD)";
-            Err(Flaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file))
-        }
+        Members { data: Some(_), .. } => Ok(fusion::read(&text, file, library)?),
+        Members { parameter: Some(_), .. } | Members { shape: Some(_), .. } => Ok(freecad::read_tool(&text, file, number, library)?),
+        Members { tools: Some(_), .. } => Err(unknown("a list of FreeCAD, which names the files of its tools; send a zip of them all")),
+        _ => Err(unknown("JSON without the members data (Fusion) or parameter (FreeCAD)")),
     }
 }
 
-/// Reads all libraries and tools of a zip, in the order of its directory.
-fn read_archive(bytes: &[u8], file: &str) -> Result<ToolLibrary, LibraryFault> {
+/// The tools that the lists of a zip name, by the names of their files in lower case.
+#[derive(Default)]
+struct Listed(HashMap<String, ListedFile>);
+
+/// The first entry of a list that names a file.
+struct ListedFile {
+    number: Option<u32>,
+    list: String,
+    position: usize,
+    is_found: bool,
+}
+
+impl Listed {
+    /// Reads all lists of an archive. The inner `None` stands for an archive without lists, of which all tools are
+    /// read.
+    fn read(archive: &Archive, path: impl Fn(&str) -> String) -> Result<Option<Self>, LibraryFaults> {
+        let (mut listed, mut faults, mut has_lists) = (Self::default(), Vec::new(), false);
+        for entry in archive.files().filter(|entry| extension(entry.name()) == "fctl" && !is_companion(entry.name())) {
+            has_lists = true;
+            let list = path(entry.name());
+            let content = archive.content(entry).map_err(|fault| flaw(&fault).in_file(&list));
+            match content.and_then(|content| freecad::read_list(&content, &list)) {
+                Ok(tools) => listed.add(tools, &list)?,
+                Err(fault) => faults.push(fault),
+            }
+        }
+        LibraryFaults::of_files(faults).map_or(Ok(has_lists.then_some(listed)), Err)
+    }
+
+    fn add(&mut self, tools: Vec<freecad::ListedTool>, list: &str) -> Result<(), LibraryFault> {
+        for (index, tool) in tools.into_iter().enumerate() {
+            if self.0.len() >= LIMITS.entries {
+                return Err(Flaw::too_large(format!("at most {} listed tools", LIMITS.entries), "more").in_file(list));
+            }
+            let file = ListedFile { number: tool.number, list: list.to_owned(), position: index + 1, is_found: false };
+            self.0.entry(tool.file.to_lowercase()).or_insert(file);
+        }
+        Ok(())
+    }
+
+    /// Adds the listed tools without a file to the faulty ones, in the order of the lists.
+    fn add_missing(self, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+        let mut missing: Vec<_> = self.0.into_iter().filter(|(_, file)| !file.is_found).collect();
+        missing.sort_by(|(_, one), (_, other)| (&one.list, one.position).cmp(&(&other.list, other.position)));
+        for (name, file) in missing {
+            let flaw = Flaw::malformed("every listed tool in the zip", format!("no file {} in the zip", quoted(&name)));
+            let place = ToolPlace { file: &file.list, position: file.position, name: Some(&name) };
+            library.add(Err(flaw.of_member("path").into()), &place).map_err(|flaw| flaw.in_file(&file.list))?;
+        }
+        Ok(())
+    }
+}
+
+/// Reads all libraries and tools of a zip, in the order of its directory. Where it has lists of FreeCAD, tool files
+/// that none of them names are counted, not read.
+fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
     let archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?;
     let path = |name: &str| format!("{file}/{name}");
-    let content = |entry| archive.content(entry).map_err(|fault| flaw(&fault));
-    let mut numbers = HashMap::new();
-    let mut lists = Vec::new();
-    for entry in archive.files().filter(|entry| extension(entry.name()) == "fctl") {
-        let listed = content(entry).map_err(|flaw| flaw.in_file(&path(entry.name())))?;
-        for (index, tool) in freecad::read_list(&listed, &path(entry.name()))?.into_iter().enumerate() {
-            if numbers.len() >= LIMITS.entries {
-                return Err(Flaw::too_large(format!("at most {} listed tools", LIMITS.entries), "more").in_file(&path(entry.name())));
-            }
-            lists.push((tool.file.to_lowercase(), path(entry.name()), index + 1));
-            numbers.insert(tool.file.to_lowercase(), tool.number);
-        }
-    }
-    let mut library = ToolLibrary::default();
+    let mut listed = Listed::read(&archive, path)?;
+    let mut faults = Vec::new();
     for entry in archive.files() {
         let (name, path) = (entry.name(), path(entry.name()));
-        let own_name = name.rsplit('/').next().unwrap_or_default().to_lowercase();
-        match extension(name).as_str() {
+        let extension = extension(name);
+        match extension.as_str() {
+            _ if is_companion(name) => library.skipped_files += 1,
             "fctl" => {}
-            // macOS adds a companion `._name` to each file.
-            _ if own_name.starts_with("._") => library.skipped_files += 1,
             "json" | "fctb" | "csv" | "txt" | "tsv" => {
-                let bytes = content(entry).map_err(|flaw| flaw.in_file(&path))?;
-                if Archive::is_archive(&bytes) {
-                    return Err(nested(&path));
+                let own_name = name.rsplit('/').next().unwrap_or_default().to_lowercase();
+                let listed = listed.as_mut().map(|listed| listed.0.get_mut(&own_name));
+                if matches!(listed, Some(None)) && extension == "fctb" {
+                    library.unlisted_files += 1;
+                    continue;
                 }
-                let number = numbers.remove(&own_name).flatten();
-                library.append(read_plain(&bytes, &path, number)?).map_err(|flaw| flaw.in_file(file))?;
+                let listed = listed.flatten();
+                let number = listed.as_ref().and_then(|file| file.number);
+                if let Some(file) = listed {
+                    file.is_found = true;
+                }
+                let read = match archive.content(entry).map_err(|fault| flaw(&fault).in_file(&path)) {
+                    Ok(bytes) if Archive::is_archive(&bytes) => Err(nested(&path).into()),
+                    Ok(bytes) if extension == "fctb" => read_tool_file(&bytes, &path, number, library),
+                    Ok(bytes) => read_plain(&bytes, &path, number, library),
+                    Err(fault) => Err(fault.into()),
+                };
+                let Err(found) = read else { continue };
+                let is_limit = found.all().iter().any(|fault| fault.kind() == LibraryFaultKind::TooLarge);
+                faults.extend(found.into_all());
+                if is_limit || faults.len() >= super::MOST_FAULTY {
+                    break;
+                }
             }
-            "zip" | "tools" => return Err(nested(&path)),
+            "zip" | "tools" => faults.push(nested(&path)),
             _ => library.skipped_files += 1,
         }
     }
-    for (name, list, position) in lists {
-        if numbers.contains_key(&name) {
-            let found = format!("no file {} in the zip", quoted(&name));
-            return Err(Flaw::malformed("every listed tool in the zip", found).of_member("path").of_tool(&list, position, None));
-        }
+    if let Some(faults) = LibraryFaults::of_files(faults) {
+        return Err(faults);
     }
-    Ok(library)
+    Ok(listed.map_or(Ok(()), |listed| listed.add_missing(library))?)
+}
+
+/// Reads a tool file of FreeCAD in a zip. Where it is not one, that is a fault of the tool: the zip has others.
+fn read_tool_file(bytes: &[u8], path: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
+    let text = match decoded(bytes) {
+        Ok(text) => text,
+        Err(found) => {
+            let flaw = Flaw::malformed("a tool of FreeCAD in JSON", found);
+            let name = path.rsplit('/').next();
+            library.add(Err(flaw.into()), &ToolPlace { file: path, position: 1, name }).map_err(|flaw| flaw.in_file(path))?;
+            return Ok(());
+        }
+    };
+    Ok(freecad::read_tool(&text, path, number, library)?)
+}
+
+/// Whether a file is the companion `._name` that macOS writes beside each file.
+fn is_companion(name: &str) -> bool {
+    name.rsplit('/').next().is_some_and(|own_name| own_name.starts_with("._"))
 }
 
 fn nested(path: &str) -> LibraryFault {

@@ -6,10 +6,11 @@
 //! semicolon or a tab; a line `sep=;` before the header states it. A decimal comma is accepted if the comma is not the
 //! separator, or in quotation marks.
 
-use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number};
-use super::fault::{Flaw, LibraryFault, quoted};
+use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number, unambiguous_thousands};
+use super::fault::{Flaw, Flaws, LibraryFaults, quoted};
 use super::shape::Shape;
-use super::{ReadTool, ToolLibrary, ToolParts};
+use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
+use crate::milling::Cutter;
 use crate::quantity::Length;
 
 /// The quantity in a column.
@@ -30,10 +31,14 @@ enum Column {
 /// The largest table in bytes: 400 for each of 10,000 tools. It also limits the number of fields.
 const LARGEST: usize = 4 << 20;
 
-/// Reads a table of cutters.
-pub(super) fn read(text: &str, file: &str) -> Result<ToolLibrary, LibraryFault> {
+/// Adds the tools of a table of cutters.
+///
+/// # Errors
+/// The file is not a table, or its header has faults, or the library is full.
+pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
+    let refused = |flaw: Flaw| LibraryFaults::from(flaw.in_file(file));
     if text.len() > LARGEST {
-        return Err(Flaw::too_large(format!("a table of at most {LARGEST} bytes"), format!("{} bytes", text.len())).in_file(file));
+        return Err(refused(Flaw::too_large(format!("a table of at most {LARGEST} bytes"), format!("{} bytes", text.len()))));
     }
     let (separator, text) = separator(text);
     let mut records = ::csv::ReaderBuilder::new()
@@ -45,29 +50,27 @@ pub(super) fn read(text: &str, file: &str) -> Result<ToolLibrary, LibraryFault> 
         .from_reader(text.as_bytes());
     let mut record = ::csv::StringRecord::new();
     let mut table: Option<Table> = None;
-    let mut library = ToolLibrary::default();
     let mut position = 0;
     loop {
         let more = records.read_record(&mut record);
-        if !more.map_err(|error| Flaw::malformed("a table in CSV", super::shortened(&error.to_string())).in_file(file))? {
+        if !more.map_err(|error| refused(Flaw::malformed("a table in CSV", super::shortened(&error.to_string()))))? {
             break;
         }
         if record.iter().all(str::is_empty) {
             continue;
         }
         let Some(table) = &table else {
-            table = Some(Table::of(&record).map_err(|flaw| flaw.in_file(file))?);
+            table = Some(Table::of(&record, file)?);
             continue;
         };
         position += 1;
         let row = Row { table, record: &record };
-        let tool = row.read(position).and_then(|tool| library.add(tool));
-        tool.map_err(|flaw| flaw.of_tool(file, position, row.text(Column::Name)))?;
+        library.add(row.read(position), &ToolPlace { file, position, name: row.text(Column::Name) }).map_err(refused)?;
     }
     if table.is_none() {
-        return Err(Flaw::new(super::LibraryFaultKind::Empty, "a header and a line for each cutter", "nothing").in_file(file));
+        return Err(refused(Flaw::new(super::LibraryFaultKind::Empty, "a header and a line for each cutter", "nothing")));
     }
-    Ok(library)
+    Ok(())
 }
 
 /// The separator, and the text after a line that states it.
@@ -89,23 +92,35 @@ struct Table {
 }
 
 impl Table {
-    fn of(header: &::csv::StringRecord) -> Result<Self, Flaw> {
-        let columns = header.iter().map(column).collect::<Result<Vec<_>, _>>()?;
+    /// The columns that a header names; all its faults where it has some.
+    fn of(header: &::csv::StringRecord, file: &str) -> Result<Self, LibraryFaults> {
+        let mut flaws = Vec::new();
+        let columns: Vec<Option<Column>> = header
+            .iter()
+            .map(|name| {
+                column(name).unwrap_or_else(|flaw| {
+                    flaws.push(flaw);
+                    None
+                })
+            })
+            .collect();
         let has = |wanted: &dyn Fn(&Column) -> bool| columns.iter().flatten().any(wanted);
-        if !has(&|column| *column == Column::Kind) || !has(&|column| matches!(column, Column::Diameter(_))) {
+        if !has(&|column| *column == Column::Kind) || (flaws.is_empty() && !has(&|column| matches!(column, Column::Diameter(_)))) {
             let found = quoted(&header.iter().collect::<Vec<_>>().join(","));
             let expected =
                 "a tool library: JSON of Fusion or FreeCAD, a zip of them, or CSV with the columns type and diameter_mm or diameter_in";
-            return Err(Flaw::new(super::LibraryFaultKind::UnknownFormat, expected, found));
+            flaws.push(Flaw::new(super::LibraryFaultKind::UnknownFormat, expected, found));
         }
         for (index, column) in columns.iter().enumerate() {
             if let Some(column) = column
                 && columns[..index].iter().flatten().any(|other| std::mem::discriminant(other) == std::mem::discriminant(column))
             {
-                return Err(Flaw::malformed("each quantity in one column, in one unit", format!("{} again", quoted(&header[index]))));
+                flaws.push(Flaw::malformed("each quantity in one column, in one unit", format!("{} again", quoted(&header[index]))));
             }
         }
-        Ok(Self { columns })
+        flaws.truncate(super::MOST_FAULTY);
+        let faults = flaws.into_iter().map(|flaw| flaw.in_file(file)).collect();
+        LibraryFaults::of_files(faults).map_or(Ok(Self { columns }), Err)
     }
 }
 
@@ -145,11 +160,11 @@ struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    fn read(&self, position: usize) -> Result<ReadTool, Flaw> {
+    fn read(&self, position: usize) -> Result<ReadTool, Flaws> {
         let named = self.table.columns.len();
         let extra = self.record.iter().skip(named).any(|field| !field.is_empty());
         if self.record.len() < named || extra {
-            return Err(Flaw::malformed(format!("{named} fields, as the header has"), self.record.len().to_string()));
+            return Err(Flaw::malformed(format!("{named} fields, as the header has"), self.record.len().to_string()).into());
         }
         let kind =
             self.text(Column::Kind).ok_or_else(|| Flaw::missing("ball_end, toroidal, flat_end or another type").of_member("type"))?;
@@ -159,20 +174,28 @@ impl<'a> Row<'a> {
             "flat" | "flat end" | "end mill" | "flat end mill" => Shape::Flat,
             _ => return Ok(ReadTool::Other(kind.to_owned())),
         };
+        let mut flaws = Flaws::default();
+        let cutter = flaws.take(self.cutter(shape));
+        let speed =
+            self.text(Column::SpindleSpeed).map_or(Ok(()), unambiguous_thousands).map_err(|flaw| flaw.of_member("spindle_speed_rpm"));
+        let speed = speed.and_then(|()| self.number(Column::SpindleSpeed, "spindle_speed_rpm", spindle_speed));
+        let parts = ToolParts {
+            name: self.text(Column::Name).map(str::to_owned),
+            number: flaws.take(self.number(Column::Number, "number", |value| tool_number(value).map(Some))).flatten(),
+            teeth: flaws.take(self.number(Column::Teeth, "teeth", teeth)).flatten(),
+            spindle_speed_rpm: flaws.take(speed).flatten(),
+            max_feed_per_tooth: flaws.take(self.length(|column| matches!(column, Column::MaxFeedPerTooth(_)))).and_then(|feed| feed.0),
+            flute_length: flaws.take(self.length(|column| matches!(column, Column::FluteLength(_)))).and_then(|length| length.0),
+            preset: self.text(Column::Preset).map(str::to_owned),
+        };
+        ReadTool::unless_flawed(cutter, parts, position, flaws)
+    }
+
+    fn cutter(&self, shape: Shape) -> Result<Cutter, Flaw> {
         let diameter = self.length(|column| matches!(column, Column::Diameter(_)))?.0;
         let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("diameter"))?;
         let (corner_radius, is_stated) = self.length(|column| matches!(column, Column::CornerRadius(_)))?;
-        let cutter = shape.cutter(diameter, corner_radius, is_stated).map_err(|flaw| flaw.of_member("corner_radius"))?;
-        let parts = ToolParts {
-            name: self.text(Column::Name).map(str::to_owned),
-            number: self.number(Column::Number, "number", |value| tool_number(value).map(Some))?,
-            teeth: self.number(Column::Teeth, "teeth", teeth)?,
-            spindle_speed_rpm: self.number(Column::SpindleSpeed, "spindle_speed_rpm", spindle_speed)?,
-            max_feed_per_tooth: self.length(|column| matches!(column, Column::MaxFeedPerTooth(_)))?.0,
-            flute_length: self.length(|column| matches!(column, Column::FluteLength(_)))?.0,
-            preset: self.text(Column::Preset).map(str::to_owned),
-        };
-        Ok(ReadTool::Finishing(Box::new(parts.with(cutter, position))))
+        shape.cutter(diameter, corner_radius, is_stated).map_err(|flaw| flaw.of_member("corner_radius"))
     }
 
     /// The first column that `wanted` accepts, and its field; `None` if the field is empty.

@@ -54,6 +54,20 @@ pub(super) fn number(text: &str) -> Result<f64, Flaw> {
     if value.is_finite() { Ok(value) } else { Err(Flaw::out_of_range("a finite number", quoted(bare))) }
 }
 
+/// Refuses a spindle speed such as `12,000` or `12.000`, which is twelve with three decimals, or twelve thousand.
+pub(super) fn unambiguous_thousands(text: &str) -> Result<(), Flaw> {
+    let bare = text.trim();
+    let is_group = bare.split_once(['.', ',']).is_some_and(|(before, after)| {
+        let digits = before.bytes().chain(after.bytes()).all(|byte| byte.is_ascii_digit());
+        digits && (1..=3).contains(&before.len()) && !before.starts_with('0') && after.len() == 3
+    });
+    if !is_group {
+        return Ok(());
+    }
+    let found = format!("{}: either three decimals, or a mark between thousands", quoted(bare));
+    Err(Flaw::malformed("a spindle speed without a mark between thousands", found))
+}
+
 /// A number and the unit after it, as in `6.0000 mm`, `0,25 in` or `1/4"` without the fraction.
 pub(super) fn number_with_unit(text: &str) -> Result<(f64, LengthUnit), Flaw> {
     let bare = text.trim();

@@ -1,6 +1,6 @@
-//! The fault of a tool library: file, tool and member, what is expected there and what was found.
+//! Faults of a tool library, each with file, tool and member, what is expected there and what was found.
 
-use super::shortened;
+use super::{ToolPlace, shortened};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -19,7 +19,7 @@ pub enum LibraryFaultKind {
     Empty,
 }
 
-/// The reason why a library was refused.
+/// A fault of a file or a tool.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LibraryFault {
     file: String,
@@ -77,6 +77,83 @@ impl fmt::Display for LibraryFault {
 
 impl std::error::Error for LibraryFault {}
 
+/// All faults of a library that cannot be read, at least one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LibraryFaults(Vec<LibraryFault>);
+
+impl LibraryFaults {
+    /// The faults: first those of files, then those of tools.
+    #[must_use]
+    pub fn all(&self) -> &[LibraryFault] {
+        &self.0
+    }
+
+    /// These faults and those of the tools that were read.
+    pub(super) fn and(mut self, tools: Vec<FaultyTool>) -> Self {
+        self.0.extend(tools.into_iter().flat_map(|tool| tool.faults));
+        self
+    }
+
+    /// The faults of several files; `None` where there are none.
+    pub(super) fn of_files(faults: Vec<LibraryFault>) -> Option<Self> {
+        (!faults.is_empty()).then_some(Self(faults))
+    }
+
+    pub(super) fn into_all(self) -> Vec<LibraryFault> {
+        self.0
+    }
+}
+
+impl From<LibraryFault> for LibraryFaults {
+    fn from(fault: LibraryFault) -> Self {
+        Self(vec![fault])
+    }
+}
+
+impl fmt::Display for LibraryFaults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, fault) in self.0.iter().enumerate() {
+            write!(f, "{}{fault}", if index > 0 { "; " } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for LibraryFaults {}
+
+/// A finishing cutter that cannot be used, with its faults. As text it names file and tool once, and then each fault.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FaultyTool {
+    name: String,
+    faults: Vec<LibraryFault>,
+}
+
+impl FaultyTool {
+    /// The tool's name; where it has none, its position in the file. At most 100 characters.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The faults of its members, at least one.
+    #[must_use]
+    pub fn faults(&self) -> &[LibraryFault] {
+        &self.faults
+    }
+}
+
+impl fmt::Display for FaultyTool {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some((first, further)) = self.faults.split_first() else { return Ok(()) };
+        write!(f, "{first}")?;
+        for fault in further {
+            let member = fault.member().map(|member| format!("{member}: ")).unwrap_or_default();
+            write!(f, "; {member}expected {}, found {}", fault.expected(), fault.found())?;
+        }
+        Ok(())
+    }
+}
+
 /// A fault without its file and tool, which the caller adds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Flaw {
@@ -124,14 +201,37 @@ impl Flaw {
     pub(super) fn in_file(self, file: &str) -> LibraryFault {
         LibraryFault { file: shortened(file), tool: None, flaw: Box::new(self) }
     }
+}
 
-    /// The fault of a tool, where `position` counts the tools of the file from 1.
-    pub(super) fn of_tool(self, file: &str, position: usize, name: Option<&str>) -> LibraryFault {
-        let tool = match name.map(str::trim) {
-            Some(name) if !name.is_empty() => format!("tool {position} {}", quoted(name)),
-            _ => format!("tool {position}"),
+/// The faults of a tool without its place, which the caller adds.
+#[derive(Debug, Default)]
+pub(super) struct Flaws(Vec<Flaw>);
+
+impl Flaws {
+    /// The value, or `None` once its flaw is recorded.
+    pub(super) fn take<T>(&mut self, value: Result<T, Flaw>) -> Option<T> {
+        value.map_err(|flaw| self.0.push(flaw)).ok()
+    }
+
+    /// The value that was read, unless it has flaws.
+    pub(super) fn or<T>(self, value: T) -> Result<T, Self> {
+        if self.0.is_empty() { Ok(value) } else { Err(self) }
+    }
+
+    /// The faulty tool at this place.
+    pub(super) fn of_tool(self, place: &ToolPlace) -> FaultyTool {
+        let tool = match place.name.map(str::trim) {
+            Some(name) if !name.is_empty() => format!("tool {} {}", place.position, quoted(name)),
+            _ => format!("tool {}", place.position),
         };
-        LibraryFault { tool: Some(tool), ..self.in_file(file) }
+        let of_tool = |flaw: Flaw| LibraryFault { tool: Some(tool.clone()), ..flaw.in_file(place.file) };
+        FaultyTool { name: place.name(), faults: self.0.into_iter().map(of_tool).collect() }
+    }
+}
+
+impl From<Flaw> for Flaws {
+    fn from(flaw: Flaw) -> Self {
+        Self(vec![flaw])
     }
 }
 

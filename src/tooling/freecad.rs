@@ -2,20 +2,26 @@
 //! `.fctl` list of a library, which gives them numbers.
 
 use super::dimension::{LengthUnit, number_with_unit, shown, teeth, tool_number};
-use super::fault::{Flaw, LibraryFault};
+use super::fault::{Flaw, Flaws, LibraryFault};
 use super::scalar::Scalar;
 use super::shape::Shape;
-use super::{MOST_TOOLS, ReadTool, ToolParts};
+use super::{MOST_TOOLS, ReadTool, ToolLibrary, ToolParts, ToolPlace};
+use crate::milling::Cutter;
 use crate::quantity::Length;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use std::fmt;
 
 /// Reads the tool of a `.fctb` file, whose number in the library is `number`.
-pub(super) fn read_tool(text: &[u8], file: &str, number: Option<u32>) -> Result<ReadTool, LibraryFault> {
-    let tool: Tool = serde_json::from_slice(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &error).in_file(file))?;
-    let name = tool.name.as_ref().and_then(|name| name.text().ok());
-    tool.read(number).map_err(|flaw| flaw.of_tool(file, 1, name.as_deref()))
+///
+/// # Errors
+/// The library is full. What is wrong with the file is a fault of the tool.
+pub(super) fn read_tool(text: &str, file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+    let read: Result<Tool, Flaws> = serde_json::from_str(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &error).into());
+    let name = read.as_ref().ok().and_then(Tool::name);
+    let tool = read.and_then(|tool| tool.read(number));
+    let place = ToolPlace { file, position: 1, name: name.as_deref() };
+    library.add(tool, &place).map_err(|flaw| flaw.in_file(file))
 }
 
 /// A tool of a `.fctl` list.
@@ -30,8 +36,7 @@ pub(super) struct ListedTool {
 pub(super) fn read_list(text: &[u8], file: &str) -> Result<Vec<ListedTool>, LibraryFault> {
     let list: List =
         serde_json::from_slice(text).map_err(|error| Flaw::json("a list of tools of FreeCAD in JSON", &error).in_file(file))?;
-    let listed = list.tools.0.into_iter().enumerate().map(|(index, item)| item.read().map_err(|flaw| flaw.of_tool(file, index + 1, None)));
-    listed.collect()
+    list.tools.0.into_iter().enumerate().map(|(index, item)| item.read(index).map_err(|flaw| flaw.in_file(file))).collect()
 }
 
 #[derive(Deserialize)]
@@ -76,12 +81,14 @@ struct ListItem {
 }
 
 impl ListItem {
-    fn read(self) -> Result<ListedTool, Flaw> {
-        let path =
-            self.path.ok_or_else(|| Flaw::missing("the tool's file").of_member("path"))?.text().map_err(|flaw| flaw.of_member("path"))?;
+    /// The item at this index of the list.
+    fn read(self, index: usize) -> Result<ListedTool, Flaw> {
+        let member = |name: &str| format!("tools[{index}].{name}");
+        let path = self.path.ok_or_else(|| Flaw::missing("the tool's file")).and_then(|path| path.text());
+        let path = path.map_err(|flaw| flaw.of_member(member("path")))?;
         let file = path.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
-        let number = self.nr.map(|number| number.number().and_then(tool_number).map_err(|flaw| flaw.of_member("nr"))).transpose()?;
-        Ok(ListedTool { number, file })
+        let number = self.nr.map(|number| number.number().and_then(tool_number)).transpose();
+        Ok(ListedTool { number: number.map_err(|flaw| flaw.of_member(member("nr")))?, file })
     }
 }
 
@@ -107,7 +114,11 @@ struct Parameters {
 }
 
 impl Tool {
-    fn read(&self, number: Option<u32>) -> Result<ReadTool, Flaw> {
+    fn name(&self) -> Option<String> {
+        self.name.as_ref().and_then(|name| name.text().ok()).filter(|name| !name.trim().is_empty())
+    }
+
+    fn read(&self, number: Option<u32>) -> Result<ReadTool, Flaws> {
         let kind = self.kind()?;
         let shape = match kind.to_lowercase().as_str() {
             "ballend" => Shape::Ball,
@@ -116,21 +127,18 @@ impl Tool {
             _ => return Ok(ReadTool::Other(kind)),
         };
         let parameters = self.parameter.as_ref().ok_or_else(|| Flaw::missing("the dimensions of the cutter").of_member("parameter"))?;
-        let diameter = length("parameter.Diameter", parameters.diameter.as_ref())?;
-        let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("parameter.Diameter"))?;
-        let (member, corner_radius, is_stated) =
-            if shape == Shape::BullNose { parameters.corner(diameter)? } else { ("parameter.CornerRadius", None, false) };
-        let cutter = shape.cutter(diameter, corner_radius, is_stated).map_err(|flaw| flaw.of_member(member))?;
-        let flutes = parameters.flutes.as_ref().map_or(Ok(None), |flutes| flutes.number().and_then(teeth));
+        let mut flaws = Flaws::default();
+        let cutter = flaws.take(parameters.cutter(shape));
+        let teeth = parameters.flutes.as_ref().map_or(Ok(None), |flutes| flutes.number().and_then(teeth));
         let parts = ToolParts {
-            name: self.name.as_ref().and_then(|name| name.text().ok()).filter(|name| !name.trim().is_empty()),
+            name: self.name(),
             number,
-            teeth: flutes.map_err(|flaw| flaw.of_member("parameter.Flutes"))?,
-            max_feed_per_tooth: length("parameter.Chipload", parameters.chipload.as_ref())?,
-            flute_length: length("parameter.CuttingEdgeHeight", parameters.cutting_edge_height.as_ref())?,
+            teeth: flaws.take(teeth.map_err(|flaw| flaw.of_member("parameter.Flutes"))).flatten(),
+            max_feed_per_tooth: flaws.take(length("parameter.Chipload", parameters.chipload.as_ref())).flatten(),
+            flute_length: flaws.take(length("parameter.CuttingEdgeHeight", parameters.cutting_edge_height.as_ref())).flatten(),
             ..ToolParts::default()
         };
-        Ok(ReadTool::Finishing(Box::new(parts.with(cutter, 1))))
+        ReadTool::unless_flawed(cutter, parts, 1, flaws)
     }
 
     /// The shape's name: `shape-type`, or the name of the shape's file without its extension.
@@ -147,8 +155,16 @@ impl Tool {
 }
 
 impl Parameters {
-    /// The corner radius of a bull-nose cutter, with the member that states it: either the corner radius, or the radius
-    /// of the flat bottom, for which the corner radius is DC/2 - FlatRadius.
+    fn cutter(&self, shape: Shape) -> Result<Cutter, Flaw> {
+        let diameter = length("parameter.Diameter", self.diameter.as_ref())?;
+        let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("parameter.Diameter"))?;
+        let (member, corner_radius, is_stated) =
+            if shape == Shape::BullNose { self.corner(diameter)? } else { ("parameter.CornerRadius", None, false) };
+        shape.cutter(diameter, corner_radius, is_stated).map_err(|flaw| flaw.of_member(member))
+    }
+
+    /// The corner radius of a bull-nose cutter, with the member that states it: the corner's radius itself, or the
+    /// radius of the flat bottom, from which the corner radius is DC/2 - FlatRadius.
     fn corner(&self, diameter: Length) -> Result<(&'static str, Option<Length>, bool), Flaw> {
         for (member, value) in [("parameter.CornerRadius", &self.corner_radius), ("parameter.TorusRadius", &self.torus_radius)] {
             if let Some(radius) = value {

@@ -6,64 +6,98 @@
 //! else the first, gives speed and feed.
 
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
-use super::fault::{Flaw, LibraryFault};
+use super::fault::{Flaw, Flaws, LibraryFault};
 use super::scalar::Scalar;
 use super::shape::Shape;
-use super::{ReadTool, ToolLibrary, ToolParts};
+use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
+use crate::milling::Cutter;
+use crate::quantity::Length;
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use serde::de::{Deserializer, SeqAccess, Visitor};
+use serde_json::value::RawValue;
 use std::fmt;
 
-/// Reads a library file.
-pub(super) fn read(text: &[u8], file: &str) -> Result<ToolLibrary, LibraryFault> {
-    match serde_json::from_slice::<LibraryFile>(text) {
-        Ok(LibraryFile { data: Tools(Ok(library)) }) => Ok(library),
-        Ok(LibraryFile { data: Tools(Err(fault)) }) => Err(fault.flaw.of_tool(file, fault.position, fault.name.as_deref())),
-        Err(error) => Err(Flaw::json("a tool library of Fusion in JSON", &error).in_file(file)),
-    }
+/// Adds the tools of a library file.
+///
+/// # Errors
+/// The text is not JSON with tools in `data`, or the library is full.
+pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+    let malformed = |error| Flaw::json("a tool library of Fusion in JSON", &error).in_file(file);
+    let LibraryFile { data } = serde_json::from_str(text).map_err(malformed)?;
+    // The syntax has been checked: a failure now is that there is no array.
+    let tools = serde_json::Deserializer::from_str(data.get()).deserialize_seq(Tools { file, library });
+    tools.map_err(|_| Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?
 }
 
 /// The members of a library file.
 #[derive(Deserialize)]
-struct LibraryFile {
-    data: Tools,
+struct LibraryFile<'a> {
+    #[serde(borrow)]
+    data: &'a RawValue,
 }
 
-/// The tools of `data`, or the first fault of one.
-struct Tools(Result<ToolLibrary, Box<ToolFault>>);
-
-struct ToolFault {
-    position: usize,
-    name: Option<String>,
-    flaw: Flaw,
+/// Adds the tools of `data` to a library.
+struct Tools<'a> {
+    file: &'a str,
+    library: &'a mut ToolLibrary,
 }
 
-impl<'de> Deserialize<'de> for Tools {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(ToolsVisitor).map(Self)
-    }
-}
-
-struct ToolsVisitor;
-
-impl<'de> Visitor<'de> for ToolsVisitor {
-    type Value = Result<ToolLibrary, Box<ToolFault>>;
+impl<'de> Visitor<'de> for Tools<'_> {
+    type Value = Result<(), LibraryFault>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("an array of tools")
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
-        let mut library = ToolLibrary::default();
-        for position in 1.. {
-            let in_tool = |error: A::Error| A::Error::custom(format_args!("in tool {position}, {error}"));
-            let Some(tool) = items.next_element::<Tool>().map_err(in_tool)? else { break };
-            if let Err(flaw) = tool.read(position).and_then(|tool| library.add(tool)) {
-                while items.next_element::<IgnoredAny>()?.is_some() {}
-                return Ok(Err(Box::new(ToolFault { position, name: tool.name(), flaw })));
+        let Self { file, library } = self;
+        let mut result = Ok(());
+        let mut position = 0;
+        // Once the library is full, the rest is skipped, so that the array ends.
+        while let Some(item) = items.next_element::<&RawValue>()? {
+            position += 1;
+            if result.is_ok() {
+                result = add(item, position, file, library);
             }
         }
-        Ok(Ok(library))
+        Ok(result)
+    }
+}
+
+/// Adds the tool at this position of the file, counted from 1.
+fn add(item: &RawValue, position: usize, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| Flaw::json("a tool in JSON", &error).into());
+    let name = read.as_ref().ok().and_then(Tool::name);
+    let tool = match TypeAlone::other(item) {
+        // The other members of such a tool need not be as those of a cutter.
+        Some(kind) => Ok(ReadTool::Other(kind)),
+        None => read.and_then(|tool| tool.read(position)),
+    };
+    library.add(tool, &ToolPlace { file, position, name: name.as_deref() }).map_err(|flaw| flaw.in_file(file))
+}
+
+/// The type of a tool, whatever its other members are.
+#[derive(Deserialize)]
+struct TypeAlone {
+    #[serde(rename = "type")]
+    kind: Option<Scalar>,
+}
+
+impl TypeAlone {
+    /// The type, where it is not that of a finishing cutter.
+    fn other(item: &RawValue) -> Option<String> {
+        let Self { kind } = serde_json::from_str(item.get()).ok()?;
+        kind?.text().ok().filter(|kind| shape_of(kind).is_none())
+    }
+}
+
+/// The shape of the finishing cutters of this type.
+fn shape_of(kind: &str) -> Option<Shape> {
+    match kind.trim().to_lowercase().as_str() {
+        "ball end mill" => Some(Shape::Ball),
+        "bull nose end mill" => Some(Shape::BullNose),
+        "flat end mill" => Some(Shape::Flat),
+        _ => None,
     }
 }
 
@@ -162,40 +196,29 @@ impl Tool {
         names.filter_map(|name| name.text().ok()).find(|name| !name.trim().is_empty())
     }
 
-    fn read(&self, position: usize) -> Result<ReadTool, Flaw> {
+    fn read(&self, position: usize) -> Result<ReadTool, Flaws> {
         let kind = self.kind.as_ref().ok_or_else(|| Flaw::missing("the type of the tool").of_member("type"))?;
         let kind = kind.text().map_err(|flaw| flaw.of_member("type"))?;
-        let shape = match kind.trim().to_lowercase().as_str() {
-            "ball end mill" => Shape::Ball,
-            "bull nose end mill" => Shape::BullNose,
-            "flat end mill" => Shape::Flat,
-            _ => return Ok(ReadTool::Other(kind)),
-        };
+        let Some(shape) = shape_of(&kind) else { return Ok(ReadTool::Other(kind)) };
         let geometry = self.geometry.as_ref().ok_or_else(|| Flaw::missing("the geometry of the cutter").of_member("geometry"))?;
-        // The flank of a tapered cutter differs from that of a straight cutter with the same tip.
-        if geometry.taper()? != 0.0 {
+        let mut flaws = Flaws::default();
+        // A tapered cutter differs in its flank from the straight cutter with the same tip.
+        if flaws.take(geometry.taper()).is_some_and(|taper| taper != 0.0) {
             return Ok(ReadTool::Other(format!("tapered {kind}")));
         }
-        let unit = self.unit()?;
-        let diameter = Geometry::number("geometry.DC", geometry.DC.as_ref())?;
-        let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("geometry.DC"))?;
-        let diameter = unit.length(diameter).map_err(|flaw| flaw.of_member("geometry.DC"))?;
-        let corner = Geometry::number("geometry.RE", geometry.RE.as_ref())?;
-        let corner_radius =
-            corner.map_or(Ok(None), |radius| unit.length_unless_zero(radius)).map_err(|flaw| flaw.of_member("geometry.RE"))?;
-        let cutter = shape.cutter(diameter, corner_radius, corner.is_some()).map_err(|flaw| flaw.of_member("geometry.RE"))?;
-        let teeth = Geometry::number("geometry.NOF", geometry.NOF.as_ref())?
-            .map_or(Ok(None), teeth)
-            .map_err(|flaw| flaw.of_member("geometry.NOF"))?;
-        let flutes = Geometry::number("geometry.LCF", geometry.LCF.as_ref())?;
-        let flute_length =
-            flutes.map_or(Ok(None), |length| unit.length_unless_zero(length)).map_err(|flaw| flaw.of_member("geometry.LCF"))?;
-        let parts = ToolParts { name: self.name(), number: self.number()?, teeth, flute_length, ..ToolParts::default() };
-        let parts = match self.start_values.as_ref().and_then(|values| values.presets.chosen.as_ref()) {
-            Some(preset) => preset.with(parts, unit)?,
-            None => parts,
-        };
-        Ok(ReadTool::Finishing(Box::new(parts.with(cutter, position))))
+        let unit = flaws.take(self.unit());
+        let number = flaws.take(self.number()).flatten();
+        let teeth = flaws.take(geometry.teeth()).flatten();
+        let mut parts = ToolParts { name: self.name(), number, teeth, ..ToolParts::default() };
+        let Some(unit) = unit else { return Err(flaws) };
+        let cutter = flaws.take(geometry.cutter(shape, unit));
+        parts.flute_length = flaws.take(geometry.flute_length(unit)).flatten();
+        if let Some(preset) = self.start_values.as_ref().and_then(|values| values.presets.chosen.as_ref()) {
+            let speed = flaws.take(preset.speed()).flatten();
+            let feed = flaws.take(preset.feed_per_tooth(unit, teeth, speed)).flatten();
+            parts = ToolParts { spindle_speed_rpm: speed, max_feed_per_tooth: feed, preset: preset.name(), ..parts };
+        }
+        ReadTool::unless_flawed(cutter, parts, position, flaws)
     }
 
     fn unit(&self) -> Result<LengthUnit, Flaw> {
@@ -221,25 +244,49 @@ impl Geometry {
     fn taper(&self) -> Result<f64, Flaw> {
         Ok(Self::number("geometry.TA", self.TA.as_ref())?.unwrap_or(0.0))
     }
+
+    fn teeth(&self) -> Result<Option<u32>, Flaw> {
+        let member = "geometry.NOF";
+        Self::number(member, self.NOF.as_ref())?.map_or(Ok(None), teeth).map_err(|flaw| flaw.of_member(member))
+    }
+
+    fn flute_length(&self, unit: LengthUnit) -> Result<Option<Length>, Flaw> {
+        Self::length("geometry.LCF", self.LCF.as_ref(), unit)
+    }
+
+    /// A length; 0 means unknown.
+    fn length(member: &'static str, value: Option<&Scalar>, unit: LengthUnit) -> Result<Option<Length>, Flaw> {
+        let length = Self::number(member, value)?.map_or(Ok(None), |length| unit.length_unless_zero(length));
+        length.map_err(|flaw| flaw.of_member(member))
+    }
+
+    fn cutter(&self, shape: Shape, unit: LengthUnit) -> Result<Cutter, Flaw> {
+        let diameter = Self::number("geometry.DC", self.DC.as_ref())?.ok_or_else(|| Flaw::missing("the diameter of the cutter"));
+        let diameter = diameter.and_then(|diameter| unit.length(diameter)).map_err(|flaw| flaw.of_member("geometry.DC"))?;
+        let corner_radius = Self::length("geometry.RE", self.RE.as_ref(), unit)?;
+        shape.cutter(diameter, corner_radius, self.RE.is_some()).map_err(|flaw| flaw.of_member("geometry.RE"))
+    }
 }
 
 impl Preset {
-    /// Speed and feed of the preset. A missing feed per tooth is computed from the feed rate: f_z = v_f / (z n).
-    fn with(&self, parts: ToolParts, unit: LengthUnit) -> Result<ToolParts, Flaw> {
-        let number = |member: &str, value: &Option<Scalar>| {
-            let value = value.as_ref().map(Scalar::number).transpose();
-            value.map_err(|flaw| flaw.of_member(format!("start-values.presets.{member}")))
-        };
-        let speed = number("n", &self.n)?.map_or(Ok(None), spindle_speed).map_err(|flaw| flaw.of_member("start-values.presets.n"))?;
-        let feed = match number("f_z", &self.f_z)?.filter(|feed| *feed != 0.0) {
-            Some(feed) => Some(unit.length(feed).map_err(|flaw| flaw.of_member("start-values.presets.f_z"))?),
-            None => match (number("v_f", &self.v_f)?.filter(|rate| *rate != 0.0), parts.teeth, speed) {
-                (Some(rate), Some(teeth), Some(speed)) => {
-                    Some(unit.length(rate / (f64::from(teeth) * speed)).map_err(|flaw| flaw.of_member("start-values.presets.v_f"))?)
-                }
-                _ => None,
-            },
-        };
-        Ok(ToolParts { spindle_speed_rpm: speed, max_feed_per_tooth: feed, preset: self.name(), ..parts })
+    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, Flaw> {
+        value.map(Scalar::number).transpose().map_err(|flaw| flaw.of_member(member))
+    }
+
+    fn speed(&self) -> Result<Option<f64>, Flaw> {
+        let member = "start-values.presets.n";
+        Self::number(member, self.n.as_ref())?.map_or(Ok(None), spindle_speed).map_err(|flaw| flaw.of_member(member))
+    }
+
+    /// The feed per tooth. Where it is missing it follows from the feed rate: f_z = v_f / (z n).
+    fn feed_per_tooth(&self, unit: LengthUnit, teeth: Option<u32>, speed: Option<f64>) -> Result<Option<Length>, Flaw> {
+        let stated = "start-values.presets.f_z";
+        if let Some(feed) = Self::number(stated, self.f_z.as_ref())?.filter(|feed| *feed != 0.0) {
+            return unit.length(feed).map(Some).map_err(|flaw| flaw.of_member(stated));
+        }
+        let rate_member = "start-values.presets.v_f";
+        let rate = Self::number(rate_member, self.v_f.as_ref())?.filter(|rate| *rate != 0.0);
+        let (Some(rate), Some(teeth), Some(speed)) = (rate, teeth, speed) else { return Ok(None) };
+        unit.length(rate / (f64::from(teeth) * speed)).map(Some).map_err(|flaw| flaw.of_member(rate_member))
     }
 }

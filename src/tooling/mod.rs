@@ -1,11 +1,13 @@
 //! Tool libraries read into finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`, and zips of them
 //! with their `.fctl`), and CSV.
 //!
-//! A library may have tools of any type. Ball-end, bull-nose and flat cutters are read; the others are counted by their
-//! type. A cutter that cannot be read is a fault of the whole library, with file, tool and member, because a candidate
-//! that is silently missing would change which cutter is recommended. Lengths are in the unit that each tool states.
+//! A library is any mix of tools. Ball-end, bull-nose and flat cutters are read; the others are counted by their type.
+//! A finishing cutter with a fault is listed with all its faults, and the other tools are read all the same: callers
+//! must show it, because the cutter that is missing may be the best one. Only a file that cannot be read as a library
+//! is refused as a whole. Lengths are in the unit that each tool states.
 //!
-//! The format is detected from the content. Memory is limited: see [`MOST_TOOLS`] and the limits in `container`.
+//! The format comes from the content. Nothing grows without bound: see [`MOST_TOOLS`], [`MOST_FAULTY`] and the limits
+//! in `container`.
 
 mod container;
 mod csv;
@@ -16,15 +18,18 @@ mod fusion;
 mod scalar;
 mod shape;
 
-pub use fault::{LibraryFault, LibraryFaultKind};
+pub use fault::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults};
 
 use crate::milling::Cutter;
 use crate::quantity::Length;
-use fault::Flaw;
+use fault::{Flaw, Flaws};
 use std::collections::BTreeMap;
 
 /// The largest number of tools in a library, of all types together.
 pub const MOST_TOOLS: usize = 10_000;
+
+/// The largest number of faulty tools of a library that are listed; further ones are counted.
+pub const MOST_FAULTY: usize = 100;
 
 /// The largest number of teeth that a library may state.
 pub const MOST_TEETH: u32 = 100;
@@ -49,7 +54,10 @@ const LONGEST_NAME: usize = 100;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ToolLibrary {
     tools: Vec<LibraryTool>,
+    faulty: Vec<FaultyTool>,
+    unlisted_faulty: u64,
     others: BTreeMap<String, u64>,
+    unlisted_files: u64,
     skipped_files: u64,
 }
 
@@ -80,9 +88,13 @@ impl ToolLibrary {
     /// Reads a library. Faults state `file_name`.
     ///
     /// # Errors
-    /// The first [`LibraryFault`] of the library, with its file, tool and member.
-    pub fn read(bytes: &[u8], file_name: Option<&str>) -> Result<Self, LibraryFault> {
-        container::read(bytes, file_name.unwrap_or("the library"))
+    /// [`LibraryFaults`] where a file cannot be read as a library: its faults, and those of the tools that were read.
+    pub fn read(bytes: &[u8], file_name: Option<&str>) -> Result<Self, LibraryFaults> {
+        let mut library = Self::default();
+        match container::read(bytes, file_name.unwrap_or("the library"), &mut library) {
+            Ok(()) => Ok(library),
+            Err(faults) => Err(faults.and(library.faulty)),
+        }
     }
 
     /// The finishing cutters, in the order of the library.
@@ -97,6 +109,24 @@ impl ToolLibrary {
         self.tools
     }
 
+    /// The finishing cutters with a fault, in the order of the library, at most [`MOST_FAULTY`].
+    #[must_use]
+    pub fn faulty(&self) -> &[FaultyTool] {
+        &self.faulty
+    }
+
+    /// The number of faulty tools beyond those that are listed.
+    #[must_use]
+    pub fn unlisted_faulty(&self) -> u64 {
+        self.unlisted_faulty
+    }
+
+    /// The number of tool files in a zip that none of its `.fctl` lists names; without such a list all are read.
+    #[must_use]
+    pub fn unlisted_files(&self) -> u64 {
+        self.unlisted_files
+    }
+
     /// The types of the tools that are not finishing cutters, in alphabetical order, each with the number of its tools.
     pub fn others(&self) -> impl Iterator<Item = (&str, u64)> {
         self.others.iter().map(|(kind, count)| (kind.as_str(), *count))
@@ -109,31 +139,43 @@ impl ToolLibrary {
     }
 
     fn count(&self) -> u64 {
-        self.tools.len() as u64 + self.others.values().sum::<u64>()
+        (self.tools.len() + self.faulty.len()) as u64 + self.unlisted_faulty + self.unlisted_files + self.others.values().sum::<u64>()
     }
 
-    /// Adds a tool, unless the library is full.
-    fn add(&mut self, tool: ReadTool) -> Result<(), Flaw> {
+    /// Adds the tool at a place of a file, or its faults.
+    ///
+    /// # Errors
+    /// The library is full.
+    fn add(&mut self, tool: Result<ReadTool, Flaws>, place: &ToolPlace) -> Result<(), Flaw> {
         if self.count() >= MOST_TOOLS as u64 {
             return Err(Flaw::too_large(format!("at most {MOST_TOOLS} tools"), "more"));
         }
         match tool {
-            ReadTool::Finishing(tool) => self.tools.push(*tool),
-            ReadTool::Other(kind) => *self.others.entry(shortened(&kind)).or_default() += 1,
+            Ok(ReadTool::Finishing(tool)) => self.tools.push(*tool),
+            Ok(ReadTool::Other(kind)) => *self.others.entry(shortened(&kind)).or_default() += 1,
+            Err(_) if self.faulty.len() == MOST_FAULTY => self.unlisted_faulty += 1,
+            Err(flaws) => self.faulty.push(flaws.of_tool(place)),
         }
         Ok(())
     }
+}
 
-    /// Adds the tools of another file.
-    fn append(&mut self, other: Self) -> Result<(), Flaw> {
-        if self.count() + other.count() > MOST_TOOLS as u64 {
-            return Err(Flaw::too_large(format!("at most {MOST_TOOLS} tools"), "more"));
+/// The place of a tool in a file.
+#[derive(Debug)]
+struct ToolPlace<'a> {
+    file: &'a str,
+    /// The position among the tools of the file, from 1.
+    position: usize,
+    name: Option<&'a str>,
+}
+
+impl ToolPlace<'_> {
+    /// The tool's name; where it has none, its position.
+    fn name(&self) -> String {
+        match self.name.map(str::trim) {
+            Some(name) if !name.is_empty() => shortened(name),
+            _ => format!("tool {}", self.position),
         }
-        self.tools.extend(other.tools);
-        for (kind, count) in other.others {
-            *self.others.entry(kind).or_default() += count;
-        }
-        Ok(())
     }
 }
 
@@ -143,6 +185,17 @@ enum ReadTool {
     Finishing(Box<LibraryTool>),
     /// A tool of this type, which is not a finishing cutter.
     Other(String),
+}
+
+impl ReadTool {
+    /// The cutter with its other values, unless there are flaws. Without a cutter there is one.
+    fn unless_flawed(cutter: Option<Cutter>, parts: ToolParts, position: usize, flaws: Flaws) -> Result<Self, Flaws> {
+        let tool = cutter.map(|cutter| Self::Finishing(Box::new(parts.with(cutter, position))));
+        match tool {
+            Some(tool) => flaws.or(tool),
+            None => Err(flaws),
+        }
+    }
 }
 
 /// The values of a finishing cutter besides its shape, as the reader of a format returns them.

@@ -14,8 +14,8 @@ fn at_40_deg(cutter: Cutter) -> Pass {
 fn a_ball_end_cutter_has_its_closed_form() {
     let ball = evaluated(Model::Envelope, at_40_deg(Cutter::ball_end(mm(10.0))));
     let fastest = ball.fastest(mm(0.01), &CuttingLimits::NONE).unwrap();
-    // s = f_z = sqrt(2 (2 R t - t^2)). Around its maximum the product falls with the square of the feed's error, so the feed is found to
-    // the search's 1e-4 only, and the product to 1e-8.
+    // s = f_z = sqrt(2 (2 R t - t^2)). Around its maximum the product falls with the square of the feed's error, so the
+    // feed is found to the search's 1e-4 only, and the product to 1e-8.
     let side = (2.0 * (2.0 * 5.0 * 0.01 - 0.01 * 0.01_f64)).sqrt();
     assert_relative_eq!(fastest.step_over.mm() * fastest.feed_per_tooth.mm(), side * side, max_relative = 1e-7);
     assert_relative_eq!(fastest.feed_per_tooth.mm(), side, max_relative = 1e-3);
@@ -56,7 +56,8 @@ proptest! {
     }
 }
 
-/// One maximum of the product is that of the deepest tooth's marks alone, the other that of deep and shallow marks; here they are nearly equal.
+/// One maximum of the product is that of the deepest tooth's marks alone, the other that of deep and shallow marks;
+/// here they are nearly equal.
 #[test]
 fn both_maxima_with_runout_are_found() {
     for (teeth, radial, axial) in [(2, 0.0061, -0.0067), (3, 0.0061, -0.0067), (2, 0.003, 0.001), (4, 0.001, 0.002), (6, 0.002, 0.0)] {

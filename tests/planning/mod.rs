@@ -4,11 +4,13 @@ mod critical_slope;
 mod examples;
 mod faults;
 mod formats;
+mod libraries;
 mod published;
 mod recommendation;
 mod simulated;
 mod surfaces;
 mod upload;
+mod warned;
 mod wavy;
 mod zigzag;
 

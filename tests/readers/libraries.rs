@@ -3,7 +3,7 @@
 use crate::writers::{directory_alone, zip};
 use approx::assert_relative_eq;
 use scallopd::milling::CutterKind;
-use scallopd::tooling::{LibraryFaultKind, LibraryTool, MOST_TOOLS, ToolLibrary};
+use scallopd::tooling::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryTool, MOST_FAULTY, MOST_TOOLS, ToolLibrary};
 use serde_json::{Value, json};
 
 fn read(bytes: impl AsRef<[u8]>) -> ToolLibrary {
@@ -12,13 +12,27 @@ fn read(bytes: impl AsRef<[u8]>) -> ToolLibrary {
 
 /// The only tool of a library.
 fn only(bytes: impl AsRef<[u8]>) -> LibraryTool {
-    let mut tools = read(bytes).into_tools();
+    let library = read(bytes);
+    assert_eq!(library.faulty(), []);
+    let mut tools = library.into_tools();
     assert_eq!(tools.len(), 1);
     tools.remove(0)
 }
 
+/// The fault of a library that has only one.
+fn refused(bytes: &[u8], file: &str) -> LibraryFault {
+    let faults = ToolLibrary::read(bytes, Some(file)).unwrap_err();
+    assert_eq!(faults.all().len(), 1, "{faults}");
+    faults.all()[0].clone()
+}
+
 fn refusal(bytes: impl AsRef<[u8]>) -> String {
-    ToolLibrary::read(bytes.as_ref(), Some("mills")).unwrap_err().to_string()
+    refused(bytes.as_ref(), "mills").to_string()
+}
+
+/// The texts of the faulty tools of a library.
+fn faulty(bytes: impl AsRef<[u8]>) -> Vec<String> {
+    read(bytes).faulty().iter().map(FaultyTool::to_string).collect()
 }
 
 fn fusion(tools: &[Value]) -> Vec<u8> {
@@ -152,12 +166,40 @@ fn faults_of_fusion_name_file_tool_and_member() {
             "geometry.RE: expected 0 or nothing on a flat end mill; a cutter with a corner is a bull nose, found 0.762 mm".into(),
         ),
     ] {
-        let file = fusion(&[bull_nose(), tool]);
-        assert_eq!(refusal(&file), format!("mills, tool 2 \"5/8\" R.03 bull nose\", {sentence}"));
-        let fault = ToolLibrary::read(&zip(&[("shop/tools.json", &file)]), Some("mills.tools")).unwrap_err();
+        let file = fusion(&[bull_nose(), tool, bull_nose()]);
+        assert_eq!(faulty(&file), [format!("mills, tool 2 \"5/8\" R.03 bull nose\", {sentence}")]);
+        let library = ToolLibrary::read(&zip(&[("shop/tools.json", &file)]), Some("mills.tools")).unwrap();
+        assert_eq!(library.tools().len(), 2);
+        let [tool] = library.faulty() else { panic!("{:?}", library.faulty()) };
+        let [fault] = tool.faults() else { panic!("{tool:?}") };
+        assert_eq!(tool.name(), "5/8\" R.03 bull nose");
         assert_eq!((fault.file(), fault.tool()), ("mills.tools/shop/tools.json", Some("tool 2 \"5/8\" R.03 bull nose\"")));
         assert!(fault.member().is_some_and(|member| sentence.starts_with(member)));
     }
+}
+
+#[test]
+fn all_faults_of_all_tools_are_listed_and_the_other_tools_are_read() {
+    let poor = with(with(bull_nose(), "/geometry/DC", json!("wide")), "/geometry/NOF", json!(2.5));
+    let poor = with(with(poor, "/geometry/LCF", json!(-1)), "/start-values/presets/1/n", json!(1e9));
+    let odd = with(bull_nose(), "/geometry", json!(7));
+    let library = read(fusion(&[poor, bull_nose(), odd, json!(5), json!({"type": "drill", "geometry": 7})]));
+    assert_eq!((library.tools().len(), library.others().collect::<Vec<_>>()), (1, vec![("drill", 1)]));
+    let texts: Vec<String> = library.faulty().iter().map(FaultyTool::to_string).collect();
+    assert_eq!(
+        texts[0],
+        "mills, tool 1 \"5/8\" R.03 bull nose\", geometry.NOF: expected a whole number of teeth up to 100, found 2.5; \
+         geometry.DC: expected a number with a decimal point or a decimal comma, found \"wide\"; \
+         geometry.LCF: expected a length from 0.000001 mm to 1000000 mm, found -25.4 mm; \
+         start-values.presets.n: expected a spindle speed from 1 to 1000000 rpm, found 1000000000"
+    );
+    assert_eq!(texts.len(), 3);
+    assert!(texts[1].starts_with("mills, tool 3: expected a tool in JSON, found invalid type: integer `7`"), "{}", texts[1]);
+    assert!(texts[2].starts_with("mills, tool 4: expected a tool in JSON, found invalid type: integer `5`"), "{}", texts[2]);
+    // Beyond a limit they are counted.
+    let many = format!("name,type,diameter_mm\n{}B6,ball_end,6\n", "A,ball_end,-1\n".repeat(MOST_FAULTY + 50));
+    let library = read(many);
+    assert_eq!((library.tools().len(), library.faulty().len(), library.unlisted_faulty()), (1, MOST_FAULTY, 50));
 }
 
 fn bit(name: &str, shape: &str, parameters: &Value) -> Vec<u8> {
@@ -207,12 +249,40 @@ fn a_zip_of_freecad_tools_takes_their_numbers_from_the_list() {
     let library = read(zip(&files));
     let tools: Vec<_> = library.tools().iter().map(|tool| (tool.name.as_str(), tool.number)).collect();
     assert_eq!((tools, library.skipped_files()), (vec![("ball", Some(3)), ("end", Some(12))], 2));
-    let fault = ToolLibrary::read(&zip(&files[1..]), Some("a.zip")).unwrap_err();
+    let library = read(zip(&files[1..]));
+    assert_eq!(library.tools().len(), 1);
     assert_eq!(
-        fault.to_string(),
-        "a.zip/Library/mine.fctl, tool 1, path: expected every listed tool in the zip, found no file \"ball.fctb\" in the zip"
+        library.faulty()[0].to_string(),
+        "mills/Library/mine.fctl, tool 1 \"ball.fctb\", path: expected every listed tool in the zip, found no file \"ball.fctb\" in the zip"
     );
     assert!(refusal(list).contains("send a zip of them all"));
+}
+
+#[test]
+fn tool_files_that_no_list_of_the_zip_names_are_counted_not_read() {
+    let list = |path: &str| json!({"tools": [{"nr": 1, "path": path}], "version": 1}).to_string().into_bytes();
+    let ball = |name: &str| bit(name, "ballend.fcstd", &json!({"Diameter": "6.0 mm"}));
+    let (one, other) = (list("Bit/a.fctb"), list("b.fctb"));
+    let (a, b, c) = (ball("a"), ball("b"), ball("c"));
+    let bits: [(&str, &[u8]); 3] = [("Bit/a.fctb", &a), ("Bit/b.fctb", &b), ("Bit/c.fctb", &c)];
+    let named = |lists: &[(&str, &[u8])]| {
+        let library = read(zip(&[&bits, lists].concat()));
+        assert_eq!(library.faulty(), []);
+        let names: Vec<_> = library.tools().iter().map(|tool| tool.name.clone()).collect();
+        (names.join(" "), library.unlisted_files())
+    };
+    assert_eq!(named(&[]), ("a b c".to_owned(), 0));
+    assert_eq!(named(&[("Library/one.fctl", &one)]), ("a".to_owned(), 2));
+    assert_eq!(named(&[("Library/one.fctl", &one), ("Library/other.fctl", &other)]), ("a b".to_owned(), 1));
+    // A tool file that is not JSON is a fault of the tool; a list that is not is one of the library.
+    let broken: [(&str, &[u8]); 2] = [("a.fctb", &a), ("b.fctb", b"{")];
+    let library = read(zip(&broken));
+    assert_eq!((library.tools().len(), library.faulty().len()), (1, 1));
+    assert!(library.faulty()[0].to_string().starts_with("mills/b.fctb, tool 1: expected a tool of FreeCAD in JSON"));
+    let broken: [(&str, &[u8]); 4] = [("a.fctb", &a), ("x.fctl", b"{"), ("y.fctl", b"[]"), ("z.fctl", &other)];
+    let faults = ToolLibrary::read(&zip(&broken), Some("mills")).unwrap_err();
+    let files: Vec<_> = faults.all().iter().map(LibraryFault::file).collect();
+    assert_eq!(files, ["mills/x.fctl", "mills/y.fctl"]);
 }
 
 #[test]
@@ -245,7 +315,7 @@ fn faults_of_freecad_name_the_member() {
             "parameter.Flutes: expected a number with a decimal point or a decimal comma, found \"two\"",
         ),
     ] {
-        assert_eq!(refusal(bit("a", shape, &parameters)), format!("mills, tool 1 \"a\", {sentence}"));
+        assert_eq!(faulty(bit("a", shape, &parameters)), [format!("mills, tool 1 \"a\", {sentence}")]);
     }
 }
 
@@ -281,13 +351,37 @@ fn faults_of_a_table_name_line_and_column() {
         ("A,ball_end,6", "tool 1 \"A\": expected 5 fields, as the header has, found 3"),
         ("A,,6,,", "tool 1 \"A\", type: expected ball_end, toroidal, flat_end or another type, found nothing"),
     ] {
-        assert_eq!(refusal(format!("{head}{row}\n")), format!("mills, {sentence}"));
+        let library = read(format!("{head}B6,ball_end,6,,2\n{row}\nB8,ball_end,8,,2\n"));
+        assert_eq!(library.tools().len(), 2);
+        assert_eq!(library.faulty()[0].to_string(), format!("mills, {}", sentence.replacen('1', "2", 1)));
     }
+    assert_eq!(
+        faulty(format!("{head}A,toroidal,six,x,2.5\n")),
+        ["mills, tool 1 \"A\", diameter: expected a number with a decimal point or a decimal comma, found \"six\"; \
+          teeth: expected a whole number of teeth up to 100, found 2.5"]
+    );
+    let faults = ToolLibrary::read(b"name,diameter,corner_radius_cm,teeth,teeth\n", Some("mills")).unwrap_err();
+    assert_eq!(faults.all().len(), 4, "{faults}");
     assert_eq!(refusal("type,diameter\nball_end,6\n"), "mills: expected diameter_mm or diameter_in, found \"diameter\"");
     assert_eq!(
         refusal("type,diameter_mm,diameter_in\n"),
         "mills: expected each quantity in one column, in one unit, found \"diameter_in\" again"
     );
+}
+
+#[test]
+fn a_spindle_speed_with_a_mark_between_thousands_is_refused() {
+    let speeds =
+        [("12000", Some(12e3)), ("12000.5", Some(12_000.5)), ("\"8500,25\"", Some(8500.25)), ("\"12,000\"", None), ("12.000", None)];
+    for (speed, rpm) in speeds {
+        let library = read(format!("name,type,diameter_mm,spindle_speed_rpm\nA,ball_end,6,{speed}\n"));
+        assert_eq!(library.tools().first().and_then(|tool| tool.spindle_speed_rpm), rpm, "{speed}");
+        if rpm.is_none() {
+            let found = format!("\"{}\": either three decimals, or a mark between thousands", speed.trim_matches('"'));
+            let sentence = format!("expected a spindle speed without a mark between thousands, found {found}");
+            assert_eq!(library.faulty()[0].to_string(), format!("mills, tool 1 \"A\", spindle_speed_rpm: {sentence}"));
+        }
+    }
 }
 
 #[test]
@@ -305,7 +399,8 @@ fn files_other_than_libraries_are_refused() {
         (b"type,diameter_mm\n", LibraryFaultKind::Empty),
         (b"PK\x03\x04 and nothing else", LibraryFaultKind::Malformed),
     ] {
-        let fault = ToolLibrary::read(file, None).unwrap_err();
+        let faults = ToolLibrary::read(file, None).unwrap_err();
+        let [fault] = faults.all() else { panic!("{faults}") };
         assert_eq!(fault.kind(), kind, "{fault}");
         assert_eq!(fault.file(), "the library");
     }
@@ -313,7 +408,7 @@ fn files_other_than_libraries_are_refused() {
 
 #[test]
 fn hostile_libraries_are_refused_within_their_limits() {
-    let kind = |bytes: &[u8]| ToolLibrary::read(bytes, None).unwrap_err().kind();
+    let kind = |bytes: &[u8]| refused(bytes, "bomb").kind();
     let zeros = vec![b' '; 40 << 20];
     assert_eq!(kind(&zip(&[("a.json", &zeros)])), LibraryFaultKind::TooLarge);
     // Every entry is within the limit, but not their sum.
@@ -323,7 +418,7 @@ fn hostile_libraries_are_refused_within_their_limits() {
     assert_eq!(kind(&zip(&bomb)), LibraryFaultKind::TooLarge);
     let inner = zip(&[("tools.json", &fusion(&[bull_nose()]))]);
     for name in ["a.tools", "a.zip", "a.json"] {
-        let fault = ToolLibrary::read(&zip(&[(name, &inner)]), Some("b.zip")).unwrap_err();
+        let fault = refused(&zip(&[(name, &inner)]), "b.zip");
         assert_eq!(fault.to_string(), format!("b.zip/{name}: expected no zip inside a zip, found one"));
     }
     let many = "B6,ball_end,6\n".repeat(MOST_TOOLS + 1);
@@ -340,6 +435,6 @@ fn hostile_libraries_are_refused_within_their_limits() {
 
 #[test]
 fn a_zip_of_many_entries_is_refused_at_the_limit() {
-    let fault = ToolLibrary::read(&directory_alone(600_000), None).unwrap_err();
+    let fault = refused(&directory_alone(600_000), "many.zip");
     assert_eq!((fault.kind(), fault.found()), (LibraryFaultKind::TooLarge, "a ZIP archive of more than 20000 entries"));
 }

@@ -5,6 +5,7 @@ mod formats_agree;
 mod hostile;
 mod libraries;
 mod obj;
+mod parallel;
 mod ply;
 mod stl;
 mod text;

@@ -2,6 +2,7 @@
 
 use super::*;
 use scallopd::surface::Unit;
+use scallopd::surface::read::FileLocation;
 
 const TWO: [[f64; 3]; 2] = [[1.5, -2.0, 3.25], [4.0, 5.5, -6.0]];
 
@@ -76,6 +77,29 @@ fn line_ends_and_byte_order_marks_of_all_systems_are_read() {
 fn numbers_may_stand_in_quotation_marks() {
     assert_eq!(points("\"1.5\",\"-2\",\"3.25\"\n4,5.5,\"-6\"\n"), TWO);
     assert_eq!(points("\"1,5\";\"-2\";\"3,25\"\n4;5,5;-6\n"), TWO);
+}
+
+#[test]
+fn a_decimal_comma_in_quotation_marks_is_read_beside_the_separator() {
+    for file in [
+        "\"1,5\",\"-2,0\",\"3,25\"\n\"4\",\"5,5\",\"-6\"\n",
+        "\"1,5\",-2,\"3,25\"\n4,\"5,5\",-6\n",
+        "x,y,z,note\n\"1,5\",-2,\"3,25\",\"a, b\"\n4,\"5,5\",-6,\n",
+        "\"x\",\"y\",\"z\"\r\n\"1,50\",\"-2,00\",\"3,25\"\r\n\"4,00\",\"5,50\",\"-6,00\"\r\n",
+    ] {
+        assert_eq!(points(file), TWO, "{file:?}");
+    }
+    assert_eq!(points("0,\"0,000\",\"1,234\"\n"), [[0.0, 0.0, 1.234]]);
+    assert_eq!(refusal("\"1,5\",2,3\n4,5.5,6\n"), "line 2: expected a number with a decimal comma, as before, found \"5.5\"");
+    assert_eq!(refusal("1.5,2,3\n\"4,5\",5,6\n"), "line 2: expected a number, found \"\\\"4,5\\\"\"");
+    assert_eq!(read("\"1,234.5\",2,3\n").unwrap_err().kind(), FaultKind::Malformed);
+    // The first number with a mark decides; this one leaves it open.
+    let thousands = read("x,y,z\n\"10,500\",\"2,250\",\"3,125\"\n").unwrap_err();
+    assert_eq!(thousands.kind(), FaultKind::Ambiguous);
+    assert_eq!(
+        thousands.to_string(),
+        "line 2: expected a decimal point, or a semicolon between columns, found \"10,500\": either a decimal comma, or a comma between thousands"
+    );
 }
 
 #[test]
@@ -227,10 +251,6 @@ fn ambiguous_text_is_refused_with_both_readings() {
             "line 1: expected 6400 points, as this line counts them, found 1 lines of data; either points are missing or too many, or the line is no count",
         ),
         (
-            "1 2 3 4\n2 3 4 5\n3 4 5 6\n4 5 6 7\n",
-            "line 1: expected a header that names x, y and z, found 4 lines of 4 numbers: either a square matrix of heights, or points and their properties",
-        ),
-        (
             "1 2\u{a0}345 3 4\n",
             "line 1: expected one kind of space between numbers, found ordinary and no-break spaces; either all separate numbers, or the no-break ones separate thousands",
         ),
@@ -248,6 +268,74 @@ fn ambiguous_text_is_refused_with_both_readings() {
         refusal("x [km],y [km],z [km]\n1,2,3\n"),
         "line 1: expected columns in micrometres, mm, cm, m, inches or feet, found \"km\""
     );
+}
+
+/// A table with blanks between its columns.
+fn table(rows: u32, columns: u32, cell: impl Fn(f64, f64) -> String) -> String {
+    let row = |row: u32| (0..columns).map(|column| cell(f64::from(row), f64::from(column))).collect::<Vec<_>>().join(" ") + "\n";
+    (0..rows).map(row).collect()
+}
+
+#[test]
+fn a_matrix_of_heights_is_refused_whatever_its_size() {
+    let bumpy = |row: f64, column: f64| format!("{:.3}", 20.0 * (row / 5.0).sin() + 10.0 * (column / 3.0).cos());
+    for (rows, columns) in [(3, 4), (4, 4), (30, 4), (30, 7), (7, 12), (200, 5), (2000, 8), (30_000, 6)] {
+        let heights = table(rows, columns, bumpy);
+        let fault = read(&heights).unwrap_err();
+        assert_eq!((fault.kind(), fault.location()), (FaultKind::Ambiguous, FileLocation::Line(1)), "{rows} x {columns}");
+        assert_eq!(fault.expected(), "a header that names x, y and z");
+        let readings = "either a matrix of heights, or points and their properties; send heights as points x, y, z";
+        assert_eq!(fault.found(), format!("{rows} lines of {columns} numbers: {readings}"));
+        assert_eq!(read(heights.replace(' ', ";").replace('.', ",")).unwrap_err(), fault);
+        // A header decides.
+        let names = ["x", "y", "z", "a", "b", "c", "d", "e", "f", "g", "h", "i"][..columns as usize].join(" ");
+        assert_eq!(points_beside_others(&format!("{names}\n{heights}")), rows as usize);
+        assert_eq!(points_beside_others(&format!("# {names}\n{heights}")), rows as usize);
+    }
+    let inclined = |row: f64, column: f64| format!("{:.2}", 0.2 * row + 5.0 * column);
+    assert_eq!(read(table(10, 6, inclined)).unwrap_err().kind(), FaultKind::Ambiguous);
+    assert_eq!(read(table(10, 6, |row, column| (row * column).to_string())).unwrap_err().kind(), FaultKind::Ambiguous);
+    // The widest points; more numbers are refused at once.
+    assert_eq!(read(table(3, 13, bumpy)).unwrap_err().expected(), "at most 12 numbers in a line without a header");
+}
+
+/// The number of points in a file with further columns.
+fn points_beside_others(file: &str) -> usize {
+    read(file).unwrap().0.points.len()
+}
+
+#[test]
+fn points_with_properties_need_no_header_where_these_show_what_they_are() {
+    let at = |row: f64| format!("{:.3} {:.3} {:.3}", row % 60.0, (row / 60.0).floor() + 0.5, 6.0 * (row / 9.0).sin());
+    for properties in ["10 20 30", "0 0.6 0.8", "0 0.6 0.8 255 255 255 255", "-1.5 0 0 1"] {
+        let file = table(5, 1, |row, _| format!("{} {properties}", at(row)));
+        assert_eq!(points_beside_others(&file), 5, "{properties}");
+    }
+    let intensities = table(5, 1, |row, _| format!("{} {}", at(row), 40.0 + 3.0 * row));
+    assert_eq!(points_beside_others(&intensities), 5);
+    // Many lines in whose columns the numbers differ by far are no matrix, whatever the further columns are.
+    let measured = |row: f64, _| format!("{} {:.3}", at(row), 0.01 * (row / 7.0).cos());
+    assert_eq!(points_beside_others(&table(3000, 1, measured)), 3000);
+    assert_eq!(read(table(30, 1, measured)).unwrap_err().kind(), FaultKind::Ambiguous);
+    // A line that has another number of numbers, or a word, is no row of a matrix.
+    assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 5 6\n3.5 5 4 6\n"), 3);
+    assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 good\n3.5 5 4 6\n"), 3);
+}
+
+#[test]
+fn a_first_column_that_counts_up_needs_a_header() {
+    for file in [
+        "1,0.5,0,7.25\n2,1.5,0,7.5\n3,2.5,1,7.75\n".to_owned(),
+        "0 1 2 3 0 0.6 0.8\n10 1 3 4 0 0.6 0.8\n20 2 2 5 0 0.6 0.8\n".to_owned(),
+        table(20_000, 1, |row, _| format!("{row} {:.2} {:.2} {:.2}", row % 70.0, row / 70.0, (row / 50.0).sin())),
+    ] {
+        let fault = read(&file).unwrap_err();
+        assert_eq!((fault.kind(), fault.expected()), (FaultKind::Ambiguous, "a header that names x, y and z"));
+        assert!(fault.found().ends_with("the first of which counts up: either x, or a number before x, y and z"), "{fault}");
+    }
+    assert_eq!(read("id,x,y,z\n1,0.5,0,7.25\n2,1.5,0,7.5\n3,2.5,1,7.75\n").unwrap().0.points[1], [1.5, 0.0, 7.5]);
+    // Three columns have no room for a number before the point.
+    assert_eq!(points("1,0.5,0\n2,1.5,0\n3,2.5,1\n").len(), 3);
 }
 
 #[test]

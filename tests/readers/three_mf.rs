@@ -147,8 +147,48 @@ fn components_that_multiply_exponentially_are_refused() {
         (fault.kind(), fault.expected()),
         (FaultKind::TooLarge, "components nested at most 32 deep, and at most 100000 objects placed")
     );
-    let cycle = components(1, "<component objectid=\"2\"/>") + &components(2, "<component objectid=\"1\"/>");
-    assert_eq!(read(package(&model("", &cycle, "<item objectid=\"1\"/>"))).unwrap_err().kind(), FaultKind::TooLarge);
+}
+
+#[test]
+fn objects_that_contain_themselves_are_refused_with_their_cycle() {
+    let of = |id: u32, inner: &[u32]| {
+        let inner: String = inner.iter().map(|inner| format!("<component objectid=\"{inner}\"/>")).collect();
+        components(id, &inner)
+    };
+    let long: String = (1..=40_000).map(|id| of(id, &[id % 40_000 + 1])).collect();
+    let wide: String = triangle_object(1) + &(2..40).map(|id| of(id, &[id - 1; 10])).collect::<String>() + &of(40, &[39, 40]);
+    for (objects, item, cycle) in [
+        (of(2, &[2]), 2, "2 > 2"),
+        (of(1, &[2]) + &of(2, &[1]), 1, "1 > 2 > 1"),
+        (triangle_object(9) + &of(1, &[9, 2]) + &of(2, &[9, 3]) + &of(3, &[9, 9, 2]), 1, "2 > 3 > 2"),
+        (long, 1, "1 > 2 > 3 > 4 > 5 > 6 > 7 > 8 > ... > 1"),
+        (wide, 40, "40 > 40"),
+    ] {
+        let fault = read(package(&model("", &objects, &format!("<item objectid=\"{item}\"/>")))).unwrap_err();
+        assert_eq!(fault.kind(), FaultKind::Malformed, "{fault}");
+        let expected = "3D/3dmodel.model, byte 0: expected objects that do not contain themselves";
+        assert_eq!(fault.to_string(), format!("{expected}, found a cycle of objects: {cycle}"));
+    }
+    // An object may be placed more than once, and a cycle that no build item places does not matter.
+    let shared = triangle_object(1) + &of(2, &[1, 1]) + &of(3, &[2, 1]) + &of(4, &[4]);
+    assert_eq!(facets(package(&model("", &shared, "<item objectid=\"3\"/><item objectid=\"2\"/>"))).len(), 5);
+}
+
+#[test]
+fn a_cycle_through_other_model_files_is_found() {
+    let root = model(
+        "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" requiredextensions=\"p\"",
+        &components(2, "<component p:path=\"/3D/Objects/part.model\" objectid=\"5\"/>"),
+        "<item objectid=\"2\"/>",
+    );
+    let part = model("", &components(5, "<component p:path=\"/3D/3dmodel.model\" objectid=\"2\"/>"), "");
+    let file = zip(&[
+        ("_rels/.rels", RELATIONSHIPS.as_bytes()),
+        ("3D/3dmodel.model", root.as_bytes()),
+        ("3D/Objects/part.model", part.as_bytes()),
+    ]);
+    let fault = read(file).unwrap_err();
+    assert_eq!((fault.kind(), fault.found()), (FaultKind::Malformed, "a cycle of objects: 2 > 5 > 2"));
 }
 
 #[test]

@@ -2,6 +2,8 @@
 //! routers of the tests, except in tests of the program itself.
 
 mod budget;
+#[cfg(target_os = "linux")]
+mod cancellation;
 mod connections;
 mod launch;
 mod limits;
@@ -12,6 +14,7 @@ mod observability;
 mod panics;
 mod program;
 mod server;
+mod shares;
 mod shedding;
 mod shutdown;
 mod slow_clients;

@@ -158,6 +158,22 @@ fn a_request_is_one_line_with_its_id_route_status_duration_and_bytes() {
 }
 
 #[test]
+fn a_head_that_is_no_request_is_one_line_with_its_id_and_status() {
+    let program = Program::start(&["--log-level", "debug"]);
+    let mut stream = TcpStream::connect(program.address).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    stream.write_all(b"no request at all\r\n\r\n").unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    let id = answer.lines().find_map(|line| line.strip_prefix("x-request-id: ")).unwrap_or_else(|| panic!("no id in {answer}")).to_owned();
+    program.signal("TERM");
+    let (_, log) = program.wait();
+    let of_request: Vec<_> = log.iter().filter(|line| line["request_id"] == id.as_str()).collect();
+    assert_eq!(of_request.len(), 1, "{log:?}");
+    assert_eq!(of_request[0]["status"], 400);
+}
+
+#[test]
 fn a_program_without_free_file_descriptors_continues_when_connections_end() {
     // The program itself opens about ten files.
     let program = Program::run(Command::new("sh").args(["-c", "ulimit -n 40 && exec \"$0\"", env!("CARGO_BIN_EXE_scallopd")]));

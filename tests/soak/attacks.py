@@ -18,6 +18,7 @@ import math
 import multiprocessing
 import os
 import pathlib
+import platform
 import re
 import resource
 import socket
@@ -106,9 +107,15 @@ def exchange(address, message, timeout=120):
                 stream.sendall(message)
             except OSError:
                 pass
-            return read_answer(stream)[0]
+            return status_of(stream)
     except OSError as error:
         return type(error).__name__
+
+
+def status_of(stream):
+    """The status of an answer; a 503 must state when to come again."""
+    status, _, retry = read_answer(stream)
+    return "503 without Retry-After" if status == 503 and not retry else status
 
 
 def side_by_side(count, run):
@@ -152,13 +159,39 @@ def large_member_flood(address):
     return member_flood(address, 20_000)
 
 
-def vertex_flood_ply(address, copies=1):
+def vertex_flood():
     count = 20_000_000
     header = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n"
     header += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
     data = header.encode() + bytes(12 * count) + struct.pack("<Biii", 3, 0, 1, 2)
-    message = surface("part.ply", data)
+    return surface("part.ply", data)
+
+
+def vertex_flood_ply(address, copies=1):
+    message = vertex_flood()
     return side_by_side(copies, lambda _: exchange(address, message))
+
+
+def trickled_vertex_floods(address):
+    """Four floods of vertices whose last bytes come at 200 bytes a second."""
+    message = vertex_flood()
+
+    def trickle(_):
+        try:
+            with connect(address) as stream:
+                try:
+                    stream.sendall(message[:-2000])
+                    for start in range(len(message) - 2000, len(message), 20):
+                        stream.sendall(message[start : start + 20])
+                        time.sleep(0.1)
+                except OSError:
+                    # The answer may have come before.
+                    pass
+                return status_of(stream)
+        except OSError as error:
+            return type(error).__name__
+
+    return side_by_side(4, trickle)
 
 
 def vertex_flood_obj(address):
@@ -191,15 +224,15 @@ def plain_upload(data, name="part.stl", **changed):
     return form([("parameters", "p.json", job), ("surface", name, data)], compressed=False)
 
 
-def until_answered(address, message, attempts=60):
-    """The statuses of a request that is repeated a second after each 503."""
+def until_answered(address, message, attempts=300):
+    """The statuses of a request that is repeated a second after each 503. The last one must be 200."""
     statuses = []
     while len(statuses) < attempts:
-        statuses.append(exchange(address, message))
+        statuses.append(exchange(address, message, 600))
         if statuses[-1] != 503:
-            break
+            return statuses
         time.sleep(1)
-    return statuses
+    return [*statuses, "given up"]
 
 
 def uploads(address, count, message):
@@ -216,6 +249,13 @@ def sixty_four_uploads(address):
 
 def separate_facets(address):
     return uploads(address, 4, plain_upload(binary_stl(499, apart=0.01), directions_deg=[0], include=["map", "passes"]))
+
+
+def ordinary_batches(address):
+    """Four clients with the longest batches that are taken."""
+    contacts = {"slope_deg": [5 + i % 60 for i in range(250_000)], "feed_angle_deg": [i % 180 for i in range(250_000)]}
+    batch = {"cutter": CUTTER, "step_over_mm": 0.5, "feed_per_tooth_mm": 0.1, "significant_digits": 6, "contacts": contacts}
+    return uploads(address, 4, post("/v1/scallop-height/batch", batch, True))
 
 
 SLOPE = {"mesh": {"points": [[0, 0, 0], [90, 0, 9], [0, 90, 0], [90, 90, 9]], "triangles": [[0, 1, 2], [1, 3, 2]]}}
@@ -394,6 +434,16 @@ def idle_connections(address):
     return ["idle"] * len(streams)
 
 
+def full_budget(address):
+    """As many connections as may be open, and beside them all that fills the memory budget."""
+    parts = [separate_facets, unread_answers, four_vertex_floods, many_planes]
+    idle = [connect(address) for _ in range(3900)]
+    got = side_by_side(len(parts), lambda index: parts[index](address))
+    for stream in idle:
+        stream.close()
+    return [status for statuses in got for status in statuses]
+
+
 def half_closed(address):
     with connect(address) as stream:
         stream.sendall(post("/v1/scallop-height", HEIGHT))
@@ -409,6 +459,7 @@ ATTACKS = {
     "PLY of 2e7 vertices": (vertex_flood_ply, {408, 413}),
     "OBJ of 2e7 vertices": (vertex_flood_obj, {408, 413}),
     "four PLY of 2e7 vertices": (four_vertex_floods, {408, 413, 503}),
+    "four PLY that trickle": (trickled_vertex_floods, {408, 413, 503, "ConnectionResetError"}),
     "4096 expensive contacts": (expensive_contacts, {200, 408}),
     "4 x 250,000 expensive contacts": (expensive_batches, {408, 503}),
     "16 x 250,000, client leaves": (expensive_batches_left, {"left"}),
@@ -419,6 +470,8 @@ ATTACKS = {
     "16 MiB in one-byte chunks": (one_byte_chunks, {400}),
     "4200 idle connections": (idle_connections, {"idle"}),
     "half-closed client": (half_closed, {200}),
+    "3900 idle connections beside a full budget": (full_budget, {200, 408, 413, 503}),
+    "4 ordinary batches of 250,000": (ordinary_batches, {200, 503}),
     "16 uploads of 100 MB": (sixteen_uploads, {200, 503}),
     "64 uploads of 20 MB": (sixty_four_uploads, {200, 503}),
     "4 x 498,000 facets apart, map and passes": (separate_facets, {200, 503}),
@@ -433,7 +486,7 @@ ATTACKS = {
 
 
 # Work that must be answered; the others have 5 s.
-USUAL_TIMEOUT = {sixteen_uploads, sixty_four_uploads, separate_facets, package}
+USUAL_TIMEOUT = {full_budget, ordinary_batches, sixteen_uploads, sixty_four_uploads, separate_facets, package}
 
 
 class Server:
@@ -487,11 +540,21 @@ def observe(address, over, results):
 
 
 def run(program, name):
-    attack, expected = ATTACKS[name]
+    attack, _ = ATTACKS[name]
     settings = {"SCALLOPD_REQUEST_TIMEOUT_S": "60"} if attack in USUAL_TIMEOUT else {}
     server = Server(program, **settings)
+    try:
+        return measure(server, name)
+    finally:
+        if server.process.poll() is None:
+            server.process.kill()
+
+
+def measure(server, name):
+    """Prints the row of an attack, and returns its faults."""
+    attack, expected = ATTACKS[name]
     over, results = multiprocessing.Event(), multiprocessing.Queue()
-    observer = multiprocessing.Process(target=observe, args=(server.address, over, results))
+    observer = multiprocessing.Process(target=observe, args=(server.address, over, results), daemon=True)
     observer.start()
     time.sleep(0.3)
     began = time.monotonic()
@@ -527,16 +590,26 @@ def run(program, name):
     return [f"{name}: {fault}" for fault in faults]
 
 
+def run_safely(program, name):
+    """A failure of one row does not keep the others from being measured."""
+    try:
+        return run(program, name)
+    except Exception as error:
+        return [f"{name}: not measured: {type(error).__name__}: {error}"]
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("program", help="the server's executable")
     arguments.add_argument("--only", action="append", choices=ATTACKS, help="one attack; may be repeated")
     given = arguments.parse_args()
+    before = os.getloadavg()[0]
     files = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(files, 20_000) if files > 0 else 20_000, files))
     print("| attack | peak, MiB | processor time, s | took, s | longest /livez, ms | single, ms | short batch, ms | the attacker got |")
     print("|---|---|---|---|---|---|---|---|")
-    faults = [fault for name in given.only or ATTACKS for fault in run(given.program, name)]
+    faults = [fault for name in given.only or ATTACKS for fault in run_safely(given.program, name)]
+    print(f"\n{platform.machine()}, {os.cpu_count()} processors, {time.strftime('%Y-%m-%d')}; load average before {before:.1f}, after {os.getloadavg()[0]:.1f}")
     print("\n".join(faults) or "no fault")
     sys.exit(bool(faults))
 

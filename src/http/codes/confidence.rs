@@ -29,6 +29,7 @@ codes! {
         CoarseTessellation = "coarse-tessellation": "The facets are wide compared with the step-over", "Export the surface with a finer tolerance.";
         SteepArea = "steep-area": "Part of the area is too steep for the spacing of passes", "Finish the walls in a separate operation.";
         HiddenArea = "hidden-area": "Part of the area is hidden from above", "Machine it in another set-up.";
+        InconsistentOrientation = "inconsistent-orientation": "Part of the facets face the other way than the rest", "Repair the mesh: unify the orientation of its facets.";
         OverTolerance = "over-tolerance": "Part of the area exceeds the scallop height", "Look at the map of scallop heights; reduce the scallop height.";
     }
 }
@@ -41,6 +42,7 @@ impl From<SurfaceWeakness> for ConfidenceCode {
             SurfaceWeakness::SteepArea => Self::SteepArea,
             SurfaceWeakness::HiddenArea => Self::HiddenArea,
             SurfaceWeakness::SeveralPieces => Self::SeveralPieces,
+            SurfaceWeakness::InconsistentOrientation => Self::InconsistentOrientation,
             SurfaceWeakness::OverTolerance => Self::OverTolerance,
         }
     }

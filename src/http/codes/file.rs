@@ -7,13 +7,13 @@ use axum::http::StatusCode;
 codes! {
     /// A fault of an uploaded file.
     FileFault {
-        UnknownFormat = "unknown-format": "The file's format is not supported", "Send points in text or PCD, STL, OBJ, PLY or 3MF; give the file's name or media type.";
+        UnknownFormat = "unknown-format": "The file's format is not supported", "Send points in text or PCD, STL, OBJ, PLY or 3MF, and tool libraries of Fusion or FreeCAD or in CSV; give the file's name or media type.";
         MalformedFile = "malformed-file": "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
         TruncatedFile = "truncated-file": "The file is cut off", "Send the whole file.";
         FileTooLarge = "file-too-large": "The file exceeds a limit of its reader", "Reduce what the detail names.";
         AmbiguousFile = "ambiguous-file": "The file can be read in two ways", "Write the file so that only one of the readings named in the detail fits.";
         OutOfRange = "out-of-range": "A number in the file is out of range", "Check the line or byte that the detail names, and the unit.";
-        EmptyFile = "empty-file": "The file contains no surface", "Export the surface again; check that it is selected.";
+        EmptyFile = "empty-file": "The file contains no surface or tool", "Export the surface or the library again; check that it is selected.";
     }
 }
 

@@ -8,7 +8,9 @@ codes! {
     NotRankedCode {
         CannotReach = "cannot-reach": "The cutter leaves too much of the surface uncut", "Use a smaller cutter, select the facets that it reaches, or raise max_uncut_share.";
         NoStepOver = "no-step-over": "No step-over keeps the scallop height", "Allow more height, or use another cutter.";
+        TooManyPasses = "too-many-passes": "The plan would have too many passes or runs", "Allow more height, select a part of the surface, or use a larger cutter.";
         Gouges = "gouges": "The cutter gouges the surface beside its contacts", "Use a cutter with a larger corner radius, or a smaller one.";
+        FaultyTool = "faulty-tool": "The tool's entry in its library has faults", "Correct the members that the detail names; the other tools of the library are used.";
     }
 }
 
@@ -17,6 +19,7 @@ impl From<NotRankedReason> for NotRankedCode {
         match reason {
             NotRankedReason::CannotReach(_) => Self::CannotReach,
             NotRankedReason::NoStepOver => Self::NoStepOver,
+            NotRankedReason::TooManyPasses | NotRankedReason::TooManyRuns | NotRankedReason::TooMuchWork => Self::TooManyPasses,
             NotRankedReason::NoHeight { .. } => Self::Gouges,
         }
     }

@@ -25,8 +25,11 @@ codes! {
         CrossedPolygons = "crossed-polygons": "Polygons cross themselves", "Check the mesh; their area is uncertain.";
         FacetsMerged = "facets-merged": "Facets were merged on a raster", "Send fewer facets; details smaller than a raster cell are lost.";
         FlutesTooShort = "flutes-too-short": "The flutes are shorter than the surface is deep", "Check the clearance of shank and holder.";
-        OtherTools = "other-tools": "Some tools of a library are not finishing cutters", "None is needed; the detail counts them by type.";
+        OtherTools = "other-tools": "Some tools of a library are not finishing cutters", "None is needed; the detail counts them by type, and tool files that no .fctl list of their zip names.";
+        FaultyTools = "faulty-tools": "Finishing cutters of a library cannot be used", "Correct the tools that not_ranked names with faulty-tool; one of them may be the fastest.";
         PassesLeftOut = "passes-left-out": "The passes have too many points for an answer", "Select a part of the surface, or allow more height.";
+        SpindleSpeedLimited = "spindle-speed-limited": "A spindle speed is over the machine's largest, which is used instead", "Check the speed and the feed that follows from it.";
+        MemberUnused = "member-unused": "A member of the request has no effect with the method", "Use method \"surface\", or leave the member out.";
         MissingEnd = "missing-end": "The file ends inside a solid", "Check that the file is whole.";
     }
 }

@@ -27,7 +27,7 @@ pub(crate) struct RecommendationAnswer {
     /// All cutters that can be ranked, fastest first.
     #[schema(min_items = 1)]
     pub(super) candidates: Vec<RankedCandidate>,
-    /// The cutters that cannot be ranked, in the order of the request.
+    /// The cutters that cannot be ranked, in the order of the request, and then the faulty tools of libraries.
     pub(super) not_ranked: Vec<NotRanked>,
     /// The surface.
     pub(super) surface: SurfaceAnswer,
@@ -94,6 +94,10 @@ pub(super) struct RecommendedCutter {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     name: Option<String>,
+    /// The preset of the tool library from which spindle speed and feed per tooth were taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    preset: Option<String>,
     /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where
     /// the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -119,6 +123,10 @@ pub(super) struct RankedCandidate {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     name: Option<String>,
+    /// The preset of the tool library from which spindle speed and feed per tooth were taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    preset: Option<String>,
     /// The kind of cutter.
     #[serde(rename = "type")]
     kind: CutterKindName,
@@ -169,6 +177,9 @@ struct SimulatedFigures {
     /// The largest height that the cutter leaves there.
     #[schema(required = false, minimum = 0)]
     uncut_height_mm: f64,
+    /// How far that height may be off: the error of the raster on which it is found.
+    #[schema(required = false, minimum = 0)]
+    uncut_height_error_mm: f64,
     /// A lower bound: no zigzag that keeps the scallop height takes less time.
     #[schema(required = false, minimum = 0)]
     least_time_s: f64,
@@ -237,7 +248,8 @@ struct ScallopAnswer {
     max: f64,
 }
 
-/// Times by direction, before the check of the scallop height.
+/// Times by direction. The recommended direction's is that of the plan. The others are estimates: the times before the check of the
+/// scallop height, multiplied by the factor by which the check changed the time of the fastest direction.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 struct ByDirection {
     /// The directions.
@@ -284,6 +296,7 @@ impl RankedCandidate {
         Self {
             cutter: plan.candidate,
             name: named.name.clone(),
+            preset: named.preset.clone(),
             kind: kind(named),
             direction_deg: Some(line_degrees(plan.direction)),
             machining_time_s: plan.time.seconds(),
@@ -303,6 +316,7 @@ impl RankedCandidate {
                 over_tolerance_share: scallop.over_tolerance_share,
                 uncut_share: plan.reach.map_or(0.0, |reach| reach.uncut_share),
                 uncut_height_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height.mm()),
+                uncut_height_error_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height_error.mm()),
                 least_time_s: plan.least_time.seconds(),
                 by_direction: ByDirection { direction_deg: directions, machining_time_s: times },
                 rectangle: plan.rectangle.map(|plan| OnRectangle {
@@ -322,6 +336,7 @@ impl RankedCandidate {
         Self {
             cutter,
             name: named.name.clone(),
+            preset: named.preset.clone(),
             kind: kind(named),
             direction_deg: plan.direction.map(line_degrees),
             machining_time_s: plan.zigzag.time.seconds(),
@@ -348,6 +363,7 @@ impl From<&RankedCandidate> for RecommendedCutter {
         Self {
             cutter: candidate.cutter,
             name: candidate.name.clone(),
+            preset: candidate.preset.clone(),
             direction_deg: candidate.direction_deg,
             machining_time_s: candidate.machining_time_s,
             step_over_xy_mm: candidate.step_over_xy_mm.median,

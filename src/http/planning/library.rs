@@ -1,9 +1,9 @@
 //! The tool libraries of an upload: their cutters, faults and warnings.
 
-use crate::http::codes::{FileFault, WarningCode};
+use crate::http::codes::{FileFault, NotRankedCode, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{NamedCandidate, Warning};
-use crate::tooling::{LibraryFault, LibraryFaultKind, ToolLibrary};
+use crate::http::wire::{NamedCandidate, NotRanked, Warning};
+use crate::tooling::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
 
 /// The name of the form's parts that hold libraries.
@@ -12,12 +12,15 @@ pub(super) const LIBRARY: &str = "library";
 /// The most bytes of a library file. Fusion writes 2 kB for a tool.
 pub(super) const LARGEST_LIBRARY: usize = 16 << 20;
 
+/// The most faulty tools that an answer lists, over all libraries.
+const MOST_FAULTY_LISTED: usize = 100;
+
 /// The result of reading each part `library`.
 #[derive(Debug, Default)]
-pub(super) struct Libraries(Vec<Result<ToolLibrary, LibraryFault>>);
+pub(super) struct Libraries(Vec<Result<ToolLibrary, LibraryFaults>>);
 
 impl Libraries {
-    pub(super) fn push(&mut self, read: Result<ToolLibrary, LibraryFault>) {
+    pub(super) fn push(&mut self, read: Result<ToolLibrary, LibraryFaults>) {
         self.0.push(read);
     }
 
@@ -26,44 +29,97 @@ impl Libraries {
         self.0.is_empty()
     }
 
-    /// Records the faults of refused libraries, each with file, tool and member.
+    /// Records the faults of libraries that cannot be read, each with file, tool and member.
     pub(super) fn check(&self, faults: &mut Faults) -> Result<(), Faulted> {
-        let root = JsonPath::Root;
-        let path = root.member(LIBRARY);
         let mut result = Ok(());
         for (index, library) in self.0.iter().enumerate() {
-            if let Err(fault) = library {
-                result = Err(faults.add(&path.item(index), FileFault::from(fault.kind()), fault));
+            for fault in library.as_ref().err().iter().flat_map(|faults| faults.all()) {
+                result = Err(add(faults, index, fault));
             }
         }
         result
     }
 
-    /// The warning that lists the tools that are no finishing cutters, counted by type.
-    pub(super) fn warning(&self) -> Option<Warning> {
-        self.left_out().map(|detail| Warning::new(WarningCode::OtherTools, detail))
+    /// Records the faults of faulty tools. This is for a request that has no other cutters.
+    pub(super) fn report_faulty(&self, faults: &mut Faults) -> Result<(), Faulted> {
+        let mut result = Ok(());
+        for (index, library) in self.0.iter().enumerate() {
+            for fault in library.iter().flat_map(ToolLibrary::faulty).flat_map(FaultyTool::faults) {
+                result = Err(add(faults, index, fault));
+            }
+        }
+        result
     }
 
-    /// The tools that are no finishing cutters, counted by type.
+    /// The warnings about tools that are no candidates: those that are left out on purpose, and faulty ones.
+    pub(super) fn warnings(&self) -> impl Iterator<Item = Warning> {
+        let left_out = self.left_out().map(|detail| Warning::new(WarningCode::OtherTools, detail));
+        left_out.into_iter().chain(self.faulty_warning())
+    }
+
+    fn faulty_warning(&self) -> Option<Warning> {
+        let (listed, unlisted) = (self.faulty().count(), self.read().map(ToolLibrary::unlisted_faulty).sum::<u64>());
+        let count = listed as u64 + unlisted;
+        let which = if count > MOST_FAULTY_LISTED as u64 || unlisted > 0 { "the first of them" } else { "they" };
+        let detail =
+            format!("finishing cutters of the libraries that cannot be used: {count}; {which} are in not_ranked, with their faults");
+        (count > 0).then(|| Warning::new(WarningCode::FaultyTools, detail))
+    }
+
+    /// The tools that are left out on purpose: no finishing cutters, counted by type, and those that no list of their
+    /// zip names.
     pub(super) fn left_out(&self) -> Option<String> {
         const MOST_LISTED: usize = 20;
         let mut others = BTreeMap::<&str, u64>::new();
-        for (kind, count) in self.0.iter().flatten().flat_map(ToolLibrary::others) {
+        for (kind, count) in self.read().flat_map(ToolLibrary::others) {
             *others.entry(kind).or_default() += count;
         }
-        if others.is_empty() {
-            return None;
+        let mut sentences = Vec::new();
+        if !others.is_empty() {
+            let mut listed: Vec<String> = others.iter().take(MOST_LISTED).map(|(kind, count)| format!("{count} {kind}")).collect();
+            if others.len() > MOST_LISTED {
+                listed.push(format!("and {} further types", others.len() - MOST_LISTED));
+            }
+            sentences.push(format!("tools that are no ball-end, bull-nose or flat end mill were left out: {}", listed.join(", ")));
         }
-        let mut listed: Vec<String> = others.iter().take(MOST_LISTED).map(|(kind, count)| format!("{count} {kind}")).collect();
-        if others.len() > MOST_LISTED {
-            listed.push(format!("and {} further types", others.len() - MOST_LISTED));
+        let unlisted: u64 = self.read().map(ToolLibrary::unlisted_files).sum();
+        if unlisted > 0 {
+            sentences.push(format!("tool files that no .fctl list of their zip names were left out: {unlisted}"));
         }
-        Some(format!("tools that are no ball-end, bull-nose or flat end mill were left out: {}", listed.join(", ")))
+        (!sentences.is_empty()).then(|| sentences.join("; "))
     }
 
-    /// The finishing cutters of all libraries, in their order.
-    pub(super) fn into_candidates(self) -> impl Iterator<Item = NamedCandidate> {
-        self.0.into_iter().flatten().flat_map(ToolLibrary::into_tools).map(NamedCandidate::from)
+    /// The finishing cutters of all libraries, in their order, and the faulty ones.
+    pub(super) fn into_candidates(self) -> (Vec<NamedCandidate>, Vec<FaultyTool>) {
+        let faulty = self.faulty().take(MOST_FAULTY_LISTED).cloned().collect();
+        (self.0.into_iter().flatten().flat_map(ToolLibrary::into_tools).map(NamedCandidate::from).collect(), faulty)
+    }
+
+    fn read(&self) -> impl Iterator<Item = &ToolLibrary> {
+        self.0.iter().flatten()
+    }
+
+    fn faulty(&self) -> impl Iterator<Item = &FaultyTool> {
+        self.read().flat_map(ToolLibrary::faulty)
+    }
+}
+
+/// Records a fault of the library part of this index.
+fn add(faults: &mut Faults, index: usize, fault: &LibraryFault) -> Faulted {
+    let root = JsonPath::Root;
+    faults.add(&root.member(LIBRARY).item(index), FileFault::from(fault.kind()), fault)
+}
+
+/// A faulty tool among the cutters that are not ranked, at this position after all candidates.
+pub(super) fn not_ranked(tool: &FaultyTool, cutter: usize) -> NotRanked {
+    NotRanked {
+        cutter,
+        name: Some(tool.name().to_owned()),
+        code: NotRankedCode::FaultyTool,
+        detail: tool.to_string(),
+        uncut_share: None,
+        uncut_height_mm: None,
+        uncut_height_error_mm: None,
     }
 }
 

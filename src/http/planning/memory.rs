@@ -15,14 +15,14 @@ pub(super) struct Means {
     pub(super) memory: Reservation,
     pub(super) parallelism: Parallelism,
     pub(super) room: PlanRoom,
-    /// How long more memory may be waited for.
+    /// The longest wait for more memory.
     longest_wait: Duration,
     /// The memory that one request may have, in bytes.
     largest: usize,
 }
 
 impl Means {
-    /// No memory yet.
+    /// An empty reservation.
     pub(super) fn none(work: &Work, longest_wait: Duration) -> Self {
         Self {
             memory: work.budget().open(),
@@ -33,20 +33,20 @@ impl Means {
         }
     }
 
-    /// The same with this memory.
+    /// The same resources with this reservation.
     pub(super) fn with(self, memory: Reservation) -> Self {
         Self { memory, ..self }
     }
 
-    /// The memory that a ranking on a mesh of this size takes, in bytes, and how it may use threads: as many and as
-    /// many candidates at once as fit one request.
+    /// The memory in bytes of a ranking on a mesh of this size, and its use of threads: as many threads and candidates
+    /// at once as one request may use.
     pub(super) fn needed(&self, mesh: MeshSize, size: RankingSize) -> (u64, Parallelism) {
         let mesh = bytes_of_mesh(mesh);
         let (parallelism, bytes) = fitting(size, self.parallelism.threads, self.room, self.largest.saturating_sub(mesh));
         ((mesh + bytes) as u64, parallelism)
     }
 
-    /// Reserves the memory for a ranking. On a worker thread.
+    /// Reserves the memory for a ranking. Blocks, so it must be called on a worker thread.
     pub(super) fn provide(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
         let (bytes, parallelism) = self.needed(mesh, size);
         self.memory.shrink_to(bytes);
@@ -55,12 +55,12 @@ impl Means {
         Ok(())
     }
 
-    /// Reserves `bytes` more. On a worker thread.
+    /// Reserves `bytes` more. Blocks, so it must be called on a worker thread.
     pub(super) fn add(&mut self, bytes: u64, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
         self.memory.grow_blocking(bytes, self.longest_wait, stop)
     }
 
-    /// Reserves the memory for larger plans, after one did not fit. On a worker thread.
+    /// Reserves the memory for larger plans, after one did not fit. Blocks, so it must be called on a worker thread.
     pub(super) fn enlarge(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
         self.room = self.room.larger();
         self.provide(mesh, size, stop)
@@ -73,35 +73,41 @@ pub(super) fn bytes_of_workpiece(mesh: &MeshBuilder) -> u64 {
     (bytes_of_mesh(size) + mesh.bytes_to_finish().max(bytes_to_prepare(size))) as u64
 }
 
-/// The memory that a map takes: figures of each cell and their text, in a vector that moves to twice its size.
+/// The memory of a map: figures of each cell and their text, in a vector that grows to twice its size.
 pub(super) const BYTES_OF_A_MAP: u64 = 256 * (TRIAL_SIDE * TRIAL_SIDE) as u64;
 
-/// The memory that the facets of a surface in JSON take for each byte in which the body states it, while their
-/// vectors move to twice their size. A point takes 8 bytes at least, `[0,0,0],`, and in a grid stands for two facets:
-/// 72 bytes and 15 of the table that finds it, and 36 for each facet.
+/// The memory of the facets of a JSON surface, in bytes for each byte of the body, while their vectors grow to twice
+/// their size. A point takes at least 8 bytes, `[0,0,0],`, and a point of a grid makes two facets: 72 bytes, 15 of the
+/// vertex table, and 36 for each facet.
 const BYTES_OF_A_BYTE: usize = 20;
 
 /// The points and triangles of a JSON mesh, which are held until all are read: 24 bytes for each 8 of the body.
 const BYTES_OF_A_BYTE_OF_A_MESH: usize = 3;
 
+/// The points that are read from blocks of a body at once, and the parts that are summed of them: 72 bytes for each 8
+/// of a million bytes.
+const BYTES_OF_A_BYTE_OF_BLOCKS: usize = 9;
+const MOST_BYTES_OF_BLOCKS: usize = 1 << 20;
+
 /// The facets of a sampled patch: one million, before they are merged.
 const BYTES_OF_A_PATCH: usize = 48 << 20;
 
-/// A facet of a patch, with the half of a point and of its place in the table that belong to it, in vectors that move
+/// The bytes for each facet of a patch: the facet, half of a point and of its entry in the table, in vectors that grow
 /// to twice their size, and the samples.
 const BYTES_OF_A_SAMPLED_FACET: usize = 120;
 
 /// The most samples along a parameter of a patch.
 const MOST_SAMPLES: usize = 1000;
 
-/// The memory that it takes to read the surface in a JSON body, in bytes, beside the body.
+/// The memory in bytes to read the surface of a JSON body, beside the body itself.
 pub(super) fn bytes_to_read(json: &[u8]) -> u64 {
     let facets = (BYTES_OF_A_BYTE * json.len()).min(bytes_of_most_facets()).max(bytes_of_patch(json));
-    (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets) as u64
+    let blocks = BYTES_OF_A_BYTE_OF_BLOCKS * json.len().min(MOST_BYTES_OF_BLOCKS);
+    (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets + blocks) as u64
 }
 
-/// The memory that the facets of a patch take as it is sampled, where the JSON may hold one: two for each square of
-/// the largest number that stands after the name `samples`.
+/// The memory of the facets of a sampled patch, if the JSON may contain one: two facets for each square of the largest
+/// number after the name `samples`.
 fn bytes_of_patch(json: &[u8]) -> usize {
     // The name of a member may be written with escapes.
     if memchr::memchr(b'\\', json).is_some() {
@@ -121,7 +127,7 @@ fn bytes_of_patch(json: &[u8]) -> usize {
     samples.map_or(0, |samples| (2 * samples * samples * BYTES_OF_A_SAMPLED_FACET).min(BYTES_OF_A_PATCH))
 }
 
-/// The memory that the facets of a surface take at most while they are taken in, in bytes.
+/// The most memory in bytes of a surface's facets while they are read.
 fn bytes_of_most_facets() -> usize {
     usize::try_from(ReceivedSurface::new().bytes_to_take_package()).unwrap_or(usize::MAX)
 }

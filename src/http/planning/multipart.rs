@@ -27,12 +27,12 @@ pub(crate) struct Form {
     delimiter: Finder<'static>,
     /// Data that have arrived and are not used yet.
     held: Bytes,
-    within: Within,
+    position: Position,
     parts: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Within {
+enum Position {
     /// A part's data, or the preamble before the first part.
     Data,
     /// After a delimiter.
@@ -62,20 +62,20 @@ impl Form {
     fn new(body: Body, boundary: &str) -> Self {
         let delimiter = Finder::new(&format!("\r\n--{boundary}")).into_owned();
         // The first delimiter may start the body, without a line break before it.
-        Self { body, delimiter, held: Bytes::from_static(b"\r\n"), within: Within::Data, parts: 0 }
+        Self { body, delimiter, held: Bytes::from_static(b"\r\n"), position: Position::Data, parts: 0 }
     }
 
     /// Skips the rest of the current part, and returns the head of the next.
     pub(super) async fn next(&mut self) -> Result<Option<Head>, Problem> {
         while self.chunk().await?.is_some() {}
-        if self.within == Within::Epilogue {
+        if self.position == Position::Epilogue {
             return Ok(None);
         }
         while self.held.len() < 2 {
             self.more().await?;
         }
         if self.held.starts_with(b"--") {
-            self.within = Within::Epilogue;
+            self.position = Position::Epilogue;
             self.drain().await?;
             return Ok(None);
         }
@@ -84,20 +84,20 @@ impl Form {
             return Err(malformed(format!("the form has more than {MOST_PARTS} parts")));
         }
         let head = self.head().await?;
-        self.within = Within::Data;
+        self.position = Position::Data;
         Ok(Some(head))
     }
 
     /// The next data of the current part; `None` at its end.
     pub(super) async fn chunk(&mut self) -> Result<Option<Bytes>, Problem> {
-        if self.within != Within::Data {
+        if self.position != Position::Data {
             return Ok(None);
         }
         loop {
             if let Some(end) = self.delimiter.find(&self.held) {
                 let data = self.held.split_to(end);
                 self.held.advance(self.delimiter.needle().len());
-                self.within = Within::Delimiter;
+                self.position = Position::Delimiter;
                 return Ok(Some(data));
             }
             let data = self.held.split_to(self.delimiter_begun());

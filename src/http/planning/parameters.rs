@@ -1,7 +1,8 @@
 //! The parameters of a recommendation besides the surface: cutters, scallop height, machine, and settings of the plan.
 
+use super::library::Libraries;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, List, Members, Object, ObjectSchema, Quantity, members};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, ObjectSchema, Quantity, members};
 use crate::http::wire::{CUTTERS, CandidateKind, MACHINE, MODEL, MOST_CUTTERS, Machine, NamedCandidate, SELECT, SelectKind, UNIT};
 use crate::milling::Model;
 use crate::motion;
@@ -9,6 +10,7 @@ use crate::planning::zigzag::{Directions, Pattern, ZigzagSettings};
 use crate::quantity::{Angle, Length, OutOfRange};
 use crate::surface::mesh::Selection;
 use crate::surface::{Facing, Shape, Unit};
+use crate::tooling::FaultyTool;
 
 /// The method of planning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -76,6 +78,8 @@ members! {
 #[derive(Debug)]
 pub(super) struct Parameters {
     pub(super) candidates: Vec<NamedCandidate>,
+    /// The finishing cutters of the libraries that cannot be used. Their positions follow those of the candidates.
+    pub(super) faulty_tools: Vec<FaultyTool>,
     pub(super) scallop_height: Length,
     pub(super) machine: motion::Machine,
     pub(super) pattern: Pattern,
@@ -91,37 +95,21 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Reads the parameters from `object`, which may have the surface as well. The cutters of tool libraries follow
-    /// those of the request; `libraries` lists the tools that are no finishing cutters.
-    pub(super) fn read(
-        object: &mut Object<'_, '_>,
-        of_libraries: impl IntoIterator<Item = NamedCandidate>,
-        libraries: Result<Option<String>, Faulted>,
-        faults: &mut Faults,
-    ) -> Result<Self, Faulted> {
+    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow
+    /// those of the request.
+    pub(super) fn read(object: &mut Object<'_, '_>, libraries: Libraries, faults: &mut Faults) -> Result<Self, Faulted> {
+        let checked = libraries.check(faults);
         let members = ParameterMembers::read(object, faults);
+        let path = object.path();
         let candidates = members.cutters.and_then(|own| {
-            // All cutters may have been in a refused library.
-            let left_out = libraries?;
-            let candidates: Vec<_> = own.into_iter().flatten().chain(of_libraries).collect();
-            let object = object.path();
-            let path = object.member(CUTTERS.name);
-            match candidates.len() {
-                0 => Err(match left_out {
-                    Some(left_out) => {
-                        faults.add(&path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}"))
-                    }
-                    None => faults.add(&path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about)),
-                }),
-                1..=MOST_CUTTERS => Ok(candidates),
-                count => {
-                    let detail = format_args!("at most {MOST_CUTTERS} cutters, those of libraries included; there are {count}");
-                    Err(faults.add(&path, RequestFault::TooManyItems, detail))
-                }
-            }
+            // The cutters may all have been in a refused library.
+            checked?;
+            all_candidates(own.unwrap_or_default(), libraries, &path.member(CUTTERS.name), faults)
         });
+        let (candidates, faulty_tools) = candidates?;
         Ok(Self {
-            candidates: candidates?,
+            candidates,
+            faulty_tools,
             scallop_height: members.scallop_height?,
             machine: members.machine?,
             pattern: members.pattern?.unwrap_or_default(),
@@ -151,6 +139,16 @@ impl Parameters {
         })
     }
 
+    /// Whether the request states `include` with at least one part.
+    pub(super) fn has_include(&self) -> bool {
+        !self.include.is_empty()
+    }
+
+    /// Whether the request states directions.
+    pub(super) fn has_directions(&self) -> bool {
+        self.directions.is_some()
+    }
+
     pub(super) fn includes(&self, part: Part) -> bool {
         self.include.contains(&part)
     }
@@ -167,6 +165,39 @@ impl Parameters {
             max_uncut_share: self.max_uncut_share.unwrap_or(usual.max_uncut_share),
             shape: Some(*shape),
             ..usual
+        }
+    }
+}
+
+/// The cutters of the request and those of its libraries, and the faulty tools.
+fn all_candidates(
+    own: Vec<NamedCandidate>,
+    libraries: Libraries,
+    path: &JsonPath<'_>,
+    faults: &mut Faults,
+) -> Result<(Vec<NamedCandidate>, Vec<FaultyTool>), Faulted> {
+    let mut of_tools = Faults::default();
+    let (left_out, is_faulty) = (libraries.left_out(), libraries.report_faulty(&mut of_tools));
+    let (of_libraries, faulty_tools) = libraries.into_candidates();
+    let candidates: Vec<_> = own.into_iter().chain(of_libraries).collect();
+    match candidates.len() {
+        0 => {
+            // Where there is nothing but faulty tools, they are the reason.
+            if let Err(faulted) = is_faulty {
+                faults.take_in(of_tools, |pointer| Some(pointer.to_owned()));
+                return Err(faulted);
+            }
+            Err(match left_out {
+                Some(left_out) => {
+                    faults.add(path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}"))
+                }
+                None => faults.add(path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about)),
+            })
+        }
+        1..=MOST_CUTTERS => Ok((candidates, faulty_tools)),
+        count => {
+            let detail = format_args!("at most {MOST_CUTTERS} cutters, those of libraries included; there are {count}");
+            Err(faults.add(path, RequestFault::TooManyItems, detail))
         }
     }
 }

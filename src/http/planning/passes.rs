@@ -1,7 +1,7 @@
 //! The passes of an answer, point by point.
 
 use super::simulation::{Simulation, Workpiece};
-use crate::planning::reach::lowest_tip;
+use crate::planning::reach::RestingHeights;
 use crate::planning::zigzag::{self, TooManyPoints};
 use crate::quantity::Length;
 use serde::Serialize;
@@ -38,6 +38,10 @@ pub(crate) struct PassesAnswer {
     scallop_height_mm: Vec<Option<f64>>,
     /// The curvature of the surface.
     surface_curvature: CurvatureColumns,
+    /// The time in which the tips pass all runs and links. The plan's own `machining_time_s` is that of the contacts,
+    /// whose path is shorter where the contact moves across the cutter's bottom and where tips are raised.
+    #[schema(minimum = 0)]
+    machining_time_s: f64,
     /// The largest distance of the omitted points from the lines between the given points.
     #[schema(minimum = 0)]
     chord_tolerance_mm: f64,
@@ -57,9 +61,9 @@ struct CurvatureColumns {
 
 impl PassesAnswer {
     /// The memory in bytes to make the passes, beside the simulation: the view, with height, facet and side of each
-    /// cell, and the points.
+    /// cell, the heights of its cells and blocks in single precision, and the points.
     pub(super) fn bytes(workpiece: &Workpiece, simulation: &Simulation) -> u64 {
-        const VIEW: usize = 13 * SIDE * SIDE;
+        const VIEW: usize = (13 + 6) * SIDE * SIDE;
         let plan = simulation.ranking.plans.first();
         plan.map_or(0, |plan| VIEW + zigzag::bytes_of_passes(plan, &workpiece.facets, MOST_POINTS)) as u64
     }
@@ -68,9 +72,9 @@ impl PassesAnswer {
     pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation) -> Option<Result<Self, TooManyPoints>> {
         let plan = simulation.ranking.plans.first()?;
         let candidate = &simulation.candidates[plan.candidate];
-        let view = workpiece.mesh.seen_from_above(SIDE);
-        let tip_height = |x: f64, y: f64| lowest_tip(&view, candidate.cutter, [x, y]);
-        Some(zigzag::passes(plan, &workpiece.facets, candidate, &simulation.settings, &tip_height, MOST_POINTS).map(Self::of))
+        let resting = RestingHeights::new(&workpiece.mesh.seen_from_above(SIDE));
+        let raised = |tip: [f64; 3]| resting.raised(candidate.cutter, tip);
+        Some(zigzag::passes(plan, &workpiece.facets, candidate, &simulation.settings, &raised, MOST_POINTS).map(Self::of))
     }
 
     fn of(passes: zigzag::Passes) -> Self {
@@ -92,6 +96,7 @@ impl PassesAnswer {
             feed_rate_mm_min: points.iter().map(|point| point.feed_rate.mm_min()).collect(),
             scallop_height_mm: points.iter().map(|point| point.scallop_height.map(Length::mm)).collect(),
             surface_curvature,
+            machining_time_s: passes.time.seconds(),
             chord_tolerance_mm: passes.chord_tolerance.mm(),
         }
     }

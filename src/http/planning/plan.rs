@@ -3,6 +3,7 @@
 use super::answer::{RankedCandidate, RecommendationAnswer, model};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
+use super::library;
 use super::map::MapAnswer;
 use super::memory::{BYTES_OF_A_MAP, Means};
 use super::parameters::{Method, Parameters, Part};
@@ -15,6 +16,7 @@ use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning};
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
+use crate::motion::Machine;
 use crate::planning::memory::RankingSize;
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
 use crate::planning::{Confidence, Evidence, Job, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
@@ -106,13 +108,15 @@ impl Task {
         };
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
-        let not_ranked: Vec<NotRanked> =
+        let mut not_ranked: Vec<NotRanked> =
             ranking.not_ranked.iter().map(|not_ranked| self.not_ranked(not_ranked.candidate, not_ranked.reason)).collect();
+        not_ranked.extend(self.faulty_tools());
         let candidates: Vec<_> = ranking.plans.iter().map(|plan| RankedCandidate::simulated(plan, named)).collect();
         let (Some(first), Some(confidence)) = (candidates.first(), &ranking.confidence) else {
             return Err(Problem::no_cutter_fits(not_ranked));
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
+        self.warnings.extend(limited_speeds(named, &self.parameters.machine));
         let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, means, stop)? } else { None };
         let map = if self.parameters.includes(Part::Map) {
             means.add(BYTES_OF_A_MAP, stop)?;
@@ -158,7 +162,7 @@ impl Task {
     }
 
     fn on_rectangle(
-        self,
+        mut self,
         workpiece: Option<&Workpiece>,
         means: &mut Means,
         stop: &(dyn Fn() -> bool + Sync),
@@ -173,8 +177,13 @@ impl Task {
                 _ => not_ranked.push(self.not_ranked(index, NotRankedReason::NoStepOver)),
             }
         }
+        not_ranked.extend(self.faulty_tools());
         candidates.sort_by(|a, b| a.time().seconds().total_cmp(&b.time().seconds()));
         let Some(first) = candidates.first() else { return Err(Problem::no_cutter_fits(not_ranked)) };
+        let unused = [("include", self.parameters.has_include()), ("directions_deg", self.parameters.has_directions())];
+        self.warnings.extend(unused.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| {
+            Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
+        }));
         let published = self.published();
         let critical = published.as_ref().map(|published| published.plan);
         let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, means, stop)?;
@@ -240,6 +249,12 @@ impl Task {
         recommend(&job, &self.shape).ok()
     }
 
+    /// The faulty tools of the libraries, whose positions follow those of the candidates.
+    fn faulty_tools(&self) -> impl Iterator<Item = NotRanked> {
+        let first = self.parameters.candidates.len();
+        self.parameters.faulty_tools.iter().enumerate().map(move |(index, tool)| library::not_ranked(tool, first + index))
+    }
+
     fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {
         let reach = if let NotRankedReason::CannotReach(reach) = reason { Some(reach) } else { None };
         NotRanked {
@@ -249,6 +264,7 @@ impl Task {
             detail: reason.to_string(),
             uncut_share: reach.map(|reach| reach.uncut_share),
             uncut_height_mm: reach.map(|reach| reach.uncut_height.mm()),
+            uncut_height_error_mm: reach.map(|reach| reach.uncut_height_error.mm()),
         }
     }
 }
@@ -262,6 +278,22 @@ fn short_flutes(plan: &ZigzagPlan, candidates: &[NamedCandidate]) -> Warning {
     let cutter = named.name.clone().unwrap_or_else(|| format!("cutter {}", plan.candidate));
     let flutes = named.candidate.flute_length.map_or(0.0, Length::mm);
     Warning::new(WarningCode::FlutesTooShort, format!("the flutes of {cutter}, {flutes} mm long, are shorter than the surface is deep"))
+}
+
+/// A warning for each cutter whose spindle speed the machine does not reach.
+fn limited_speeds(candidates: &[NamedCandidate], machine: &Machine) -> Vec<Warning> {
+    let Some(limit) = machine.max_spindle_speed else { return Vec::new() };
+    let warning = |(place, named): (usize, &NamedCandidate)| {
+        let stated = named.candidate.drive.map(|drive| drive.spindle_speed).filter(|speed| speed.rpm() > limit.rpm())?;
+        let cutter = named.name.clone().unwrap_or_else(|| format!("cutter {place}"));
+        let detail = format!(
+            "the spindle speed of {cutter}, {} rpm, is over the machine's largest, {} rpm, which is used",
+            stated.rpm(),
+            limit.rpm()
+        );
+        Some(Warning::new(WarningCode::SpindleSpeedLimited, detail))
+    };
+    candidates.iter().enumerate().filter_map(warning).collect()
 }
 
 fn shape_code(error: ShapeError) -> RequestFault {

@@ -1,6 +1,7 @@
 //! `POST /v1/cutter-recommendation`: the surface in the JSON body.
 
 use super::answer::RecommendationAnswer;
+use super::library::Libraries;
 use super::memory::{Means, bytes_of_workpiece, bytes_to_read};
 use super::parameters::Parameters;
 use super::plan::Task;
@@ -81,7 +82,7 @@ fn begin(task: Task, mut means: Means, cancelled: &CancelFlag) -> Result<Begun, 
 fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Result<(Task, Reservation), Problem> {
     let mut exceeded = None;
     let task = body.read_until(cancelled, |object, faults| {
-        let parameters = Parameters::read(object, [], Ok(None), faults);
+        let parameters = Parameters::read(object, Libraries::default(), faults);
         let surface = object.required(&SURFACE, faults);
         let (parameters, surface) = (parameters?, surface?);
         if let Err(error) = memory.grow(bytes_of_workpiece(&surface.surface.mesh)) {

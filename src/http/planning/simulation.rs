@@ -10,7 +10,7 @@ use crate::http::worker_pool::Work;
 use crate::milling::Model;
 use crate::planning::memory::{RankingSize, TRIAL_SIDE};
 use crate::planning::reach::{ReachMap, Uncut};
-use crate::planning::zigzag::{CandidateCutter, NoRanking, Ranking, ReachFigures, SurfaceEvidence, ZigzagSettings, rank_within};
+use crate::planning::zigzag::{CandidateCutter, NoRanking, Ranking, SurfaceEvidence, ZigzagSettings, rank_within};
 use crate::surface::mesh::{FacetClass, SelectionError, ViewFromAbove, Visibility};
 use crate::surface::{Bounds, FinishFacet, Mesh, MeshBuilder, MeshError, Shape, Unit};
 use axum::http::StatusCode;
@@ -108,6 +108,13 @@ impl Workpiece {
         self.view.facet(cell).and_then(|facet| self.places[facet])
     }
 
+    /// The share of the seen area whose facets face the other way than the rest: up to a half.
+    fn turned_area_share(&self) -> f64 {
+        let seen = self.visible_area_share() * self.visibility.area();
+        let from_behind = if seen > 0.0 { (self.visibility.area_from_behind() / seen).min(1.0) } else { 0.0 };
+        from_behind.min(1.0 - from_behind)
+    }
+
     /// The share of the whole area that is seen from above.
     pub(super) fn visible_area_share(&self) -> f64 {
         let shares = self.visibility.shares();
@@ -146,8 +153,7 @@ impl Simulation {
             // A map of each cutter takes half a MB, so that only the figures are kept.
             let tried = places.par_iter().map(|&place| {
                 let candidate = parameters.candidates[place].candidate;
-                let uncut = reach.uncut(candidate.cutter, parameters.scallop_height);
-                let reach = Some(ReachFigures { uncut_share: uncut.share, uncut_height: uncut.height });
+                let reach = Some((&reach.uncut(candidate.cutter, parameters.scallop_height)).into());
                 CandidateCutter { reach, ..candidate }
             });
             candidates.extend(tried.collect::<Vec<_>>());
@@ -155,7 +161,11 @@ impl Simulation {
         if stop() {
             return Ok(None);
         }
-        let evidence = SurfaceEvidence { visible_area_share: workpiece.visible_area_share(), pieces: workpiece.machined_pieces };
+        let evidence = SurfaceEvidence {
+            visible_area_share: workpiece.visible_area_share(),
+            pieces: workpiece.machined_pieces,
+            turned_area_share: workpiece.turned_area_share(),
+        };
         let size = ranking_size(&workpiece.mesh, &candidates);
         let ranking = loop {
             settings.candidates_at_once = means.parallelism.candidates;

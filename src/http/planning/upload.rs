@@ -19,12 +19,10 @@ use crate::http::wire::{MOST_CUTTERS, ReceivedSurface, SURFACE, SurfaceWithSourc
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 use crate::planning::memory::RankingSize;
-use crate::surface::read::{self, Format, FormatHint, Reader, TextBlock};
-use crate::surface::{SampledSurface, Sink};
+use crate::surface::read::{self, Format, FormatHint, Reader};
 use crate::tooling::ToolLibrary;
 use axum::body::Bytes;
 use axum::extract::State;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -47,14 +45,14 @@ described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used where the content is ambiguous",
+        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used where the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
         Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))
             .build()
     });
     let library = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb or a zip of them) or CSV; its ball-end, bull-nose and flat cutters join cutters",
+        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them, of which those that its .fctl lists name are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
     ));
     let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));
     let form = ObjectSchema::new("A surface file, the parameters and tool libraries, in any order", components);
@@ -160,11 +158,11 @@ impl Received {
         };
         let task = read_text(&parameters, budget, cancelled, |object, faults| {
             let libraries = std::mem::take(&mut self.libraries);
-            let (checked, warning) = (libraries.check(faults).map(|()| libraries.left_out()), libraries.warning());
-            let parameters = Parameters::read(object, libraries.into_candidates(), checked, faults);
+            let warnings: Vec<_> = libraries.warnings().collect();
+            let parameters = Parameters::read(object, libraries, faults);
             let surface = self.surface(faults);
             let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
-            task.warn(warning);
+            task.warn(warnings);
             Ok(task)
         })?;
         answer_to(task, means, cancelled)
@@ -282,21 +280,10 @@ impl Block {
         Ok(block)
     }
 
-    /// Passes the chunks to the reader; independent blocks of text are read on all threads. Their sums are added in
-    /// file order, so that the same file has bitwise the same sums.
+    /// Passes the chunks to the reader, which reads blocks of them on all threads. Their sums are added in file order,
+    /// so that the same file has bitwise the same sums.
     fn read(&self, reader: &mut Reader, surface: &mut ReceivedSurface) -> Result<(), read::Fault> {
-        let mut blocks = Vec::new();
-        self.pieces.iter().try_for_each(|piece| reader.push_in_blocks(piece, surface, &mut blocks))?;
-        let sum = |text_block: TextBlock| {
-            let mut part = TextPart::default();
-            (text_block.read(&mut part), part)
-        };
-        let parts: Vec<_> = blocks.into_par_iter().map(sum).collect();
-        parts.into_iter().try_for_each(|(read, part)| {
-            surface.sampled.merge(&part.sums);
-            part.points.into_iter().for_each(|point| surface.mesh.point(point));
-            reader.record_block(read)
-        })
+        reader.push_in_parallel(self.pieces.iter().map(|piece| &piece[..]), surface)
     }
 }
 
@@ -309,24 +296,6 @@ fn format_label(format: Format) -> &'static str {
         Format::Obj => "obj",
         Format::PlyAscii | Format::PlyLittleEndian | Format::PlyBigEndian => "ply",
         Format::ThreeMf => "3mf",
-    }
-}
-
-/// The points of a block of text.
-#[derive(Debug, Default)]
-struct TextPart {
-    sums: SampledSurface,
-    points: Vec<[f64; 3]>,
-}
-
-impl Sink for TextPart {
-    fn point(&mut self, point: [f64; 3]) {
-        self.sums.point(point);
-        self.points.push(point);
-    }
-
-    fn facet(&mut self, _: [[f64; 3]; 3]) {
-        unreachable!("blocks of text have no facets")
     }
 }
 

@@ -60,7 +60,7 @@ impl Faults {
     }
 
     /// The flag that stops the reading of arrays.
-    pub(super) fn cancel_flag(&self) -> Option<CancelFlag> {
+    pub(crate) fn cancel_flag(&self) -> Option<CancelFlag> {
         self.cancel.clone()
     }
 

@@ -13,6 +13,7 @@ mod not_finite;
 mod number_array;
 mod object;
 mod schema;
+mod triples;
 
 pub(crate) use array::{each, each_raw, for_runs_of_items, items};
 pub(crate) use columns::{Cell, Cells, PlainColumn, RowText, Rows};
@@ -25,3 +26,4 @@ pub(crate) use members::{Form, Members, PlainMembers, members};
 pub(crate) use not_finite::{mark, mark_not_finite};
 pub(crate) use object::{Object, describe};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};
+pub(crate) use triples::read_triples;

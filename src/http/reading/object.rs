@@ -100,7 +100,11 @@ impl<'a, 'p> Object<'a, 'p> {
                 B::check(self, faults);
                 Err(faults.add(&self.path, RequestFault::ConflictingFields, format_args!("{forms}, not both")))
             }
-            (false, false) => Err(faults.add(&self.path, RequestFault::MissingField, forms)),
+            (false, false) => {
+                // Faults of unknown members list both forms.
+                self.known.extend(A::NAMES.iter().chain(B::NAMES));
+                Err(faults.add(&self.path, RequestFault::MissingField, forms))
+            }
         }
     }
 

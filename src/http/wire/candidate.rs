@@ -27,6 +27,8 @@ pub(crate) const CUTTERS: Member<List<CandidateKind>> = Member {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NamedCandidate {
     pub(crate) name: Option<String>,
+    /// The preset of a tool library from which speed and feed were taken.
+    pub(crate) preset: Option<String>,
     pub(crate) candidate: CandidateCutter,
 }
 
@@ -36,7 +38,7 @@ impl From<LibraryTool> for NamedCandidate {
         let spindle_speed = tool.spindle_speed_rpm.and_then(|rpm| SpindleSpeed::from_rpm(rpm).ok());
         let drive = drive(tool.teeth, spindle_speed, tool.max_feed_per_tooth);
         let candidate = CandidateCutter { drive, flute_length: tool.flute_length, ..CandidateCutter::new(tool.cutter) };
-        Self { name: Some(tool.name), candidate }
+        Self { name: Some(tool.name), preset: tool.preset, candidate }
     }
 }
 
@@ -73,7 +75,7 @@ impl Kind for CandidateKind {
         let CandidateMembers { name, teeth, spindle_speed, max_feed_per_tooth, flute_length } = members;
         let drive = drive(teeth?, spindle_speed?, max_feed_per_tooth?);
         let candidate = CandidateCutter { drive, flute_length: flute_length?, ..CandidateCutter::new(cutter?) };
-        Ok(NamedCandidate { name: name?, candidate })
+        Ok(NamedCandidate { name: name?, preset: None, candidate })
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[schema(as = NotRankedCutter)]
 pub(crate) struct NotRanked {
-    /// The position of the cutter in the request, from 0; cutters of libraries follow.
+    /// The position of the cutter in the request, from 0; cutters of libraries follow, and then their faulty tools.
     pub(crate) cutter: usize,
     /// The cutter's name, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -25,4 +25,8 @@ pub(crate) struct NotRanked {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub(crate) uncut_height_mm: Option<f64>,
+    /// How far that height may be off: the error of the raster on which it is found; only with the code `cannot-reach`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub(crate) uncut_height_error_mm: Option<f64>,
 }

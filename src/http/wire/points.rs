@@ -1,9 +1,10 @@
 //! Arrays of points in a JSON body, read point by point, so that a body of a million points is never held as a JSON
 //! tree.
 
+use super::source::{ReceivedPart, ReceivedSurface};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each, each_raw, number};
-use crate::surface::LARGEST_COORDINATE;
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each_raw, number, read_triples};
+use crate::surface::{LARGEST_COORDINATE, PartedSink, Sink};
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
@@ -11,22 +12,47 @@ use utoipa::openapi::{RefOr, Schema};
 /// Passes every point of the array `raw` to `take` in order. `take` may have been called before a fault is found.
 pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
     let mut in_bounds = true;
-    let read = each(raw, faults, |point: [f64; 3]| {
-        in_bounds &= is_in_bounds(point);
-        take(point);
+    let read = read_triples(
+        raw.get(),
+        faults.cancel_flag().as_ref(),
+        |points| points,
+        |points: Vec<[f64; 3]>| {
+            for point in points {
+                in_bounds &= is_in_bounds(point);
+                take(point);
+            }
+        },
+    );
+    if read.is_some() && in_bounds { Ok(()) } else { find_faults(raw, path, faults) }
+}
+
+/// Adds every point of the array `json` to `surface`, in parts that all cores sum; `json` must be a part of the text of a
+/// JSON value. `None` where it is anything but an array of points; then some may have been added.
+pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut ReceivedSurface) -> Option<()> {
+    let mut in_bounds = true;
+    let part = |points: Vec<[f64; 3]>| {
+        let mut part = ReceivedPart::default();
+        for point in &points {
+            part.point(*point);
+        }
+        (points.into_iter().all(is_in_bounds), part)
+    };
+    let read = read_triples(json, faults.cancel_flag().as_ref(), part, |(is_fine, part)| {
+        in_bounds &= is_fine;
+        surface.append(part);
     });
-    if read.is_ok() && in_bounds {
-        return Ok(());
-    }
-    // The pass above stops at the first fault without its location. This pass reads each item twice and finds all
-    // faults.
+    read.filter(|()| in_bounds)
+}
+
+/// Finds all faults of an array of points that is known to have one.
+pub(super) fn find_faults(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
     let mut result = Ok(());
     let mut index = 0;
     each_raw(raw, path, faults, |item, faults| {
         result = result.and(point(item, path.item(index), faults).map(|_| ()));
         index += 1;
     })?;
-    result
+    result.and_then(|()| Err(faults.add(&path, RequestFault::WrongType, "expected an array of points")))
 }
 
 /// One point.

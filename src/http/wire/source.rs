@@ -5,7 +5,7 @@ use super::unit::unit_name;
 use crate::http::codes::{FileFault, RequestFault, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::surface::read::{Format, Notes, Summary};
-use crate::surface::{Basis, MeshBuilder, SampledSurface, Shape, Sink, Unit};
+use crate::surface::{Basis, MeshBuilder, MeshPart, PartedSink, SampledSurface, Shape, Sink, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -61,6 +61,11 @@ impl From<Format> for Source {
 /// The most facets of a surface that are held; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
 
+/// The memory that a byte of a block takes while it is read, in vectors that grow to twice their size: itself, the number
+/// of a vertex at a corner (4 bytes for each 2), and of each facet (4 bytes at least, in binary PLY) 12 bytes for its
+/// corners, and 36 for the points that it does not share with others and the table that finds them.
+const BYTES_OF_A_BYTE_OF_A_BLOCK: usize = 40;
+
 /// A surface that is being received: the sums for its shape, and its facets.
 #[derive(Debug)]
 pub(crate) struct ReceivedSurface {
@@ -78,11 +83,10 @@ impl ReceivedSurface {
         self.mesh.held_bytes() as u64
     }
 
-    /// The further memory in bytes to read `bytes` of a file whose reader holds `vertices` vertices. No format states a
-    /// facet in fewer than 4 bytes or a vertex in fewer than 6, and the vertices of a text are held for a while in a
-    /// vector that grows to twice its size.
+    /// The further memory in bytes to read `bytes` of a file whose reader holds `vertices` vertices. Few formats state a
+    /// facet in fewer than 4 bytes or a vertex in fewer than 6, and blocks are held with what is read of them.
     pub(crate) fn bytes_to_take(&self, bytes: usize, vertices: usize) -> u64 {
-        (self.mesh.bytes_to_take(bytes / 4, bytes / 6 + vertices) + 12 * bytes) as u64
+        (self.mesh.bytes_to_take(bytes / 4, bytes / 6 + vertices) + BYTES_OF_A_BYTE_OF_A_BLOCK * bytes) as u64
     }
 
     /// The further memory in bytes to read a package, whatever it contains.
@@ -105,6 +109,34 @@ impl Sink for ReceivedSurface {
     fn turn_over(&mut self) {
         self.sampled.turn_over();
         self.mesh.turn_over();
+    }
+}
+
+impl PartedSink for ReceivedSurface {
+    type Part = ReceivedPart;
+
+    fn append(&mut self, part: ReceivedPart) {
+        self.sampled.merge(&part.sampled);
+        self.mesh.append(part.mesh);
+    }
+}
+
+/// A part of a surface that a thread of its own receives.
+#[derive(Debug, Default)]
+pub(crate) struct ReceivedPart {
+    sampled: SampledSurface,
+    mesh: MeshPart,
+}
+
+impl Sink for ReceivedPart {
+    fn point(&mut self, point: [f64; 3]) {
+        self.sampled.point(point);
+        self.mesh.point(point);
+    }
+
+    fn facet(&mut self, corners: [[f64; 3]; 3]) {
+        self.sampled.facet(corners);
+        self.mesh.facet(corners);
     }
 }
 

@@ -1,10 +1,11 @@
 //! Surfaces in JSON: points, a grid, a mesh, or a Bezier patch.
 
-use super::points::{Points, each_point, point, point_schema};
+use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
 use super::source::{ReceivedSurface, Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each, each_raw, members,
+    AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
+    read_triples,
 };
 use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, Sink};
 use serde_json::value::RawValue;
@@ -44,6 +45,14 @@ impl Kind for StatedSurface {
     type Value = SurfaceWithSource;
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
+        // Points alone, as nearly all bodies of this size have, need no pass to find the members.
+        let mut surface = ReceivedSurface::new();
+        if let Some(points) = sole_member(raw.get(), POINTS.name)
+            && receive_points(points, faults, &mut surface).is_some()
+        {
+            return Ok(SurfaceWithSource::stated(surface, Source::Points));
+        }
+        drop(surface);
         let mut object = Object::open(raw, path, faults)?;
         let forms = [POINTS.name, GRID.name, MESH.name, BEZIER.name].map(|form| object.has(form));
         let surface = match forms {
@@ -51,14 +60,15 @@ impl Kind for StatedSurface {
             [false, true, false, false] => object.required(&GRID, faults).map(|surface| SurfaceWithSource::stated(surface, Source::Grid)),
             [false, false, true, false] => object.required(&MESH, faults).map(|surface| SurfaceWithSource::stated(surface, Source::Mesh)),
             [false, false, false, true] => bezier(&mut object, faults),
-            [false, false, false, false] => {
-                Err(faults.add(&path, RequestFault::MissingField, "give points, grid, mesh, or bezier with samples"))
-            }
             _ => {
-                // All forms are read, so that all their faults are listed.
+                // All forms are read, so that all their faults are listed, and faults of unknown members list all forms.
                 let _ = (object.optional(&POINTS, faults), object.optional(&GRID, faults), object.optional(&MESH, faults));
                 let _ = (object.optional(&BEZIER, faults), object.optional(&SAMPLES, faults));
-                Err(faults.add(&path, RequestFault::ConflictingFields, "give one of points, grid, mesh, and bezier with samples"))
+                Err(if forms.contains(&true) {
+                    faults.add(&path, RequestFault::ConflictingFields, "give one of points, grid, mesh, and bezier with samples")
+                } else {
+                    faults.add(&path, RequestFault::MissingField, "give points, grid, mesh, or bezier with samples")
+                })
             }
         };
         object.close(faults)?;
@@ -86,8 +96,17 @@ fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
     let mut surface = ReceivedSurface::new();
-    each_point(raw, path.member(POINTS.name), faults, |point| surface.point(point))?;
+    if receive_points(raw.get(), faults, &mut surface).is_none() {
+        find_faults(raw, path.member(POINTS.name), faults)?;
+    }
     Ok(SurfaceWithSource::stated(surface, Source::Points))
+}
+
+/// What stands after the name of the first member of the object `json`, if that is `name`, up to the end of the object. It is the value of this member
+/// where there are no others.
+fn sole_member<'a>(json: &'a str, name: &str) -> Option<&'a str> {
+    let rest = json.strip_prefix('{')?.trim_ascii_start().strip_prefix('"')?.strip_prefix(name)?.strip_prefix('"')?;
+    rest.trim_ascii_start().strip_prefix(':')?.strip_suffix('}')
 }
 
 fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
@@ -208,7 +227,8 @@ impl Kind for Triangles {
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let mut triangles = Vec::with_capacity(most_items(raw));
-        if each(raw, faults, |triangle: [u32; 3]| triangles.push(triangle)).is_ok() {
+        let cancel = faults.cancel_flag();
+        if read_triples(raw.get(), cancel.as_ref(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
             return Ok(triangles);
         }
         // The pass above stops at the first fault without its location. This pass finds all faults, and accepts whole

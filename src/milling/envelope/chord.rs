@@ -1,8 +1,8 @@
-//! Where two neighbouring tooth marks of one pass leave least between them, at a lateral offset and a height.
+//! The chord between two neighbouring tooth marks of one pass, at a lateral offset and a height.
 
 use super::body::{Body, Distance};
 
-/// Two tooth marks of one pass: how far apart along the feed, and by how much each reaches less deep than the deepest tooth.
+/// Two tooth marks of one pass: their distance along the feed, and the depth that each lacks against the deepest tooth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Marks {
     pub(super) spacing: f64,
@@ -17,8 +17,9 @@ impl Marks {
     }
 }
 
-/// The least of the greater of two distances along the feed: from (x, t, p - front drop) and from (x - f, t, p - back drop) to the body. It is not positive where the section
-/// at the height p holds a chord of the length f at the offset t. With its derivatives, to first order in x.
+/// The least of the greater of two distances along the feed: from (x, t, p - front drop) and from (x - f, t, p - back
+/// drop) to the body. It is not positive where the section at the height p holds a chord of the length f at the offset
+/// t. With its derivatives, to first order in x.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chord {
     pub(super) value: f64,
@@ -30,7 +31,7 @@ pub(super) struct Chord {
     pub(super) shift: Shift,
 }
 
-/// How far off x is, and how it follows when the other unknowns change.
+/// The error of x, and its change with the other unknowns.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Shift {
     pub(super) off: f64,
@@ -60,8 +61,8 @@ impl Accuracy {
         Self { crossing: 0.1 * p, round: 0.1 * p, corner: 1e-15 * p }
     }
 
-    /// For a value to a rounding of p. A crossing is then as near as its square. The parabola of a round is only as near as it is low, because the second derivative jumps where flat, corner
-    /// and side meet.
+    /// For a value to a rounding of p. A crossing is then as near as its square. The parabola of a round is only as
+    /// near as it is low, because the second derivative jumps where flat, corner and side meet.
     pub(super) fn full(p: f64) -> Self {
         Self { crossing: 1e-9 * p, round: 1e-14 * p, corner: 1e-15 * p }
     }
@@ -71,10 +72,12 @@ impl Accuracy {
 const MOST_STEPS: usize = 120;
 
 impl Chord {
-    /// Searches the chord at the offset t and the height p, from `x` on, to an accuracy; `x` is then where the search ended.
+    /// Searches the chord at the offset t and the height p, from `x` on, to an accuracy; `x` is then where the search
+    /// ended.
     ///
-    /// The greater of two convex functions is convex, and where it rises or falls brackets its least value. The steps are Newton's: to where the greater function is least, or to where
-    /// both are equal, whichever comes first. Where they do not shrink the bracket, tangents from both of its ends are intersected, which ends at once at a sharp
+    /// The greater of two convex functions is convex, and where it rises or falls brackets its least value. The steps
+    /// are Newton's: to where the greater function is least, or to where both are equal, whichever comes first. Where
+    /// they do not shrink the bracket, tangents from both of its ends are intersected, which ends at once at a sharp
     /// edge's corner, or it is halved.
     #[inline]
     pub(super) fn search(body: &Body, x: &mut f64, t: f64, p: f64, marks: &Marks, accuracy: Accuracy, mut reach: f64) -> Self {
@@ -117,7 +120,8 @@ impl Chord {
             }
             if let (Some(falling), Some(rising)) = (falling, rising) {
                 if !crossing {
-                    // At a corner both tangents stay; the value is between the tangents' and the active one, where on a round it is as near as the square.
+                    // At a corner both tangents stay; the value is between the tangents' and the active one, where on a
+                    // round it is as near as the square.
                     let chord = Self::between_places(&rising, &falling);
                     best = Some((*x, chord));
                     if active.value - chord.value <= accuracy.corner {
@@ -168,7 +172,8 @@ impl Chord {
         Self { value: at.value, by_side: at.by_side, by_height: at.by_height, by_spacing: 0.0, furthest: at.value, shift: Shift::default() }
     }
 
-    /// The chord where one distance alone is least and the other one less, on the parabola that it is along the feed. `back` is 1 for the place f behind x.
+    /// The chord where one distance alone is least and the other one less, on the parabola that it is along the feed.
+    /// `back` is 1 for the place f behind x.
     fn point(at: &Distance, back: f64) -> Self {
         let off = -at.by_feed / at.bend;
         Self {
@@ -181,7 +186,8 @@ impl Chord {
         }
     }
 
-    /// The chord on the tangents at its ends, the front where the distance rises along the feed and the back, f behind it, where it falls.
+    /// The chord on the tangents at its ends, the front where the distance rises along the feed and the back, f behind
+    /// it, where it falls.
     fn between(front: &Distance, back: &Distance) -> Self {
         let steepening = front.by_feed - back.by_feed;
         let share = balance(front.by_feed, back.by_feed);
@@ -201,8 +207,9 @@ impl Chord {
         }
     }
 
-    /// The chord on tangents at two places, one where the distance rises along the feed and one where it falls. Balanced, they do not depend on x: a lower bound of the least
-    /// value, and that value itself at a sharp edge's corner.
+    /// The chord on tangents at two places, one where the distance rises along the feed and one where it falls.
+    /// Balanced, they do not depend on x: a lower bound of the least value, and that value itself at a sharp edge's
+    /// corner.
     fn between_places((rising_x, rising): &(f64, Distance), (falling_x, falling): &(f64, Distance)) -> Self {
         let share = balance(rising.by_feed, falling.by_feed);
         let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
@@ -217,7 +224,8 @@ impl Chord {
     }
 }
 
-/// The weight of a rising slope against a falling one that makes their mean vanish; any weight does where neither slopes.
+/// The weight of a rising slope against a falling one that makes their mean vanish; any weight does where neither
+/// slopes.
 pub(super) fn balance(rising: f64, falling: f64) -> f64 {
     let whole = rising - falling;
     if whole > 0.0 { (-falling / whole).clamp(0.0, 1.0) } else { 0.5 }

@@ -1,9 +1,10 @@
-//! What clears a place at an edge of a pass: the chords along the feed that the cutter's section has to hold there, for teeth that reach equally deep and for teeth that do not.
+//! The condition that a pass clears an offset: the chords along the feed that the cutter's section must contain there,
+//! for teeth of equal depth and with runout.
 
 use super::body::Body;
 use super::chord::{Accuracy, Chord, Marks, Shift};
 
-/// The marks that clear a place.
+/// The marks that clear an offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Clearing {
     /// Marks of equal depth, `feeds` feeds per tooth apart and `drop` less deep than those of the deepest tooth.
@@ -13,7 +14,7 @@ pub(super) enum Clearing {
         /// delta for shallow teeth.
         drop: f64,
     },
-    /// A deep mark beside a shallow one, which is `drop` less deep: before it or behind it, whichever clears less.
+    /// A deep mark beside a shallow one, which is `drop` less deep, before or behind it, whichever clears less.
     Mixed {
         /// delta.
         drop: f64,
@@ -28,7 +29,7 @@ pub(super) struct Row {
     pub(super) feed: f64,
 }
 
-/// The chord that holds least, and how the chords' ends follow when the other unknowns change.
+/// The least favourable chord, and the change of the chords' ends with the other unknowns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Held {
     pub(super) chord: Chord,
@@ -39,7 +40,7 @@ impl Clearing {
     /// The marks of neighbouring teeth without runout.
     pub(super) const EVEN: Self = Self::Even { feeds: 1.0, drop: 0.0 };
 
-    /// How far apart the marks are at a feed per tooth.
+    /// The distance of the marks at a feed per tooth.
     pub(super) fn spacing(&self, feed: f64) -> f64 {
         match self {
             Self::Even { feeds, .. } => feeds * feed,
@@ -47,7 +48,7 @@ impl Clearing {
         }
     }
 
-    /// The pairs of marks of which all have to be held, at a feed per tooth.
+    /// The pairs of marks that must all be contained, at a feed per tooth.
     fn pairs(&self, feed: f64) -> (Marks, Option<Marks>) {
         match *self {
             Self::Even { feeds, drop } => (Marks { spacing: feeds * feed, front_drop: drop, back_drop: drop }, None),
@@ -58,7 +59,8 @@ impl Clearing {
         }
     }
 
-    /// The chord in a row of whose ends the further one is furthest outside; `x` has each chord's front end, where its search starts and ends.
+    /// The chord in a row of whose ends the further one is furthest outside; `x` has each chord's front end, where its
+    /// search starts and ends.
     pub(super) fn search(&self, body: &Body, x: &mut [f64; 2], row: Row, accuracy: Accuracy, reach: f64) -> Held {
         let Row { t, p, feed } = row;
         let (one, other) = self.pairs(feed);
@@ -86,7 +88,8 @@ impl Clearing {
         self.search(body, &mut x, row, Accuracy::full(row.p), reach).chord.value
     }
 
-    /// Whether the chords and the lines from the contact to their ends run inside the body, as far as a few places on them show.
+    /// Whether the chords and the lines from the contact to their ends run inside the body, as far as a few places on
+    /// them show.
     pub(super) fn is_seen(&self, body: &Body, x: [f64; 2], Row { t, p, feed }: Row) -> bool {
         let (one, other) = self.pairs(feed);
         [Some(one), other].into_iter().zip(x).filter_map(|(marks, x)| Some((marks?, x))).all(|(marks, x)| {

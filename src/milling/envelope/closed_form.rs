@@ -9,7 +9,8 @@ use std::convert::Infallible;
 impl Envelope {
     /// h on a plane for marks of equal depth, where it has a closed form.
     pub(super) fn closed_form(&self, s: f64, f: f64) -> Option<f64> {
-        // Only the cylinder touches a wall. On a floor the corners of the rectangle between two teeth of two passes lie on the flat or on the corner's round.
+        // Only the cylinder touches a wall. On a floor the corners of the rectangle between two teeth of two passes lie
+        // on the flat or on the corner's round.
         if let Some(disc) = self.disc() {
             return Some(disc.height((s * disc.shares[0]).hypot(f * disc.shares[1])));
         }
@@ -34,14 +35,17 @@ impl Envelope {
 
     /// h1 of a flat-end cutter between floor and wall.
     ///
-    /// The outline seen along the feed is half of the edge's circle, the half within 90 deg of the feed's line seen from above, and the
-    /// side over both its ends. Where the circle is at the angle delta from the contact it is R sin(S) (1 - cos(delta)) high. Ridges
-    /// between two edges are the ends of a chord along the level line, of which the outline shows the part cos(theta):
+    /// The outline seen along the feed is half of the edge's circle, the half within 90 deg of the feed's line seen
+    /// from above, and the side over both its ends. Where the circle is at the angle delta from the contact it is R
+    /// sin(S) (1 - cos(delta)) high. Ridges between two edges are the ends of a chord along the level line, of which
+    /// the outline shows the part cos(theta):
     ///
-    /// h1 = R sin(S) (1 - cos(delta)), sin(delta) = s / (2 R cos(theta)), while delta <= 90 deg - alpha, where the side begins.
+    /// h1 = R sin(S) (1 - cos(delta)), sin(delta) = s / (2 R cos(theta)), while delta <= 90 deg - alpha, where the side
+    /// begins.
     ///
-    /// Ridges between edge and side lie on the circle at s cos(S) / cos(climb) from the side, seen from above: at the angle epsilon from
-    /// where it begins, with R (1 - cos(epsilon)) that distance, and at delta = epsilon - (90 deg - alpha) from the contact.
+    /// Ridges between edge and side lie on the circle at s cos(S) / cos(climb) from the side, seen from above: at the
+    /// angle epsilon from where it begins, with R (1 - cos(epsilon)) that distance, and at delta = epsilon - (90 deg -
+    /// alpha) from the contact.
     fn edge_height(&self, s: f64) -> f64 {
         let (outer, sin) = (self.cutter.outer_radius().mm(), self.contact().slope().sin());
         let (along_steepest, alpha) = (self.contact().theta().cos().abs(), self.contact().alpha());
@@ -54,14 +58,15 @@ impl Envelope {
     }
 }
 
-/// The cutter on a plane floor or wall, where its section at every height is a disc, of a flat and a round at its rim, or a strip.
+/// The cutter on a plane floor or wall, where its section at every height is a disc, of a flat and a round at its rim,
+/// or a strip.
 #[derive(Debug, Clone, Copy)]
 struct Disc {
     /// The radius of the flat.
     flat: f64,
     /// The radius of the round.
     round: f64,
-    /// The shares of the passes' and of the marks' distance that count.
+    /// The factors of the passes' and of the marks' distance seen from above.
     shares: [f64; 2],
 }
 
@@ -85,8 +90,9 @@ impl Disc {
     }
 }
 
-/// With runout a chord ends in the section of a deep mark or of a shallow one, which is that of the height p - delta. All sections are centred over the contact, so that of the intervals that alternating
-/// marks and deep marks alone clear one holds the other.
+/// With runout a chord ends in the section of a deep mark or of a shallow one, which is that of the height p - delta.
+/// All sections are centred over the contact, so that of the intervals that alternating marks and deep marks alone
+/// clear one holds the other.
 impl Envelope {
     fn disc(&self) -> Option<Disc> {
         let (slope, outer) = (self.contact().slope(), self.cutter.outer_radius().mm());
@@ -120,7 +126,8 @@ impl Envelope {
         Some(by_deep.map_or(alternating, |by_deep| by_deep.min(alternating)))
     }
 
-    /// The largest feed per tooth that keeps the height p on a plane floor or wall in passes s apart; 0 where none does.
+    /// The largest feed per tooth that keeps the height p on a plane floor or wall in passes s apart; 0 where none
+    /// does.
     pub(super) fn feed_on_floor_or_wall(&self, p: f64, s: f64) -> Option<f64> {
         let disc = self.disc()?;
         let pattern = self.pattern(1.0);
@@ -142,7 +149,8 @@ impl Envelope {
         } else if pattern.shallow_pairs || pattern.is_even() {
             disc.half_chord(p - pattern.drop, along).unwrap_or(0.0)
         } else {
-            // Two circles whose centres are a feed apart meet at this distance from the line between them, unless the smaller one's widest place is inside the other.
+            // Two circles whose centres are a feed apart meet at this distance from the line between them, unless the
+            // smaller one's widest place is inside the other.
             let (deep, shallow) = (disc.radius(p), disc.radius(p - pattern.drop));
             let from_shallow = (along - (deep - shallow) * (deep + shallow) / along) / 2.0;
             if from_shallow <= 0.0 { shallow } else { ((shallow - from_shallow) * (shallow + from_shallow)).max(0.0).sqrt() }

@@ -1,5 +1,5 @@
-//! The model on concave surfaces, where the section at a height need not be convex: what the searches found is held against the section's outline, and sought again from there
-//! where the two differ.
+//! The model on concave surfaces, where the section at a height need not be convex: the results of the searches are
+//! compared with the section's outline, and searched again from there if they differ.
 
 use super::Envelope;
 use super::clearing::Clearing;
@@ -8,17 +8,18 @@ use super::outline::{Cleared, Outline, Outlook};
 use super::section::{Pattern, Section};
 use crate::quantity::Length;
 
-/// By how much the outline, a polygon inside the section, may be wider than the section: as a share of a height. A width differs by half as much.
+/// The share of a height by which the outline, a polygon inside the section, may be wider than the result. A width
+/// differs by half as much.
 const COARSE: f64 = 0.03;
 
-/// By how much it may be narrower: where the section ends in thin tips, which the polygon cuts off.
+/// The share by which it may be narrower, because the polygon cuts off thin tips of the section.
 const CUT_OFF: f64 = 0.3;
 
 /// Steps that narrow a height on the outline down to a tenth of [`COARSE`].
 const MOST_STEPS: usize = 40;
 
 impl Envelope {
-    /// What a pattern of marks clears on the outline `deep` at the height p.
+    /// The interval that a pattern of marks clears on the outline `deep` at the height p.
     fn cleared_by(outlook: &Outlook<'_>, deep: &Outline, p: f64, pattern: &Pattern) -> Option<Cleared> {
         if pattern.is_even() {
             return deep.cleared(pattern.spacing);
@@ -27,8 +28,8 @@ impl Envelope {
         deep.cleared_by(pattern, shallow.as_ref())
     }
 
-    /// h for passes s apart: `found`, where the outline agrees with it, otherwise what is found from the outline; `None` where no height clears s. Where `found` is known to clear s, only
-    /// lower heights are in question.
+    /// h for passes s apart: `found`, where the outline agrees with it, otherwise what is found from the outline;
+    /// `None` where no height clears s. Where `found` is known to clear s, only lower heights are in question.
     pub(super) fn height_on_concave(&self, s: f64, pattern: Pattern, found: Option<f64>, is_clear: bool) -> Option<f64> {
         let highest = 4.0 * self.cutter.outer_radius().mm();
         let found = found.filter(|found| *found < highest);
@@ -96,7 +97,8 @@ impl Envelope {
         Some(quick.or_else(general).unwrap_or(high))
     }
 
-    /// The largest step-over that keeps the height p, at most `largest`: `found`, which keeps it, where the outline has no larger one, otherwise what is found from the outline.
+    /// The largest step-over that keeps the height p, at most `largest`: `found`, which keeps it, where the outline has
+    /// no larger one, otherwise what is found from the outline.
     pub(super) fn step_over_on_concave(&self, p: f64, pattern: Pattern, found: Option<f64>, largest: f64) -> f64 {
         let under = p * (1.0 - COARSE);
         let outlook = Outlook::new(&self.body, under);
@@ -116,8 +118,8 @@ impl Envelope {
         quick.filter(agrees).or_else(general).unwrap_or_else(|| width(p))
     }
 
-    /// The largest feed per tooth that keeps the height p in passes s apart, at most `largest`: `found`, which keeps it, where the outline has no larger one, otherwise what is found
-    /// from the outline.
+    /// The largest feed per tooth that keeps the height p in passes s apart, at most `largest`: `found`, which keeps
+    /// it, where the outline has no larger one, otherwise what is found from the outline.
     pub(super) fn feed_on_concave(&self, p: f64, s: f64, found: Option<f64>, largest: f64) -> Option<f64> {
         let outlook = Outlook::new(&self.body, p * (1.0 - COARSE));
         let with_shallow = |deep: Outline, p: f64| (deep, (self.drop > 0.0 && p > self.drop).then(|| outlook.at(p - self.drop, &deep)));

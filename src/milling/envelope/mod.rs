@@ -1,14 +1,15 @@
-//! Model `envelope`: the height that the cutter's whole lower body leaves, with no circle in its place.
+//! Model `envelope`: the height that the cutter's exact lower body leaves.
 //!
-//! The analytic radii are curvatures at one point. Near the horizontal the groove is far narrower than its curvature says, at oblique feed
-//! neighbouring tooth marks meet along the feed and not in its normal plane, and on steep walls the cutter's side takes over from its
-//! corner. Here the height is that of the highest place that some phase between the teeth of neighbouring passes can leave uncut:
-//! a bound, and reached.
+//! The analytic radii are curvatures at one point. Near the horizontal the groove is far narrower than the circle of
+//! its curvature, at oblique feed neighbouring tooth marks meet along the feed and not in its normal plane, and on
+//! steep walls the cutter's side cuts beside its corner. Here the height is that of the highest place that some phase
+//! between the teeth of neighbouring passes can leave uncut: a bound, and reached.
 //!
-//! What is assumed: a tooth prints the whole body at its place, that is, the feed per revolution is small against the cutter's
-//! circumference; the cutter's side is as long as the wall that it passes; passes are parallel, and the surface is of the second order:
-//! what changes along it is left out. This file has the model's answers, `section` the general search, `newton` a quicker one that proves its outcome,
-//! `chord` what both search along the feed, and `body` the cutter's solid.
+//! Assumptions: a tooth cuts the shape of the whole body, that is, the feed per revolution is small compared with the
+//! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel, and the
+//! surface is of the second order: what changes along it is left out. This file has the model's answers, `section` the
+//! general search, `newton` a quicker one that proves its outcome, `chord` what both search along the feed, and `body`
+//! the cutter's solid.
 
 mod body;
 mod chord;
@@ -33,19 +34,20 @@ use std::num::NonZeroU32;
 
 /// The envelope model at one contact. It has an answer at every slope from 0 to 90 deg, for every cutter.
 ///
-/// **Heights.** h is the lowest height at which the cutter's section parallel to the surface holds two chords along the feed, both as long
-/// as the tooth marks are apart and lying the step-over s apart. h1 is the same with chords of no length, and the feed's share is
-/// h - h1. Both grow with s and with the feed.
+/// **Heights.** h is the lowest height at which the cutter's section parallel to the surface holds two chords along the
+/// feed, both as long as the tooth marks are apart and lying the step-over s apart. h1 is the same with chords of no
+/// length, and the feed's share is h - h1. Both grow with s and with the feed.
 ///
-/// **Where passes overlap.** Seen from above a pass clears a strip 2R wide, and the teeth print circles of radius R. With d the
-/// passes' distance and f the marks' distance seen from above, something stays uncut from top to bottom unless d^2 + f^2 <= 4 R^2;
-/// that is an error. On a wall along which the feed runs d is 0 whatever s.
+/// **Where passes overlap.** Seen from above a pass clears a strip 2R wide, and the teeth print circles of radius R.
+/// With d the passes' distance and f the marks' distance seen from above, something stays uncut from top to bottom
+/// unless d^2 + f^2 <= 4 R^2; that is an error. On a wall along which the feed runs d is 0 whatever s.
 ///
-/// **Curved surfaces.** Heights count over the surface 1/2 u'Ku under the tangent plane, in which the relative curvature of cutter and surface is exact; the third
-/// order is left out.
+/// **Curved surfaces.** Heights count over the surface 1/2 u'Ku under the tangent plane, in which the relative
+/// curvature of cutter and surface is exact; the third order is left out.
 ///
-/// **Runout.** Heights count from the surface that the deepest tooth touches, whose radius is R + |rr|. The shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep. A pass clears
-/// what a deep mark and a shallow one, the feed per tooth apart, leave in the worse order; or what deep marks alone leave, z f_z apart.
+/// **Runout.** Heights count from the surface that the deepest tooth touches, whose radius is R + |rr|. The shallowest
+/// tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep. A pass clears what a deep mark and a shallow one, the
+/// feed per tooth apart, leave in the worse order; or what deep marks alone leave, z f_z apart.
 #[derive(Debug, Clone, Copy)]
 pub struct Envelope {
     pass: Pass,
@@ -60,7 +62,7 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// Places the cutter on the surface.
+    /// Prepares the cutter in contact with the surface.
     ///
     /// # Errors
     /// [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
@@ -78,19 +80,21 @@ impl Envelope {
         self.relative_curvature
     }
 
-    /// The largest change, as a share of the ridge's height, that the third order of the surface makes to a mark's height at the ridge between passes s apart, their marks f
-    /// apart; an estimate by the curvature at the contact.
+    /// The largest change, as a share of the ridge's height, that the third order of the surface makes to a mark's
+    /// height at the ridge between passes s apart, their marks f apart; an estimate by the curvature at the contact.
     ///
-    /// From the contact to a mark beside the ridge the normal turns by K u, so that the cutter's line of steepest slope turns by (K u)_level / tan(S) in the tangent plane and the
-    /// slope changes by (K u)_steepest. Both change C^-1 = diag(1/r, 1/q), q = (R - r)/sin(S) + r, hence the mark's height by 1/2 u' (change of C^-1) u. The changes of both
-    /// passes' marks have opposite signs, so that h itself changes with the square of this share.
+    /// From the contact to a mark beside the ridge the normal turns by K u, so that the cutter's line of steepest slope
+    /// turns by (K u)_level / tan(S) in the tangent plane and the slope changes by (K u)_steepest. Both change C^-1 =
+    /// diag(1/r, 1/q), q = (R - r)/sin(S) + r, hence the mark's height by 1/2 u' (change of C^-1) u. The changes of
+    /// both passes' marks have opposite signs, so that h itself changes with the square of this share.
     pub(super) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         if self.pass.surface.is_plane() {
             return 0.0;
         }
         let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
         let share = self.body.third_order(s, f) * 8.0 / (s * s * self.groove_curvature);
-        // At an exact floor, and for a sharp edge, a product of 0 and infinity: the normal does not turn there, or everything turns with it.
+        // At an exact floor, and for a sharp edge, a product of 0 and infinity: the normal does not turn there, or
+        // everything turns with it.
         if share.is_nan() { f64::INFINITY } else { share }
     }
 
@@ -101,7 +105,8 @@ impl Envelope {
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
         let step_over_height = self.height(step_over.mm(), Pattern::even(0.0))?;
         let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(step_over.mm(), self.pattern(feed.mm())))?;
-        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds for both.
+        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds
+        // for both.
         let step_over_height = step_over_height.min(total);
         // h is never under h1; where marks leave next to nothing, rounding may put it there.
         let feed = (total - step_over_height).max(0.0);
@@ -142,12 +147,13 @@ impl Envelope {
         match found {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
             Some(feed) => self.confirmed(feed, tolerance.mm(), height).map_or_else(used_up, |feed| Ok(Length::computed(feed))),
-            // Room for less than any feed that can be stated.
+            // The tolerance allows only feeds below the smallest accepted one.
             None => used_up(),
         }
     }
 
-    /// The largest feed per tooth up to `largest` at which the pass clears the step-over s down to the height p; `None` where none does from [`Length::SMALLEST`] on.
+    /// The largest feed per tooth up to `largest` at which the pass clears the step-over s down to the height p; `None`
+    /// where none does from [`Length::SMALLEST`] on.
     fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
         let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
         if excess(largest) <= 0.0 {
@@ -240,9 +246,11 @@ impl Envelope {
         }
     }
 
-    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` where the smallest does not keep it.
+    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` where the
+    /// smallest does not keep it.
     ///
-    /// Where the section is not convex an inverse and the height can differ by what their outlines do. The height has the last word, so that no answer exceeds the tolerance.
+    /// Where the section is not convex an inverse and the height can differ by what their outlines do. The height
+    /// decides, so that no answer exceeds the tolerance.
     fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         if self.is_convex_up_to(tolerance) {
             return Some(found);
@@ -263,7 +271,8 @@ impl Envelope {
         Pattern { spacing: feed, deep_spacing: f64::from(teeth) * feed, drop: self.drop, shallow_pairs: teeth > 2 }
     }
 
-    /// The ridge by the quick search; `None` where its outcome is not proved, and where a sharp edge or a wall makes that hopeless.
+    /// The ridge by the quick search; `None` where its outcome is not proved, and where a sharp edge or a wall makes
+    /// that hopeless.
     fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
         if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
     }
@@ -324,15 +333,16 @@ impl Envelope {
         self.pass.contact
     }
 
-    /// d/s, how near the passes come seen from above: cos(S) / cos(climb), by which a square with a side along the feed shrinks, less
-    /// its shrinking along the feed. On a wall 1 for the vertical feed and 0 for any other, whatever alpha, which only theta tells
-    /// apart there.
+    /// d/s, how near the passes come seen from above: cos(S) / cos(climb), by which a square with a side along the feed
+    /// shrinks, less its shrinking along the feed. On a wall 1 for the vertical feed and 0 for any other, whatever
+    /// alpha; only theta distinguishes feeds there.
     fn spacing_ratio(&self) -> f64 {
         if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
     }
 
-    /// About h, for a search to start from: the parabola of the groove, and along the feed that of radius R. For the groove that is less than h near
-    /// the floor, from where Newton's steps rise steadily; from far above they overshoot.
+    /// About h, for a search to start from: the parabola of the groove, and along the feed that of radius R. For the
+    /// groove that is less than h near the floor, from where Newton's steps rise steadily; from far above they
+    /// overshoot.
     fn guess(&self, s: f64, pattern: Pattern) -> f64 {
         let outer = self.cutter.outer_radius().mm();
         let f = if pattern.is_even() {
@@ -372,7 +382,8 @@ impl Envelope {
         self.height_on_concave(s, pattern, level, false)
     }
 
-    /// Why passes s apart leave no height although they and their marks overlap seen from above: on a curved surface the grooves, or with them the marks, do not meet.
+    /// Why passes s apart leave no height although they and their marks overlap seen from above: on a curved surface
+    /// the grooves, or with them the marks, do not meet.
     fn no_height(&self, s: f64) -> NoAnswer {
         let outer = self.cutter.outer_radius().mm();
         let levels = [0.25, 1.0, 2.0].map(|share| share * outer);
@@ -394,7 +405,8 @@ impl Envelope {
         NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_mark_spacing) }
     }
 
-    /// The largest feed per tooth up to `largest` that keeps the height p in passes s apart, from a guess; `quick` is what the quick search found.
+    /// The largest feed per tooth up to `largest` that keeps the height p in passes s apart, from a guess; `quick` is
+    /// what the quick search found.
     fn feed_at(&self, p: f64, s: f64, quick: Option<f64>, guess: f64, largest: f64) -> Option<f64> {
         if !self.is_convex_up_to(p) {
             return self.feed_on_concave(p, s, quick, largest);
@@ -402,8 +414,8 @@ impl Envelope {
         quick.or_else(|| self.feed_held(p, s, guess, largest))
     }
 
-    /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved surface. A rounding
-    /// less, so that it is in the domain itself; never more than can be stated.
+    /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved
+    /// surface. A rounding less, so that it is in the domain itself; at most the largest accepted length.
     fn largest_step_over(&self, f: f64) -> f64 {
         let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
         on_plane.min(2.0 / self.pass.surface.across_per_mm().abs())
@@ -415,7 +427,8 @@ impl Envelope {
     }
 }
 
-/// The length whose part `ratio` and the leg `leg` have the hypotenuse `hypotenuse`, a rounding less; at most what can be stated.
+/// The length whose part `ratio` and the leg `leg` have the hypotenuse `hypotenuse`, a rounding less; at most the
+/// largest accepted length.
 fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
     let room = ((hypotenuse - leg) * (hypotenuse + leg)).max(0.0).sqrt();
     (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)

@@ -1,17 +1,18 @@
-//! Newton's method on all unknowns of the ridge at once: quick, and without an answer unless the outcome is proved.
+//! Newton's method on all unknowns of the ridge at once: the fast search, which has an answer only if the result is
+//! proved.
 //!
-//! The ridge is where four places lie on the body: the ends of two chords along the feed, both as long as the marks are apart (f), lying
-//! the step-over (s) apart, at one height p. Any of p, s and f can be sought when the others are given: the body's section at a height
-//! never shrinks with the height, so the largest s, or f, that the section at a tolerance holds is the largest one that keeps the
-//! tolerance.
+//! The ridge is where four places lie on the body: the ends of two chords along the feed, both as long as the marks are
+//! apart (f), lying the step-over (s) apart, at one height p. Any of p, s and f can be sought when the others are
+//! given: the body's section at a height never shrinks with the height, so the largest s, or f, that the section at a
+//! tolerance holds is the largest one that keeps the tolerance.
 //!
-//! What proves the outcome is convexity. The distance to the body is nowhere less than a tangent, hence the greatest of four distances
-//! nowhere less than a mean of their tangents. With weights that make the mean independent of where the chords lie, its root bounds what
-//! is sought on one side; four places that are not outside the body bound it on the other. Where both bounds meet within a few
-//! roundings, it does not matter how the search came there.
+//! Convexity proves the result. The distance to the body is nowhere less than a tangent, hence the greatest of four
+//! distances nowhere less than a mean of their tangents. With weights that make the mean independent of where the
+//! chords lie, its root bounds what is sought on one side; four places that are not outside the body bound it on the
+//! other. If both bounds agree within a few rounding errors, the path of the search does not matter.
 //!
-//! On a concave surface the distance is convex near the contact only. There the outcome is taken where the lines from the contact to all four
-//! places, and the chords, run inside the body.
+//! On a concave surface the distance is convex near the contact only. There the outcome is taken where the lines from
+//! the contact to all four places, and the chords, run inside the body.
 
 use super::body::Body;
 use super::chord::{Accuracy, balance};
@@ -25,7 +26,7 @@ pub(super) struct Lengths {
     pub(super) mark_spacing: f64,
 }
 
-/// Which of the three is sought.
+/// The unknown of the three.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sought {
     Level,
@@ -33,7 +34,8 @@ pub(super) enum Sought {
     MarkSpacing,
 }
 
-/// Quadratic convergence takes four to six steps from a guess that is right to a few percent, and some more from elsewhere.
+/// Quadratic convergence takes four to six steps from a guess that is right to a few percent, and some more from
+/// elsewhere.
 const MOST_STEPS: usize = 24;
 
 /// Steps with roughly searched chords. Where these do not suffice a chord's parabola is misleading: it runs across an edge of the body.
@@ -46,7 +48,8 @@ pub(super) struct Ridge {
     pub(super) place: Place,
 }
 
-/// The ridge on the body for marks of equal depth, of whose lengths the sought one is only a guess; `None` unless the outcome is proved.
+/// The ridge on the body for marks of equal depth, of whose lengths the sought one is only a guess; `None` unless the
+/// outcome is proved.
 pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths) -> Option<Lengths> {
     let both = [Clearing::EVEN; 2];
     solve_from(body, sought, lengths, Place::start(body, lengths.step_over, both, lengths.mark_spacing), both).map(|ridge| ridge.lengths)
@@ -72,7 +75,8 @@ pub(super) fn solve_from(
         let far_held = far_marks.search(body, &mut place.neighbour_x, row(place.t - s), accuracy, reach);
         let (near, far) = (&near_held.chord, &far_held.chord);
         if !(near.by_side > 0.0 && far.by_side < 0.0) {
-            // The chords have to lie on both sides of the deepest one; the change of slope between them shows about where that is.
+            // The chords have to lie on both sides of the deepest one; the change of slope between them shows about
+            // where that is.
             let aside = -s * f64::midpoint(near.by_side, far.by_side) / (near.by_side - far.by_side);
             if aside.is_nan() {
                 return None;
@@ -125,8 +129,8 @@ impl Change {
     const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
 }
 
-/// A change that leaves a quarter of the length at least and makes it four times as long at most: from far off a tangent may point below 0
-/// or to the horizon. The level needs the former only, since no tangent leads above h.
+/// A change that leaves a quarter of the length at least and makes it four times as long at most: from far off a
+/// tangent may point below 0 or to the horizon. The level needs the former only, since no tangent leads above h.
 fn bounded(change: f64, length: f64) -> f64 {
     change.clamp(-0.75 * length, 3.0 * length)
 }
@@ -142,7 +146,8 @@ fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Ch
     }
 }
 
-/// Where the search for the ridge stands: the offset t, and where both edges' chords end along the feed, two of each where deep and shallow marks alternate.
+/// Where the search for the ridge stands: the offset t, and where both edges' chords end along the feed, two of each
+/// where deep and shallow marks alternate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) t: f64,
@@ -154,7 +159,8 @@ impl Place {
     /// Half-way between the passes, the chords where the body is a paraboloid.
     pub(super) fn start(body: &Body, step_over: f64, [near, far]: [Clearing; 2], feed: f64) -> Self {
         let (half_step, radii) = (step_over / 2.0, body.relative_radii());
-        // A sharp edge fed along the level line has no radius across the feed; its lowest places are somewhere on the cutter.
+        // A sharp edge fed along the level line has no radius across the feed; its lowest places are somewhere on the
+        // cutter.
         let ahead = (radii.skew * half_step / radii.across.max(f64::MIN_POSITIVE)).clamp(-body.reach(), body.reach());
         Self { t: half_step, x: [near.spacing(feed) / 2.0 + ahead; 2], neighbour_x: [far.spacing(feed) / 2.0 - ahead; 2] }
     }

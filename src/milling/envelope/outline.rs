@@ -1,17 +1,21 @@
-//! The cutter's section at a height as it is seen from the contact, as a polygon: coarse, but with no other lobe of the section to be mistaken for it.
+//! The cutter's section at a height as it is seen from the contact, as a polygon: coarse, but without other lobes of
+//! the section.
 //!
-//! On a concave surface {H <= p} need not be convex, and it can have parts that do not hang together. What counts is its part that is **seen from the contact**: a
-//! place belongs to it where H stays under p on the whole line from the contact to the place. That part never shrinks when p rises, and it changes
-//! continuously with every input, because the greatest H on a line does; where a ridge beside the contact is passed, it grows at once, so that step-overs
-//! jump there and heights do not. On planes and convex surfaces it is the whole section.
+//! On a concave surface {H <= p} need not be convex, and it can have several parts. The part that matters is the one
+//! **visible from the contact**: a place belongs to it where H stays under p on the whole line from the contact to the
+//! place. That part never shrinks when p rises, and it changes continuously with every input, because the greatest H on
+//! a line does; where a ridge beside the contact is passed, it grows at once, so that step-overs jump there and heights
+//! do not. On planes and convex surfaces it is the whole section.
 //!
-//! A pass clears the offset t down to p where the row of that part at t holds an interval as long as the marks are apart, whatever else the row holds; and the height
-//! for a step-over s is the least p at which such offsets fill an interval as wide as s.
+//! A pass clears the offset t down to p where the row of that part at t holds an interval as long as the marks are
+//! apart, whatever else the row holds; and the height for a step-over s is the least p at which such offsets fill an
+//! interval as wide as s.
 
 use super::body::Body;
 use super::section::Pattern;
 
-/// Lines from the contact, by which the polygon is made: a first round of them evenly, then where the polygon's sides are longest, the last ones beside its corners furthest across the feed.
+/// Lines from the contact, by which the polygon is made: a first round of them evenly, then where the polygon's sides
+/// are longest, the last ones beside its corners furthest across the feed.
 const LINES: usize = 48;
 const FIRST_LINES: usize = 16;
 const EVEN_LINES: usize = 36;
@@ -115,10 +119,11 @@ impl<'a> Outlook<'a> {
         Outline { corners }
     }
 
-    /// How far the section reaches from the contact in a direction, up to the first place outside.
+    /// The extent of the section from the contact in a direction, up to the first point outside.
     ///
-    /// Along a line H is convex on either side of the flat, and a parabola on it. So the line is looked at where it enters and leaves the flat, where it is nearest to the axis and where the
-    /// parabola is highest; between neighbouring ones of these the edge is crossed once at the most.
+    /// Along a line H is convex on either side of the flat, and a parabola on it. The line is therefore evaluated where
+    /// it enters and leaves the flat, where it is nearest to the axis and where the parabola is highest; between two
+    /// neighbouring ones of these it crosses the edge at most once.
     fn exit(&self, direction: [f64; 2], p: f64, start: f64) -> f64 {
         let outside = |length: f64| self.body.distance(length * direction[0], length * direction[1], p);
         let (mut low, mut high) = (0.0, f64::INFINITY);
@@ -172,7 +177,7 @@ fn distance_of([x, t]: [f64; 2]) -> f64 {
     x.hypot(t)
 }
 
-/// No place beyond this one counts, in mm.
+/// The largest distance that is considered, in mm.
 const FURTHEST: f64 = 2e6;
 
 /// A row of the outline: its intervals' ends in order.
@@ -207,7 +212,8 @@ impl Outline {
         })
     }
 
-    /// The widest interval of offsets that a pattern of deep and shallow marks clears; `shallow` is the outline for the shallow ones, `None` where these do not reach as deep.
+    /// The widest interval of offsets that a pattern of deep and shallow marks clears; `shallow` is the outline for the
+    /// shallow ones, `None` where these do not reach as deep.
     pub(super) fn cleared_by(&self, pattern: &Pattern, shallow: Option<&Self>) -> Option<Cleared> {
         let f = pattern.spacing;
         self.widest(f, |t| {
@@ -225,7 +231,8 @@ impl Outline {
         })
     }
 
-    /// The widest interval of offsets at which `excess` is not negative, between the rows through the corners by proportion.
+    /// The widest interval of offsets at which `excess` is not negative, between the rows through the corners by
+    /// proportion.
     fn widest(&self, f: f64, excess: impl Fn(f64) -> Option<(f64, f64)>) -> Option<Cleared> {
         let mut offsets = self.corners.map(|corner| corner[1]);
         offsets.sort_unstable_by(f64::total_cmp);

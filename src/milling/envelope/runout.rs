@@ -1,7 +1,10 @@
-//! Runout by the quick search: a pass clears what deep and shallow marks leave side by side, or what the deepest tooth's marks alone leave.
+//! The fast search with runout: a pass clears the offsets of deep and shallow marks side by side, and those of the
+//! deepest tooth's marks alone.
 //!
-//! Each of the two clears an interval of offsets, of which each has a right and a left edge. Where the intervals meet the pass clears both together, so that a ridge can lie between an edge of one
-//! and an edge of the other. With all edges of one kind of marks, and with one edge of each, the search is that for one convex function, and its outcome is proved as without runout.
+//! Each of the two clears an interval of offsets, of which each has a right and a left edge. Where the intervals meet
+//! the pass clears both together, so that a ridge can lie between an edge of one and an edge of the other. With all
+//! edges of one kind of marks, and with one edge of each, the search is that for one convex function, and its outcome
+//! is proved as without runout.
 
 use super::Envelope;
 use super::clearing::{Clearing, Row};
@@ -9,7 +12,8 @@ use super::newton::{self, Lengths, Place, Ridge, Sought};
 use super::section::Pattern;
 use crate::quantity::Length;
 
-/// By how far a place is inside, as a share of the height, before it counts as cleared by the other marks, too: some hundred roundings.
+/// The depth inside, as a share of the height, from which a point counts as cleared by the other marks as well: some
+/// hundred rounding errors.
 const INSIDE: f64 = 1e-13;
 
 /// A ridge between marks of one kind.
@@ -47,7 +51,8 @@ impl Envelope {
         })
     }
 
-    /// The ridge with one edge of `best` and one of `other` marks where it is better than `best` itself, otherwise `best`; `None` where the search for it ends without an answer.
+    /// The ridge with one edge of `best` and one of `other` marks where it is better than `best` itself, otherwise
+    /// `best`; `None` where the search for it ends without an answer.
     fn or_with(&self, sought: Sought, best: Found, other: Clearing) -> Option<Ridge> {
         let Lengths { level, step_over, mark_spacing } = best.ridge.lengths;
         let Place { t, x, neighbour_x } = best.ridge.place;
@@ -95,7 +100,8 @@ impl Envelope {
         Some(ridge.lengths.level)
     }
 
-    /// The largest feed per tooth that keeps the height p in passes s apart, which alone leave `step_over_height` < p; `None` where the search's outcome is not proved.
+    /// The largest feed per tooth that keeps the height p in passes s apart, which alone leave `step_over_height` < p;
+    /// `None` where the search's outcome is not proved.
     pub(super) fn quick_feed_with_runout(&self, p: f64, s: f64, step_over_height: f64, guess: f64) -> Option<f64> {
         let pattern = self.pattern(guess);
         if !self.is_quick(guess) {
@@ -119,14 +125,16 @@ impl Envelope {
         Some(ridge.lengths.mark_spacing)
     }
 
-    /// The largest step-over that keeps the height p; 0 where the marks leave more, `None` where the search's outcome is not proved.
+    /// The largest step-over that keeps the height p; 0 where the marks leave more, `None` where the search's outcome
+    /// is not proved.
     pub(super) fn quick_step_over_with_runout(&self, p: f64, pattern: &Pattern, guess: f64) -> Option<f64> {
         if !self.is_quick(pattern.spacing) {
             return None;
         }
         let [alternating, deep] = self.kinds(pattern);
         let lengths = |level: f64, step_over: f64| Lengths { level, step_over, mark_spacing: pattern.spacing };
-        // The interval of offsets that marks of one kind clear, from the right; empty where passes side by side leave more.
+        // The interval of offsets that marks of one kind clear, from the right; empty where passes side by side leave
+        // more.
         let interval = |marks: Clearing| {
             if let Some(found) = self.ridge_between(Sought::StepOver, lengths(p, guess), marks) {
                 let right = found.ridge.place.t;

@@ -1,4 +1,4 @@
-//! The model against its table, its closed forms and its laws.
+//! Tests of the model: its table, its closed forms and its laws.
 
 use super::closed_form::circle_height;
 use super::*;
@@ -32,7 +32,7 @@ fn curved(pass: Pass, radius: f64) -> Pass {
     Pass { surface: SurfaceCurvature::from_radius_mm(radius).unwrap(), ..pass }
 }
 
-/// A pass by vectors, which tell all feeds on a wall apart: slope and theta in degrees.
+/// A pass by vectors, which distinguish all feeds on a wall; slope and theta in degrees.
 fn by_theta(cutter: Cutter, slope: f64, theta: f64) -> Envelope {
     let (slope, theta) = (Angle::from_degrees(slope).unwrap(), Angle::from_degrees(theta).unwrap());
     let feed = [slope.cos() * theta.cos(), theta.sin(), -slope.sin() * theta.cos()];
@@ -79,7 +79,7 @@ fn searched(envelope: &Envelope, s: f64, f: f64) -> f64 {
 }
 
 #[test]
-fn the_check_values_come_out_to_their_printed_digits() {
+fn the_check_values_agree_to_their_printed_digits() {
     // Slope and alpha in deg, step-over in mm, h1 in um, for R = 5 mm, r = 2 mm.
     for (slope, alpha, step_over, micrometres) in [
         (40.0, 0.0, 0.73, 10.006),
@@ -98,8 +98,9 @@ fn the_check_values_come_out_to_their_printed_digits() {
     }
 }
 
-/// h1 by another route: the body's outline seen along the feed, an ellipse offset by r, from its support function r + a sqrt(m_x^2 +
-/// m_y^2), as a curve over the angle of its normal. Both flanks are followed by halving to the level at which they are s apart.
+/// h1 by another route: the body's outline seen along the feed, an ellipse offset by r, from its support function r + a
+/// sqrt(m_x^2 + m_y^2), as a curve over the angle of its normal. Both flanks are followed by halving to the level at
+/// which they are s apart.
 fn step_over_height_of_outline(cutter: Cutter, contact: Contact, s: f64) -> f64 {
     let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
     let (axis_up, axis_aside) = (contact.slope().cos(), contact.slope().sin() * contact.theta().sin().abs());
@@ -141,7 +142,8 @@ proptest! {
         let envelope = by_theta(cutter(outer, ratio), slope, theta);
         let s = share * outer;
         let other = step_over_height_of_outline(envelope.cutter, envelope.contact(), s);
-        // The outline's coordinates are of the size of R, 10 mm, so that its levels carry a few roundings of 10 mm: 1e-14 mm.
+        // The outline's coordinates are of the size of R, 10 mm, so that its levels carry a few roundings of 10 mm:
+        // 1e-14 mm.
         approx::assert_abs_diff_eq!(envelope.height(s, Pattern::even(0.0)).unwrap(), other, epsilon = 2e-14 + 1e-12 * other);
     }
 
@@ -193,8 +195,8 @@ proptest! {
         let body = by_theta(cutter, slope, theta).body;
         let ends = f64::midpoint(body.distance(x, y, p).value, body.distance(u, v, q).value);
         let middle = body.distance(f64::midpoint(x, u), f64::midpoint(y, v), f64::midpoint(p, q)).value;
-        // Distances are up to some 60 mm, whose rounding is 1e-14 mm; a few of them add up, magnified by at most 60 mm / r' where the
-        // sum of distance and corner radius is small, which a random place is not.
+        // Distances are up to some 60 mm, whose rounding is 1e-14 mm; a few of them add up, magnified by at most 60 mm
+        // / r' where the sum of distance and corner radius is small, which a random place is not.
         prop_assert!(middle <= ends + 1e-12, "{middle} over {ends}");
     }
 
@@ -203,7 +205,8 @@ proptest! {
         radius in 0.5..10.0_f64, slope in 0.1..89.9_f64, theta in quarter_turn(), share in 0.01..0.999_f64,
     ) {
         let envelope = by_theta(cutter(radius, 0.0), slope, theta);
-        // Up to where the passes are 2R apart seen from above, and up to 6R on steep walls: edges and sides meet in all their ways.
+        // Up to where the passes are 2R apart seen from above, and up to 6R on steep walls: edges and sides meet in all
+        // their ways.
         let s = share * envelope.largest_step_over(0.0).min(6.0 * radius);
         let general = searched(&envelope, s, 0.0);
         // The search finds the edge to the rounding of s, 60 mm at the most, hence h to a few times 1e-14 mm.
@@ -247,19 +250,22 @@ proptest! {
         if let Ok(step_over) = floor.max_step_over(mm(tolerance), Some(mm(marks))) {
             assert!(is_largest(step_over, &|s| floor.height(s, floor.pattern(marks)).unwrap_or(f64::MAX)), "{step_over:?}");
         }
-        // Within 1e-7 deg = 1.7e-9 rad of floor or wall every place of the body moves by less than 2e-9 * 30 mm along the normal.
+        // Within 1e-7 deg = 1.7e-9 rad of floor or wall every place of the body moves by less than 2e-9 * 30 mm along
+        // the normal.
         let moved = 6e-8;
         for f in [0.0, marks] {
             let floor = by_theta(cutter, 0.0, theta).height(s, Pattern::even(f));
             if let (Ok(floor), Ok(beside)) = (floor, by_theta(cutter, 1e-7, theta).height(s, Pattern::even(f))) {
                 approx::assert_abs_diff_eq!(beside, floor, epsilon = moved);
             }
-            // Along the wall the cutter's side takes off what passes leave; beside it the rest is the side's rise over s.
+            // Along the wall the cutter's side takes off what passes leave; beside it the rest is the side's rise over
+            // s.
             let wall = by_theta(cutter, 90.0, theta).height(s, Pattern::even(f));
             if let (Ok(wall), Ok(beside)) = (wall, by_theta(cutter, 90.0 - 1e-7, theta).height(s, Pattern::even(f)))
                 && (theta <= 0.0 || theta > 1.0)
             {
-                // A feed 1 deg beside the vertical makes the side reach s / tan(1 deg) = 57 s up, and rise as much more.
+                // A feed 1 deg beside the vertical makes the side reach s / tan(1 deg) = 57 s up, and rise as much
+                // more.
                 approx::assert_abs_diff_eq!(beside, wall, epsilon = 60.0 * moved);
             }
         }
@@ -273,8 +279,9 @@ proptest! {
         let step = mm(shrink * ratio * outer);
         let analytic = Analytic::new(pass).unwrap().scallop_height(step, Some(step)).unwrap();
         let envelope = Envelope::new(pass).unwrap().scallop_height(step, Some(step)).unwrap();
-        // Curvature radii change over the distance s by a part of the order s/r; what is odd in s cancels between the two flanks, and
-        // (s/r)^2 stays, magnified by at most 1/sin^2(10 deg) = 33 and, along the slope, by tan^2 of the side's angle, as much again.
+        // Curvature radii change over the distance s by a part of the order s/r; what is odd in s cancels between the
+        // two flanks, and (s/r)^2 stays, magnified by at most 1/sin^2(10 deg) = 33 and, along the slope, by tan^2 of
+        // the side's angle, as much again.
         let part = 70.0 * shrink * shrink;
         approx::assert_relative_eq!(envelope.step_over.mm(), analytic.step_over.mm(), max_relative = part + 1e-9);
         approx::assert_relative_eq!(envelope.feed.mm(), analytic.feed.mm(), max_relative = part + 1e-9);
@@ -296,7 +303,8 @@ proptest! {
         }
     }
 
-    /// Where only a rounding lets the cutter in, the search must not lose its way: the least height is known to be above that before.
+    /// Where passes overlap only by a rounding error, the search must converge: the height must exceed that at a
+    /// smaller distance.
     #[test]
     fn the_widest_passes_and_marks_leave_the_most(
         cutter in cutters(), slope in 0.0..90.0_f64, alpha in 0.0..90.0_f64, share in prop_oneof![1 => Just(0.0), 3 => 0.01..1.0_f64],
@@ -318,10 +326,11 @@ proptest! {
         let Ok(envelope) = Envelope::new(pass) else { return Ok(()) };
         let (s, f) = (mm(share * cutter.outer_radius().mm()), mm(marks));
         let Ok(height) = envelope.scallop_height(s, Some(f)) else { return Ok(()) };
-        // A height to 1e-13 gives a step-over or feed to 1e-13 h / (its part of h). Below 1e-3 of h that part is not asked for 1e-9.
+        // A height to 1e-13 gives a step-over or feed to 1e-13 h / (its part of h). Below 1e-3 of h that part is not
+        // asked for 1e-9.
         prop_assume!(height.feed.mm() > 1e-3 * height.total().mm() && height.step_over.mm() > 1e-3 * height.total().mm());
-        // Where what deep marks alone clear begins to touch what deep and shallow ones clear, the width jumps at one height: several step-overs and feeds leave
-        // that height, and the largest ones are found.
+        // Where what deep marks alone clear begins to touch what deep and shallow ones clear, the width jumps at one
+        // height: several step-overs and feeds leave that height, and the largest ones are found.
         let back = envelope.max_step_over(height.total(), Some(f)).unwrap();
         prop_assert!(back.mm() >= s.mm() * (1.0 - 1e-9));
         if back.mm() > s.mm() * (1.0 + 1e-9) {

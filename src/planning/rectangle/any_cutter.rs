@@ -9,17 +9,18 @@ use crate::surface::Shape;
 /// A zigzag on the rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectanglePlan {
-    /// The line of the passes: the principal direction of a ball-end cutter, the steepest of others; `None` where the surface has none.
+    /// The line of the passes: the principal direction of a ball-end cutter, the steepest of others; `None` where the
+    /// surface has none.
     pub direction: Option<Angle>,
     /// Step-over, passes, length and time.
     pub zigzag: Zigzag,
 }
 
-/// The zigzag of a cutter on the rectangle that stands for a surface: a ball-end cutter along the long side, a toroidal or flat-end cutter up and down
-/// the slope [Herraz et al. 2020, section 6.1].
+/// The zigzag of a cutter on the rectangle that stands for a surface: a ball-end cutter along the long side, a
+/// toroidal or flat-end cutter up and down the slope [Herraz et al. 2020, section 6.1].
 ///
-/// The step-over is at most the cutter's diameter, which is also the answer on a level surface where model `analytic` has none. `None` where the model has
-/// no step-over.
+/// The step-over is at most the cutter's diameter, which is also the answer on a level surface where model `analytic`
+/// has none. `None` where the model has no step-over.
 ///
 /// # Errors
 /// [`OutOfRange`] with the bounds in mm, when a side of the rectangle is outside them.

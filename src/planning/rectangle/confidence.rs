@@ -1,7 +1,7 @@
 //! How far to trust a recommendation by rectangle: the weaknesses of the method that the surface at hand touches.
 //!
-//! Herraz et al. 2020 name these weaknesses, mostly in section 7, but give few figures. Each threshold here says where it comes
-//! from.
+//! Herraz et al. 2020 name these weaknesses, mostly in section 7, but give few figures. Each threshold here states
+//! where it comes from.
 
 mod evidence;
 
@@ -18,63 +18,67 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Weakness {
-    /// Steepest and principal direction are not perpendicular; figure: the angle between them, in deg. The rectangle has its long side
-    /// level, so the further they are from it, the less the times hold [Herraz et al. 2020, section 7.1].
+    /// Steepest and principal direction are not perpendicular; figure: the angle between them, in deg. The rectangle
+    /// has its long side level, so the further they are from it, the less the times hold [Herraz et al. 2020, section
+    /// 7.1].
     ///
-    /// Passes that cross the rectangle at an angle d from its short side are 1/cos(d) times as long: 1.035 for d = 15 deg, less than
-    /// the 5 % by which the paper's own times err (section 4.2.2). At d = 35 deg it is 1.22, and the range is left in which a torus
-    /// outdoes a ball whatever its size (section 2.1).
+    /// Passes that cross the rectangle at an angle d from its short side are 1/cos(d) times as long: 1.035 for d = 15
+    /// deg, less than the 5 % by which the paper's own times err (section 4.2.2). At d = 35 deg it is 1.22, and the
+    /// range is left in which a torus outdoes a ball whatever its size (section 2.1).
     DirectionsNotPerpendicular,
-    /// The surface has no principal direction, or hardly one; figure: the form factor. It comes from eigenvalues that differ by mu^2 - 1,
-    /// 0.21 at 1.1, and unevenness of the samples of 2 % turns the direction by 0.02/0.21 = 5 deg. The choice itself is hardly
-    /// touched, because there the toroidal cutter is faster on all but steep slopes.
+    /// The surface has no principal direction, or hardly one; figure: the form factor. It comes from eigenvalues that
+    /// differ by mu^2 - 1, 0.21 at 1.1, and unevenness of the samples of 2 % turns the direction by 0.02/0.21 = 5
+    /// deg. The choice itself is hardly touched, because there the toroidal cutter is faster on all but steep slopes.
     FormFactorNearOne,
     /// The principal direction is vertical or does not exist; figure: the form factor.
     NoPrincipalDirection,
-    /// The surface is almost level, so that its steepest direction is that of its unevenness, and the toroidal cutter's groove is no
-    /// circle any more; figure: the slope, in deg. At 1 deg a circle of the effective radius leaves 10 % less than a torus of
-    /// R = 5 mm, r = 2 mm, and at 0.2 deg 40 % less.
+    /// The surface is almost level, so that its steepest direction is that of its unevenness, and the toroidal
+    /// cutter's groove is no circle any more; figure: the slope, in deg. At 1 deg a circle of the effective radius
+    /// leaves 10 % less than a torus of R = 5 mm, r = 2 mm, and at 0.2 deg 40 % less.
     SlopeNearZero,
-    /// The surface is not flat; figure: sqrt(l3/l1). The method is more accurate where normals vary slowly (section 7.3), and the third
-    /// eigenvalue tells it (section 7.4), without a figure in the paper, whose test surfaces have 0.08 and 0.10. A dome whose normals
-    /// lean by up to 30 deg has 0.15, one of 45 deg 0.23.
+    /// The surface is not flat; figure: sqrt(l3/l1). The method is more accurate where normals vary slowly (section
+    /// 7.3), and the third eigenvalue shows it (section 7.4), without a figure in the paper, whose test surfaces have
+    /// 0.08 and 0.10. A dome whose normals lean by up to 30 deg has 0.15, one of 45 deg 0.23.
     NotFlat,
-    /// The slope is near the critical slope; figure: the difference in deg. The paper's test surface 2 has a critical slope of
-    /// 62.6 deg by the method and of 54.7 deg by simulation, 8 deg apart (section 6.2.2).
+    /// The slope is near the critical slope; figure: the difference in deg. The paper's test surface 2 has a critical
+    /// slope of 62.6 deg by the method and of 54.7 deg by simulation, 8 deg apart (section 6.2.2).
     SlopeNearCritical,
-    /// Both candidates take nearly the same time; figure: the difference against the longer time. The paper's times err by up to 5 % on
-    /// average (section 4.2.2), so a smaller difference decides nothing.
+    /// Both candidates take nearly the same time; figure: the difference against the longer time. The paper's times
+    /// err by up to 5 % on average (section 4.2.2), so a smaller difference decides nothing.
     TimesNearlyEqual,
-    /// Mean slope and slope of the best plane lie on either side of the critical slope; figure: the mean slope in deg, with the critical
-    /// slope as threshold. The paper takes either for the surface's slope and never saw them disagree (section 7.3).
+    /// Mean slope and slope of the best plane lie on either side of the critical slope; figure: the mean slope in
+    /// deg, with the critical slope as threshold. The paper takes either for the surface's slope and never saw them
+    /// disagree (section 7.3).
     MeanSlopeDisagrees,
-    /// A pass up the slope is too short to reach the feed rate, which the paper assumes and calls acceptable but for very small surfaces
-    /// (section 7.2); figure: its length in mm. Times still follow the drives' limits.
+    /// A pass up the slope is too short to reach the feed rate, which the paper assumes and calls acceptable but for
+    /// very small surfaces (section 7.2); figure: its length in mm. Times still follow the drives' limits.
     ShortPasses,
-    /// A step from pass to pass is so long that it is not limited by the jerk alone, which the paper assumes (section 7.2); figure:
-    /// the larger step-over in mm. Times still follow the drives' limits.
+    /// A step from pass to pass is so long that it is not limited by the jerk alone, which the paper assumes (section
+    /// 7.2); figure: the larger step-over in mm. Times still follow the drives' limits.
     LongSteps,
-    /// The surface is smaller than the 100 mm^2 from which the paper shows its critical slope to be unique (section 7.2); figure: the
-    /// characteristic size in mm^2.
+    /// The surface is smaller than the 100 mm^2 from which the paper shows its critical slope to be unique (section
+    /// 7.2); figure: the characteristic size in mm^2.
     SmallSurface,
-    /// The passes are so few that their quotient, which is not rounded, counts: the paper's largest error, about one pass
-    /// (section 4.2.2); figure: the smaller number of passes. One pass in 20 is its 5 %, one in 5 a fifth.
+    /// The passes are so few that their quotient, which is not rounded, counts: the paper's largest error, about one
+    /// pass (section 4.2.2); figure: the smaller number of passes. One pass in 20 is its 5 %, one in 5 a fifth.
     FewPasses,
-    /// The toroidal cutter's step-over is wider than the cutter, because the model takes its groove for a circle; figure: the
-    /// step-over in mm.
+    /// The toroidal cutter's step-over is wider than the cutter, because the model takes its groove for a circle;
+    /// figure: the step-over in mm.
     StepOverExceedsCutter,
-    /// The mean slope is far from the slope of the best plane; figure: the difference in deg. The step-over of a torus follows the slope: at 17 deg the
-    /// effective radius of R = 5 mm, r = 2 mm is 12.3 mm, at 22 deg 10.0 mm, which is 11 % of step-over and time.
+    /// The mean slope is far from the slope of the best plane; figure: the difference in deg. The step-over of a
+    /// torus follows the slope: at 17 deg the effective radius of R = 5 mm, r = 2 mm is 12.3 mm, at 22 deg 10.0 mm,
+    /// which is 11 % of step-over and time.
     MeanSlopeFarFromPlane,
-    /// The area is far from the characteristic size of the rectangle; figure: their difference as a share of the characteristic size. The time
-    /// goes with the area.
+    /// The area is far from the characteristic size of the rectangle; figure: their difference as a share of the
+    /// characteristic size. The time goes with the area.
     AreaFarFromSize,
     /// The surface is in several pieces, which no rectangle stands for; figure: their number.
     SeveralPieces,
-    /// The simulation on the surface takes another time than the rectangle; figure: the difference as a share of the simulated time, the larger one of both
-    /// candidates.
+    /// The simulation on the surface takes another time than the rectangle; figure: the difference as a share of the
+    /// simulated time, the larger one of both candidates.
     SimulationDisagrees,
-    /// The simulation on the surface names the other cutter; figure: what the recommended one loses, as a share of the faster one's time.
+    /// The simulation on the surface names the other cutter; figure: what the recommended one loses, as a share of
+    /// the faster one's time.
     SimulationPrefersOther,
 }
 
@@ -203,8 +207,8 @@ impl Confidence {
         Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons }
     }
 
-    /// The confidence in the rectangle that stands for a surface of this shape, for cutters that are not one toroidal and one ball-end. `times` are those of the
-    /// candidates on it, fastest first.
+    /// The confidence in the rectangle that stands for a surface of this shape, for cutters that are not one toroidal
+    /// and one ball-end. `times` are those of the candidates on it, fastest first.
     #[must_use]
     pub fn of_shape(shape: &Shape, times: &[Time]) -> Self {
         let mut reasons = [of_directions(shape), of_form(shape)].concat();

@@ -7,8 +7,8 @@ use crate::numerics::bracketed_root;
 use crate::quantity::{Angle, Area, FormFactor, Length};
 use std::convert::Infallible;
 
-/// The critical slope s_c: below it the toroidal cutter up and down the slope is faster, above it the ball-end cutter along the long
-/// side.
+/// The critical slope s_c: below it the toroidal cutter up and down the slope is faster, above it the ball-end cutter
+/// along the long side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CriticalSlope {
     /// Both take the same time at this slope.
@@ -61,17 +61,19 @@ impl CriticalFormFactor {
     }
 }
 
-/// The difference of two times, against them, up to which they count as equal: each is a dozen rounded operations, 3e-15, and
-/// equal cutters on a square must come out equal.
+/// The difference of two times, against them, up to which they count as equal: each is a dozen rounded operations,
+/// 3e-15, and equal cutters on a square must come out equal.
 const TIE: f64 = 1e-13;
 
-/// The flattest slope at which times are compared, in degrees: 17 nm over a metre. What is flatter is not told apart from a floor.
+/// The flattest slope at which times are compared, in degrees: 17 nm over a metre. A flatter slope counts as a
+/// floor.
 const FLATTEST: f64 = 1e-6;
 
 /// The critical slope s_c(mu, chi) of a rectangle: T1(s_c) = T2.
 ///
-/// In closed form where passes reach the feed rate and steps between them are limited by the jerk alone [Herraz et al. 2020,
-/// eq. 10-14, eq. 13 with its sign corrected], else by bracketing the root; T1 grows with s, so there is one at most.
+/// In closed form where passes reach the feed rate and steps between them are limited by the jerk alone [Herraz et
+/// al. 2020, eq. 10-14, eq. 13 with its sign corrected], else by bracketing the root; T1 grows with s, so there is
+/// one at most.
 ///
 /// # Errors
 /// The [`NoAnswer`] of the step-over on a slope that had to be looked at.
@@ -95,8 +97,8 @@ fn excess_at_slope(job: &Job, rectangle: InclinedRectangle, slope: Angle) -> Res
     Ok((zigzag.time.seconds() / ball_end_time(job, rectangle)).ln())
 }
 
-/// The critical slope of a rectangle on which the ball-end cutter is faster on a wall. T1 is nearly a power of s on gentle slopes, so
-/// both are taken by their logarithms.
+/// The critical slope of a rectangle on which the ball-end cutter is faster on a wall. T1 is nearly a power of s on
+/// gentle slopes, so both are taken by their logarithms.
 fn critical_slope_by_bracketing(job: &Job, rectangle: InclinedRectangle) -> Result<CriticalSlope, NoAnswer> {
     let (flattest, wall) = (FLATTEST.to_radians(), Angle::RIGHT.radians());
     // The exponential of the wall's logarithm may be a rounding more than the wall.
@@ -113,8 +115,9 @@ fn ball_end_time(job: &Job, rectangle: InclinedRectangle) -> f64 {
     rectangle.along_the_long_side(job.ball_end_step_over(), job.machine()).time.seconds()
 }
 
-/// With z = cbrt(sod1), T1 = T2 reads z^3 - p z - q = 0, p = 4 w / (T2 cbrt(2J)), q = w t(h) / T2. `None` where the assumptions fail:
-/// the analytic model, a pass that reaches the feed rate, a step that the jerk alone limits, and a single real root.
+/// With z = cbrt(sod1), T1 = T2 reads z^3 - p z - q = 0, p = 4 w / (T2 cbrt(2J)), q = w t(h) / T2. `None` where the
+/// assumptions fail: the analytic model, a pass that reaches the feed rate, a step that the jerk alone limits, and a
+/// single real root.
 fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Option<Angle> {
     let machine = job.machine();
     if job.model() != Model::Analytic || !TravelCase::of(rectangle.height(), machine).reaches_feed_rate() {
@@ -142,8 +145,8 @@ fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Opt
 
 /// The critical form factor mu_c(s, chi) of rectangles of one size at one slope: T1(mu_c) = T2(mu_c).
 ///
-/// In closed form where passes reach the feed rate [Herraz et al. 2020, eq. 21 and 22], else by bracketing the root; T1 grows and
-/// T2 falls with mu.
+/// In closed form where passes reach the feed rate [Herraz et al. 2020, eq. 21 and 22], else by bracketing the root;
+/// T1 grows and T2 falls with mu.
 ///
 /// # Errors
 /// The [`NoAnswer`] of the step-over at that slope.
@@ -168,8 +171,8 @@ fn excess_at_form_factor(job: &Job, characteristic_size: Area, toroidal: Length,
 
 /// The critical form factor at a step-over with which the toroidal cutter is faster on a square.
 fn critical_form_factor_by_bracketing(job: &Job, characteristic_size: Area, toroidal: Length) -> FormFactor {
-    // T1 >= w/V = sqrt(mu chi)/V, and T2 is at most what it is on a square: they cross before these two do. Twice as far, rounding is
-    // no matter.
+    // T1 >= w/V = sqrt(mu chi)/V, and T2 is at most what it is on a square: they cross before these two do. Twice as
+    // far, rounding is no matter.
     let square = InclinedRectangle::of_any_size(1.0, characteristic_size);
     let longest = job.machine().feed_rate.mm_s() * ball_end_time(job, square);
     let high = (2.0 * longest * longest / characteristic_size.mm2()).ln();
@@ -179,9 +182,9 @@ fn critical_form_factor_by_bracketing(job: &Job, characteristic_size: Area, toro
     FormFactor::computed(logarithm.exp())
 }
 
-/// With k = sod2/sod1 and t0 what the stops cost a pass, T1 = T2 reads a mu + b sqrt(mu) + c = 0, a = k (t0 + t(sod1)),
-/// b = -(1 - k) sqrt(chi)/V, c = -(t0 + t(sod2)); c/a < 0, so one root is positive. `None` where a pass would not reach the feed rate,
-/// or mu be under 1.
+/// With k = sod2/sod1 and t0 what the stops cost a pass, T1 = T2 reads a mu + b sqrt(mu) + c = 0, a = k (t0 +
+/// t(sod1)), b = -(1 - k) sqrt(chi)/V, c = -(t0 + t(sod2)); c/a < 0, so one root is positive. `None` where a pass
+/// would not reach the feed rate, or mu be under 1.
 fn critical_form_factor_in_closed_form(job: &Job, characteristic_size: Area, toroidal: Length) -> Option<FormFactor> {
     let (machine, ball_end) = (job.machine(), job.ball_end_step_over());
     let ratio = ball_end.mm() / toroidal.mm();
@@ -315,8 +318,8 @@ mod tests {
         #[test]
         fn both_cutters_take_the_same_time_at_the_critical_slope(job in jobs(), (mu, chi) in forms()) {
             if let CriticalSlope::At(slope) = critical_slope(&job, rectangle(mu, chi)).unwrap() {
-                // T1 changes at most in proportion to the slope, but near 90 deg the slope comes from a sine, good to its rounding
-                // only: there sin(s) is right all the same, and T1 depends on nothing else.
+                // T1 changes at most in proportion to the slope, but near 90 deg the slope comes from a sine, good to
+                // its rounding only: there sin(s) is right all the same, and T1 depends on nothing else.
                 assert_abs_diff_eq!(excess_at_slope(&job, rectangle(mu, chi), slope).unwrap(), 0.0, epsilon = 1e-12);
             }
         }
@@ -327,7 +330,8 @@ mod tests {
             let has_root = excess_at_slope(&job, rectangle, Angle::RIGHT).unwrap() > TIE;
             if let Some(closed) = critical_slope_in_closed_form(&job, rectangle).filter(|_| has_root) {
                 let bracketed = critical_slope_by_bracketing(&job, rectangle).unwrap().angle();
-                // Compared by their sines, on which the times depend: near 90 deg an angle is good to the root of a rounding only.
+                // Compared by their sines, on which the times depend: near 90 deg an angle is good to the root of a
+                // rounding only.
                 assert_relative_eq!(closed.sin(), bracketed.sin(), max_relative = 1e-11);
             }
         }
@@ -346,7 +350,8 @@ mod tests {
         fn critical_slope_and_critical_form_factor_are_inverse(job in jobs(), (mu, chi) in forms()) {
             if let CriticalSlope::At(slope) = critical_slope(&job, rectangle(mu, chi)).unwrap() {
                 let back = critical_form_factor(&job, Area::from_mm2(chi).unwrap(), slope).unwrap();
-                // ln(T1/T2) changes with ln(mu) at least by some hundredths, so its rounding of 1e-14 comes back enlarged.
+                // ln(T1/T2) changes with ln(mu) at least by some hundredths, so its rounding of 1e-14 comes back
+                // enlarged.
                 assert_relative_eq!(back.form_factor().ratio(), mu, max_relative = 1e-9);
             }
         }
@@ -363,8 +368,8 @@ mod tests {
         fn the_critical_slope_falls_with_the_form_factor_and_the_feed_rate_and_rises_with_the_size(
             mu in 1.1..8.0_f64, chi in 1e3..1e5_f64, factor in 1.05..2.0_f64,
         ) {
-            // The paper's machine and cutters, with which it states these laws; 1/8 of 1000 mm^2 makes passes of 11 mm, at double
-            // the feed rate 21 mm would be needed for the closed form, so both solutions are met.
+            // The paper's machine and cutters, with which it states these laws; 1/8 of 1000 mm^2 makes passes of 11
+            // mm, at double the feed rate 21 mm would be needed for the closed form, so both solutions are met.
             let of = |job: &Job, mu, chi| degrees(critical_slope(job, rectangle(mu, chi)).unwrap());
             let here = of(&published(), mu, chi);
             prop_assert!(of(&published(), mu * factor, chi) < here);

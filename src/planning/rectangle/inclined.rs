@@ -41,7 +41,7 @@ impl InclinedRectangle {
         Ok(Self { width: Length::from_mm(width.mm())?, height: Length::from_mm(height.mm())? })
     }
 
-    /// As [`InclinedRectangle::from_form`] for mu >= 1, with sides that nobody states.
+    /// As [`InclinedRectangle::from_form`] for mu >= 1, with sides that were computed.
     pub(super) fn of_any_size(mu: f64, characteristic_size: Area) -> Self {
         let (root, chi) = (mu.sqrt(), characteristic_size.mm2().sqrt());
         Self { width: Length::computed(chi * root), height: Length::computed(chi / root) }

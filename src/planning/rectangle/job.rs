@@ -50,8 +50,8 @@ impl fmt::Display for JobError {
 impl std::error::Error for JobError {}
 
 impl Job {
-    /// A job whose scallops lie within the round of both cutters: sh <= r of the toroidal and R of the ball-end cutter. The cutters
-    /// need not have the same diameter.
+    /// A job whose scallops lie within the round of both cutters: sh <= r of the toroidal and R of the ball-end
+    /// cutter. The cutters need not have the same diameter.
     ///
     /// # Errors
     /// [`JobError`]
@@ -72,8 +72,8 @@ impl Job {
         Ok(Self { toroidal, ball_end, scallop_height, machine, model, ball_end_step_over })
     }
 
-    /// sod1, the step-over of the toroidal cutter up and down a slope: chord((R - r)/sin(s) + r, sh) in the analytic model
-    /// [Herraz et al. 2020, eq. 6 and 7].
+    /// sod1, the step-over of the toroidal cutter up and down a slope: chord((R - r)/sin(s) + r, sh) in the analytic
+    /// model [Herraz et al. 2020, eq. 6 and 7].
     ///
     /// # Errors
     /// [`NoAnswer::FlatFloor`] in the analytic model on a floor, or another case in which the model has no step-over.
@@ -111,7 +111,8 @@ impl Job {
         self.machine
     }
 
-    /// The model that says which step-over leaves the scallop height; the published method, and its closed forms, use the analytic one.
+    /// The model that gives the step-over which leaves the scallop height; the published method, and its closed
+    /// forms, use the analytic one.
     #[must_use]
     pub fn model(&self) -> Model {
         self.model
@@ -120,8 +121,9 @@ impl Job {
 
 /// The largest step-over of a pass along the steepest slope of a plane.
 ///
-/// In model `analytic` that is the published chord, which knows no cutter: near the floor it exceeds the cutter's diameter, and the confidence says so.
-/// Limited to the diameter, the times would not be those of the published critical slope.
+/// In model `analytic` that is the published chord, which does not depend on the cutter's width: near the floor it
+/// exceeds the diameter, and the confidence has a reason for it. Limited to the diameter, the times would not be
+/// those of the published critical slope.
 fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length) -> Result<Length, NoAnswer> {
     let contact = Contact::up_the_slope(slope);
     if model == Model::Analytic {
@@ -162,7 +164,8 @@ mod tests {
         assert_eq!(job(toroidal, toroidal, 0.01), Err(JobError::NotBallEnd));
         assert_eq!(job(toroidal, ball, 2.1), Err(JobError::ScallopTooHigh { largest: mm(2.0) }));
         assert_eq!(job(toroidal, Cutter::ball_end(mm(1.0)), 1.0), Err(JobError::ScallopTooHigh { largest: mm(0.5) }));
-        // A scallop as high as the ball's radius is a tip between grooves that touch in a point: no step-over is the largest.
+        // A scallop as high as the ball's radius is a tip between grooves that touch in a point: no step-over is the
+        // largest.
         assert!(matches!(
             job(toroidal, Cutter::ball_end(mm(1.0)), 0.5),
             Err(JobError::BallEnd(NoAnswer::ToleranceLimitsNoStepOver { .. }))
@@ -190,7 +193,8 @@ mod tests {
         // On a floor the corners leave it: 2 (R - r) of flat, and the chord of r, 2 sqrt(2 * 2 * 0.01 - 0.01^2).
         let on_floor = envelope.toroidal_step_over(Angle::ZERO).unwrap().mm();
         approx::assert_relative_eq!(on_floor, 6.0 + 2.0 * (0.04_f64 - 0.0001).sqrt(), max_relative = 1e-9);
-        // At 40 deg and a step of 0.73 mm the heights are 9.999 and 10.006 um: h grows with s^2, so s differs by half of 7e-4.
+        // At 40 deg and a step of 0.73 mm the heights are 9.999 and 10.006 um: h grows with s^2, so s differs by half
+        // of 7e-4.
         let slope = Angle::from_degrees(40.0).unwrap();
         let (one, other) = (circle.toroidal_step_over(slope).unwrap().mm(), envelope.toroidal_step_over(slope).unwrap().mm());
         assert!(other < one && other > one * (1.0 - 5e-4), "{one} {other}");

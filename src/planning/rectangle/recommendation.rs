@@ -20,8 +20,9 @@ pub enum CutterChoice {
 pub struct Candidate {
     /// The cutter.
     pub cutter: CutterChoice,
-    /// The line along which it runs, seen from above, in [0, pi) from X: the steepest direction for the toroidal cutter, the principal
-    /// direction for the ball-end cutter. `None` where the surface has no such direction, or was given without its place in XY.
+    /// The line along which it runs, seen from above, in [0, pi) from X: the steepest direction for the toroidal
+    /// cutter, the principal direction for the ball-end cutter. `None` where the surface has no such direction, or
+    /// was given without its place in XY.
     pub direction: Option<Angle>,
     /// Step-over, passes, length and time.
     pub zigzag: Zigzag,
@@ -103,8 +104,8 @@ pub fn plan(job: &Job, rectangle: InclinedRectangle, slope: Angle) -> Result<Pla
 /// The recommendation for a surface, by the rectangle that has its form factor and characteristic size, at its slope
 /// [Herraz et al. 2020, section 6.1].
 ///
-/// A surface without steepest direction is level: what is left of its slope is rounding, and would be taken for a groove of
-/// kilometres' radius.
+/// A surface without steepest direction is level: what is left of its slope is rounding, and would be taken for a
+/// groove of kilometres' radius.
 ///
 /// # Errors
 /// [`PlanError`]
@@ -174,8 +175,8 @@ mod tests {
             }
             let plan = plan.unwrap();
             let (one, other) = (plan.toroidal.zigzag.time.seconds(), plan.ball_end.zigzag.time.seconds());
-            // Where the times differ by more than rounding, the faster cutter is recommended; flatter slopes than 1e-6 deg are not told
-            // apart.
+            // Where the times differ by more than rounding, the faster cutter is recommended; flatter slopes than
+            // 1e-6 deg count as equal.
             if slope.degrees() > 1e-6 && (one - other).abs() > 1e-9 * one.max(other) {
                 let faster = if one < other { CutterChoice::Toroidal } else { CutterChoice::BallEnd };
                 prop_assert_eq!(plan.recommended, faster, "{:?}", plan);

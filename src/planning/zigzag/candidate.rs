@@ -2,6 +2,7 @@
 
 use crate::milling::Cutter;
 use crate::motion::Machine;
+use crate::planning::reach::Uncut;
 use crate::quantity::{Length, SpindleSpeed};
 
 /// A cutter to choose from.
@@ -9,8 +10,8 @@ use crate::quantity::{Length, SpindleSpeed};
 pub struct CandidateCutter {
     /// The cutter.
     pub cutter: Cutter,
-    /// Teeth and spindle speed; `None` where they are not stated, so that the scallop height covers the step-over alone and the cutter runs
-    /// at the machine's feed rate.
+    /// Teeth and spindle speed; `None` where they are not stated, so that the scallop height covers the step-over
+    /// alone and the cutter runs at the machine's feed rate.
     pub drive: Option<Drive>,
     /// The length of the flutes.
     pub flute_length: Option<Length>,
@@ -44,12 +45,21 @@ pub struct ReachFigures {
     pub uncut_share: f64,
     /// The largest height that stays uncut.
     pub uncut_height: Length,
+    /// How far that height may be off: the error of the raster on which it was found.
+    pub uncut_height_error: Length,
+}
+
+impl From<&Uncut> for ReachFigures {
+    fn from(uncut: &Uncut) -> Self {
+        Self { uncut_share: uncut.share, uncut_height: uncut.height, uncut_height_error: uncut.height_error }
+    }
 }
 
 /// The feeds that a drive allows on a machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FeedRange {
-    /// The largest feed per tooth, in mm: the cutter maker's limit or the machine's feed rate over the teeth per second, the lower one.
+    /// The largest feed per tooth, in mm: the cutter maker's limit or the machine's feed rate over the teeth per
+    /// second, the lower one.
     pub(super) largest: f64,
     /// z n, the teeth that pass in a second.
     pub(super) teeth_per_second: f64,

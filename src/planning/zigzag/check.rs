@@ -1,11 +1,12 @@
 //! The check of a plan against the envelope with the surface's own curvature, and the spacing that follows from it.
 
 use super::contacts::{FacetContact, NoContact};
-use super::march::{NoPlanes, Plane, Spaced};
+use super::march::{BINDING, NoPlanes, Plane, Spaced};
 use super::prepared::Prepared;
 use super::settings::ZigzagSettings;
 use super::simulate::{Operation, Simulated, planes_of, simulate};
 use super::spacing::FeedLaw;
+use super::workpiece::Workpiece;
 use crate::milling::{Cutter, Model, NoAnswer};
 use crate::quantity::Length;
 use crate::surface::FinishFacet;
@@ -22,28 +23,46 @@ pub struct ScallopFigures {
     pub p99: Length,
     /// The largest of all heights that were calculated.
     pub max: Length,
-    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, to which spacings are found.
+    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, to which
+    /// spacings are found.
     pub over_tolerance_share: f64,
-    /// The share of the area where the cutter gouges the surface beside the contact, or leaves uncut material between the passes: it has no
-    /// height and is not in the percentiles.
+    /// The share of the area whose height exceeds the scallop height by more than 3 %.
+    pub far_over_share: f64,
+    /// The share of the area where the cutter gouges the surface beside the contact, or leaves uncut material between
+    /// the passes: it has no height and is not in the percentiles. Facets that are too steep to set a spacing are in
+    /// none of these shares.
     pub without_height_share: f64,
     /// At how many places the height was calculated.
     pub places: usize,
 }
 
-/// How many places are drawn by area; those that bind the strips come beside them. Together at most 2,000.
+/// How many places are drawn by area.
 const DRAWN: usize = 400;
 
-/// How many strips at most have the facets that bind them checked one by one; more are checked at even distances.
+/// How many places are chosen beside them, from all strips: those that bind the strips, and those where the spacing
+/// errs most.
+const CHOSEN: usize = 1600;
+
+/// How many strips at most have places chosen from them; more are checked at even distances.
 const STRIPS: usize = 400;
+
+/// How many places are chosen from a strip at most: half of them because they bind it.
+const MOST_OF_STRIP: usize = 6;
 
 /// How often the spacing follows from a check.
 const ROUNDS: usize = 4;
 
-/// Heights from this share of the tolerance on count as tight, and over this one as too high; spacings are set to `AIM` of it.
+/// Heights from this share of the tolerance on count as tight, and over this one as too high; spacings are set to
+/// `AIM` of it.
 const TIGHT: f64 = 0.97;
 const AIM: f64 = 0.995;
 const OVER: f64 = 1.0033;
+
+/// Heights over this share of the tolerance are more than a plan may have on a thousandth of the area.
+const FAR_OVER: f64 = 1.03;
+
+/// The largest part of a facet's risk that is due to its curvature against that of the cutter's body.
+const LARGEST_CURVATURE: f64 = 10.0;
 
 /// What to check a plan with.
 #[derive(Debug, Clone, Copy)]
@@ -63,11 +82,13 @@ struct Evaluated {
     height: Option<f64>,
 }
 
-/// Simulates with spacings as they come, or, where `follows` is set, with spacings that follow from the check of each strip.
+/// Simulates with spacings as they come, or, where `follows` is set, with spacings that follow from the check of each
+/// strip.
 ///
-/// In each round the heights at the facets that bind the strips, and at places drawn by area, give each strip's highest; where that is over
-/// the tolerance, the strip's spacing becomes the one that keeps [`AIM`] of the tolerance at that place. In the first two rounds strips under [`TIGHT`] of it widen
-/// in the same way, by a fifth at most; afterwards they only narrow. There are [`ROUNDS`] rounds at most.
+/// In each round the heights at the facets that bind the strips, at those where the spacing errs most, and at places
+/// drawn by area give each strip's highest; where that is over the tolerance, the strip's spacing becomes the one
+/// that keeps [`AIM`] of the tolerance at that place. In the first two rounds strips under [`TIGHT`] of it widen in
+/// the same way, by a fifth at most; afterwards they only narrow. There are [`ROUNDS`] rounds at most.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -78,7 +99,7 @@ pub(super) fn checked(
     follows: bool,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Simulated, ScallopFigures), NoPlanes> {
-    let drawn = drawn_by_area(inspector.facets, DRAWN);
+    let drawn = drawn_by_area(spaced.workpiece, DRAWN);
     let mut kept = None;
     for round in 0..if follows { ROUNDS } else { 0 } {
         let planes = planes_of(&spaced, operation.room, stop)?;
@@ -92,7 +113,7 @@ pub(super) fn checked(
     }
     let simulated = simulate(&spaced, operation, stop)?;
     let evaluated = kept.unwrap_or_else(|| inspector.evaluate(&spaced, &simulated.planes, &drawn));
-    let figures = figures(&evaluated, drawn.len(), inspector.tolerance);
+    let figures = figures(&evaluated, drawn.len(), spaced.workpiece, inspector.tolerance);
     Ok((simulated, figures))
 }
 
@@ -112,17 +133,60 @@ impl<'a> Inspector<'a> {
         self.evaluate_all(spaced, planes, &Self::by_strip(spaced, planes, facets)).into_iter().map(|evaluated| evaluated.height).collect()
     }
 
-    /// The heights at the drawn facets and at those that bind the strips, in this order.
+    /// The heights at the drawn facets and at those that are chosen from the strips, in this order.
     fn evaluate(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Evaluated> {
         let stride = planes.len().div_ceil(STRIPS).max(1);
-        let by_area = Self::by_strip(spaced, planes, drawn);
-        let binding = planes
-            .iter()
-            .enumerate()
-            .step_by(stride)
-            .flat_map(|(strip, plane)| plane.binding.into_iter().flatten().map(move |facet| (strip, facet)));
-        let places: Vec<(usize, u32)> = by_area.into_iter().chain(binding).collect();
+        let of_strip = (CHOSEN * stride / planes.len().max(1)).clamp(2, MOST_OF_STRIP) / 2;
+        // A ball's spacing is exact to second order at every slope.
+        let is_ball = self.cutter.core_radius().mm() == 0.0;
+        let risky = if is_ball { vec![[(0.0, 0); BINDING]; planes.len()] } else { self.riskiest(spaced, planes, stride) };
+        let chosen = planes.iter().zip(&risky).enumerate().step_by(stride).flat_map(|(strip, (plane, risky))| {
+            let binding = plane.binding.into_iter().flatten().take(of_strip);
+            let risky = risky.iter().take(of_strip).filter(|(risk, _)| *risk > 0.0).map(|&(_, facet)| facet);
+            let risky = risky.filter(move |facet| !plane.binding[..of_strip].contains(&Some(*facet)));
+            binding.chain(risky).map(move |facet| (strip, facet))
+        });
+        let places: Vec<(usize, u32)> = Self::by_strip(spaced, planes, drawn).into_iter().chain(chosen).collect();
         self.evaluate_all(spaced, planes, &places)
+    }
+
+    /// The facets of each strip where the height may exceed the tolerance most, the riskiest first.
+    ///
+    /// Spacings are found by second-order curvatures at the contact. They err where the surface's curvature is not
+    /// small against that of the cutter's body there, 1/((R - r)/sin(S) + r): near the floor. A facet's risk is the
+    /// share of its allowed height that the spacing takes, raised by that ratio.
+    fn riskiest(&self, spaced: &Spaced, planes: &[Plane], stride: usize) -> Vec<[(f64, u32); BINDING]> {
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let mut riskiest = vec![[(0.0, 0_u32); BINDING]; planes.len()];
+        let mut first = 0;
+        for (covered, &allowed) in spaced.sweep.covered.iter().zip(&spaced.allowed) {
+            while planes.get(first + 1).is_some_and(|next| next.at <= covered.low) {
+                first += 1;
+            }
+            let tangent = &spaced.workpiece.tangents[covered.facet as usize];
+            if tangent.is_steep {
+                continue;
+            }
+            let [steepest, twist, level] = tangent.curvature;
+            let curvature = steepest.abs().max(level.abs()) + twist.abs();
+            let ratio = if curvature > 0.0 { (curvature * (core / tangent.sin + corner)).min(LARGEST_CURVATURE) } else { 0.0 };
+            let per_squared_spacing = (1.0 + ratio) / f64::from(allowed).powi(2);
+            for (strip, plane) in
+                planes.iter().enumerate().skip(first).take_while(|(strip, plane)| *strip == first || plane.at < covered.high)
+            {
+                if strip % stride != 0 {
+                    continue;
+                }
+                let risk = per_squared_spacing * plane.after * plane.after;
+                let found = &mut riskiest[strip];
+                if risk > found[BINDING - 1].0 {
+                    let place = found.iter().position(|&(other, _)| risk > other).unwrap_or(BINDING - 1);
+                    found[place..].rotate_right(1);
+                    found[place] = (risk, covered.facet);
+                }
+            }
+        }
+        riskiest
     }
 
     /// Each facet with the strip in which its middle lies.
@@ -183,7 +247,8 @@ impl<'a> Inspector<'a> {
     }
 }
 
-/// The strip in which a place across the passes lies: that after the last plane before it, the first one's before the first plane.
+/// The strip in which a place across the passes lies: that after the last plane before it, the first one's before the
+/// first plane.
 fn strip_of(planes: &[Plane], at: f64) -> usize {
     planes.partition_point(|plane| plane.at <= at).saturating_sub(1)
 }
@@ -211,7 +276,9 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
         let by_inverse = inspector.widest(spaced, facet, spacing).map(|widest| widest / spacing);
         // Heights go about with the square of the spacing.
         let correction = by_inverse.unwrap_or_else(|| if height.is_finite() { (AIM * tolerance / height).sqrt() } else { 0.5 });
-        Some(if is_over { correction.clamp(0.5, AIM) } else { correction.clamp(1.0, 1.2) })
+        // A factor that would make the spacing wider than the cutter would leave later corrections without effect.
+        let widest = (spaced.widest / spacing).clamp(1.0, 1.2);
+        Some(if is_over { correction.clamp(0.5, AIM) } else { correction.clamp(1.0, widest) })
     };
     let corrections: Vec<Option<f64>> = highest.par_iter().enumerate().with_min_len(8).map(correction).collect();
     #[expect(clippy::float_cmp, reason = "1 where nothing is corrected")]
@@ -228,7 +295,7 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
     changes.then_some(factors)
 }
 
-fn figures(evaluated: &[Evaluated], drawn: usize, tolerance: f64) -> ScallopFigures {
+fn figures(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, tolerance: f64) -> ScallopFigures {
     let by_area = &evaluated[..drawn];
     let mut heights: Vec<f64> = by_area.iter().filter_map(|place| place.height).filter(|height| height.is_finite()).collect();
     heights.sort_by(f64::total_cmp);
@@ -243,22 +310,46 @@ fn figures(evaluated: &[Evaluated], drawn: usize, tolerance: f64) -> ScallopFigu
         p90: percentile(90),
         p99: percentile(99),
         max: Length::computed(max),
-        over_tolerance_share: share(heights.iter().filter(|&&height| height > OVER * tolerance).count()),
+        over_tolerance_share: share_over(evaluated, drawn, workpiece, OVER * tolerance),
+        far_over_share: share_over(evaluated, drawn, workpiece, FAR_OVER * tolerance),
         without_height_share: share(drawn - heights.len()),
         places: evaluated.len(),
     }
 }
 
-/// About `count` facets, each of which stands for the same area, or all of them where they are fewer.
-fn drawn_by_area(facets: &[FinishFacet], count: usize) -> Vec<u32> {
-    let area: f64 = facets.iter().map(|facet| facet.area).sum();
+/// The share of the area whose height exceeds a limit. The chosen facets stand for themselves, those drawn by area
+/// for the rest.
+fn share_over(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, limit: f64) -> f64 {
+    let is_over = |place: &Evaluated| place.height.is_some_and(|height| height.is_finite() && height > limit);
+    let (by_area, chosen) = evaluated.split_at(drawn);
+    let mut chosen: Vec<(u32, bool)> = chosen.iter().map(|place| (place.facet, is_over(place))).collect();
+    chosen.sort_unstable();
+    let (mut area, mut over) = (0.0, 0.0);
+    #[expect(clippy::cast_precision_loss, reason = "at most 2,000")]
+    for of_facet in chosen.chunk_by(|a, b| a.0 == b.0) {
+        let own = workpiece.areas[of_facet[0].0 as usize];
+        area += own;
+        over += own * of_facet.iter().filter(|(_, is_over)| *is_over).count() as f64 / of_facet.len() as f64;
+    }
+    let rest = by_area.iter().filter(|place| chosen.binary_search_by_key(&place.facet, |(facet, _)| *facet).is_err());
+    let (count, over_of_rest) = rest.fold((0.0, 0.0), |(count, over), place| (count + 1.0, over + if is_over(place) { 1.0 } else { 0.0 }));
+    let whole = workpiece.areas.iter().zip(&workpiece.tangents).filter(|(_, tangent)| !tangent.is_steep).map(|(area, _)| area).sum::<f64>();
+    let of_rest = if count > 0.0 { (whole - area).max(0.0) * over_of_rest / count } else { 0.0 };
+    if whole > 0.0 { ((over + of_rest) / whole).min(1.0) } else { 0.0 }
+}
+
+/// About `count` facets, each of which stands for the same area, or all of them where they are fewer; none that are
+/// too steep to set a spacing.
+fn drawn_by_area(workpiece: &Workpiece, count: usize) -> Vec<u32> {
+    let facets = || (0_u32..).zip(workpiece.areas.iter().zip(&workpiece.tangents)).filter(|(_, (_, tangent))| !tangent.is_steep);
+    let area: f64 = facets().map(|(_, (area, _))| area).sum();
     #[expect(clippy::cast_precision_loss, reason = "hundreds")]
     let share = area / count as f64;
     let mut due = 0.5 * share;
     let mut passed = 0.0;
     let mut drawn = Vec::with_capacity(count);
-    for (index, facet) in (0_u32..).zip(facets) {
-        passed += facet.area;
+    for (index, (area, _)) in facets() {
+        passed += area;
         // A large facet is drawn as often as its area is due.
         while passed >= due && drawn.len() < count {
             drawn.push(index);

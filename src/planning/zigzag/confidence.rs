@@ -6,19 +6,21 @@ use crate::planning::Level;
 use crate::quantity::Length;
 use std::fmt;
 
-/// What the mesh tells about the surface beside its facets.
+/// The properties of the mesh that its facets alone do not show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceEvidence {
     /// The share of the area that is visible from above, 0 to 1.
     pub visible_area_share: f64,
     /// The number of connected pieces.
     pub pieces: usize,
+    /// The share of the visible area whose facets face the other way than the rest, 0 to a half.
+    pub turned_area_share: f64,
 }
 
 impl Default for SurfaceEvidence {
-    /// One piece, visible as a whole.
+    /// One piece, visible as a whole, of one orientation.
     fn default() -> Self {
-        Self { visible_area_share: 1.0, pieces: 1 }
+        Self { visible_area_share: 1.0, pieces: 1, turned_area_share: 0.0 }
     }
 }
 
@@ -26,11 +28,13 @@ impl Default for SurfaceEvidence {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceWeakness {
-    /// The fastest plan leads by less than 2 %, about what the simulation errs by; figure: the lead over the next plan as a share of its time.
+    /// The fastest plan leads by less than 2 %, about what the simulation errs by; figure: the lead over the next
+    /// plan as a share of its time.
     SmallLead,
-    /// Facets are wide against the step-over although the surface is curved, so that slopes and curvatures between passes are those of the tessellation;
-    /// figure: the size of a facet over the median step-over. At 2 one facet decides about two strips, at 8 about eight. Facets that lie within a tenth of the
-    /// scallop height of the surface are fine whatever their size.
+    /// Facets are wide against the step-over although the surface is curved, so that slopes and curvatures between
+    /// passes are those of the tessellation; figure: the size of a facet over the median step-over. At 2 one facet
+    /// decides about two strips, at 8 about eight. Facets that lie within a tenth of the scallop height of the
+    /// surface are fine whatever their size.
     CoarseTessellation,
     /// Some of the area is steeper than the largest slope and sets no spacing; figure: its share.
     SteepArea,
@@ -38,7 +42,11 @@ pub enum SurfaceWeakness {
     HiddenArea,
     /// The surface is in several pieces, which a plan by pieces would finish with fewer links; figure: their number.
     SeveralPieces,
-    /// Some of the area exceeds the scallop height in the recommended plan; figure: its share.
+    /// Some facets face the other way than the rest, so that the mesh does not show which side is the part; figure:
+    /// their share of the area.
+    InconsistentOrientation,
+    /// More than a thousandth of the area exceeds the scallop height by more than 3 % in the recommended plan, or has
+    /// no height because passes do not overlap or the cutter gouges there; figure: that share.
     OverTolerance,
 }
 
@@ -76,7 +84,16 @@ impl fmt::Display for SurfaceReason {
             SurfaceWeakness::SeveralPieces => {
                 write!(f, "the surface is in {figure:.0} pieces; finished piece by piece it may take fewer links")
             }
-            SurfaceWeakness::OverTolerance => write!(f, "{:.2} % of the area exceeds the scallop height", 100.0 * figure),
+            SurfaceWeakness::InconsistentOrientation => {
+                write!(
+                    f,
+                    "{:.2} % of the area faces the other way than the rest: the mesh does not show which side is the part",
+                    100.0 * figure
+                )
+            }
+            SurfaceWeakness::OverTolerance => {
+                write!(f, "{:.2} % of the area exceeds the scallop height by more than 3 %, or has no scallop height", 100.0 * figure)
+            }
         }
     }
 }
@@ -120,7 +137,9 @@ impl SurfaceConfidence {
         reasons.extend(over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
         reasons.extend(over(SurfaceWeakness::HiddenArea, 1.0 - evidence.visible_area_share, 0.02, 0.2));
         reasons.extend(over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
-        reasons.extend(over(SurfaceWeakness::OverTolerance, best.scallop_height.over_tolerance_share, 0.01, 0.1));
+        reasons.extend(over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
+        let scallop = best.scallop_height;
+        reasons.extend(over(SurfaceWeakness::OverTolerance, scallop.far_over_share + scallop.without_height_share, 0.001, 0.1));
         reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));
         Some(Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons })
     }

@@ -1,4 +1,5 @@
-//! One facet under the models of `milling`: its contact, its curvature in the axes of the feed, heights and feeds there.
+//! One facet under the models of `milling`: its contact, its curvature in the axes of the feed, heights and feeds
+//! there.
 
 use crate::milling::{Contact, ContactError, CurvatureOutOfRange, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::quantity::Length;

@@ -11,8 +11,9 @@ use super::workpiece::Workpiece;
 use crate::quantity::Length;
 use crate::surface::FinishFacet;
 
-/// The scallop height that `plan` leaves at each of the facets `wanted`, by model `envelope` with the curvature of the facet. `None` where the cutter gouges
-/// beside the contact or leaves uncut material between its passes, and on facets that are too steep to set a spacing.
+/// The scallop height that `plan` leaves at each of the facets `wanted`, by model `envelope` with the curvature of
+/// the facet. `None` where the cutter gouges beside the contact or leaves uncut material between its passes, and on
+/// facets that are too steep to set a spacing.
 ///
 /// [`super::rank`] made the plan from the same facets, candidate and settings.
 #[must_use]

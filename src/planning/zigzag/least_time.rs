@@ -1,18 +1,19 @@
-//! A bound from below on the time of any zigzag: every place finished with the widest step-over of any direction, without stops.
+//! A bound from below on the time of any zigzag: every place finished with the widest step-over of any direction,
+//! without stops.
 
 use super::prepared::Prepared;
 use super::workpiece::{Tangent, Workpiece};
 
-/// How many directions are tried at a facet. Step-overs squared are nearly linear in cos^2(alpha), so that the widest lies within 2.5 deg of one
-/// of them and exceeds it by at most 0.2 %, which [`SLACK`] covers.
+/// How many directions are tried at a facet. Step-overs squared are nearly linear in cos^2(alpha), so that the widest
+/// lies within 2.5 deg of one of them and exceeds it by at most 0.2 %, which [`SLACK`] covers.
 const DIRECTIONS: u32 = 36;
 const SLACK: f64 = 0.998;
 
 /// Facets beyond this number are sampled.
 const MOST_FACETS: usize = 1_500;
 
-/// The integral over the surface of dA / (v s), v s the largest product of feed rate and step-over of any direction at a facet, in s.
-/// Facets that set no spacing take no time.
+/// The integral over the surface of dA / (v s), v s the largest product of feed rate and step-over of any direction
+/// at a facet, in s. Facets that set no spacing take no time.
 pub(super) fn least_seconds(workpiece: &Workpiece, prepared: &Prepared) -> f64 {
     let sampled;
     let workpiece = if workpiece.len() > MOST_FACETS {

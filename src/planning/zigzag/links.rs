@@ -47,8 +47,9 @@ impl Links {
         }
     }
 
-    /// A link stays on the surface between neighbouring passes whose runs lie beside each other, so that the strip between them connects
-    /// both ends however far they are apart, and to any place nearer than the gaps over which runs are joined.
+    /// A link stays on the surface between neighbouring passes whose runs lie beside each other, so that the strip
+    /// between them connects both ends however far they are apart, and to any place nearer than the gaps over which
+    /// runs are joined.
     pub(super) fn between(&self, from: End, to: End) -> Link {
         let (start, end) = (from.place, to.place);
         let across = (end[0] - start[0]).hypot(end[1] - start[1]);

@@ -69,7 +69,8 @@ pub(super) struct Reached {
     density: f64,
 }
 
-/// A plane of passes with the spacings to its neighbours; the first and the last have their one neighbour's on both sides.
+/// A plane of passes with the spacings to its neighbours; the first and the last have their one neighbour's on both
+/// sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plane {
     pub(super) at: f64,
@@ -90,26 +91,31 @@ impl Plane {
 }
 
 /// Why there are no planes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum NoPlanes {
-    /// No spacing keeps the scallop height, or so small a one that there would be more than [`MOST_PLANES`], more than
-    /// [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them, or more than [`MOST_MET`] facets met by the strips.
-    TooMany,
     /// More planes or runs than there is room for.
     NoRoom,
     /// The work was cancelled.
     Cancelled,
+    /// No spacing keeps the scallop height.
+    NoSpacing,
+    /// There would be more than [`MOST_PLANES`].
+    TooManyPlanes,
+    /// There would be more than [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them.
+    TooManyRuns,
+    /// The strips would meet more than [`MOST_MET`] facets.
+    TooManyMet,
 }
 
 /// How many planes are placed between two checks for cancellation.
 const PLANES_AT_ONCE: usize = 32;
 
-/// The most facets that strips may meet, over all strips: some 0.2 s. A mesh of a million facets meets 5e6; half a million facets that each cover a whole
-/// part meet it in every strip.
-const MOST_MET: usize = 50_000_000;
+/// The most facets that strips may meet, over all strips: some 0.2 s. A mesh of a million facets meets 5e6; half a
+/// million facets that each cover a whole part meet it in every strip.
+pub(super) const MOST_MET: usize = 50_000_000;
 
-/// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The visitor keeps those that
-/// reach beyond the plane, and may end the walk.
+/// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The
+/// visitor keeps those that reach beyond the plane, and may end the walk.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -141,8 +147,11 @@ pub(super) fn march(
         loop {
             planes += 1;
             met += walk.reached.len();
-            if planes > MOST_PLANES || met > MOST_MET {
-                return Err(NoPlanes::TooMany);
+            if planes > MOST_PLANES {
+                return Err(NoPlanes::TooManyPlanes);
+            }
+            if met > MOST_MET {
+                return Err(NoPlanes::TooManyMet);
             }
             if planes.is_multiple_of(PLANES_AT_ONCE) && stop() {
                 return Err(NoPlanes::Cancelled);
@@ -156,7 +165,8 @@ pub(super) fn march(
                 visit(plane, &mut walk.reached)?;
                 break;
             }
-            // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the border allows that.
+            // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the
+            // border allows that.
             is_last = widest > rest;
             plane.after = if is_last { rest - widest / 2.0 } else { widest };
             if planes == 1 {
@@ -185,16 +195,17 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// The largest d that all facets allow that meet the strip from `at` to `at` + d, but for the share of its area that may be left out.
+    /// The largest d that all facets allow that meet the strip from `at` to `at` + d, but for the share of its area
+    /// that may be left out.
     fn widest_from(&mut self, at: f64) -> Result<f64, NoPlanes> {
         let widest = self.spaced.widest;
         loop {
             let width = self.hint.min(widest);
             let found = self.widest_within(at, width);
             if found < width || width >= widest {
-                // More planes than the limit over a kilometre.
+                // Under a nanometre there is none: as many planes as are allowed would cover 0.05 mm.
                 if found.is_nan() || found <= 1e-6 {
-                    return Err(NoPlanes::TooMany);
+                    return Err(NoPlanes::NoSpacing);
                 }
                 self.hint = 1.2 * found;
                 return Ok(found);
@@ -246,8 +257,8 @@ impl Walk<'_> {
                 }
             }
         }
-        // The area of a strip grows in proportion to its width, about. A strip may be as wide as the bound of a facet if a wider one, up to the next bound,
-        // would hold more of tighter facets than may be left out.
+        // The area of a strip grows in proportion to its width, about. A strip may be as wide as the bound of a facet
+        // if a wider one, up to the next bound, would hold more of tighter facets than may be left out.
         let left_out_per_width = self.spaced.left_out * area / width;
         let next_bound = |index: usize| self.tightest.get(index + 1).map_or(width, |&(bound, _)| bound);
         let holds_too_much = |index: &usize| {

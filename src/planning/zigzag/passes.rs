@@ -2,6 +2,7 @@
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
+use super::links::End;
 use super::march::{Plane, Spaced};
 use super::plan::ZigzagPlan;
 use super::prepared::{Prepared, rows_of};
@@ -10,9 +11,11 @@ use super::room::{PlanRoom, Room};
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::sweep::{Heading, Sweep};
+use super::tour::run_time;
 use super::workpiece::Workpiece;
 use crate::milling::{Cutter, EvaluatedPass, NoAnswer, ScallopHeight};
-use crate::quantity::{Length, Speed};
+use crate::planning::reach::tip_of;
+use crate::quantity::{Length, Speed, Time};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
 use std::fmt;
@@ -24,6 +27,9 @@ pub struct Passes {
     pub run_starts: Vec<usize>,
     /// All points in cutting order.
     pub points: Vec<PassPoint>,
+    /// The time in which the tips pass all runs and links. The time of a plan is that of the contacts, whose way is
+    /// shorter where the contact wanders over the cutter's bottom, and where tips are raised.
+    pub time: Time,
     /// How far contacts and tips that were left out lie from the lines between those that were kept, at most.
     pub chord_tolerance: Length,
 }
@@ -31,7 +37,8 @@ pub struct Passes {
 /// A point of a pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassPoint {
-    /// Where the cutter touches the surface, in mm; `None` where the tip is raised because the cutter would gouge the surface elsewhere.
+    /// Where the cutter touches the surface, in mm; `None` where the tip is raised because the cutter would gouge the
+    /// surface elsewhere.
     pub contact: Option<[f64; 3]>,
     /// The unit normal of the surface there.
     pub normal: [f64; 3],
@@ -39,7 +46,8 @@ pub struct PassPoint {
     pub tip: [f64; 3],
     /// The step-over to the farther of the neighbouring passes, along the surface.
     pub step_over: Length,
-    /// The largest feed per tooth that keeps the scallop height, within the limits of cutter and machine; `None` for cutters without a drive.
+    /// The largest feed per tooth that keeps the scallop height, within the limits of cutter and machine; `None` for
+    /// cutters without a drive.
     pub feed_per_tooth: Option<Length>,
     /// The feed rate: that of the feed per tooth, else the machine's.
     pub feed_rate: Speed,
@@ -49,7 +57,8 @@ pub struct PassPoint {
     pub curvature: [f64; 3],
 }
 
-/// The passes have more points than allowed, even without those between the ends of runs that are not needed for the shape.
+/// The passes have more points than allowed, even without those between the ends of runs that are not needed for the
+/// shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyPoints {
     /// How many points may be.
@@ -70,8 +79,17 @@ const CHORD_SHARE: f64 = 0.1;
 /// How often the chord tolerance is doubled before passes count as having too many points: up to a thousand times.
 const DOUBLINGS: u32 = 10;
 
-/// How far under the height at which the cutter rests a tip may be, as a share of the scallop height, before it is raised.
+/// How far under the height at which the cutter rests a tip may be, as a share of the scallop height, before it is
+/// raised.
 const SUNK_SHARE: f64 = 0.5;
+
+/// A run in cutting order and sense.
+struct OrderedRun {
+    plane: Plane,
+    places: Vec<Place>,
+    /// Its start and its end.
+    ends: [End; 2],
+}
 
 /// A place on a pass before points are left out.
 #[derive(Debug, Clone, Copy)]
@@ -81,12 +99,14 @@ struct Place {
     tip: [f64; 3],
 }
 
-/// The passes of `plan`, which [`super::rank`] made from the same facets, candidate and settings, with at most `limit` points.
+/// The passes of `plan`, which [`super::rank`] made from the same facets, candidate and settings, with at most
+/// `limit` points.
 ///
-/// Contacts lie where the planes cross the facets' middles and at the ends of runs; a point is left out where contact and tip are within the chord
-/// tolerance of the lines between their neighbours: a tenth of the scallop height, doubled until the points are few enough. `tip_height` is the height at
-/// which the cutter's tip rests on the surface with its axis at (x, y), `None` where that is not known; tips deeper than half a scallop height under it are
-/// raised to it.
+/// Contacts lie where the planes cross the facets' middles and at the ends of runs; a point is left out where contact
+/// and tip are within the chord tolerance of the lines between their neighbours: a tenth of the scallop height,
+/// doubled until the points are few enough. `raised` takes a tip and returns the lowest height, at least the tip's
+/// own, at which the cutter does not cut into the surface; tips that are deeper than half a scallop height under it
+/// are raised to it.
 ///
 /// # Errors
 /// [`TooManyPoints`]
@@ -95,7 +115,7 @@ pub fn passes(
     facets: &[FinishFacet],
     candidate: &CandidateCutter,
     settings: &ZigzagSettings,
-    tip_height: &(dyn Fn(f64, f64) -> Option<f64> + Sync),
+    raised: &(dyn Fn([f64; 3]) -> f64 + Sync),
     limit: usize,
 ) -> Result<Passes, TooManyPoints> {
     let workpiece = Workpiece::new(facets, settings.max_slope.cos());
@@ -107,7 +127,7 @@ pub fn passes(
     let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings, &room), candidate.cutter);
     let mut chord = CHORD_SHARE * settings.scallop_height.mm();
     let kept = (0..=DOUBLINGS).find_map(|_| {
-        let kept: Vec<Vec<usize>> = runs.par_iter().map(|(_, places)| thinned(places, chord)).collect();
+        let kept: Vec<Vec<usize>> = runs.par_iter().map(|run| thinned(&run.places, chord)).collect();
         let fits = kept.iter().map(Vec::len).sum::<usize>() <= limit;
         if !fits {
             chord *= 2.0;
@@ -115,23 +135,24 @@ pub fn passes(
         fits.then_some(kept)
     });
     let kept = kept.ok_or(TooManyPoints { limit })?;
-    let pointing = Pointing { facets, spaced: &spaced, prepared: &prepared, settings, tip_height };
+    let pointing = Pointing { facets, spaced: &spaced, prepared: &prepared, settings, raised };
     let points: Vec<Vec<PassPoint>> = runs
         .par_iter()
         .zip(&kept)
-        .map(|((plane, places), kept)| kept.iter().map(|&index| pointing.point(plane, places[index])).collect())
+        .map(|(run, kept)| kept.iter().map(|&index| pointing.point(&run.plane, run.places[index])).collect())
         .collect();
+    let time = time_of_tips(&runs, &points, &spaced, prepared.operation(settings, &room));
     let mut run_starts = Vec::with_capacity(points.len());
     let mut next = 0;
     for run in &points {
         run_starts.push(next);
         next += run.len();
     }
-    Ok(Passes { run_starts, points: points.into_iter().flatten().collect(), chord_tolerance: Length::computed(chord) })
+    Ok(Passes { run_starts, points: points.into_iter().flatten().collect(), time, chord_tolerance: Length::computed(chord) })
 }
 
-/// The memory that [`passes`] takes with at most `limit` points, in bytes, beside what ranking a candidate takes: the places of all planes
-/// and the points.
+/// The memory that [`passes`] takes with at most `limit` points, in bytes, beside what ranking a candidate takes: the
+/// places of all planes and the points.
 #[must_use]
 pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
     let heading = Heading::new(plan.direction);
@@ -141,8 +162,8 @@ pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) 
         before(across.into_iter().fold(f64::NEG_INFINITY, f64::max)) - before(across.into_iter().fold(f64::INFINITY, f64::min))
     };
     let cuts: usize = facets.par_iter().with_min_len(4096).map(crossed).sum();
-    // A run has two places beside those of its cuts; the simulation, whose gaps may be a little wider, joins some runs. The cuts of a plane make way
-    // for its places.
+    // A run has two places beside those of its cuts; the simulation, whose gaps may be a little wider, joins some
+    // runs. The cuts of a plane make way for its places.
     let places = cuts + (2 * cuts).min(4 * plan.tour.runs);
     places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
 }
@@ -157,13 +178,7 @@ const BYTES_OF_A_PLANE: usize = 512;
 const BYTES_OF_A_POINT: usize = 1000;
 
 /// The runs of all planes with their places, in cutting order and sense.
-fn runs_in_order(
-    plan: &ZigzagPlan,
-    facets: &[FinishFacet],
-    spaced: &Spaced,
-    operation: Operation,
-    cutter: Cutter,
-) -> Vec<(Plane, Vec<Place>)> {
+fn runs_in_order(plan: &ZigzagPlan, facets: &[FinishFacet], spaced: &Spaced, operation: Operation, cutter: Cutter) -> Vec<OrderedRun> {
     let by_plane = cuts_by_plane(&plan.passes, spaced);
     let of_plane = |(number, (plane, cuts)): (usize, (&Plane, Vec<Cut>))| runs_of(number, plane.at, cuts, facets, spaced, cutter);
     let runs: Vec<(Stretch, Vec<Place>)> = plan.passes.par_iter().zip(by_plane).enumerate().flat_map_iter(of_plane).collect();
@@ -174,9 +189,40 @@ fn runs_in_order(
         if !leg.forward {
             places.reverse();
         }
-        (plan.passes[stretches[leg.run].plane], places)
+        let stretch = stretches[leg.run];
+        let ends = [!leg.forward, leg.forward].map(|is_upper| stretch.end(usize::from(is_upper)));
+        OrderedRun { plane: plan.passes[stretch.plane], places, ends }
     });
     ordered.collect()
+}
+
+/// The time of all runs and links of the tips: each run with the mean of its points' feeds, as the contacts in
+/// [`TourFigures`](super::TourFigures).
+fn time_of_tips(runs: &[OrderedRun], points: &[Vec<PassPoint>], spaced: &Spaced, operation: Operation) -> Time {
+    let links = operation.links(spaced);
+    let (heading, origin) = (spaced.sweep.heading, spaced.workpiece.origin);
+    let at = |end: End, point: &PassPoint| {
+        let [x, y, z] = [0, 1, 2].map(|axis| point.tip[axis] - origin[axis]);
+        End { place: [heading.along(x, y), heading.across(x, y), z], ..end }
+    };
+    let (mut total, mut last) = (0.0, None);
+    for (run, points) in runs.iter().zip(points) {
+        let (Some(first), Some(end)) = (points.first(), points.last()) else { continue };
+        if let Some(last) = last {
+            total += links.between(last, at(run.ends[0], first)).seconds;
+        }
+        let (mut length, mut seconds) = (0.0, 0.0);
+        for pair in points.windows(2) {
+            let part = (0..3).map(|axis| (pair[1].tip[axis] - pair[0].tip[axis]).powi(2)).sum::<f64>().sqrt();
+            length += part;
+            seconds += 0.5 * part * (pair[0].feed_rate.mm_s().recip() + pair[1].feed_rate.mm_s().recip());
+        }
+        if seconds > 0.0 {
+            total += run_time(length, seconds, operation.machine);
+        }
+        last = Some(at(run.ends[1], end));
+    }
+    Time::computed(total)
 }
 
 /// The cut of a facet: both ends, along the pass and in height.
@@ -248,18 +294,8 @@ fn runs_of(
     runs
 }
 
-/// The tip of a cutter that touches a plane with the normal n at the contact c: the corner's centre is r n above it, the axis R - r further along
-/// the horizontal part of n, and the tip r below the centre.
-fn tip_of(cutter: Cutter, contact: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
-    let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
-    let horizontal = normal[0].hypot(normal[1]);
-    // On a floor the flat touches as a whole; its middle is over the contact.
-    let out = if horizontal > 0.0 { core / horizontal } else { 0.0 };
-    [contact[0] + (corner + out) * normal[0], contact[1] + (corner + out) * normal[1], contact[2] + corner * normal[2] - corner]
-}
-
-/// Which places to keep so that none left out is farther from the line between its kept neighbours than `chord`: the two ends, and again and again the
-/// farthest place (Douglas and Peucker), by contact and tip.
+/// Which places to keep so that none left out is farther from the line between its kept neighbours than `chord`: the
+/// two ends, and again and again the farthest place (Douglas and Peucker), by contact and tip.
 fn thinned(places: &[Place], chord: f64) -> Vec<usize> {
     let mut keep = vec![false; places.len()];
     let Some(last) = places.len().checked_sub(1) else { return Vec::new() };
@@ -296,16 +332,16 @@ struct Pointing<'a> {
     spaced: &'a Spaced<'a>,
     prepared: &'a Prepared,
     settings: &'a ZigzagSettings,
-    tip_height: &'a (dyn Fn(f64, f64) -> Option<f64> + Sync),
+    raised: &'a (dyn Fn([f64; 3]) -> f64 + Sync),
 }
 
 impl Pointing<'_> {
     fn point(&self, plane: &Plane, place: Place) -> PassPoint {
         let Place { facet, contact, mut tip } = place;
-        let resting = (self.tip_height)(tip[0], tip[1]);
-        let raised = resting.filter(|&height| height - tip[2] > SUNK_SHARE * self.settings.scallop_height.mm());
-        if let Some(height) = raised {
-            tip[2] = height;
+        let resting = (self.raised)(tip);
+        let is_raised = resting - tip[2] > SUNK_SHARE * self.settings.scallop_height.mm();
+        if is_raised {
+            tip[2] = resting;
         }
         let (e, index) = (self.spaced.sweep.heading.e, facet as usize);
         let tangent = &self.spaced.workpiece.tangents[index];
@@ -327,7 +363,7 @@ impl Pointing<'_> {
         }
         let rate = range.zip(feed).map_or(planned, |(range, feed)| range.rate(feed));
         PassPoint {
-            contact: if raised.is_some() { None } else { Some(contact) },
+            contact: if is_raised { None } else { Some(contact) },
             normal: self.facets[index].normal,
             tip,
             step_over: Length::computed(step_over),
@@ -338,7 +374,8 @@ impl Pointing<'_> {
         }
     }
 
-    /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over alone uses it up.
+    /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over
+    /// alone uses it up.
     fn largest_feed(&self, evaluated: &EvaluatedPass, step_over: f64, range: FeedRange) -> Option<f64> {
         // Most feeds are bound by the range, which one height shows.
         let tolerance = self.settings.scallop_height;

@@ -2,7 +2,8 @@
 
 use super::candidate::ReachFigures;
 use super::check::ScallopFigures;
-use super::march::{MOST_PLANES, Plane};
+use super::march::{MOST_MET, MOST_PLANES, NoPlanes, Plane};
+use super::simulate::MOST_RUNS;
 use super::tour::TourFigures;
 use crate::planning::RectanglePlan;
 use crate::quantity::{Angle, Length, Speed, Time};
@@ -31,11 +32,14 @@ pub struct ZigzagPlan {
     pub scallop_height: ScallopFigures,
     /// A bound from below: no zigzag that keeps the scallop height is faster.
     pub least_time: Time,
-    /// The time of each direction that was tried, in s, before the check; `None` where no spacing keeps the scallop height.
+    /// The time of each direction that was tried; `None` where it has no plan. That of `direction` is `time`. The
+    /// others are estimates: times before the check, multiplied by the factor by which the check changed the time of
+    /// the fastest direction.
     pub by_direction: Vec<(Angle, Option<Time>)>,
     /// What the cutter cannot reach.
     pub reach: Option<ReachFigures>,
-    /// The same cutter on the rectangle of the published method, for comparison; `None` without a shape or a step-over there.
+    /// The same cutter on the rectangle of the published method, for comparison; `None` without a shape or a
+    /// step-over there.
     pub rectangle: Option<RectanglePlan>,
     /// Whether the flutes are shorter than the surface is deep.
     pub flutes_too_short: bool,
@@ -85,15 +89,32 @@ pub struct NotRanked {
 pub enum NotRankedReason {
     /// The cutter leaves more of the area uncut than allowed.
     CannotReach(ReachFigures),
-    /// In every direction some slope of the surface has no step-over that keeps the scallop height, or one so small that there would be more
-    /// than 50,000 passes, or passes over facets that overlap so often that they meet 50,000,000.
+    /// In every direction some slope of the surface has no step-over that keeps the scallop height.
     NoStepOver,
-    /// The cutter gouges the surface beside the contact, or leaves uncut material between its passes, on so much of the area: with its flat end it has no
-    /// passes there.
+    /// Step-overs that keep the scallop height are so small that there would be more than 50,000 passes.
+    TooManyPasses,
+    /// The passes fall into more than 65,536 runs.
+    TooManyRuns,
+    /// The facets overlap so often that the passes meet more than 50,000,000 of them.
+    TooMuchWork,
+    /// The cutter gouges the surface beside the contact, or leaves uncut material between its passes, on so much of
+    /// the area: with its flat end it has no passes there.
     NoHeight {
         /// The share of the area.
         share: f64,
     },
+}
+
+impl From<NoPlanes> for NotRankedReason {
+    /// A plan that was cancelled, or has no room, is discarded with the whole ranking, whatever its reason.
+    fn from(reason: NoPlanes) -> Self {
+        match reason {
+            NoPlanes::NoSpacing | NoPlanes::Cancelled | NoPlanes::NoRoom => Self::NoStepOver,
+            NoPlanes::TooManyPlanes => Self::TooManyPasses,
+            NoPlanes::TooManyRuns => Self::TooManyRuns,
+            NoPlanes::TooManyMet => Self::TooMuchWork,
+        }
+    }
 }
 
 impl fmt::Display for NotRankedReason {
@@ -101,12 +122,16 @@ impl fmt::Display for NotRankedReason {
         match self {
             Self::CannotReach(reach) => write!(
                 f,
-                "the cutter does not reach {:.2} % of the area and leaves up to {:.4} mm there",
+                "the cutter does not reach {:.2} % of the area and leaves up to {:.4} mm there, give or take {:.4} mm",
                 100.0 * reach.uncut_share,
-                reach.uncut_height.mm()
+                reach.uncut_height.mm(),
+                reach.uncut_height_error.mm()
             ),
-            Self::NoStepOver => {
-                write!(f, "in no direction do {MOST_PLANES} passes or fewer keep the scallop height within the bound on work")
+            Self::NoStepOver => f.write_str("in no direction does any step-over keep the scallop height everywhere"),
+            Self::TooManyPasses => write!(f, "in no direction do {MOST_PLANES} passes or fewer keep the scallop height"),
+            Self::TooManyRuns => write!(f, "in no direction do the passes have {MOST_RUNS} runs or fewer"),
+            Self::TooMuchWork => {
+                write!(f, "in no direction do the passes meet {MOST_MET} facets or fewer, each counted as often as a pass meets it")
             }
             Self::NoHeight { share } => {
                 write!(f, "the cutter gouges the surface beside its contacts on {:.1} % of the area", 100.0 * share)

@@ -29,8 +29,9 @@ impl Prepared {
         Self { index, candidate: *candidate, spacing, feeds, range, link_rate }
     }
 
+    /// The widest spacing, in mm: a rounding of single precision less than the diameter, where passes still overlap.
     pub(super) fn diameter(&self) -> f64 {
-        2.0 * self.candidate.cutter.outer_radius().mm()
+        2.0 * self.candidate.cutter.outer_radius().mm() * (1.0 - 1e-6)
     }
 
     /// How the cutter is moved, whatever the direction.

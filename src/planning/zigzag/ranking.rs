@@ -1,20 +1,21 @@
 //! All candidates on one surface: each one's fastest plan, checked, in the order of their times.
 
 use super::candidate::CandidateCutter;
-use super::check::{Inspector, checked};
+use super::check::{Inspector, ScallopFigures, checked};
 use super::confidence::{SurfaceConfidence, SurfaceEvidence};
 use super::least_time::least_seconds;
-use super::march::Spaced;
+use super::march::{NoPlanes, Spaced};
 use super::plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};
 use super::prepared::{Prepared, rows_of};
 use super::room::{PlanRoom, Room};
 use super::search::{TimeOfDirection, fastest, times_by_direction};
 use super::settings::ZigzagSettings;
+use super::simulate::Simulated;
 use super::sweep::Sweep;
 use super::workpiece::{SurfaceFigures, Workpiece};
 use crate::milling::{Cutter, Model};
 use crate::planning::{RectanglePlan, plan_on_rectangle};
-use crate::quantity::{Length, Speed, Time};
+use crate::quantity::{Angle, Length, Speed, Time};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
 
@@ -36,7 +37,7 @@ const LARGEST_SHARE_WITHOUT_HEIGHT: f64 = 0.5;
 
 /// Plans zigzag passes for each candidate over the facets and ranks them by time.
 ///
-/// The facets must be visible from above, with n_z > 0; `evidence` holds what the mesh tells beside them.
+/// The facets must be visible from above, with n_z > 0; `evidence` holds the mesh's properties beside them.
 /// `stop` is asked before each candidate and direction and every 32 planes; `None` as soon as it returns true.
 #[must_use]
 pub fn rank(
@@ -58,7 +59,8 @@ pub enum NoRanking {
     NoRoom,
 }
 
-/// The same as [`rank`] with bounds on the size of plans, and thereby on memory. The result does not depend on the room.
+/// The same as [`rank`] with bounds on the size of plans, and thereby on memory. The result does not depend on the
+/// room.
 ///
 /// # Errors
 /// [`NoRanking`]
@@ -100,7 +102,8 @@ fn ranked(
     let times = times_by_direction(&workpiece, &prepared, settings, room, stop)?;
     let work: Vec<_> = prepared.iter().zip(times).collect();
     let mut plans = Vec::new();
-    // A candidate in work holds all facets in the order of its direction: no more of them at once than there are threads.
+    // A candidate in work holds all facets in the order of its direction: no more of them at once than there are
+    // threads.
     for group in work.chunks(settings.candidates_at_once.clamp(1, rayon::current_num_threads())) {
         let planned: Vec<Result<ZigzagPlan, NotRanked>> = group
             .par_iter()
@@ -126,10 +129,85 @@ fn ranked(
     Some(Ranking { plans, not_ranked, surface, confidence })
 }
 
-/// Drops the planes of all plans but the fastest: fifty thousand planes of two hundred cutters would take half a gigabyte.
+/// Drops the planes of all plans but the fastest: fifty thousand planes of two hundred cutters would take half a
+/// gigabyte.
 fn keep_planes_of_fastest(plans: &mut [ZigzagPlan]) {
     let fastest = plans.iter().enumerate().min_by(|(_, a), (_, b)| a.time.seconds().total_cmp(&b.time.seconds())).map(|(index, _)| index);
     plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != fastest).for_each(|(_, plan)| plan.passes = Vec::new());
+}
+
+/// In how many directions the plan of a candidate is checked at most.
+const MOST_CHECKED: usize = 3;
+
+/// How far the directions that are checked must lie from each other, in deg: nearer ones have nearly the same spacings.
+const CHECKED_APART: f64 = 5.0;
+
+/// A direction's zigzag after its check.
+struct CheckedPlan {
+    direction: Angle,
+    simulated: Simulated,
+    scallop_height: ScallopFigures,
+}
+
+/// The fastest zigzag of a candidate after the check, and the times of all directions: those that were not checked,
+/// multiplied by the factor by which the check changed the fastest one.
+///
+/// The spacing follows from the check, so that a direction may lose its lead. Where the check makes the fastest one
+/// slower than others were before theirs, these are checked as well.
+fn fastest_checked(
+    facets: &[FinishFacet],
+    workpiece: &Workpiece,
+    prepared: &Prepared,
+    times: &[TimeOfDirection],
+    settings: &ZigzagSettings,
+    room: &Room,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<(CheckedPlan, Vec<TimeOfDirection>), NotRankedReason> {
+    let inspector = Inspector::new(facets, prepared, settings);
+    // By model `analytic` the spacing is the published one; it is checked, but does not follow.
+    let follows = settings.model == Model::Envelope;
+    let mut best: Option<CheckedPlan> = None;
+    let mut reason = times.iter().filter_map(|time| time.seconds.err()).max().map_or(NotRankedReason::NoStepOver, NotRankedReason::from);
+    let mut checked_times: Vec<TimeOfDirection> = Vec::new();
+    let mut factor = None;
+    while checked_times.len() < MOST_CHECKED {
+        let is_open =
+            |time: &&TimeOfDirection| checked_times.iter().all(|other| lines_apart(other.direction, time.direction) >= CHECKED_APART);
+        let open: Vec<TimeOfDirection> = times.iter().filter(is_open).copied().collect();
+        let Some(next) = fastest(&open) else { break };
+        if best.as_ref().zip(next.seconds.ok()).is_some_and(|(best, seconds)| seconds >= best.simulated.figures.seconds) {
+            break;
+        }
+        let sweep = Sweep::new(workpiece, next.direction);
+        let spaced = Spaced::new(workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+        let seconds = match checked(spaced, prepared.operation(settings, room), inspector, follows, stop) {
+            Ok((simulated, scallop_height)) if simulated.figures.runs > 0 => {
+                let seconds = simulated.figures.seconds;
+                if best.as_ref().is_none_or(|best| seconds < best.simulated.figures.seconds) {
+                    best = Some(CheckedPlan { direction: next.direction, simulated, scallop_height });
+                }
+                factor = factor.or(next.seconds.ok().map(|before| seconds / before));
+                Ok(seconds)
+            }
+            Ok(_) => Err(NoPlanes::NoSpacing),
+            Err(error) => {
+                reason = error.into();
+                Err(error)
+            }
+        };
+        checked_times.push(TimeOfDirection { seconds, ..next });
+    }
+    let after = |time: &TimeOfDirection| {
+        let checked = checked_times.iter().find(|checked| checked.direction == time.direction);
+        checked.copied().unwrap_or(TimeOfDirection { seconds: time.seconds.map(|seconds| seconds * factor.unwrap_or(1.0)), ..*time })
+    };
+    best.map(|best| (best, times.iter().map(after).collect())).ok_or(reason)
+}
+
+/// The angle between two lines, in deg.
+fn lines_apart(one: Angle, other: Angle) -> f64 {
+    let apart = (one.degrees() - other.degrees()).abs();
+    apart.min(180.0 - apart)
 }
 
 fn plan(
@@ -141,28 +219,18 @@ fn plan(
     room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<ZigzagPlan, NotRankedReason> {
-    let best = fastest(times).ok_or(NotRankedReason::NoStepOver)?;
     let cutter = prepared.candidate.cutter;
-    let inspector = Inspector::new(facets, prepared, settings);
-    // By model `analytic` the spacing is the published one; it is checked, but does not follow.
-    let follows = settings.model == Model::Envelope;
-    let sweep = Sweep::new(workpiece, best.direction);
-    let spaced = Spaced::new(workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
-    // A plan that was cancelled is discarded with the whole ranking.
-    let (simulated, scallop_height) =
-        checked(spaced, prepared.operation(settings, room), inspector, follows, stop).map_err(|_| NotRankedReason::NoStepOver)?;
+    let (best, times) = fastest_checked(facets, workpiece, prepared, times, settings, room, stop)?;
+    let CheckedPlan { direction, simulated, scallop_height } = best;
     if scallop_height.without_height_share > LARGEST_SHARE_WITHOUT_HEIGHT {
         return Err(NotRankedReason::NoHeight { share: scallop_height.without_height_share });
     }
     let tour = simulated.figures;
-    if tour.runs == 0 {
-        return Err(NotRankedReason::NoStepOver);
-    }
     let rate = tour.run_length / tour.cutting_seconds;
     let depth = 2.0 * workpiece.top;
     Ok(ZigzagPlan {
         candidate: prepared.index,
-        direction: best.direction,
+        direction,
         time: Time::computed(tour.seconds),
         tour,
         planes: simulated.planes.len(),
@@ -171,7 +239,7 @@ fn plan(
         feed_per_tooth: prepared.range.map(|range| Length::computed(rate / range.teeth_per_second)),
         scallop_height,
         least_time: Time::computed(least_seconds(workpiece, prepared)),
-        by_direction: times.iter().map(|time| (time.direction, time.seconds.map(Time::computed))).collect(),
+        by_direction: times.iter().map(|time| (time.direction, time.seconds.ok().map(Time::computed))).collect(),
         reach: prepared.candidate.reach,
         rectangle: on_rectangle(cutter, settings),
         flutes_too_short: prepared.candidate.flute_length.is_some_and(|flutes| flutes.mm() < depth),

@@ -1,8 +1,9 @@
 //! The order in which runs are cut: region by region, in each region plane by plane.
 //!
-//! A region is a chain of runs in consecutive planes, each beside exactly one run of the next plane and alone beside it; where a gap begins or ends, regions
-//! part or join. A region is finished before the cutter leaves it, so that a gap costs a lift for each region that it makes and not for each plane that it
-//! crosses. The next region, and the corner at which the cutter enters it, are those with the quickest link.
+//! A region is a chain of runs in consecutive planes, each beside exactly one run of the next plane and alone beside
+//! it; where a gap begins or ends, regions part or join. A region is finished before the cutter leaves it, so that a
+//! gap costs a lift for each region that it makes and not for each plane that it crosses. The next region, and the
+//! corner at which the cutter enters it, are those with the quickest link.
 
 use super::links::{End, Links};
 use super::tour::Pattern;
@@ -62,8 +63,8 @@ pub(super) fn in_order(runs: &[Stretch], pattern: Pattern, links: &Links) -> Vec
     legs
 }
 
-/// The region with the quickest link from `end`, whether it is entered at its last plane, and whether its first run is cut in the direction of the
-/// passes.
+/// The region with the quickest link from `end`, whether it is entered at its last plane, and whether its first run
+/// is cut in the direction of the passes.
 fn quickest(regions: &[Vec<usize>], runs: &[Stretch], end: End, links: &Links) -> (usize, bool, bool) {
     let mut best = (f64::INFINITY, (0, false, true));
     for (index, region) in regions.iter().enumerate() {

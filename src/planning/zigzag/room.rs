@@ -18,7 +18,7 @@ impl PlanRoom {
     /// Enough for a part of 200 mm with passes 0.1 mm apart.
     pub const USUAL: Self = Self { planes: 2_000, runs: 6_000 };
 
-    /// The bounds of all plans: with more planes or runs a direction counts as having no step-over.
+    /// The bounds of all plans: with more planes or runs a direction has no plan.
     pub const LARGEST: Self = Self { planes: MOST_PLANES, runs: MOST_RUNS };
 
     /// The next larger room: five times as much, at most the largest.
@@ -43,11 +43,14 @@ impl Room {
     /// Records that a plan with these planes and runs needs more room, if it does.
     ///
     /// # Errors
-    /// [`NoPlanes::TooMany`] where no room would do, [`NoPlanes::NoRoom`] where a larger one would.
+    /// [`NoPlanes::TooManyPlanes`] and [`NoPlanes::TooManyRuns`] where no room would do, [`NoPlanes::NoRoom`] where a
+    /// larger one would.
     pub(super) fn check(&self, planes: usize, runs: usize) -> Result<(), NoPlanes> {
         let most = PlanRoom::LARGEST;
-        if planes > most.planes || runs > most.runs {
-            Err(NoPlanes::TooMany)
+        if planes > most.planes {
+            Err(NoPlanes::TooManyPlanes)
+        } else if runs > most.runs {
+            Err(NoPlanes::TooManyRuns)
         } else if planes > self.room.planes || runs > self.room.runs {
             self.is_exceeded.store(true, Ordering::Relaxed);
             Err(NoPlanes::NoRoom)

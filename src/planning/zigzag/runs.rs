@@ -26,8 +26,8 @@ const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]
 
 /// Collects the runs of one plane after the other.
 ///
-/// A plane is divided into cells as wide as the gaps over which runs are joined. Two cuts that begin in one cell are therefore in one run, so
-/// that sums by cells give the same runs as sorting all cuts.
+/// A plane is divided into cells as wide as the gaps over which runs are joined. Two cuts that begin in one cell are
+/// therefore in one run, so that sums by cells give the same runs as sorting all cuts.
 #[derive(Debug)]
 pub(super) struct RunFinder {
     cells: Vec<Cell>,

@@ -1,6 +1,6 @@
 //! The fastest direction of each cutter.
 
-use super::march::Spaced;
+use super::march::{NoPlanes, Spaced};
 use super::prepared::Prepared;
 use super::room::Room;
 use super::settings::{Directions, ZigzagSettings};
@@ -10,11 +10,12 @@ use super::workpiece::Workpiece;
 use crate::quantity::Angle;
 use rayon::prelude::*;
 
-/// The time of one direction, in s; `None` where no spacing keeps the scallop height.
+/// The time of one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TimeOfDirection {
     pub(super) direction: Angle,
-    pub(super) seconds: Option<f64>,
+    /// In s, or why there is none.
+    pub(super) seconds: Result<f64, NoPlanes>,
     /// Whether it is from the first pass on sampled facets, and rougher than the others.
     pub(super) is_rough: bool,
 }
@@ -28,7 +29,8 @@ const MOST_FACETS: usize = 6_000;
 /// How many of the fastest directions of the first pass are simulated again.
 const BEST_AT_FIRST: usize = 2;
 
-/// The times of each contender in the directions that are asked for, in rising order of direction; `None` as soon as `stop` returns true.
+/// The times of each contender in the directions that are asked for, in rising order of direction; `None` as soon as
+/// `stop` returns true.
 pub(super) fn times_by_direction(
     workpiece: &Workpiece,
     contenders: &[Prepared],
@@ -53,7 +55,8 @@ pub(super) fn times_by_direction(
             // The best are simulated again with the facets of those around them, so that they compare.
             if first.is_some() {
                 let best = take_fastest(&mut times);
-                simulated(around, best, &mut times);
+                simulated(around, best.iter().map(|&(contender, time)| (contender, time.direction)).collect(), &mut times);
+                correct_rough(&mut times, &best);
             }
             // 2 deg, 1 deg and half a degree on both sides of the best so far.
             for steps in [[-4, 4], [-2, 2], [-1, 1]] {
@@ -79,7 +82,7 @@ pub(super) fn times_by_direction(
 /// The direction that takes least, a rough time counting only where there are no others.
 pub(super) fn fastest(times: &[TimeOfDirection]) -> Option<TimeOfDirection> {
     let least = |is_rough: bool| {
-        let found = times.iter().filter(|time| time.is_rough == is_rough).filter_map(|time| time.seconds.map(|seconds| (seconds, time)));
+        let found = times.iter().filter(|time| time.is_rough == is_rough).filter_map(|time| Some((time.seconds.ok()?, time)));
         found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, time)| *time)
     };
     least(false).or_else(|| least(true))
@@ -91,17 +94,34 @@ fn sampled(workpiece: &Workpiece, count: usize) -> Option<Workpiece> {
 }
 
 /// Takes the fastest directions of each contender out of the times, and returns them.
-fn take_fastest(times: &mut [Vec<TimeOfDirection>]) -> Vec<(usize, Angle)> {
+fn take_fastest(times: &mut [Vec<TimeOfDirection>]) -> Vec<(usize, TimeOfDirection)> {
     let mut taken = Vec::new();
     for (contender, times) in times.iter_mut().enumerate() {
         for _ in 0..BEST_AT_FIRST {
             if let Some(best) = fastest(times) {
                 times.retain(|time| time.direction != best.direction);
-                taken.push((contender, best.direction));
+                taken.push((contender, best));
             }
         }
     }
     taken
+}
+
+/// Multiplies the rough times of each contender by the largest factor by which one of its `best` changed when it was
+/// simulated again. No rough time is then under the fastest of those, because the others were no faster before.
+fn correct_rough(times: &mut [Vec<TimeOfDirection>], best: &[(usize, TimeOfDirection)]) {
+    for (contender, times) in times.iter_mut().enumerate() {
+        let factor = |rough: &TimeOfDirection| {
+            let again = times.iter().find(|time| !time.is_rough && time.direction == rough.direction)?;
+            Some(again.seconds.ok()? / rough.seconds.ok()?)
+        };
+        let factors = best.iter().filter(|(of, _)| *of == contender).filter_map(|(_, rough)| factor(rough));
+        if let Some(factor) = factors.reduce(f64::max) {
+            for time in times.iter_mut().filter(|time| time.is_rough) {
+                time.seconds = time.seconds.map(|seconds| seconds * factor);
+            }
+        }
+    }
 }
 
 fn for_all(contenders: &[Prepared], directions: &[Angle]) -> Vec<(usize, Angle)> {
@@ -134,7 +154,7 @@ fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found:
             let time = |&(contender, _): &(usize, Angle)| {
                 let prepared = &contenders[contender];
                 let spaced = Spaced::new(facets, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
-                let seconds = simulate(&spaced, prepared.operation(settings, room), stop).ok().map(|simulated| simulated.figures.seconds);
+                let seconds = simulate(&spaced, prepared.operation(settings, room), stop).map(|simulated| simulated.figures.seconds);
                 (contender, TimeOfDirection { direction, seconds, is_rough })
             };
             of_direction.par_iter().with_min_len(4).map(time).collect()

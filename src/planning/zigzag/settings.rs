@@ -9,7 +9,8 @@ use crate::surface::Shape;
 /// What is given for all candidates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZigzagSettings {
-    /// The scallop height to keep: of step-over and feed marks together for cutters with a drive, of the step-over alone for others.
+    /// The scallop height to keep: of step-over and feed marks together for cutters with a drive, of the step-over
+    /// alone for others.
     pub scallop_height: Length,
     /// The machine.
     pub machine: Machine,
@@ -32,8 +33,8 @@ pub struct ZigzagSettings {
 }
 
 impl ZigzagSettings {
-    /// Zigzag in all directions, spaced by model `envelope`, with the usual limits: slopes up to 85 deg, a thousandth of each strip left out,
-    /// half a per cent of the area uncut.
+    /// Zigzag in all directions, spaced by model `envelope`, with the usual limits: slopes up to 85 deg, a thousandth
+    /// of each strip left out, half a per cent of the area uncut.
     #[must_use]
     pub fn new(scallop_height: Length, machine: Machine) -> Self {
         Self {

@@ -26,8 +26,8 @@ impl Operation<'_> {
     }
 }
 
-/// The most runs of a zigzag, some more than there are planes at most: with their order each takes some 200 bytes, and a comb of thin strips has
-/// thousands in each plane.
+/// The most runs of a zigzag, some more than there are planes at most: with their order each takes some 200 bytes,
+/// and a comb of thin strips has thousands in each plane.
 pub(super) const MOST_RUNS: usize = 65_536;
 
 /// A zigzag in one direction.

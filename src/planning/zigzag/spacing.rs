@@ -10,11 +10,12 @@ use rayon::prelude::*;
 /// The columns of a table less one: they lie at cos(alpha) = 0, 1/24, ... 1.
 const COLUMNS: usize = 24;
 
-/// The largest step-over of a cutter over slope and direction on a plane, seen from above, and the feed that belongs to it.
+/// The largest step-over of a cutter over slope and direction on a plane, seen from above, and the feed that belongs
+/// to it.
 ///
-/// A ball-end cutter, and any cutter in model `analytic` without feed marks, have closed forms. Elsewhere a table of squared spacings is
-/// interpolated, linearly in cos^2(alpha) and 1/sin(S), in which the squares of circles' chords are linear; it is taken
-/// [`CutterSpacing::MARGIN`] smaller than interpolated, more than interpolation errs.
+/// A ball-end cutter, and any cutter in model `analytic` without feed marks, have closed forms. Elsewhere a table of
+/// squared spacings is interpolated, linearly in cos^2(alpha) and 1/sin(S), in which the squares of circles' chords
+/// are linear; it is taken [`CutterSpacing::MARGIN`] smaller than interpolated, more than interpolation errs.
 #[derive(Debug, Clone)]
 pub(super) struct CutterSpacing {
     cutter: Cutter,
@@ -39,7 +40,8 @@ enum Law {
 /// How the feed follows the spacing.
 #[derive(Debug, Clone)]
 pub(super) enum FeedLaw {
-    /// One feed rate everywhere, in mm/s: the machine's, or the largest feed per tooth, which the best step-over takes at every contact.
+    /// One feed rate everywhere, in mm/s: the machine's, or the largest feed per tooth, which the best step-over
+    /// takes at every contact.
     Constant { rate: f64 },
     /// Feeds from a table.
     Table(FeedTable),
@@ -62,16 +64,17 @@ struct Best {
 }
 
 impl CutterSpacing {
-    /// The share by which tables are taken smaller than interpolated. Over random cutters, slopes and directions linear interpolation exceeds the
-    /// model's spacing by at most 0.5 %; it falls short of it by up to 2 %, under 3 deg of slope by up to 10 %, which the check of a plan makes good.
+    /// The share by which tables are taken smaller than interpolated. Over random cutters, slopes and directions
+    /// linear interpolation exceeds the model's spacing by at most 0.5 %; it falls short of it by up to 2 %, under 3
+    /// deg of slope by up to 10 %, which the check of a plan makes good.
     pub(super) const MARGIN: f64 = 0.006;
 
-    /// The same with feed marks, where interpolation exceeds by at most 1.1 %: along the tolerance the area per time is flat around its maximum, and step-over and
-    /// feed are found to half a per cent.
+    /// The same with feed marks, where interpolation exceeds by at most 1.1 %: along the tolerance the area per time
+    /// is flat around its maximum, and step-over and feed are found to half a per cent.
     pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
 
-    /// The spacings of a cutter for the scallop height `height`, with feed marks where `feeds` is given, and its feeds. `rows` tells which
-    /// rows of a table are needed; `feed_rate` is the machine's, in mm/s.
+    /// The spacings of a cutter for the scallop height `height`, with feed marks where `feeds` is given, and its
+    /// feeds. `rows` marks the rows of a table that are needed; `feed_rate` is the machine's, in mm/s.
     pub(super) fn new(
         cutter: Cutter,
         height: Length,
@@ -100,13 +103,15 @@ impl CutterSpacing {
         (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
     }
 
-    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 where no spacing keeps the scallop height.
+    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 where no spacing keeps
+    /// the scallop height.
     pub(super) fn squared(&self, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
         let ratio_squared = tangent.ratio_squared(cos_alpha);
         let on_plane = match &self.law {
             Law::Constant { squared } => squared * ratio_squared,
             Law::Circle { core, corner, height } => {
-                // R_eff = core cos^2(theta) / sin(S) + r with cos^2(theta) = cos^2(alpha) / ratio^2; infinite on a floor.
+                // R_eff = core cos^2(theta) / sin(S) + r with cos^2(theta) = cos^2(alpha) / ratio^2; infinite on a
+                // floor.
                 let bent = core * cos_alpha * cos_alpha / (tangent.sin * ratio_squared);
                 let radius = if *core > 0.0 { bent + corner } else { *corner };
                 if radius.is_nan() || radius > 1e12 {
@@ -123,10 +128,12 @@ impl CutterSpacing {
         squared.min(self.diameter_squared)
     }
 
-    /// A squared spacing on the curved surface, from that on a plane: the relative curvature across the feed grows by the difference of the
-    /// Schur complements k_c - k_p, so that 8 h / d^2 grows by their difference over the squared ratio of d to s.
+    /// A squared spacing on the curved surface, from that on a plane: the relative curvature across the feed grows by
+    /// the difference of the Schur complements k_c - k_p, so that 8 h / d^2 grows by their difference over the
+    /// squared ratio of d to s.
     ///
-    /// Where the second order has no answer because the cutter gouges, the plane's spacing is left as it is: hollows only widen it.
+    /// Where the second order has no answer because the cutter gouges, the plane's spacing is left as it is: hollows
+    /// only widen it.
     fn on_curved_surface(&self, on_plane: f64, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
         let [steepest, twist, level] = tangent.curvature;
         if steepest == 0.0 && twist == 0.0 && level == 0.0 {
@@ -135,8 +142,9 @@ impl CutterSpacing {
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         // 1/((R - r)/sin(S) + r), the body's curvature along the level line.
         let across = tangent.sin / (core + corner * tangent.sin);
-        // Twice the forms of the body and of body and surface along the feed, times r, for the feed's direction lifted into the tangent plane:
-        // (cos(alpha)/cos(S), sin(alpha)), whose squared length cancels against the ratio of d to s but for cos^2(S).
+        // Twice the forms of the body and of body and surface along the feed, times r, for the feed's direction
+        // lifted into the tangent plane: (cos(alpha)/cos(S), sin(alpha)), whose squared length cancels against the
+        // ratio of d to s but for cos^2(S).
         let per_cos = tangent.cos.recip();
         let up = cos_alpha * per_cos;
         let body = up * up + corner * across * sin_alpha * sin_alpha;
@@ -154,8 +162,8 @@ impl CutterSpacing {
 impl FeedLaw {
     /// The feed rate in mm/s on a facet of whose squared spacing the share `taken_of_allowed` is taken.
     ///
-    /// The height of step-over and feed marks together is taken for a sum of squares, h (s/s0)^2 + b f^2, with s0 the step-over
-    /// without marks. What s leaves of h is the feed's.
+    /// The height of step-over and feed marks together is taken for a sum of squares, h (s/s0)^2 + b f^2, with s0 the
+    /// step-over without marks. What s leaves of h is the feed's.
     pub(super) fn rate(&self, tangent: &Tangent, cos_alpha: f64, taken_of_allowed: f64) -> f64 {
         match self {
             Self::Constant { rate } => *rate,
@@ -177,7 +185,7 @@ fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRan
     let diameter = 2.0 * cutter.outer_radius().mm();
     let limit = feeds.map(|range| range.largest);
     let row_of = |(row, &sin): (usize, &f64)| -> Vec<([f64; 2], f64)> {
-        // Contacts of walls know no alpha; the last row is taken just before.
+        // Contacts of walls have no alpha; the last row is taken just before.
         let slope = sin.asin().to_degrees().min(89.9);
         let node = |column: usize| {
             #[expect(clippy::cast_precision_loss, reason = "under 25")]
@@ -223,8 +231,9 @@ fn share(step_over: f64, ball: Cutter, height: f64) -> f64 {
     if squared > 0.0 { (step_over * step_over / squared).min(0.999) } else { 0.0 }
 }
 
-/// The step-over and feed that finish the most area per time under the scallop height: with a largest feed, where s f_z is largest; without
-/// feed marks, the largest step-over. At most `widest`. `None` where the model has no step-over.
+/// The step-over and feed that finish the most area per time under the scallop height: with a largest feed, where s
+/// f_z is largest; without feed marks, the largest step-over. At most `widest`. `None` where the model has no
+/// step-over.
 fn best_step_over(
     cutter: Cutter,
     contact: Option<Contact>,
@@ -312,7 +321,8 @@ mod tests {
         Tangent { down_hill: [1.0, 0.0], sin, cos, gradient: [-sin / cos, 0.0], curvature: [0.0; 3], place: place_of(sin), is_steep: false }
     }
 
-    /// Spacing by the law over that of the model, for random cutters, heights, slopes and directions: the least and the largest ratio.
+    /// Spacing by the law over that of the model, for random cutters, heights, slopes and directions: the least and
+    /// the largest ratio.
     fn compared(model: Model, feeds: Option<FeedRange>, slopes: impl Fn(f64) -> f64) -> [f64; 2] {
         let mut state = 7;
         let mut range = [f64::INFINITY, 0.0_f64];

@@ -45,7 +45,8 @@ pub(super) struct Slice {
     height: f64,
     /// How fast the edge from the first corner to the last runs along the passes per length across them.
     long: f64,
-    /// The edges before and after the middle corner: a place on each, across and along the passes, and how fast it runs.
+    /// The edges before and after the middle corner: a place on each, across and along the passes, and how fast it
+    /// runs.
     short: [[f64; 3]; 2],
     /// The rise of the facet along and across the passes, per length seen from above.
     rise: [f64; 2],
@@ -78,7 +79,8 @@ impl Slice {
         }
     }
 
-    /// Both ends of the cut at `at`, which must lie from the first corner to before the last, along the passes, the lower one first.
+    /// Both ends of the cut at `at`, which must lie from the first corner to before the last, along the passes, the
+    /// lower one first.
     pub(super) fn cut(&self, at: f64) -> [f64; 2] {
         let long = self.first + self.long * (at - self.low);
         // Indexed, because a branch here is taken by chance.
@@ -142,7 +144,8 @@ impl Sweep {
         Self { heading, covered, slices, along, covered_bands }
     }
 
-    /// The stretches across the passes that facets cover without a gap wider than `gap`, each as the facets in it and its two ends.
+    /// The stretches across the passes that facets cover without a gap wider than `gap`, each as the facets in it and
+    /// its two ends.
     pub(super) fn bands(&self, gap: f64) -> Vec<Band> {
         let mut bands: Vec<Band> = Vec::new();
         for next in &self.covered_bands {
@@ -184,8 +187,8 @@ fn bands_of(covered: &[Covered]) -> Vec<Band> {
     bands
 }
 
-/// Sorts by `low`, of which `range` holds the least and the largest: a counting sort into as many buckets as there are facets, then
-/// insertion within each, because comparing all takes three times as long.
+/// Sorts by `low`, of which `range` holds the least and the largest: a counting sort into as many buckets as there
+/// are facets, then insertion within each, because comparing all takes three times as long.
 fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
     let count = unordered.len();
     let width = range[1] - range[0];
@@ -211,7 +214,8 @@ fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
         sorted[*place as usize] = *covered;
         *place += 1;
     }
-    // Facets of meshes in rows begin at the same places by the hundred; such a run is long but in order, or sorted by comparison.
+    // Facets of meshes in rows begin at the same places by the hundred; such a run is long but in order, or sorted by
+    // comparison.
     if sorted.windows(2).any(|pair| pair[0].low > pair[1].low) {
         let mut start = 0;
         for end in 1..=count {

@@ -66,6 +66,6 @@ impl TourFigures {
 }
 
 /// The time of a run from rest to rest with its mean speed.
-fn run_time(length: f64, seconds: f64, machine: &Machine) -> f64 {
+pub(super) fn run_time(length: f64, seconds: f64, machine: &Machine) -> f64 {
     straight(length, MachineLimits { feed_rate: Speed::computed(length / seconds), ..machine.limits })
 }

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 /// Facets with what the simulation needs of each: once for all cutters and directions.
 ///
-/// Corners are kept relative to the middle of the surface, so that coordinates far from the origin lose nothing in differences.
+/// Corners are kept relative to the middle of the surface, so that coordinates far from the origin lose nothing in
+/// differences.
 #[derive(Debug, Clone)]
 pub(super) struct Workpiece {
     pub(super) corners: Vec<[[f64; 3]; 3]>,
@@ -19,7 +20,8 @@ pub(super) struct Workpiece {
     pub(super) top: f64,
     /// The area of all facets, in mm^2.
     pub(super) area: f64,
-    /// The factor by which a facet's share of a length is multiplied: 1, or where facets were sampled what each one stands for.
+    /// The factor by which a facet's share of a length is multiplied: 1, or where facets were sampled what each one
+    /// stands for.
     pub(super) weights: Vec<f64>,
     /// The gap between cuts along a plane that sampling alone hardly ever makes; 0 where all facets are there.
     pub(super) sampling_gap: f64,
@@ -62,7 +64,8 @@ impl Tangent {
         (x * u + y * v, y * u - x * v)
     }
 
-    /// cos^2(S) + sin^2(S) cos^2(alpha), the square of the ratio of spacing seen from above to spacing along the surface.
+    /// cos^2(S) + sin^2(S) cos^2(alpha), the square of the ratio of spacing seen from above to spacing along the
+    /// surface.
     pub(super) fn ratio_squared(&self, cos_alpha: f64) -> f64 {
         self.cos * self.cos + (self.sin * cos_alpha) * (self.sin * cos_alpha)
     }
@@ -120,8 +123,9 @@ impl Workpiece {
         }
     }
 
-    /// About `count` facets that stand for all of them, drawn evenly by area: facet after facet is passed over until its share of the area
-    /// is due. What a drawn facet adds to a length counts as often as its area is contained in the area that it stands for.
+    /// About `count` facets that stand for all of them, drawn evenly by area: facet after facet is passed over until
+    /// its share of the area is due. What a drawn facet adds to a length counts as often as its area is contained in
+    /// the area that it stands for.
     pub(super) fn sampled(&self, count: usize) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let share = self.area / count as f64;
@@ -137,8 +141,9 @@ impl Workpiece {
                 drawn.push((index, (times * share / area).max(1.0)));
             }
         }
-        // A plane cuts as many facets per length as there are in a strip of their width. Gaps between random places 12 times as wide as the mean have a
-        // probability of e^-12, one in 100 planes of a thousand cuts; places drawn evenly have fewer.
+        // A plane cuts as many facets per length as there are in a strip of their width. Gaps between random places
+        // 12 times as wide as the mean have a probability of e^-12, one in 100 planes of a thousand cuts; places
+        // drawn evenly have fewer.
         let widths: f64 = drawn.iter().map(|&(index, _)| (2.0 * self.areas[index]).sqrt()).sum();
         let sampling_gap = if widths > 0.0 { 12.0 * self.area / widths } else { 0.0 };
         Self {

@@ -1,6 +1,7 @@
 //! The builder of a mesh from facets or points as they arrive, within a bound on memory.
 
 use super::merge::HeightLattice;
+use super::part::MeshPart;
 use super::thinning::PointCloud;
 use super::weld::Welder;
 use super::{Mesh, MeshError, cross};
@@ -209,6 +210,45 @@ impl MeshBuilder {
         Ok(Mesh::assembled(points, triangles, self.degenerate, self.facets, merged, from_points))
     }
 
+    /// Adds a part, as if its facets or points had come one by one.
+    pub fn append(&mut self, part: MeshPart) {
+        let MeshPart { welder, triangles, degenerate, bounds, out_of_range, points } = part;
+        self.out_of_range |= out_of_range;
+        self.degenerate += degenerate;
+        if self.facets == 0 {
+            for point in points {
+                self.cloud.add(point);
+            }
+        }
+        if self.lattice.is_none() && self.triangles.len() + triangles.len() <= self.limit {
+            self.facets += triangles.len() as u64;
+            self.bounds.merge(&bounds);
+            let numbers: Vec<u32> = welder.points().iter().map(|&point| self.welder.index(point)).collect();
+            self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|corner| numbers[corner as usize])));
+            return;
+        }
+        let corners = welder.into_points();
+        for triangle in triangles {
+            self.add(triangle.map(|corner| corners[corner as usize]));
+        }
+    }
+
+    /// Adds a facet with an area and coordinates in range.
+    fn add(&mut self, corners: [[f64; 3]; 3]) {
+        self.facets += 1;
+        for corner in corners {
+            self.bounds.include(corner);
+        }
+        if let Some(lattice) = &mut self.lattice {
+            lattice.add(corners);
+        } else if self.triangles.len() == self.limit {
+            self.merge().add(corners);
+        } else {
+            let triangle = corners.map(|corner| self.welder.index(corner));
+            self.triangles.push(triangle);
+        }
+    }
+
     fn merge(&mut self) -> &mut HeightLattice {
         let (welder, triangles) = (std::mem::take(&mut self.welder), std::mem::take(&mut self.triangles));
         let bounds = self.bounds;
@@ -244,18 +284,7 @@ impl Sink for MeshBuilder {
             self.degenerate += 1;
             return;
         }
-        self.facets += 1;
-        for corner in corners {
-            self.bounds.include(corner);
-        }
-        if let Some(lattice) = &mut self.lattice {
-            lattice.add(corners);
-        } else if self.triangles.len() == self.limit {
-            self.merge().add(corners);
-        } else {
-            let triangle = corners.map(|corner| self.welder.index(corner));
-            self.triangles.push(triangle);
-        }
+        self.add(corners);
     }
 
     fn turn_over(&mut self) {

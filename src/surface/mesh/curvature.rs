@@ -1,50 +1,72 @@
 //! The curvature of the surface that a mesh approximates, estimated at its facets.
 //!
-//! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal, the mean of the
-//! normals of the facets around that point, weighted by their angles there, of those only that are within [`CREASE_ANGLE_DEG`] of
-//! the facet's own normal. Along each edge from p to q the curvature tensor K should turn the normal as K (q - p) = n_q - n_p: K
-//! is the symmetric tensor in the facet's plane that fits best in the sense of least squares, with all equations divided by the
-//! edge's length. The equations of the neighbours, those facets that share a point and lie within the crease angle, together
-//! count a quarter of the facet's own; a neighbour of a smaller area counts less by the square of the ratio, because a fillet has
-//! no information about the plane beside it.
+//! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal: the
+//! mean of the normals of the facets around that point, weighted by their angles there, of those only that are within
+//! [`CREASE_ANGLE_DEG`] of the facet's own normal. Along each edge from p to q the curvature tensor K should turn the
+//! normal as K (q - p) = n_q - n_p: K is the symmetric tensor in the facet's plane that fits best in the sense of
+//! least squares, with all equations divided by the edge's length. The equations of the neighbours, which are the
+//! facets that share a point and lie within the crease angle, together count a quarter of the facet's own.
 //!
-//! **Borders and creases.** At a corner with facets on one side only, the mean normal belongs to a place inside. An edge that
-//! leads into the direction in which the fan is open counts a thousandth of others, so that the neighbours' equations determine
-//! the curvature there.
+//! **Planes beside fillets.** CAD systems write a plane as a few large facets, and the fillet that touches it as
+//! narrow strips. At the border between them the surface has the normal of the plane; the first strip is a chord,
+//! turned by half of its angle. So a facet counts at a corner, and as a neighbour, by the area of its flat region
+//! (`flat_regions`): regions under a quarter of the largest there have no part in the corner's normal, and facets
+//! whose regions differ by more than that are not neighbours. A facet inside a flat region has the curvature 0. A
+//! plane is therefore a plane up to its border, and the first strip of a fillet has the curvature of the fillet.
 //!
-//! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at each point the mean
-//! of the two facets' normals is the cylinder's own normal. So has a fillet as CAD systems tessellate it. This holds from 11
-//! facets around (360/11 = 33 deg); with fewer, each edge is a crease and all facets count as plane. In return, two planes that
-//! meet at less than the crease angle get a curvature, that of the arc that touches both in the middle of their facets. One strip
-//! on each side of the border between a fillet and a plane gets a value between both.
+//! **Borders and creases.** At a corner with facets on one side only, the mean normal belongs to a place inside. An
+//! edge that leads into the direction in which the fan is open counts a thousandth of others, so that the neighbours'
+//! equations determine the curvature there.
 //!
-//! **Noise.** Coordinates off by d turn the normals of facets of size L by d/L, and the curvature is off by d/L^2: 0.01/mm for a
-//! micrometre and facets of 0.01 mm.
+//! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at
+//! each point the mean of the two facets' normals is the cylinder's own normal. So has a fillet as CAD systems
+//! tessellate it. This holds from 11 facets around (360/11 = 33 deg); with fewer, each edge is a crease and all
+//! facets count as plane. In return, two planes that meet at less than the crease angle get a curvature, that of the
+//! arc that touches both in the middle of their facets, unless one is over four times as large as the other. Where a
+//! fillet's strips are as large as the plane beside it, the facets on both sides of the border get a value between
+//! both curvatures.
+//!
+//! **Noise.** Coordinates off by d turn the normals of facets of size L by d/L, and the curvature is off by d/L^2:
+//! 0.01/mm for a micrometre and facets of 0.01 mm.
 
+use super::flat_regions::{SAME_PLANE, areas_of_flat_regions};
 use super::{Mesh, Visibility, cross, difference, dot};
 use rayon::prelude::*;
 
 /// Facets whose normals differ by more do not belong to one smooth surface, in deg.
 pub const CREASE_ANGLE_DEG: f64 = 35.0;
 
-/// The largest number of facets around a point that are examined when some are across a crease; of more, as many, evenly spread
-/// in the order of the file. It bounds the time for a fan of a million facets around one point.
-const LARGEST_FAN: usize = 64;
+/// The largest number of facets around a point that are examined when some are across a crease; of more, as many,
+/// evenly spread in the order of the file. It bounds the time for a fan of a million facets around one point.
+pub(super) const LARGEST_FAN: usize = 64;
 
 /// The weight of all neighbours' equations together, against the facet's own.
 const NEIGHBOURS: f64 = 0.25;
+
+/// The least ratio of the areas of two flat regions whose facets count for each other.
+const LEAST_AREA_RATIO: f64 = 0.25;
+
+/// A facet in a flat region of at least this many times its area has no curvature where all normals around it are
+/// those of the region.
+const MUCH_LARGER: f64 = 8.0;
 
 /// The factor by which the weight of an edge's equation is reduced where the edge points into the open side of a fan.
 const OPEN_SIDE: f64 = 1e3;
 
 /// The facets around each point: those of point p are `facets[starts[p]..starts[p + 1]]`.
-struct Fans {
+pub(super) struct Fans {
     starts: Vec<u32>,
     facets: Vec<u32>,
 }
 
-/// The mean normal at a corner, and the direction in which its fan is open: the integral of the unit vectors from the point over
-/// the fan, the null vector for a fan that closes.
+/// Each facet's unit normal, turned where its back is seen, and the area of the flat region that it is in.
+struct Sides {
+    normals: Vec<[f64; 3]>,
+    areas: Vec<f64>,
+}
+
+/// The mean normal at a corner, and the direction in which its fan is open: the integral of the unit vectors from the
+/// point over the fan, the null vector for a fan that closes.
 #[derive(Clone, Copy)]
 struct CornerNormal {
     normal: [f64; 3],
@@ -61,11 +83,12 @@ struct Equations {
 }
 
 impl Mesh {
-    /// The curvature tensor at each of the `wanted` facets, as [`FinishFacet::curvature`](super::FinishFacet::curvature)
-    /// describes it. Facets seen from behind count as turned.
+    /// The curvature tensor at each of the `wanted` facets, as
+    /// [`FinishFacet::curvature`](super::FinishFacet::curvature) describes it. Facets seen from behind count as
+    /// turned.
     pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32]) -> Vec<[f64; 6]> {
         let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
-        let (normals, areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
+        let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
             .into_par_iter()
             .map(|facet| {
                 let (normal, area) = self.normal_and_area(facet);
@@ -73,13 +96,16 @@ impl Mesh {
             })
             .unzip();
         let fans = Fans::of(self);
+        let areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas);
+        let sides = Sides { normals, areas };
+        let normals = &sides.normals;
         // Where all facets around a point are near their mean, and hence each other, all corners there have one normal.
         let cos_half = (CREASE_ANGLE_DEG / 2.0).to_radians().cos();
         let at_points: Vec<Option<CornerNormal>> = (0..self.points().len())
             .into_par_iter()
             .map(|point| {
                 let fan = fans.around(point);
-                let mean = self.corner_normal(point, fan.iter(), &normals)?;
+                let mean = self.corner_normal(point, fan.iter(), &sides)?;
                 fan.iter().all(|&facet| dot(normals[facet as usize], mean.normal) >= cos_half).then_some(mean)
             })
             .collect();
@@ -95,10 +121,15 @@ impl Mesh {
                             .iter()
                             .step_by(fan.len().div_ceil(LARGEST_FAN))
                             .filter(|&&other| dot(normals[other as usize], own) >= cos_crease);
-                        self.corner_normal(point, near, &normals).unwrap_or(CornerNormal { normal: own, open: [0.0; 3] })
+                        self.corner_normal(point, near, &sides).unwrap_or(CornerNormal { normal: own, open: [0.0; 3] })
                     })
                 });
-                self.equations(facet, corners)
+                let is_plane = sides.areas[facet] >= MUCH_LARGER * own_areas[facet]
+                    && corners.iter().all(|corner| {
+                        let apart = difference(corner.normal, own);
+                        dot(apart, apart) <= SAME_PLANE * SAME_PLANE
+                    });
+                if is_plane { Equations::default() } else { self.equations(facet, corners) }
             })
             .collect();
         wanted
@@ -106,14 +137,22 @@ impl Mesh {
             .map(|&facet| {
                 let facet = facet as usize;
                 let own = normals[facet];
+                // Normals that do not turn are those of a plane, whatever lies beside it.
+                if equations[facet].turns.iter().all(|&turn| turn == 0.0) {
+                    return [0.0; 6];
+                }
                 let (mut around, mut count) = (Equations::default(), 0_u32);
                 for point in self.triangles()[facet] {
                     let fan = fans.around(point as usize);
                     for &other in fan.iter().step_by(fan.len().div_ceil(LARGEST_FAN)) {
                         if other as usize != facet && dot(normals[other as usize], own) >= cos_crease {
-                            let ratio = (areas[other as usize] / areas[facet]).min(1.0);
-                            around.add(&equations[other as usize], ratio * ratio);
-                            count += 1;
+                            let ratio = sides.areas[other as usize] / sides.areas[facet];
+                            let ratio = ratio.min(ratio.recip());
+                            // Also false for a facet whose area was rounded to 0.
+                            if ratio >= LEAST_AREA_RATIO {
+                                around.add(&equations[other as usize], ratio * ratio);
+                                count += 1;
+                            }
                         }
                     }
                 }
@@ -126,9 +165,11 @@ impl Mesh {
             .collect()
     }
 
-    /// The mean of the normals of these facets around a point, by their angles there; `None` for no facets, or normals that cancel.
-    fn corner_normal<'a>(&self, point: usize, facets: impl Iterator<Item = &'a u32>, normals: &[[f64; 3]]) -> Option<CornerNormal> {
+    /// The mean of the normals of these facets around a point, by their angles there, of those whose flat regions are
+    /// large enough; `None` for no facets, or normals that cancel.
+    fn corner_normal<'a>(&self, point: usize, facets: impl Iterator<Item = &'a u32> + Clone, sides: &Sides) -> Option<CornerNormal> {
         let (mut sum, mut open) = ([0.0; 3], [0.0; 3]);
+        let least = LEAST_AREA_RATIO * facets.clone().fold(0.0, |largest: f64, &facet| largest.max(sides.areas[facet as usize]));
         for &facet in facets {
             let triangle = self.triangles()[facet as usize];
             let place = triangle.iter().position(|&corner| corner as usize == point)?;
@@ -136,9 +177,10 @@ impl Mesh {
             let (u, v) = (unit(difference(q, p))?, unit(difference(r, p))?);
             let sine = cross([0.0; 3], u, v);
             let angle = dot(sine, sine).sqrt().atan2(dot(u, v));
-            let normal = normals[facet as usize];
+            let normal = sides.normals[facet as usize];
+            let weight = if sides.areas[facet as usize] >= least { angle } else { 0.0 };
             for axis in 0..3 {
-                sum[axis] += angle * normal[axis];
+                sum[axis] += weight * normal[axis];
                 // The ends of the fan: what neighbours share cancels. Turned facets run the other way round.
                 open[axis] += if dot(sine, normal) >= 0.0 { v[axis] - u[axis] } else { u[axis] - v[axis] };
             }
@@ -188,7 +230,8 @@ impl Fans {
         Self { starts, facets }
     }
 
-    fn around(&self, point: usize) -> &[u32] {
+    /// The facets around a point.
+    pub(super) fn around(&self, point: usize) -> &[u32] {
         &self.facets[self.starts[point] as usize..self.starts[point + 1] as usize]
     }
 }
@@ -201,8 +244,8 @@ impl Equations {
         }
     }
 
-    /// The symmetric K in the plane across `normal` with the least sum of w |K e - d/l|^2: K S + S K = Q with S the directions
-    /// and Q the turns, solved in the axes of S, where K_ij = Q_ij/(s_i + s_j).
+    /// The symmetric K in the plane across `normal` with the least sum of w |K e - d/l|^2: K S + S K = Q with S the
+    /// directions and Q the turns, solved in the axes of S, where K_ij = Q_ij/(s_i + s_j).
     fn solve(&self, normal: [f64; 3]) -> [f64; 6] {
         let (t, u) = tangents(normal);
         let (stt, stu, suu) = (between(&self.directions, t, t), between(&self.directions, t, u), between(&self.directions, u, u));

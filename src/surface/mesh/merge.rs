@@ -62,14 +62,14 @@ impl HeightLattice {
 
     pub(super) fn add(&mut self, corners: [[f64; 3]; 3]) {
         loop {
-            let cell = self.cell();
-            let corners = corners.map(|[x, y, z]| [x / cell, y / cell, z]);
+            // Exact, and equal to a division by the spacing, since both are powers of two.
+            let by_cell = self.cell().recip();
+            let corners = corners.map(|[x, y, z]| [x * by_cell, y * by_cell, z]);
             let mut bounds = Bounds::NONE;
             for corner in corners {
                 bounds.include(corner);
             }
-            #[expect(clippy::cast_possible_truncation, reason = "the cast saturates, far beyond what fits the lattice")]
-            let (first, last) = ([0, 1].map(|axis| bounds.min[axis].ceil() as i64), [0, 1].map(|axis| bounds.max[axis].floor() as i64));
+            let (first, last) = ([0, 1].map(|axis| ceil(bounds.min[axis])), [0, 1].map(|axis| floor(bounds.max[axis])));
             if first[0] > last[0] || first[1] > last[1] {
                 // Between nodes.
                 return;
@@ -153,5 +153,31 @@ impl HeightLattice {
             below = here;
         }
         (points, triangles)
+    }
+}
+
+/// The smallest whole number that is not below `value`. Casts saturate, far beyond what fits the lattice; the library's functions are calls where
+/// the processor's instructions are not assumed to have them.
+#[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "numbers beyond 2^52 are whole")]
+fn ceil(value: f64) -> i64 {
+    let truncated = value as i64;
+    truncated.saturating_add(i64::from((truncated as f64) < value))
+}
+
+/// The largest whole number that is not above `value`, likewise.
+fn floor(value: f64) -> i64 {
+    ceil(-value).saturating_neg()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[expect(clippy::cast_possible_truncation, reason = "as in the lattice")]
+    fn whole_numbers_on_both_sides_are_those_of_the_library() {
+        for value in [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.5, -2.5, 1e12, -1e12, 4_503_599_627_370_495.5, 1e300, -1e300, 1e-300] {
+            assert_eq!((ceil(value), floor(value)), (value.ceil() as i64, (value.floor() as i64).max(-i64::MAX)), "{value}");
+        }
     }
 }

@@ -5,7 +5,9 @@ mod curvature;
 #[cfg(test)]
 mod curvature_tests;
 mod finish_facet;
+mod flat_regions;
 mod merge;
+mod part;
 mod pieces;
 mod selection;
 #[cfg(test)]
@@ -21,6 +23,7 @@ mod weld;
 pub use builder::{MeshBuilder, MeshSize};
 pub use curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
+pub use part::MeshPart;
 pub use pieces::Pieces;
 pub use selection::{Selection, SelectionError};
 pub use view::{NO_FACET, ViewFromAbove};

@@ -1,20 +1,24 @@
 //! Points without facets, thinned to one for each cell of a lattice when they exceed a bound.
 
+use super::weld::HashKeys;
 use crate::surface::Bounds;
+use hashbrown::HashTable;
 
 /// A cloud of at most `limit` points. If there are more, the point nearest to the centre of each cell of a lattice is
-/// kept, unmoved; the cells are the smallest, by powers of two, that leave at most half of the limit.
+/// kept, unmoved; the cells are the smallest, by powers of two, that leave at most half of the limit, and double in size
+/// when later points exceed the limit.
 #[derive(Debug)]
 pub(super) struct PointCloud {
     limit: usize,
+    /// The points, as long as they are not thinned.
     points: Vec<[f64; 3]>,
     received: u64,
-    exponent: Option<i32>,
+    cells: Option<Cells>,
 }
 
 impl PointCloud {
     pub(super) fn new(limit: usize) -> Self {
-        Self { limit: limit.max(4), points: Vec::new(), received: 0, exponent: None }
+        Self { limit: limit.max(4), points: Vec::new(), received: 0, cells: None }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -28,11 +32,19 @@ impl PointCloud {
 
     /// The side of the cells, if points were thinned.
     pub(super) fn cell(&self) -> Option<f64> {
-        self.exponent.map(|exponent| 2.0_f64.powi(exponent))
+        self.cells.as_ref().map(|cells| cells.side)
     }
 
     pub(super) fn add(&mut self, point: [f64; 3]) {
         self.received += 1;
+        if let Some(cells) = &mut self.cells {
+            cells.add(point);
+            if cells.points.len() > self.limit {
+                let first = cells.exponent + 1;
+                self.cells = Some(Cells::fitting(first, &cells.points, self.limit / 2));
+            }
+            return;
+        }
         // Scanners repeat points; repetitions must not cause thinning.
         if self.points.last() == Some(&point) {
             return;
@@ -43,28 +55,41 @@ impl PointCloud {
         }
     }
 
-    /// The memory held, in bytes.
+    /// The number of points held.
     pub(super) fn len(&self) -> usize {
-        self.points.len()
+        self.cells.as_ref().map_or(self.points.len(), |cells| cells.points.len())
     }
 
-    /// The further memory in bytes for `more` points, while the vector grows to twice its size.
+    /// The further memory in bytes for `more` points: the vector grows to twice its size, and points that are thinned to
+    /// larger cells are held twice.
     pub(super) fn bytes_to_take(&self, more: usize) -> usize {
-        let count = (self.points.len() + more).min(self.limit + 1);
-        if count > self.points.capacity() { 2 * count * size_of::<[f64; 3]>() } else { 0 }
+        let count = self.len() + more;
+        if count > self.limit {
+            return (2 * self.limit + 2) * size_of::<[f64; 3]>() + bytes_of_table(self.limit);
+        }
+        let capacity = self.cells.as_ref().map_or(self.points.capacity(), |cells| cells.points.capacity());
+        let table = if self.cells.is_some() { bytes_of_table(count) } else { 0 };
+        table + if count > capacity { 2 * count * size_of::<[f64; 3]>() } else { 0 }
     }
 
+    /// The memory held, in bytes.
     pub(super) fn held_bytes(&self) -> usize {
-        self.points.capacity() * size_of::<[f64; 3]>()
+        let cells =
+            self.cells.as_ref().map_or(0, |cells| cells.points.capacity() * size_of::<[f64; 3]>() + bytes_of_table(cells.table.capacity()));
+        self.points.capacity() * size_of::<[f64; 3]>() + cells
     }
 
     pub(super) fn into_points(self) -> Vec<[f64; 3]> {
-        self.points
+        self.cells.map_or(self.points, |cells| cells.points)
     }
 
     fn thin(&mut self) {
+        // Of points above each other the highest counts; a surface scanned several times at the same places is not thinned for that.
         self.points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(b[2].total_cmp(&a[2])));
         self.points.dedup_by(|b, a| a[..2] == b[..2]);
+        if self.points.len() <= self.limit / 2 {
+            return;
+        }
         let mut bounds = Bounds::NONE;
         self.points.iter().for_each(|&point| bounds.include(point));
         #[expect(clippy::cast_precision_loss, reason = "under 2^53")]
@@ -73,27 +98,84 @@ impl PointCloud {
             extent.max(bounds.largest_magnitude() * 2.0_f64.powi(-40)).max(f64::MIN_POSITIVE)
         };
         #[expect(clippy::cast_possible_truncation, reason = "logarithms of doubles are within 1100")]
-        let mut exponent = self.exponent.unwrap_or(finest.log2().floor() as i32);
-        while self.points.len() > self.limit / 2 {
-            let cell = 2.0_f64.powi(exponent);
-            // Adding 0 removes the sign of a zero.
-            let place = |point: &[f64; 3]| [(point[1] / cell).floor() + 0.0, (point[0] / cell).floor() + 0.0];
-            let off_centre = |point: &[f64; 3]| {
-                let [row, column] = place(point);
-                (point[0] / cell - column - 0.5).powi(2) + (point[1] / cell - row - 0.5).powi(2)
-            };
-            self.points.sort_unstable_by(|a, b| {
-                let ([row, column], [other_row, other_column]) = (place(a), place(b));
-                row.total_cmp(&other_row)
-                    .then(column.total_cmp(&other_column))
-                    .then(off_centre(a).total_cmp(&off_centre(b)))
-                    .then(b[2].total_cmp(&a[2]))
-            });
-            self.points.dedup_by(|b, a| place(a).map(f64::to_bits) == place(b).map(f64::to_bits));
-            self.exponent = Some(exponent);
+        let finest = finest.log2().floor() as i32;
+        self.cells = Some(Cells::fitting(finest, &std::mem::take(&mut self.points), self.limit / 2));
+    }
+}
+
+/// The bytes of a table of the numbers of `count` points: 5 for each place, at least eight for seven points.
+fn bytes_of_table(count: usize) -> usize {
+    (count * 8 / 7 + 8).next_power_of_two() * 5
+}
+
+/// One point of each cell of a square lattice.
+#[derive(Debug)]
+struct Cells {
+    exponent: i32,
+    side: f64,
+    /// 1 / side, which is exact for a power of two.
+    by_side: f64,
+    points: Vec<[f64; 3]>,
+    /// Finds the point of a cell.
+    table: HashTable<u32>,
+    keys: HashKeys,
+}
+
+impl Cells {
+    fn new(exponent: i32) -> Self {
+        let side = 2.0_f64.powi(exponent);
+        Self { exponent, side, by_side: side.recip(), points: Vec::new(), table: HashTable::new(), keys: HashKeys::random() }
+    }
+
+    /// The smallest cells of at least the size 2^`first` that leave at most `most` of `points`.
+    fn fitting(first: i32, points: &[[f64; 3]], most: usize) -> Self {
+        let mut exponent = first;
+        loop {
+            let mut cells = Self::new(exponent);
+            // Whether cells are too many usually shows long before the last point.
+            if points.iter().all(|&point| {
+                cells.add(point);
+                cells.points.len() <= most
+            }) {
+                return cells;
+            }
             exponent += 1;
         }
     }
+
+    fn add(&mut self, point: [f64; 3]) {
+        let Self { points, table, keys, by_side, .. } = self;
+        let place = |point: &[f64; 3]| [floor(point[1] * *by_side), floor(point[0] * *by_side), 0.0];
+        let here = place(&point);
+        let hash = keys.hash(here);
+        // Coordinates in one cell differ by less than 1 after the division, whose result is exact.
+        #[expect(clippy::float_cmp, reason = "whole numbers")]
+        if let Some(&index) = table.find(hash, |&index| place(&points[index as usize]) == here) {
+            let held = &mut points[index as usize];
+            let off_centre =
+                |point: &[f64; 3]| (point[0] * *by_side - here[1] - 0.5).powi(2) + (point[1] * *by_side - here[0] - 0.5).powi(2);
+            let (new, old) = (off_centre(&point), off_centre(held));
+            if new < old || (new == old && point[2] > held[2]) {
+                *held = point;
+            }
+            return;
+        }
+        let index = u32::try_from(points.len()).expect("the bound on facets keeps point numbers within 32 bits");
+        points.push(point);
+        table.insert_unique(hash, index, |&other| keys.hash(place(&points[other as usize])));
+    }
+}
+
+/// The largest whole number that is not above `value`, without the sign of a zero. The library's function is a call where the processor's
+/// instructions are not assumed to have it.
+#[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "within 2^52, where both are exact")]
+fn floor(value: f64) -> f64 {
+    const ALL_WHOLE: f64 = (1_u64 << 52) as f64;
+    if value.abs() >= ALL_WHOLE {
+        return value;
+    }
+    let truncated = value as i64 as f64;
+    if truncated > value { truncated - 1.0 } else { truncated }
 }
 
 #[cfg(test)]
@@ -111,8 +193,28 @@ mod tests {
         let cell = cloud.cell().unwrap();
         let points = cloud.into_points();
         assert!(points.len() > 200 && points.len() <= 1000, "{} of {cell}", points.len());
-        // Each is one of the received points.
+        // Each is one of the received points, and the only one of its cell.
         assert!(points.iter().all(|&[x, y, z]| z == x + 200.0 * y));
+        let places: std::collections::HashSet<_> =
+            points.iter().map(|[x, y, _]| [(x / cell).floor().to_bits(), (y / cell).floor().to_bits()]).collect();
+        assert_eq!(places.len(), points.len());
+    }
+
+    #[test]
+    fn cells_grow_with_the_surface() {
+        let mut cloud = PointCloud::new(100);
+        for i in 0..100_000_u32 {
+            cloud.add([f64::from(i), -f64::from(i % 7) * 1e3, 0.0]);
+            assert!(cloud.len() <= 100);
+        }
+        assert!(cloud.cell().unwrap() >= 1000.0 && cloud.len() > 12, "{:?}", cloud.cell());
+    }
+
+    #[test]
+    fn whole_numbers_below_are_those_of_the_library() {
+        for value in [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.5, -2.5, 4_503_599_627_370_495.5, -4_503_599_627_370_495.5, 1e300, -1e300] {
+            assert_eq!(floor(value), f64::floor(value), "{value}");
+        }
     }
 
     #[test]

@@ -8,10 +8,13 @@ use std::hash::{BuildHasher, RandomState};
 pub(super) struct Welder {
     points: Vec<[f64; 3]>,
     table: HashTable<u32>,
-    /// Secret factors. With known ones, a file could put all its points into one place of the table, which would take
-    /// quadratic time.
-    keys: [u64; 3],
+    keys: HashKeys,
 }
+
+/// Secret factors of a hash function. With known ones, a file could put all its points into one place of a table, which
+/// would take quadratic time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HashKeys([u64; 3]);
 
 impl Default for Welder {
     fn default() -> Self {
@@ -21,15 +24,14 @@ impl Default for Welder {
 
 impl Welder {
     pub(super) fn new() -> Self {
-        let random = RandomState::new();
-        Self { points: Vec::new(), table: HashTable::new(), keys: [0_u8, 1, 2].map(|n| random.hash_one(n) | 1) }
+        Self { points: Vec::new(), table: HashTable::new(), keys: HashKeys::random() }
     }
 
     /// The number of a point, from 0 in the order of the first occurrence. 0 and -0 are equal; there is no NaN.
     pub(super) fn index(&mut self, point: [f64; 3]) -> u32 {
         // Adding 0 removes the sign of a zero.
         let point = point.map(|coordinate| coordinate + 0.0);
-        let hash = hash(self.keys, point);
+        let hash = self.keys.hash(point);
         let Self { points, table, keys } = self;
         let same = |&index: &u32| points[index as usize].map(f64::to_bits) == point.map(f64::to_bits);
         if let Some(&index) = table.find(hash, same) {
@@ -37,8 +39,12 @@ impl Welder {
         }
         let index = u32::try_from(points.len()).expect("the bound on facets keeps point numbers within 32 bits");
         points.push(point);
-        table.insert_unique(hash, index, |&other| self::hash(*keys, points[other as usize]));
+        table.insert_unique(hash, index, |&other| keys.hash(points[other as usize]));
         index
+    }
+
+    pub(super) fn points(&self) -> &[[f64; 3]] {
+        &self.points
     }
 
     pub(super) fn into_points(self) -> Vec<[f64; 3]> {
@@ -64,16 +70,24 @@ impl Welder {
     }
 }
 
-/// Each coordinate times a secret factor, high and low half of the product folded together: the step of wyhash.
-fn hash(keys: [u64; 3], point: [f64; 3]) -> u64 {
-    let fold = |a: u64, b: u64| {
-        let product = u128::from(a) * u128::from(b);
-        #[expect(clippy::cast_possible_truncation, reason = "the two halves")]
-        let (low, high) = (product as u64, (product >> 64) as u64);
-        low ^ high
-    };
-    let [x, y, z] = point.map(f64::to_bits);
-    fold(fold(fold(x ^ keys[0], keys[1]) ^ y, keys[2]) ^ z ^ keys[0], keys[1])
+impl HashKeys {
+    pub(super) fn random() -> Self {
+        let random = RandomState::new();
+        Self([0_u8, 1, 2].map(|n| random.hash_one(n) | 1))
+    }
+
+    /// Each number times a secret factor, high and low half of the product folded together: the step of wyhash.
+    pub(super) fn hash(self, numbers: [f64; 3]) -> u64 {
+        let keys = self.0;
+        let fold = |a: u64, b: u64| {
+            let product = u128::from(a) * u128::from(b);
+            #[expect(clippy::cast_possible_truncation, reason = "the two halves")]
+            let (low, high) = (product as u64, (product >> 64) as u64);
+            low ^ high
+        };
+        let [x, y, z] = numbers.map(f64::to_bits);
+        fold(fold(fold(x ^ keys[0], keys[1]) ^ y, keys[2]) ^ z ^ keys[0], keys[1])
+    }
 }
 
 #[cfg(test)]

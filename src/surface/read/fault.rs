@@ -58,15 +58,6 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// The fault with `before` lines added to its line number.
-    pub(super) fn after_lines(self, before: u64) -> Self {
-        let location = match self.location {
-            FileLocation::Line(number) => FileLocation::Line(before + number),
-            other => other,
-        };
-        Self { location, ..self }
-    }
-
     /// The kind of the fault.
     #[must_use]
     pub fn kind(&self) -> FaultKind {

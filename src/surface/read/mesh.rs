@@ -1,8 +1,9 @@
-//! Vertices and the current face of an indexed mesh, shared by the readers of OBJ and PLY.
+//! Vertices and faces of an indexed mesh, shared by the readers of OBJ and PLY: a whole file, or a run of one that is parsed apart.
 
 use super::Sink;
+use super::blocks::Emitted;
 use super::fault::{FaultKind, Flaw};
-use super::polygon::{Cut, Polygon};
+use super::polygon::{Cut, MOST_CORNERS_BY_EARS, Polygon};
 use super::vertices::Vertices;
 
 /// The vertices read so far, and the face that is being read.
@@ -76,6 +77,123 @@ impl Mesh {
         self.crossed += u64::from(cut == Cut::Crossed);
         self.face.clear();
         Ok(())
+    }
+}
+
+/// A number in a run that counts backwards from the run's vertices: this bit, and the distance from the first of them plus [`ORIGIN`].
+const BACKWARDS: u32 = 1 << 31;
+const ORIGIN: i64 = 1 << 30;
+
+/// Vertices and faces of a part of a file, parsed without what precedes it. Methods return `None` where the part must be read in order.
+#[derive(Debug, Default)]
+pub(super) struct Run {
+    vertices: Vec<[f64; 3]>,
+    /// The numbers of the vertices at all corners.
+    corners: Vec<u32>,
+    /// The end of each face in `corners`.
+    ends: Vec<u32>,
+    /// The vertices that must precede the run so that all numbers have a vertex.
+    required: i64,
+    /// The vertices that precede the run.
+    before: i64,
+}
+
+impl Run {
+    /// An empty run with room for what `bytes` usually hold.
+    pub(super) fn of_bytes(bytes: usize) -> Self {
+        Self { corners: Vec::with_capacity(bytes / 8), ends: Vec::with_capacity(bytes / 24), ..Self::default() }
+    }
+
+    pub(super) fn vertices(&self) -> &[[f64; 3]] {
+        &self.vertices
+    }
+
+    pub(super) fn add_vertex(&mut self, vertex: [f64; 3]) {
+        self.vertices.push(vertex);
+    }
+
+    /// Adds a corner with the vertex of this number, counted from 0 at the start of the file.
+    pub(super) fn add_corner(&mut self, number: usize) -> Option<()> {
+        let number = u32::try_from(number).ok().filter(|number| *number < BACKWARDS)?;
+        self.require(i64::from(number) + 1 - self.length()?);
+        self.corners.push(number);
+        Some(())
+    }
+
+    /// Adds a corner with a vertex counted backwards: 1 is the last.
+    pub(super) fn add_corner_backwards(&mut self, count: usize) -> Option<()> {
+        let count = i64::try_from(count).ok().filter(|count| (1..ORIGIN).contains(count))?;
+        let from_first = self.length()? - count;
+        self.require(-from_first);
+        self.corners.push(BACKWARDS | u32::try_from(from_first + ORIGIN).ok()?);
+        Some(())
+    }
+
+    /// Ends a face. Faces that may be refused are left to the sequential reader.
+    pub(super) fn close_face(&mut self) -> Option<()> {
+        let corners = self.corners.len() - self.ends.last().map_or(0, |end| *end as usize);
+        self.ends.push(u32::try_from(self.corners.len()).ok()?);
+        (3..=MOST_CORNERS_BY_EARS).contains(&corners).then_some(())
+    }
+
+    fn length(&self) -> Option<i64> {
+        i64::try_from(self.vertices.len()).ok().filter(|length| *length < ORIGIN)
+    }
+
+    fn require(&mut self, vertices: i64) {
+        self.required = self.required.max(vertices);
+    }
+
+    /// The index of a corner's vertex in the file.
+    fn index(&self, corner: u32) -> Option<usize> {
+        if corner < BACKWARDS {
+            return usize::try_from(corner).ok();
+        }
+        usize::try_from(self.before + i64::from(corner - BACKWARDS) - ORIGIN).ok()
+    }
+}
+
+impl Mesh {
+    /// Adds the vertices of a run, unless they are too many or one is missing to which the run refers.
+    pub(super) fn link(&mut self, run: &mut Run) -> bool {
+        let Ok(before) = i64::try_from(self.vertices.len()) else { return false };
+        if self.vertices.len() + run.vertices.len() > self.limit || run.required > before {
+            return false;
+        }
+        run.before = before;
+        for vertex in std::mem::take(&mut run.vertices) {
+            self.vertices.push(vertex);
+        }
+        true
+    }
+
+    /// Passes the faces of a run that was linked to `sink` as triangles.
+    pub(super) fn emit<S: Sink>(&self, run: &Run, sink: &mut S) -> Emitted {
+        let vertex = |corner: u32| {
+            let found = run.index(corner).and_then(|index| self.vertices.get(index));
+            *found.unwrap_or_else(|| unreachable!("the numbers were checked when the run was linked"))
+        };
+        let (mut polygon, mut start, mut emitted) = (Polygon::default(), 0, Emitted::default());
+        for &end in &run.ends {
+            let corners = &run.corners[start..end as usize];
+            start = end as usize;
+            emitted.facets += corners.len() as u64 - 2;
+            if let &[a, b, c] = corners {
+                sink.facet([vertex(a), vertex(b), vertex(c)]);
+                continue;
+            }
+            polygon.clear();
+            let added = corners.iter().try_for_each(|corner| polygon.add(vertex(*corner)));
+            let cut = added.and_then(|()| polygon.cut(|corners| sink.facet(corners)));
+            emitted.crossed += u64::from(cut.unwrap_or_else(|_| unreachable!("runs have no faces of many corners")) == Cut::Crossed);
+        }
+        emitted
+    }
+
+    /// Counts what runs passed on.
+    pub(super) fn count(&mut self, emitted: Emitted) {
+        self.facets += emitted.facets;
+        self.crossed += emitted.crossed;
     }
 }
 

@@ -9,6 +9,7 @@
 //! that the reader leaves out are counted in the [`Summary`]. Coordinates are passed on in the file's unit, which is in
 //! the summary if the file states it.
 
+mod blocks;
 mod decimal;
 mod fault;
 mod format;
@@ -19,6 +20,7 @@ mod obj;
 mod pcd;
 mod ply;
 mod polygon;
+mod splitter;
 mod stl_ascii;
 mod stl_binary;
 mod text;
@@ -28,12 +30,13 @@ mod vertices;
 
 pub use fault::{Fault, FaultKind, FileLocation};
 pub use format::{Format, FormatHint};
-pub use text::{BlockOutcome, TextBlock};
 pub use three_mf::DEFAULT_ARCHIVE_LIMIT;
 
-use super::{LARGEST_COORDINATE, Sink, Unit};
+use super::{LARGEST_COORDINATE, PartedSink, Sink, Unit};
 use crate::cancellation::CancelFlag;
+use blocks::Block;
 use format::{Detected, HEAD};
+use std::borrow::Cow;
 use utf_16::Utf16;
 
 /// The default limit on the vertices of an OBJ, PLY or 3MF file ([`Reader::with_vertex_limit`] changes it): 480 MB of
@@ -87,6 +90,8 @@ pub struct Reader {
     /// The limit for a 3MF file.
     package_vertex_limit: usize,
     archive_limit: usize,
+    /// The size of blocks.
+    block: usize,
     /// Ends the reading of a 3MF file.
     cancel: CancelFlag,
     /// The decoder of a file in UTF-16.
@@ -119,21 +124,21 @@ impl Reader {
     pub fn new(hint: FormatHint) -> Self {
         let stage = Stage::Head(Vec::new());
         let package_vertex_limit = DEFAULT_VERTEX_LIMIT;
-        Self {
-            hint,
-            vertex_limit: DEFAULT_VERTEX_LIMIT,
-            package_vertex_limit,
-            archive_limit: DEFAULT_ARCHIVE_LIMIT,
-            cancel: CancelFlag::default(),
-            utf_16: None,
-            stage,
-        }
+        let (vertex_limit, archive_limit, block) = (DEFAULT_VERTEX_LIMIT, DEFAULT_ARCHIVE_LIMIT, splitter::BLOCK);
+        let cancel = CancelFlag::default();
+        Self { hint, vertex_limit, package_vertex_limit, archive_limit, block, cancel, utf_16: None, stage }
     }
 
     /// The same reader, whose [`Reader::finish`] of a 3MF file ends early with any result once `cancel` is set.
     #[must_use]
     pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
         Self { cancel: cancel.clone(), ..self }
+    }
+
+    /// The same reader with blocks of `bytes` bytes, 1 at least, for [`Reader::push_in_parallel`]; 128 KiB unless stated.
+    #[must_use]
+    pub fn with_block_size(self, bytes: usize) -> Self {
+        Self { block: bytes.max(1), ..self }
     }
 
     /// The same reader with a limit of `bytes` compressed bytes for a 3MF file.
@@ -161,36 +166,20 @@ impl Reader {
     /// # Errors
     /// The first [`Fault`] of the file, and the same one at every later call.
     pub fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        let result = self.advance(chunk, sink, None);
+        let result = self.advance(chunk, sink);
         self.remember(result)
     }
 
-    /// Takes the next bytes of a file, for a caller with several threads, which must pass the whole file by this
-    /// method. Blocks of lines of long texts are appended to `blocks` instead of being read. The caller reads them on
-    /// any thread, and calls [`Reader::record_block`] for each, in their order, before it pushes more. The points of a
-    /// block follow all points that `sink` has by then.
+    /// Takes the next bytes of a file, in several chunks, and reads blocks of them on the threads of the current pool of rayon. The
+    /// whole file must be passed by this method. Points, facets and faults are the same as with [`Reader::push`]; the parts of the sink
+    /// depend on the file alone, not on the chunks or the threads.
+    ///
+    /// Each call holds some 40 bytes for each byte of the chunks, until it returns.
     ///
     /// # Errors
     /// As [`Reader::push`].
-    pub fn push_in_blocks<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, blocks: &mut Vec<TextBlock>) -> Result<(), Fault> {
-        let result = self.advance(chunk, sink, Some(blocks));
-        self.remember(result)
-    }
-
-    /// Records the result of reading the next of the blocks.
-    ///
-    /// # Errors
-    /// The block's first [`Fault`], with its line counted from the start of the file, and the same one at every later
-    /// call.
-    pub fn record_block(&mut self, read: BlockOutcome) -> Result<(), Fault> {
-        let result = match &mut self.stage {
-            Stage::Body(body) => match &mut **body {
-                Body::Text(reader) => reader.record_block(read),
-                _ => Ok(()),
-            },
-            Stage::Head(_) => Ok(()),
-            Stage::Refused(fault) => Err(fault.clone()),
-        };
+    pub fn push_in_parallel<'a, S: PartedSink>(&mut self, chunks: impl IntoIterator<Item = &'a [u8]>, sink: &mut S) -> Result<(), Fault> {
+        let result = self.advance_in_parallel(chunks, sink);
         self.remember(result)
     }
 
@@ -201,8 +190,12 @@ impl Reader {
     pub fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
         if let Stage::Head(head) = &mut self.stage {
             let head = std::mem::take(head);
-            let opened = self.open(&head, sink, None);
-            self.remember(opened)?;
+            let pushed = self.open(head.into()).and_then(|bytes| self.push_to_body(&bytes, sink));
+            self.remember(pushed)?;
+        }
+        if let Stage::Body(body) = &mut self.stage {
+            let rest = body.rest();
+            body.push(&rest, sink)?;
         }
         match self.stage {
             Stage::Body(body) => match *body {
@@ -245,64 +238,105 @@ impl Reader {
         result
     }
 
-    fn advance<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, mut blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
+    fn advance<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        for bytes in self.take(chunk)? {
+            self.push_to_body(&bytes, sink)?;
+        }
+        Ok(())
+    }
+
+    fn advance_in_parallel<'a, S: PartedSink>(&mut self, chunks: impl IntoIterator<Item = &'a [u8]>, sink: &mut S) -> Result<(), Fault> {
+        let mut waiting: Vec<Block> = Vec::new();
+        for chunk in chunks {
+            for bytes in self.take(chunk)? {
+                let Stage::Body(body) = &mut self.stage else { continue };
+                let mut rest = &*bytes;
+                while let Some(unit) = body.next_unit(&mut rest)? {
+                    match unit {
+                        blocks::Unit::Block(block) => waiting.push(block),
+                        blocks::Unit::Serial(bytes) => {
+                            blocks::read(body, std::mem::take(&mut waiting), sink)?;
+                            body.push(&bytes, sink)?;
+                        }
+                    }
+                }
+            }
+        }
         match &mut self.stage {
-            Stage::Head(head) if head.is_empty() && chunk.len() >= HEAD => self.open(chunk, sink, blocks),
+            Stage::Body(body) => blocks::read(body, waiting, sink),
+            Stage::Head(_) | Stage::Refused(_) => Ok(()),
+        }
+    }
+
+    fn push_to_body<S: Sink>(&mut self, bytes: &[u8], sink: &mut S) -> Result<(), Fault> {
+        match &mut self.stage {
+            Stage::Body(body) => body.push(bytes, sink),
+            Stage::Head(_) | Stage::Refused(_) => Ok(()),
+        }
+    }
+
+    /// The bytes that the body takes next: none while the format is not known, and then the head and what follows it.
+    fn take<'a>(&mut self, chunk: &'a [u8]) -> Result<[Cow<'a, [u8]>; 2], Fault> {
+        let none = || Cow::Borrowed([].as_slice());
+        match &mut self.stage {
+            Stage::Head(head) if head.is_empty() && chunk.len() >= HEAD => Ok([self.open(chunk.into())?, none()]),
             Stage::Head(head) => {
                 let (part, rest) = chunk.split_at(chunk.len().min(HEAD - head.len()));
                 head.extend_from_slice(part);
                 if head.len() < HEAD {
-                    return Ok(());
+                    return Ok([none(), none()]);
                 }
                 let head = std::mem::take(head);
-                self.open(&head, sink, blocks.as_deref_mut())?;
-                self.advance(rest, sink, blocks)
+                Ok([self.open(head.into())?, self.decoded(rest)])
             }
-            Stage::Body(body) => match &mut self.utf_16 {
-                Some(decoder) => body.push(&decoder.decode(chunk), sink, blocks),
-                None => body.push(chunk, sink, blocks),
-            },
+            Stage::Body(_) => Ok([self.decoded(chunk), none()]),
             Stage::Refused(fault) => Err(fault.clone()),
         }
     }
 
-    /// Detects the format by the first bytes of the file and starts to read it.
-    fn open<S: Sink>(&mut self, start: &[u8], sink: &mut S, blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
-        let decoded;
-        let (start, head) = match Utf16::by_mark(start) {
-            Some(mut decoder) => {
-                // The head ends at the same byte of the file, wherever the chunks end.
-                let (head, rest) = start.split_at(start.len().min(HEAD));
-                let head = decoder.decode(head);
-                decoded = [head.as_slice(), &decoder.decode(rest)].concat();
-                self.utf_16 = Some(decoder);
-                (decoded.as_slice(), head.len())
-            }
-            None => (start, start.len().min(HEAD)),
-        };
+    fn decoded<'a>(&mut self, chunk: &'a [u8]) -> Cow<'a, [u8]> {
+        match &mut self.utf_16 {
+            Some(decoder) => decoder.decode(chunk).into(),
+            None => chunk.into(),
+        }
+    }
+
+    /// Detects the format by the first bytes of the file, and returns those that the body takes.
+    fn open<'a>(&mut self, start: Cow<'a, [u8]>) -> Result<Cow<'a, [u8]>, Fault> {
+        let mut head = start.len().min(HEAD);
+        let mut start = start;
+        if let Some(mut decoder) = Utf16::by_mark(&start) {
+            // The head ends at the same byte of the file, wherever the chunks end.
+            let (first, rest) = start.split_at(head);
+            let first = decoder.decode(first);
+            head = first.len();
+            start = [first.as_slice(), &decoder.decode(rest)].concat().into();
+            self.utf_16 = Some(decoder);
+        }
         let Detected { format, mark } = format::detect(&start[..head], self.hint, self.utf_16.is_some())?;
-        let mut body = Box::new(match format {
-            format::Family::Text => Body::Text(text::Reader::new()),
+        self.stage = Stage::Body(Box::new(match format {
+            format::Family::Text => Body::Text(text::Reader::new(self.block)),
             format::Family::Pcd => Body::Pcd(pcd::Reader::new()),
-            format::Family::StlAscii => Body::StlAscii(stl_ascii::Reader::new()),
-            format::Family::StlBinary => Body::StlBinary(stl_binary::Reader::new()),
-            format::Family::Obj => Body::Obj(obj::Reader::new(self.vertex_limit)),
-            format::Family::Ply => Body::Ply(ply::Reader::new(self.vertex_limit, mark as u64)),
+            format::Family::StlAscii => Body::StlAscii(stl_ascii::Reader::new(self.block)),
+            format::Family::StlBinary => Body::StlBinary(stl_binary::Reader::new(self.block)),
+            format::Family::Obj => Body::Obj(obj::Reader::new(self.vertex_limit, self.block)),
+            format::Family::Ply => Body::Ply(ply::Reader::new(self.vertex_limit, mark as u64, self.block)),
             format::Family::ThreeMf => Body::ThreeMf(three_mf::Reader::new(self.archive_limit, self.package_vertex_limit)),
-        });
-        body.push(&start[mark..], sink, blocks)?;
-        self.stage = Stage::Body(body);
-        Ok(())
+        }));
+        Ok(match start {
+            Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[mark..]),
+            Cow::Owned(mut bytes) => {
+                bytes.drain(..mark);
+                Cow::Owned(bytes)
+            }
+        })
     }
 }
 
 impl Body {
-    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S, blocks: Option<&mut Vec<TextBlock>>) -> Result<(), Fault> {
+    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
         match self {
-            Self::Text(reader) => match blocks {
-                Some(blocks) => reader.push_in_blocks(chunk, sink, blocks),
-                None => reader.push(chunk, sink),
-            },
+            Self::Text(reader) => reader.push(chunk, sink),
             Self::Pcd(reader) => reader.push(chunk, sink),
             Self::StlAscii(reader) => reader.push(chunk, sink),
             Self::StlBinary(reader) => reader.push(chunk, sink),

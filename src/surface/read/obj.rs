@@ -6,46 +6,154 @@
 //! counted. A file without faces yields its vertices as points. Unknown statements are refused, and so are free-form
 //! curves and surfaces, whose control points do not lie on them.
 
+use super::blocks::{Block, Emitted, Job, Unit};
 use super::decimal::coordinate;
 use super::fault::{Fault, FaultKind, Flaw, quoted};
 use super::lines::{LONGEST_LINE, Lines, Words, too_long, trimmed};
-use super::mesh::Mesh;
+use super::mesh::{self, Mesh};
+use super::splitter::BlockSplitter;
 use super::{Format, Notes, Sink, Summary};
 
 /// The reader of OBJ.
 #[derive(Debug)]
 pub(super) struct Reader {
     lines: Lines,
+    mesh: Mesh,
     content: Content,
+    splitter: BlockSplitter,
 }
 
-#[derive(Debug)]
+/// The statements read so far.
+#[derive(Debug, Default)]
 struct Content {
-    mesh: Mesh,
     /// The part of a statement that a backslash continues on the next line.
     begun: Vec<u8>,
     other_elements: u64,
 }
 
+/// What takes vertices and faces.
+trait Target {
+    fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw>;
+    /// `word` is what the file has at this corner, for the fault.
+    fn corner(&mut self, vertex: VertexNumber, word: &[u8]) -> Result<(), Flaw>;
+    fn close_face(&mut self) -> Result<(), Flaw>;
+}
+
+/// The mesh of the whole file, and the sink for its facets.
+struct Whole<'a, S> {
+    mesh: &'a mut Mesh,
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Target for Whole<'_, S> {
+    fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw> {
+        self.mesh.add_vertex(vertex)
+    }
+
+    fn corner(&mut self, vertex: VertexNumber, word: &[u8]) -> Result<(), Flaw> {
+        let before = self.mesh.vertices().len();
+        let missing = || {
+            let expected = format!("the number of one of the {before} vertices before this line");
+            Flaw::new(FaultKind::OutOfRange, expected, quoted(word))
+        };
+        let vertex = vertex.resolve(before).ok_or_else(missing)?;
+        self.mesh.add_corner(vertex).ok_or_else(missing)?
+    }
+
+    fn close_face(&mut self) -> Result<(), Flaw> {
+        self.mesh.close_face(self.sink)
+    }
+}
+
+/// The vertices and faces of a block.
+#[derive(Debug)]
+pub(super) struct Run {
+    lines: u64,
+    mesh: mesh::Run,
+    content: Content,
+}
+
+/// A block that must be read in order.
+fn unclear() -> Flaw {
+    Flaw::new(FaultKind::Malformed, "", "")
+}
+
+impl Target for mesh::Run {
+    fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw> {
+        self.add_vertex(vertex);
+        Ok(())
+    }
+
+    fn corner(&mut self, vertex: VertexNumber, _: &[u8]) -> Result<(), Flaw> {
+        let added = if vertex.backwards {
+            self.add_corner_backwards(vertex.count)
+        } else {
+            vertex.count.checked_sub(1).and_then(|number| self.add_corner(number))
+        };
+        added.ok_or_else(unclear)
+    }
+
+    fn close_face(&mut self) -> Result<(), Flaw> {
+        mesh::Run::close_face(self).ok_or_else(unclear)
+    }
+}
+
+/// Parses a block; `None` where it has a fault or refers to vertices that it cannot name apart.
+pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
+    let (mut lines, mut content, mut mesh) = (Lines::after(0), Content::default(), mesh::Run::of_bytes(bytes.len()));
+    lines.push(bytes, |line, _| content.line(line, &mut mesh)).ok()?;
+    content.begun.is_empty().then_some(Run { lines: lines.ended(), mesh, content })
+}
+
 impl Reader {
-    pub(super) fn new(vertex_limit: usize) -> Self {
-        Self { lines: Lines::after(0), content: Content { mesh: Mesh::new(vertex_limit), begun: Vec::new(), other_elements: 0 } }
+    pub(super) fn new(vertex_limit: usize, block: usize) -> Self {
+        // A statement that goes on in the next line is not divided.
+        let splitter = BlockSplitter::new(block, |line| trimmed(line).last() != Some(&b'\\'));
+        Self { lines: Lines::after(0), mesh: Mesh::new(vertex_limit), content: Content::default(), splitter }
     }
 
     pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        self.lines.push(chunk, |line, _| self.content.line(line, sink))
+        let mut target = Whole { mesh: &mut self.mesh, sink };
+        self.lines.push(chunk, |line, _| self.content.line(line, &mut target))
+    }
+
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+        self.splitter.next(chunk).map(|bytes| Unit::Block(Block { bytes, job: Job::Obj }))
+    }
+
+    pub(super) fn rest(&mut self) -> Vec<u8> {
+        self.splitter.rest()
+    }
+
+    /// Adds a run to what was read, unless a statement goes on in it or it refers to a missing vertex.
+    pub(super) fn link(&mut self, run: &mut Run) -> bool {
+        if !self.content.begun.is_empty() || !self.mesh.link(&mut run.mesh) {
+            return false;
+        }
+        self.content.other_elements += run.content.other_elements;
+        self.lines.skip(run.lines);
+        true
+    }
+
+    pub(super) fn emit<S: Sink>(&self, run: &Run, sink: &mut S) -> Emitted {
+        self.mesh.emit(&run.mesh, sink)
+    }
+
+    pub(super) fn mesh(&mut self) -> &mut Mesh {
+        &mut self.mesh
     }
 
     /// The memory that the vertices take, in bytes.
     pub(super) fn held_bytes(&self) -> usize {
-        self.content.mesh.vertices().held_bytes()
+        self.mesh.vertices().held_bytes()
     }
 
     pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
         let number = self.lines.number();
-        self.lines.finish(|line, _| self.content.line(line, sink))?;
-        self.content.end(sink).map_err(|flaw| flaw.at_line(number))?;
-        let mesh = &self.content.mesh;
+        let mut target = Whole { mesh: &mut self.mesh, sink: &mut *sink };
+        self.lines.finish(|line, _| self.content.line(line, &mut target))?;
+        self.content.end(&mut target).map_err(|flaw| flaw.at_line(number))?;
+        let mesh = &self.mesh;
         let notes = Notes { other_elements: self.content.other_elements, crossed_polygons: mesh.crossed(), ..Notes::default() };
         if mesh.facets() > 0 {
             return Ok(Summary { format: Format::Obj, points: 0, facets: mesh.facets(), unit: None, notes });
@@ -61,15 +169,14 @@ impl Reader {
 }
 
 impl Content {
-    /// Reads a line. A backslash at its end continues the statement on the next line, except in a comment, where it may
-    /// end a path.
-    fn line<S: Sink>(&mut self, line: &[u8], sink: &mut S) -> Result<(), Flaw> {
+    /// Reads a line. A backslash at its end continues the statement on the next line, except in a comment, where it may end a path.
+    fn line(&mut self, line: &[u8], target: &mut impl Target) -> Result<(), Flaw> {
         let line = trimmed(line);
         if self.begun.is_empty() && line.first() == Some(&b'#') {
             return Ok(());
         }
         if self.begun.is_empty() && line.last() != Some(&b'\\') {
-            return self.statement(line, sink);
+            return self.statement(line, target);
         }
         let (part, goes_on) = line.strip_suffix(b"\\").map_or((line, false), |part| (part, true));
         if self.begun.len() + part.len() >= LONGEST_LINE {
@@ -77,23 +184,23 @@ impl Content {
         }
         self.begun.extend_from_slice(part);
         self.begun.push(b' ');
-        if goes_on { Ok(()) } else { self.end(sink) }
+        if goes_on { Ok(()) } else { self.end(target) }
     }
 
     /// Reads the statement that was joined from several lines.
-    fn end<S: Sink>(&mut self, sink: &mut S) -> Result<(), Flaw> {
+    fn end(&mut self, target: &mut impl Target) -> Result<(), Flaw> {
         let mut joined = std::mem::take(&mut self.begun);
-        self.statement(&joined, sink)?;
+        self.statement(&joined, target)?;
         joined.clear();
         self.begun = joined;
         Ok(())
     }
 
-    fn statement<S: Sink>(&mut self, statement: &[u8], sink: &mut S) -> Result<(), Flaw> {
+    fn statement(&mut self, statement: &[u8], target: &mut impl Target) -> Result<(), Flaw> {
         let mut words = Words::of(statement);
         match words.next() {
-            Some(b"v") => self.vertex(words),
-            Some(b"f" | b"fo") => self.face(words, sink),
+            Some(b"v") => vertex(words, target),
+            Some(b"f" | b"fo") => face(words, target),
             Some(b"p" | b"l") => {
                 self.other_elements += 1;
                 Ok(())
@@ -102,28 +209,22 @@ impl Content {
             _ => Ok(()),
         }
     }
+}
 
-    fn vertex(&mut self, mut words: Words) -> Result<(), Flaw> {
-        let mut vertex = [0.0; 3];
-        for (value, before) in vertex.iter_mut().zip(["none", "one", "two"]) {
-            let word = words.next().ok_or_else(|| Flaw::new(FaultKind::Malformed, "three numbers after \"v\"", before))?;
-            *value = coordinate(word, "a number")?;
-        }
-        self.mesh.add_vertex(vertex)
+fn vertex(mut words: Words, target: &mut impl Target) -> Result<(), Flaw> {
+    let mut vertex = [0.0; 3];
+    for (value, before) in vertex.iter_mut().zip(["none", "one", "two"]) {
+        let word = words.next().ok_or_else(|| Flaw::new(FaultKind::Malformed, "three numbers after \"v\"", before))?;
+        *value = coordinate(word, "a number")?;
     }
+    target.vertex(vertex)
+}
 
-    fn face<S: Sink>(&mut self, words: Words, sink: &mut S) -> Result<(), Flaw> {
-        for word in words.take_while(|word| word[0] != b'#') {
-            let before = self.mesh.vertices().len();
-            let missing = || {
-                let expected = format!("the number of one of the {before} vertices before this line");
-                Flaw::new(FaultKind::OutOfRange, expected, quoted(word))
-            };
-            let vertex = vertex_number(word)?.resolve(before).ok_or_else(missing)?;
-            self.mesh.add_corner(vertex).ok_or_else(missing)??;
-        }
-        self.mesh.close_face(sink)
+fn face(words: Words, target: &mut impl Target) -> Result<(), Flaw> {
+    for word in words.take_while(|word| word[0] != b'#') {
+        target.corner(vertex_number(word)?, word)?;
     }
+    target.close_face()
 }
 
 /// A vertex number as a face writes it: counted from the first vertex, or backwards from the last.

@@ -4,9 +4,11 @@
 //! its line. Normals are ignored, because the corners define them: zero and NaN are accepted. The last `endsolid` may
 //! be missing, and so may one before another `solid`.
 
+use super::blocks::{self, Block, Emitted, Unit};
 use super::decimal::{coordinate, number};
 use super::fault::{Fault, FaultKind, Flaw};
 use super::lines::{Lines, Words, trimmed_start};
+use super::splitter::{BlockSplitter, ends_with_word};
 use super::{Format, LARGEST_COORDINATE, Notes, Sink, Summary};
 
 /// The words of a facet in their order.
@@ -32,9 +34,12 @@ enum Step {
 pub(super) struct Reader {
     lines: Lines,
     state: State,
+    splitter: BlockSplitter,
+    /// Whether a block has been split off.
+    is_divided: bool,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct State {
     step: Step,
     /// Inside a solid, or after a facet outside any solid.
@@ -44,9 +49,30 @@ struct State {
 }
 
 impl Reader {
-    pub(super) fn new() -> Self {
-        let state = State { step: Step::Between, in_solid: false, corners: [[0.0; 3]; 3], facets: 0 };
-        Self { lines: Lines::after(0), state }
+    pub(super) fn new(block: usize) -> Self {
+        let splitter = BlockSplitter::new(block, |line| ends_with_word(line, b"endfacet"));
+        Self { lines: Lines::after(0), state: State::at_start(false), splitter, is_divided: false }
+    }
+
+    /// The next block, which begins between facets in nearly all files.
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+        let bytes = self.splitter.next(chunk)?;
+        let in_solid = std::mem::replace(&mut self.is_divided, true);
+        Some(Unit::Block(Block { bytes, job: blocks::Job::StlAscii(Job { in_solid }) }))
+    }
+
+    pub(super) fn rest(&mut self) -> Vec<u8> {
+        self.splitter.rest()
+    }
+
+    /// Adds a run to what was read, if it begins between facets as it was assumed.
+    pub(super) fn link(&mut self, run: &Run) -> bool {
+        if self.state.step != Step::Between || self.state.in_solid != run.began_in_solid {
+            return false;
+        }
+        self.state = State { facets: self.state.facets + run.end.facets, ..run.end.clone() };
+        self.lines.skip(run.lines);
+        true
     }
 
     pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
@@ -68,6 +94,45 @@ impl Reader {
     }
 }
 
+/// The assumption about the start of a block.
+#[derive(Debug)]
+pub(super) struct Job {
+    in_solid: bool,
+}
+
+/// The facets of a block.
+#[derive(Debug)]
+pub(super) struct Run {
+    lines: u64,
+    began_in_solid: bool,
+    facets: Vec<[[f64; 3]; 3]>,
+    end: State,
+}
+
+impl Run {
+    pub(super) fn emit<S: Sink>(&self, sink: &mut S) -> Emitted {
+        for facet in &self.facets {
+            sink.facet(*facet);
+        }
+        Emitted::default()
+    }
+}
+
+/// Parses a block; `None` where it has a fault.
+pub(super) fn parse(bytes: &[u8], Job { in_solid }: Job) -> Option<Run> {
+    struct Facets(Vec<[[f64; 3]; 3]>);
+    impl Sink for Facets {
+        fn point(&mut self, _: [f64; 3]) {}
+        fn facet(&mut self, corners: [[f64; 3]; 3]) {
+            self.0.push(corners);
+        }
+    }
+    let (mut lines, mut state) = (Lines::after(0), State::at_start(in_solid));
+    let mut facets = Facets(Vec::with_capacity(bytes.len() / 128));
+    lines.push(bytes, |line, _| state.line(line, &mut facets)).ok()?;
+    Some(Run { lines: lines.ended(), began_in_solid: in_solid, facets: facets.0, end: state })
+}
+
 impl Step {
     fn expected(self) -> &'static str {
         match self {
@@ -85,6 +150,10 @@ impl Step {
 }
 
 impl State {
+    fn at_start(in_solid: bool) -> Self {
+        Self { step: Step::Between, in_solid, corners: [[0.0; 3]; 3], facets: 0 }
+    }
+
     fn line<S: Sink>(&mut self, line: &[u8], sink: &mut S) -> Result<(), Flaw> {
         if let Step::Vertex(corner) = self.step
             && let Some(point) = vertex_line(line)

@@ -3,6 +3,7 @@
 //!
 //! Normals are ignored, because the corners define them. Bytes after the last facet are counted.
 
+use super::blocks::{Block, Emitted, Job, Unit};
 use super::decimal::unbounded;
 use super::fault::{Fault, FaultKind, Flaw};
 use super::{Format, LARGEST_COORDINATE, Notes, Sink, Summary};
@@ -23,11 +24,53 @@ pub(super) struct Reader {
     promised: Option<u64>,
     facets: u64,
     trailing_bytes: u64,
+    /// The bytes of the header, the records and the current block that were divided.
+    header: usize,
+    divided: u64,
+    block: Vec<u8>,
+    /// The bytes of a block.
+    size: usize,
 }
 
 impl Reader {
-    pub(super) fn new() -> Self {
-        Self { begun: [0; START], length: 0, promised: None, facets: 0, trailing_bytes: 0 }
+    pub(super) fn new(block: usize) -> Self {
+        let size = block.div_ceil(RECORD) * RECORD;
+        Self { begun: [0; START], length: 0, promised: None, facets: 0, trailing_bytes: 0, header: 0, divided: 0, block: Vec::new(), size }
+    }
+
+    /// The header, blocks of records, and what follows the records.
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+        let mut take = |length: usize| {
+            let (part, rest) = chunk.split_at(chunk.len().min(length));
+            *chunk = rest;
+            part
+        };
+        if self.header < START {
+            let part = take(START - self.header);
+            self.header += part.len();
+            return (!part.is_empty()).then(|| Unit::Serial(part.into()));
+        }
+        let records = usize::try_from(self.promised.unwrap_or(0) - self.divided).unwrap_or(usize::MAX);
+        if records == 0 {
+            let rest = take(usize::MAX);
+            return (!rest.is_empty()).then(|| Unit::Serial(rest.into()));
+        }
+        let size = self.size.min(records.saturating_mul(RECORD));
+        self.block.reserve_exact(size - self.block.len());
+        self.block.extend_from_slice(take(size - self.block.len()));
+        (self.block.len() == size).then(|| {
+            self.divided += (size / RECORD) as u64;
+            Unit::Block(Block { bytes: std::mem::take(&mut self.block), job: Job::StlBinary })
+        })
+    }
+
+    pub(super) fn rest(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.block)
+    }
+
+    pub(super) fn link(&mut self, run: &Run) -> bool {
+        self.facets += run.facets;
+        true
     }
 
     pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
@@ -112,6 +155,26 @@ impl Reader {
         let notes = Notes { trailing_bytes: self.trailing_bytes, ..Notes::default() };
         Ok(Summary { format: Format::StlBinary, points: 0, facets: self.facets, unit: None, notes })
     }
+}
+
+/// The number of facets in a block; they are decoded as they are passed on.
+#[derive(Debug)]
+pub(super) struct Run {
+    facets: u64,
+}
+
+/// Checks a block of records; `None` where it has a fault.
+pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
+    let (records, _) = bytes.as_chunks::<RECORD>();
+    let is_bounded = |record| corners(record).iter().flatten().fold(true, |fine, value| fine & (value.abs() <= LARGEST_COORDINATE));
+    records.iter().all(is_bounded).then_some(Run { facets: records.len() as u64 })
+}
+
+pub(super) fn emit<S: Sink>(bytes: &[u8], sink: &mut S) -> Emitted {
+    for record in bytes.as_chunks::<RECORD>().0 {
+        sink.facet(corners(record));
+    }
+    Emitted::default()
 }
 
 #[inline]

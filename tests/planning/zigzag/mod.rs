@@ -3,6 +3,7 @@
 
 mod hostile;
 mod laws;
+mod meshes;
 mod passes;
 mod published;
 mod random_patches;

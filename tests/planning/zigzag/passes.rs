@@ -40,7 +40,7 @@ fn passes_take_the_time_of_their_plan() {
         let mut candidate = published_cutters()[0];
         candidate.drive = (teeth > 0).then(|| drive(teeth, rpm));
         let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
-        let passes = passes(&plan, &facets, &candidate, &settings, &|_, _| None, 200_000).unwrap();
+        let passes = passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
         assert_eq!((passes.run_starts.len(), plan.tour.lifts), (plan.tour.runs, 0));
         let limits = settings.machine.limits;
         let time = timed(&passes, limits, limits.feed_rate);
@@ -56,7 +56,7 @@ fn points_lie_in_the_planes_and_have_the_heights_of_the_model() {
     let mut candidate = published_cutters()[0];
     candidate.drive = Some(drive(2, 10_000.0));
     let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
-    let passes = passes(&plan, &facets, &candidate, &settings, &|_, _| None, 200_000).unwrap();
+    let passes = passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
     let (e, q) = ([degrees(75.0).cos(), degrees(75.0).sin()], [-degrees(75.0).sin(), degrees(75.0).cos()]);
     let ends = passes.run_starts[1..].iter().copied().chain([passes.points.len()]);
     let mut over = 0;
@@ -91,7 +91,7 @@ fn fewer_points_are_kept_with_a_wider_chord_tolerance() {
     let facets = facets(&published(1), 40, 40);
     let (settings, candidate) = (in_direction(Model::Envelope, 10.0), published_cutters()[1]);
     let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
-    let of = |limit: usize| passes(&plan, &facets, &candidate, &settings, &|_, _| None, limit);
+    let of = |limit: usize| passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], limit);
     let all = of(200_000).unwrap();
     assert_eq!(all.chord_tolerance, mm(0.001));
     let fewer = of(all.points.len() / 2).unwrap();
@@ -105,7 +105,7 @@ fn tips_that_would_gouge_are_raised() {
     let facets = facets(&published(1), 30, 30);
     let (settings, candidate) = (in_direction(Model::Envelope, 0.0), published_cutters()[1]);
     let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
-    let raised = passes(&plan, &facets, &candidate, &settings, &|x, _| (x > 30.0).then_some(50.0), 200_000).unwrap();
+    let raised = passes(&plan, &facets, &candidate, &settings, &|[x, _, z]| if x > 30.0 { 50.0 } else { z }, 200_000).unwrap();
     for point in &raised.points {
         assert_eq!(point.contact.is_none(), point.tip[0] > 30.0);
         assert!(point.contact.is_some() || (point.tip[2] - 50.0).abs() < 1e-12);

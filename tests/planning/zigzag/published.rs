@@ -41,7 +41,7 @@ fn the_papers_four_simulated_times_are_met_within_4_percent() {
         let (settings, cutters) = (in_direction(Model::Analytic, direction), published_cutters());
         let ranking = ranked(&facets, &cutters[cutter..=cutter], &settings);
         let plan = &ranking.plans[0];
-        let passes = passes(plan, &facets, &cutters[cutter], &settings, &|_, _| None, 200_000).unwrap();
+        let passes = passes(plan, &facets, &cutters[cutter], &settings, &|tip| tip[2], 200_000).unwrap();
         let time = by_the_papers_rules(plan, &passes);
         println!(
             "surface {surface}, cutter {cutter}: {time:.2} s, printed {printed}; by section 12 {:.2} {:?}",

@@ -50,9 +50,9 @@ fn a_level_surface_is_planned_and_no_spacing_exceeds_the_cutter() {
 #[test]
 fn cutters_that_do_not_reach_are_not_ranked() {
     let mut candidates = published_cutters();
-    let reach = ReachFigures { uncut_share: 0.12, uncut_height: mm(0.4) };
+    let reach = ReachFigures { uncut_share: 0.12, uncut_height: mm(0.4), uncut_height_error: mm(0.1) };
     candidates[0].reach = Some(reach);
-    candidates[1].reach = Some(ReachFigures { uncut_share: 0.004, uncut_height: mm(0.02) });
+    candidates[1].reach = Some(ReachFigures { uncut_share: 0.004, uncut_height: mm(0.02), uncut_height_error: mm(0.1) });
     let ranking = ranked(&level(10), &candidates, &settings(Model::Envelope));
     assert_eq!(ranking.not_ranked.len(), 1);
     assert_eq!((ranking.not_ranked[0].candidate, ranking.not_ranked[0].reason), (0, NotRankedReason::CannotReach(reach)));
@@ -122,7 +122,7 @@ fn confidence_lists_the_weaknesses() {
     let ranking = ranked(&facets, &published_cutters(), &settings(Model::Envelope));
     let confidence = ranking.confidence.unwrap();
     assert_eq!((confidence.level(), confidence.reasons()), (Level::High, &[][..]));
-    let evidence = SurfaceEvidence { visible_area_share: 0.7, pieces: 2 };
+    let evidence = SurfaceEvidence { visible_area_share: 0.7, pieces: 2, turned_area_share: 0.0 };
     let confidence = rank(&facets, &published_cutters(), &settings(Model::Envelope), evidence, &|| false).unwrap().confidence.unwrap();
     let weaknesses: Vec<_> = confidence.reasons().iter().map(|reason| (reason.weakness, reason.level)).collect();
     assert_eq!(weaknesses, [(SurfaceWeakness::HiddenArea, Level::Low), (SurfaceWeakness::SeveralPieces, Level::Moderate)]);

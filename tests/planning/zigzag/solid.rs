@@ -65,7 +65,7 @@ fn scallops_between_imprints_keep_the_tolerance_and_use_it() {
     for (cutter, outer, corner) in [(Cutter::toroidal(mm(10.0), mm(1.5)).unwrap(), 5.0, 1.5), (Cutter::ball_end(mm(8.0)), 4.0, 4.0)] {
         let (solid, candidate) = (Solid { outer, corner }, CandidateCutter::new(cutter));
         let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
-        let points = passes(&plan, &facets, &candidate, &settings, &|_, _| None, 200_000).unwrap();
+        let points = passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
         let (e, q) = ([plan.direction.cos(), plan.direction.sin()], [-plan.direction.sin(), plan.direction.cos()]);
         let mut planes: Vec<f64> = points.points.iter().filter_map(|point| point.contact).map(|c| q[0] * c[0] + q[1] * c[1]).collect();
         planes.sort_by(f64::total_cmp);

@@ -386,6 +386,7 @@ class Recommended(TypedDict, total=False):
 
     cutter: int
     name: str
+    preset: str
     direction_deg: float
     machining_time_s: float
     step_over_xy_mm: float
@@ -397,6 +398,7 @@ class Plan(TypedDict, total=False):
 
     cutter: int
     name: str
+    preset: str
     type: CutterType
     direction_deg: float
     machining_time_s: float
@@ -410,6 +412,7 @@ class Plan(TypedDict, total=False):
     over_tolerance_share: float
     uncut_share: float
     uncut_height_mm: float
+    uncut_height_error_mm: float
     least_time_s: float
     by_direction: Dict[str, List[float]]
     rectangle: Dict[str, float]
@@ -423,6 +426,8 @@ class NotRanked(TypedDict, total=False):
     code: str
     detail: str
     uncut_share: float
+    uncut_height_mm: float
+    uncut_height_error_mm: float
 
 
 class Passes(TypedDict, total=False):

@@ -31,8 +31,8 @@ impl Confidence {
         })
     }
 
-    /// Adds how far the times on the rectangle are from those of passes simulated on the surface. `times` has both, in this order, for each candidate, the
-    /// recommended one first.
+    /// Adds how far the times on the rectangle are from those of passes simulated on the surface. `times` has both,
+    /// in this order, for each candidate, the recommended one first.
     #[must_use]
     pub fn with_simulation(self, times: &[(Time, Time)]) -> Self {
         let mut reasons = self.reasons;
@@ -46,7 +46,7 @@ impl Confidence {
         Self::from_reasons(reasons)
     }
 
-    /// Adds what the surface itself says about a rectangle in its place.
+    /// Adds what the surface itself shows about a rectangle in its place.
     #[must_use]
     pub fn with_surface(self, shape: &Shape, evidence: &Evidence) -> Self {
         let mut reasons = self.reasons;

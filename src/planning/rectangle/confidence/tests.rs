@@ -27,7 +27,8 @@ fn surface(at: impl Fn(f64, f64) -> [f64; 3]) -> Shape {
     grid.finish().unwrap().shape(Unit::Millimetre, Facing::Up).unwrap()
 }
 
-/// A rectangle, its first side along X turned by `turn` in its own plane, which is inclined about X by `slope`, both in deg.
+/// A rectangle, its first side along X turned by `turn` in its own plane, which is inclined about X by `slope`, both
+/// in deg.
 fn plane(width: f64, height: f64, slope: f64, turn: f64) -> Shape {
     let ((sin, cos), (turn_sin, turn_cos)) = (slope.to_radians().sin_cos(), turn.to_radians().sin_cos());
     surface(|u, v| {
@@ -86,8 +87,8 @@ fn domes_are_graded_by_how_far_their_normals_lean() {
     };
     for (half_angle, expected) in [(28.0, None), (32.0, Some(Level::Moderate)), (43.0, Some(Level::Moderate)), (47.0, Some(Level::Low))] {
         let shape = dome(half_angle);
-        // On a ball height is spread evenly: with c = cos(half angle), variances (1 - c)^2/12 and (1 - (1 + c + c^2)/3)/2. The
-        // polygons of 40 x 40 fall short of the ball by (2 pi/40)^2/8 = 0.3 %.
+        // On a ball height is spread evenly: with c = cos(half angle), variances (1 - c)^2/12 and (1 - (1 + c +
+        // c^2)/3)/2. The polygons of 40 x 40 fall short of the ball by (2 pi/40)^2/8 = 0.3 %.
         let c = f64::cos(half_angle.to_radians());
         let flatness = (1.0 - c) / 12.0_f64.sqrt() / ((1.0 - (1.0 + c + c * c) / 3.0) / 2.0).sqrt();
         approx::assert_relative_eq!(shape.flatness, flatness, max_relative = 0.01);
@@ -129,8 +130,8 @@ fn small_surfaces_break_the_assumptions() {
 
 #[test]
 fn steps_that_reach_the_acceleration_are_named() {
-    // The hobby router reaches its acceleration after 2 A^3/J^2 = 2 * 0.4^3/8^2 m = 2 mm; a scallop of 0.2 mm allows steps of 3.9 mm
-    // (R_eff = 3/sin(15 deg) + 2 = 13.6 mm; sqrt(8 * 0.2 * 13.6) = 4.7 mm).
+    // The hobby router reaches its acceleration after 2 A^3/J^2 = 2 * 0.4^3/8^2 m = 2 mm; a scallop of 0.2 mm allows
+    // steps of 3.9 mm (R_eff = 3/sin(15 deg) + 2 = 13.6 mm; sqrt(8 * 0.2 * 13.6) = 4.7 mm).
     let found = weaknesses(&job(0.2, "hobby_router"), &plane(200.0, 100.0, 15.0, 0.0)).1;
     assert!(found.contains(&(Weakness::LongSteps, Level::Moderate)), "{found:?}");
 }

@@ -1,45 +1,93 @@
 //! The body of ASCII PLY: one row in each line.
 
 use super::super::Format;
+use super::super::blocks::{self, Block, Unit};
 use super::super::decimal::coordinate;
 use super::super::fault::{Fault, FaultKind, Flaw, quoted};
 use super::super::lines::{Lines, Words, trimmed_start};
+use super::super::splitter::{BlockSplitter, any_line};
 use super::header::{Kind, Property, integer};
-use super::{Rows, Sink, Surface};
+use super::{Rows, Run, Sink, Surface, Target, Whole};
 
 #[derive(Debug)]
 pub(super) struct Body {
     lines: Lines,
     rows: Rows,
+    splitter: BlockSplitter,
+    /// The rows after the blocks so far, if each of their lines is a row.
+    ahead: Rows,
 }
 
 impl Body {
-    pub(super) fn new(rows: Rows, lines_before: u64) -> Self {
-        Self { lines: Lines::after(lines_before), rows }
+    pub(super) fn new(rows: Rows, lines_before: u64, block: usize) -> Self {
+        Self { lines: Lines::after(lines_before), ahead: rows.clone(), rows, splitter: BlockSplitter::new(block, any_line) }
     }
 
     pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], surface: &mut Surface, sink: &mut S) -> Result<(), Fault> {
-        self.lines.push(chunk, |line, _| self.rows.line(line, surface, sink))
+        let mut target = Whole { surface, sink };
+        self.lines.push(chunk, |line, _| self.rows.line(line, &mut target))
+    }
+
+    pub(super) fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
+    /// Goes on after rows that were read elsewhere.
+    pub(super) fn skip(&mut self, rows: Rows, lines: u64) {
+        self.rows = rows;
+        self.lines.skip(lines);
+    }
+
+    /// The next block; all of a file with strips, whose rows depend on each other, is read in order.
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+        if self.rows.have_strips() {
+            return (!chunk.is_empty()).then(|| Unit::Serial(std::mem::take(chunk).into()));
+        }
+        let bytes = self.splitter.next(chunk)?;
+        let start = self.ahead.clone();
+        // Old Macintosh files end lines with CR alone.
+        let lines = [b'\n', b'\r'].map(|end| memchr::memchr_iter(end, &bytes).count()).into_iter().find(|count| *count > 0).unwrap_or(0);
+        self.ahead.skip(lines as u64);
+        Some(Unit::Block(Block { bytes, job: blocks::Job::PlyAscii(Job { start }) }))
+    }
+
+    pub(super) fn rest(&mut self) -> Vec<u8> {
+        self.splitter.rest()
     }
 
     pub(super) fn finish<S: Sink>(mut self, surface: &mut Surface, sink: &mut S) -> Result<Format, Fault> {
-        self.lines.finish(|line, _| self.rows.line(line, surface, sink))?;
+        let mut target = Whole { surface, sink };
+        self.lines.finish(|line, _| self.rows.line(line, &mut target))?;
         self.rows.missing().map_or(Ok(Format::PlyAscii), |flaw| Err(flaw.at_line(self.lines.number())))
     }
 }
 
+/// The assumption about a block: the row at its start.
+#[derive(Debug)]
+pub(in super::super) struct Job {
+    start: Rows,
+}
+
+/// Parses a block; `None` where it has a fault.
+pub(in super::super) fn parse(bytes: &[u8], Job { start }: Job) -> Option<Run> {
+    let (mut lines, mut rows, mut run) = (Lines::after(0), start.clone(), Run::of_bytes(bytes.len(), start));
+    lines.push(bytes, |line, _| rows.line(line, &mut run)).ok()?;
+    (run.lines, run.end) = (lines.ended(), rows);
+    Some(run)
+}
+
 impl Rows {
-    fn line<S: Sink>(&mut self, line: &[u8], surface: &mut Surface, sink: &mut S) -> Result<(), Flaw> {
+    fn line(&mut self, line: &[u8], target: &mut impl Target) -> Result<(), Flaw> {
         let content = trimmed_start(line);
         if content.is_empty() {
             return Ok(());
         }
         let Some(element) = self.element() else {
-            surface.trailing_bytes += content.len() as u64;
+            target.trail(content.len() as u64);
             return Ok(());
         };
         let kind = element.kind;
-        surface.begin_row(kind);
+        target.begin_row(kind);
         let mut words = Words::of(content);
         let mut vertex = [0.0; 3];
         for property in &element.properties {
@@ -54,7 +102,7 @@ impl Rows {
                     for _ in 0..count {
                         let item = word(&mut words, &element.name)?;
                         if corners {
-                            add_corner(item, surface, sink)?;
+                            add_corner(item, target)?;
                         }
                     }
                 }
@@ -64,8 +112,8 @@ impl Rows {
             return Err(Flaw::malformed(format!("the end of a row of the element {}", element.name), word));
         }
         match kind {
-            Kind::Vertex => surface.vertex(vertex, sink)?,
-            Kind::Face => surface.mesh.close_face(sink)?,
+            Kind::Vertex => target.vertex(vertex)?,
+            Kind::Face => target.close_face()?,
             Kind::TriStrips | Kind::Other => {}
         }
         self.advance();
@@ -80,10 +128,10 @@ fn word<'a>(words: &mut Words<'a>, element: &str) -> Result<&'a [u8], Flaw> {
     })
 }
 
-fn add_corner<S: Sink>(word: &[u8], surface: &mut Surface, sink: &mut S) -> Result<(), Flaw> {
+fn add_corner(word: &[u8], target: &mut impl Target) -> Result<(), Flaw> {
     let number = integer(word);
     if number.is_none() && integer(word.strip_prefix(b"-").unwrap_or(word)).is_none() {
         return Err(Flaw::malformed("the number of a vertex", word));
     }
-    surface.corner(number, &|| quoted(word), sink)
+    target.corner(number, &|| quoted(word))
 }

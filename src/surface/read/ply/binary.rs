@@ -1,23 +1,26 @@
 //! The body of binary PLY: rows without separators, in either byte order.
 
+use super::super::blocks::{self, Block, Unit};
 use super::super::decimal::unbounded;
 use super::super::fault::{Fault, FaultKind, Flaw};
 use super::super::{Format, LARGEST_COORDINATE};
 use super::header::{Element, Kind, Property, Type};
-use super::{Rows, Sink, Surface};
+use super::{Rows, Run, Sink, Surface, Target, Whole};
+use std::sync::Arc;
 
 #[derive(Debug)]
 pub(super) struct Body {
     rows: Rows,
     format: Format,
     /// The steps that read a row of the current element.
-    steps: Vec<Step>,
+    steps: Arc<[Step]>,
     /// The index of the next step.
     step: usize,
     /// The rest of the current list: a number of items where they are corners, else a number of bytes.
     left: Option<u64>,
     vertex: [f64; 3],
     input: Input,
+    divider: Divider,
 }
 
 /// A part of a row.
@@ -37,16 +40,36 @@ struct Coordinate {
 }
 
 impl Body {
-    pub(super) fn new(rows: Rows, format: Format, offset: u64) -> Self {
-        let steps = rows.element().map(steps).unwrap_or_default();
+    pub(super) fn new(rows: Rows, format: Format, offset: u64, block: usize) -> Self {
+        let steps = steps(&rows);
         let input = Input { begun: Vec::new(), used: false, offset };
-        Self { rows, format, steps, step: 0, left: None, vertex: [0.0; 3], input }
+        let divider = Divider::new(rows.clone(), format, block);
+        Self { rows, format, steps, step: 0, left: None, vertex: [0.0; 3], input, divider }
+    }
+
+    pub(super) fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
+    /// Goes on after rows that were read elsewhere.
+    pub(super) fn skip(&mut self, rows: Rows, bytes: usize) {
+        self.rows = rows;
+        self.steps = steps(&self.rows);
+        self.input.offset += bytes as u64;
+    }
+
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+        self.divider.next_unit(chunk)
+    }
+
+    pub(super) fn rest(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.divider.begun)
     }
 
     pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], surface: &mut Surface, sink: &mut S) -> Result<(), Fault> {
         while let Some(kind) = self.rows.element().map(|element| element.kind) {
             if self.step == 0 && self.left.is_none() {
-                surface.begin_row(kind);
+                Whole { surface: &mut *surface, sink: &mut *sink }.begin_row(kind);
             }
             while self.step < self.steps.len() {
                 if !self.read_step(&mut chunk, surface, sink)? {
@@ -54,16 +77,17 @@ impl Body {
                 }
                 self.step += 1;
             }
+            let mut target = Whole { surface: &mut *surface, sink: &mut *sink };
             let ended = match kind {
-                Kind::Vertex => surface.vertex(self.vertex, sink),
-                Kind::Face => surface.mesh.close_face(sink),
+                Kind::Vertex => target.vertex(self.vertex),
+                Kind::Face => target.close_face(),
                 Kind::TriStrips | Kind::Other => Ok(()),
             };
             ended.map_err(|flaw| flaw.at_byte(self.input.offset))?;
             self.rows.advance();
             self.step = 0;
             if self.rows.read == 0 {
-                self.steps = self.rows.element().map(steps).unwrap_or_default();
+                self.steps = steps(&self.rows);
             }
         }
         surface.trailing_bytes += chunk.len() as u64;
@@ -122,7 +146,8 @@ impl Body {
                 let start = self.input.offset;
                 let Some(bytes) = self.input.take(chunk, item.size()) else { break };
                 let number = integer(item, self.format, bytes);
-                surface.corner(u64::try_from(number).ok(), &|| number.to_string(), sink).map_err(|flaw| flaw.at_byte(start))?;
+                let mut target = Whole { surface: &mut *surface, sink: &mut *sink };
+                target.corner(u64::try_from(number).ok(), &|| number.to_string()).map_err(|flaw| flaw.at_byte(start))?;
                 left -= 1;
             }
         } else {
@@ -133,7 +158,12 @@ impl Body {
     }
 }
 
-fn steps(element: &Element) -> Vec<Step> {
+/// The steps that read a row of the element whose row comes next.
+fn steps(rows: &Rows) -> Arc<[Step]> {
+    rows.element().map(steps_of).unwrap_or_default().into()
+}
+
+fn steps_of(element: &Element) -> Vec<Step> {
     let mut steps = Vec::new();
     for property in &element.properties {
         match *property {
@@ -150,6 +180,158 @@ fn steps(element: &Element) -> Vec<Step> {
         }
     }
     steps
+}
+
+/// The longest row of a block, in bytes; longer ones are read as they arrive.
+const LONGEST_ROW: usize = 1 << 16;
+
+/// Divides a body into blocks of whole rows of vertices or faces.
+#[derive(Debug)]
+struct Divider {
+    size: usize,
+    format: Format,
+    /// The row at the end of the rows that are complete.
+    ahead: Rows,
+    steps: Arc<[Step]>,
+    /// The row at the start of the block.
+    start: Rows,
+    begun: Vec<u8>,
+    /// The bytes of the block's complete rows, and their number.
+    complete: usize,
+    rows: u64,
+    /// What follows is read in order.
+    is_over: bool,
+}
+
+/// What the next row of a block is.
+enum NextRow {
+    /// So many bytes.
+    Whole(usize),
+    /// Not all of it has arrived.
+    Incomplete,
+    TooLong,
+}
+
+/// The rows of a block: all of one element.
+#[derive(Debug)]
+pub(in super::super) struct Job {
+    format: Format,
+    start: Rows,
+    steps: Arc<[Step]>,
+    rows: u64,
+}
+
+impl Divider {
+    fn new(rows: Rows, format: Format, size: usize) -> Self {
+        let (start, steps, is_over) = (rows.clone(), steps(&rows), rows.have_strips());
+        Self { size, format, ahead: rows, steps, start, begun: Vec::new(), complete: 0, rows: 0, is_over }
+    }
+
+    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+        while !self.is_over {
+            let is_surface = self.ahead.element().is_some_and(|element| matches!(element.kind, Kind::Vertex | Kind::Face));
+            let next = if is_surface { next_row(&self.steps, self.format, &self.begun[self.complete..]) } else { NextRow::TooLong };
+            match next {
+                NextRow::Whole(length) => {
+                    self.complete += length;
+                    self.rows += 1;
+                    self.ahead.advance();
+                    if self.complete >= self.size || self.ahead.read == 0 {
+                        return Some(self.block());
+                    }
+                }
+                NextRow::Incomplete if chunk.is_empty() => return None,
+                NextRow::Incomplete => {
+                    // Room for a whole row, so that each turn completes one or takes in all that there is.
+                    let (part, rest) = chunk.split_at(chunk.len().min((self.size + LONGEST_ROW).saturating_sub(self.begun.len()).max(1)));
+                    self.begun.extend_from_slice(part);
+                    *chunk = rest;
+                }
+                NextRow::TooLong => {
+                    self.is_over = true;
+                    if self.rows > 0 {
+                        return Some(self.block());
+                    }
+                }
+            }
+        }
+        let bytes = if self.begun.is_empty() { std::mem::take(chunk).into() } else { std::mem::take(&mut self.begun).into() };
+        let bytes: std::borrow::Cow<'a, [u8]> = bytes;
+        (!bytes.is_empty()).then_some(Unit::Serial(bytes))
+    }
+
+    /// The complete rows as a block.
+    fn block(&mut self) -> Unit<'static> {
+        let rest = self.begun.split_off(self.complete);
+        let bytes = std::mem::replace(&mut self.begun, rest);
+        let job = Job { format: self.format, start: self.start.clone(), steps: Arc::clone(&self.steps), rows: self.rows };
+        (self.complete, self.rows, self.start) = (0, 0, self.ahead.clone());
+        if self.ahead.read == 0 {
+            self.steps = steps(&self.ahead);
+        }
+        Unit::Block(Block { bytes, job: blocks::Job::PlyBinary(job) })
+    }
+}
+
+/// The length of the row at the start of `bytes`.
+fn next_row(steps: &[Step], format: Format, bytes: &[u8]) -> NextRow {
+    let mut length = 0;
+    for step in steps {
+        match step {
+            Step::Scalars { size, .. } => length += size,
+            Step::List { count, item, .. } => {
+                let Some(counted) = bytes.get(length..length + count.size()) else { return NextRow::Incomplete };
+                let Ok(items) = usize::try_from(integer(*count, format, counted)) else { return NextRow::TooLong };
+                length = length.saturating_add(count.size()).saturating_add(items.saturating_mul(item.size()));
+            }
+        }
+        if length > LONGEST_ROW {
+            return NextRow::TooLong;
+        }
+    }
+    if length > bytes.len() { NextRow::Incomplete } else { NextRow::Whole(length) }
+}
+
+/// Parses a block; `None` where it has a fault.
+pub(in super::super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
+    let Job { format, start, steps, rows } = job;
+    let kind = start.element()?.kind;
+    let mut run = Run::of_bytes(bytes.len(), start);
+    let (mut vertex, mut at) = ([0.0; 3], 0);
+    for _ in 0..rows {
+        for step in &*steps {
+            match step {
+                Step::Scalars { size, coordinates } => {
+                    for coordinate in coordinates {
+                        let value = real(coordinate.number, format, &bytes[at + coordinate.at..]);
+                        if value.is_nan() || value.abs() > LARGEST_COORDINATE {
+                            return None;
+                        }
+                        vertex[coordinate.axis] = value;
+                    }
+                    at += size;
+                }
+                Step::List { count, item, corners } => {
+                    let items = usize::try_from(integer(*count, format, &bytes[at..])).ok()?;
+                    at += count.size();
+                    let size = item.size();
+                    if *corners {
+                        for index in 0..items {
+                            run.mesh.add_corner(usize::try_from(integer(*item, format, &bytes[at + index * size..])).ok()?)?;
+                        }
+                    }
+                    at += items * size;
+                }
+            }
+        }
+        match kind {
+            Kind::Vertex => run.mesh.add_vertex(vertex),
+            Kind::Face => run.mesh.close_face()?,
+            Kind::TriStrips | Kind::Other => return None,
+        }
+    }
+    run.end.skip(rows);
+    Some(run)
 }
 
 /// Pieces of known size joined from chunks that end anywhere.

@@ -12,11 +12,15 @@ mod binary;
 mod header;
 mod strip;
 
+pub(super) use ascii::{Job as AsciiJob, parse as parse_ascii};
+pub(super) use binary::{Job as BinaryJob, parse as parse_binary};
+
+use super::blocks::{Emitted, Unit};
 use super::fault::{Fault, FaultKind, Flaw};
-use super::mesh::{Mesh, too_many_vertices};
+use super::mesh::{self, Mesh, too_many_vertices};
 use super::{Format, Notes, Sink, Summary};
 use header::{Element, Header, HeaderLines, Kind};
-use std::collections::VecDeque;
+use std::sync::Arc;
 use strip::Strip;
 
 /// The reader of PLY.
@@ -24,6 +28,8 @@ use strip::Strip;
 pub(super) struct Reader {
     stage: Stage,
     surface: Surface,
+    /// The size of blocks.
+    block: usize,
 }
 
 #[derive(Debug)]
@@ -46,31 +52,118 @@ struct Surface {
     trailing_bytes: u64,
 }
 
-/// The elements with rows that are still to be read.
-#[derive(Debug)]
+/// The elements of a file, and how many of their rows have been read.
+#[derive(Debug, Clone)]
 struct Rows {
-    elements: VecDeque<Element>,
-    /// Rows of the first of them that have been read.
+    elements: Arc<[Element]>,
+    /// The index of the element whose row comes next.
+    at: usize,
+    /// The rows of this element that have been read.
     read: u64,
+}
+
+/// What takes the rows of a body.
+trait Target {
+    /// Starts to read a row of this kind.
+    fn begin_row(&mut self, kind: Kind);
+    fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw>;
+    /// A corner of the current face or strip; `None` stands for a negative number. `written` is what the file has there, for the fault.
+    fn corner(&mut self, vertex: Option<u64>, written: &dyn Fn() -> String) -> Result<(), Flaw>;
+    fn close_face(&mut self) -> Result<(), Flaw>;
+    /// Takes note of bytes after the last row.
+    fn trail(&mut self, bytes: u64);
+}
+
+/// The surface of the whole file, and the sink for its points or facets.
+struct Whole<'a, S> {
+    surface: &'a mut Surface,
+    sink: &'a mut S,
+}
+
+/// The rows of a block.
+#[derive(Debug)]
+pub(super) struct Run {
+    lines: u64,
+    start: Rows,
+    end: Rows,
+    mesh: mesh::Run,
+    trailing_bytes: u64,
 }
 
 impl Reader {
     /// `skipped` bytes of the file precede the header.
-    pub(super) fn new(vertex_limit: usize, skipped: u64) -> Self {
+    pub(super) fn new(vertex_limit: usize, skipped: u64, block: usize) -> Self {
         let surface = Surface { mesh: Mesh::new(vertex_limit), strip: None, keeps: false, points: 0, other_elements: 0, trailing_bytes: 0 };
-        Self { stage: Stage::Header(HeaderLines::after(skipped)), surface }
+        Self { stage: Stage::Header(HeaderLines::after(skipped)), surface, block }
     }
 
     pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
         if let Stage::Header(lines) = &mut self.stage {
             let Some(header) = lines.push(&mut chunk)? else { return Ok(()) };
-            self.stage = self.surface.begin(header, lines)?;
+            self.stage = self.surface.begin(header, lines, self.block)?;
         }
         match &mut self.stage {
             Stage::Header(_) => Ok(()),
             Stage::Ascii(body) => body.push(chunk, &mut self.surface, sink),
             Stage::Binary(body) => body.push(chunk, &mut self.surface, sink),
         }
+    }
+
+    /// The next piece of the body. The header is read here.
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a>>, Fault> {
+        if let Stage::Header(lines) = &mut self.stage {
+            let Some(header) = lines.push(chunk)? else { return Ok(None) };
+            self.stage = self.surface.begin(header, lines, self.block)?;
+        }
+        Ok(match &mut self.stage {
+            Stage::Header(_) => None,
+            Stage::Ascii(body) => body.next_unit(chunk),
+            Stage::Binary(body) => body.next_unit(chunk),
+        })
+    }
+
+    pub(super) fn rest(&mut self) -> Vec<u8> {
+        match &mut self.stage {
+            Stage::Header(_) => Vec::new(),
+            Stage::Ascii(body) => body.rest(),
+            Stage::Binary(body) => body.rest(),
+        }
+    }
+
+    /// Adds a run of so many bytes to what was read, unless other rows were expected or one refers to a missing vertex.
+    pub(super) fn link(&mut self, run: &mut Run, bytes: usize) -> bool {
+        let rows = match &self.stage {
+            Stage::Header(_) => return false,
+            Stage::Ascii(body) => body.rows(),
+            Stage::Binary(body) => body.rows(),
+        };
+        if !rows.is_at(&run.start) || (self.surface.keeps && !self.surface.mesh.link(&mut run.mesh)) {
+            return false;
+        }
+        if !self.surface.keeps {
+            self.surface.points += run.mesh.vertices().len() as u64;
+        }
+        self.surface.trailing_bytes += run.trailing_bytes;
+        match &mut self.stage {
+            Stage::Header(_) => {}
+            Stage::Ascii(body) => body.skip(run.end.clone(), run.lines),
+            Stage::Binary(body) => body.skip(run.end.clone(), bytes),
+        }
+        true
+    }
+
+    pub(super) fn emit<S: Sink>(&self, run: &Run, sink: &mut S) -> Emitted {
+        if self.surface.keeps {
+            return self.surface.mesh.emit(&run.mesh, sink);
+        }
+        for vertex in run.mesh.vertices() {
+            sink.point(*vertex);
+        }
+        Emitted::default()
+    }
+
+    pub(super) fn mesh(&mut self) -> &mut Mesh {
+        &mut self.surface.mesh
     }
 
     /// The memory that the vertices take, in bytes.
@@ -99,7 +192,7 @@ impl Reader {
 }
 
 impl Surface {
-    fn begin(&mut self, header: Header, lines: &HeaderLines) -> Result<Stage, Fault> {
+    fn begin(&mut self, header: Header, lines: &HeaderLines, block: usize) -> Result<Stage, Fault> {
         let count = |kind| header.elements.iter().filter(|element| element.kind == kind).map(|element| element.count).sum::<u64>();
         self.keeps = count(Kind::Face) > 0 || count(Kind::TriStrips) > 0;
         self.other_elements = header
@@ -114,46 +207,99 @@ impl Surface {
         if self.keeps && vertices > self.mesh.limit() as u64 {
             return Err(lines.fault(too_many_vertices(self.mesh.limit())));
         }
-        let mut rows = Rows { elements: header.elements.into(), read: 0 };
+        let mut rows = Rows { elements: header.elements.into(), at: 0, read: 0 };
         rows.settle();
         Ok(match header.format {
-            Format::PlyAscii => Stage::Ascii(ascii::Body::new(rows, lines.ended())),
-            format => Stage::Binary(binary::Body::new(rows, format, lines.bytes())),
+            Format::PlyAscii => Stage::Ascii(ascii::Body::new(rows, lines.ended(), block)),
+            format => Stage::Binary(binary::Body::new(rows, format, lines.bytes(), block)),
         })
     }
+}
 
-    fn vertex<S: Sink>(&mut self, vertex: [f64; 3], sink: &mut S) -> Result<(), Flaw> {
-        if self.keeps {
-            return self.mesh.add_vertex(vertex);
+impl<S: Sink> Target for Whole<'_, S> {
+    fn begin_row(&mut self, kind: Kind) {
+        self.surface.strip = (kind == Kind::TriStrips).then(Strip::default);
+    }
+
+    fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw> {
+        if self.surface.keeps {
+            return self.surface.mesh.add_vertex(vertex);
         }
-        self.points += 1;
-        sink.point(vertex);
+        self.surface.points += 1;
+        self.sink.point(vertex);
         Ok(())
     }
 
-    /// Starts to read a row of this kind.
-    fn begin_row(&mut self, kind: Kind) {
-        self.strip = (kind == Kind::TriStrips).then(Strip::default);
-    }
-
-    /// A corner of the current face or strip; `None` stands for a negative number.
-    fn corner<S: Sink>(&mut self, vertex: Option<u64>, written: &dyn Fn() -> String, sink: &mut S) -> Result<(), Flaw> {
+    fn corner(&mut self, vertex: Option<u64>, written: &dyn Fn() -> String) -> Result<(), Flaw> {
         let number = vertex.and_then(|vertex| usize::try_from(vertex).ok());
-        let added = match &mut self.strip {
-            Some(strip) => strip.add(number, &mut self.mesh, sink).map(Ok),
-            None => number.and_then(|number| self.mesh.add_corner(number)),
+        let Surface { mesh, strip, .. } = &mut *self.surface;
+        let added = match strip {
+            Some(strip) => strip.add(number, mesh, self.sink).map(Ok),
+            None => number.and_then(|number| mesh.add_corner(number)),
         };
         added.unwrap_or_else(|| {
-            let expected = format!("the number of one of {} vertices, from 0", self.mesh.vertices().len());
+            let expected = format!("the number of one of {} vertices, from 0", mesh.vertices().len());
             Err(Flaw::new(FaultKind::OutOfRange, expected, written()))
         })
+    }
+
+    fn close_face(&mut self) -> Result<(), Flaw> {
+        self.surface.mesh.close_face(self.sink)
+    }
+
+    fn trail(&mut self, bytes: u64) {
+        self.surface.trailing_bytes += bytes;
+    }
+}
+
+/// A block that must be read in order.
+fn unclear() -> Flaw {
+    Flaw::new(FaultKind::Malformed, "", "")
+}
+
+impl Run {
+    /// An empty run of `bytes` that begins at these rows.
+    fn of_bytes(bytes: usize, start: Rows) -> Self {
+        Self { lines: 0, end: start.clone(), start, mesh: mesh::Run::of_bytes(bytes), trailing_bytes: 0 }
+    }
+}
+
+impl Target for Run {
+    // Files with strips are not divided into blocks.
+    fn begin_row(&mut self, _: Kind) {}
+
+    fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw> {
+        self.mesh.add_vertex(vertex);
+        Ok(())
+    }
+
+    fn corner(&mut self, vertex: Option<u64>, _: &dyn Fn() -> String) -> Result<(), Flaw> {
+        vertex.and_then(|vertex| usize::try_from(vertex).ok()).and_then(|number| self.mesh.add_corner(number)).ok_or_else(unclear)
+    }
+
+    fn close_face(&mut self) -> Result<(), Flaw> {
+        self.mesh.close_face().ok_or_else(unclear)
+    }
+
+    fn trail(&mut self, bytes: u64) {
+        self.trailing_bytes += bytes;
     }
 }
 
 impl Rows {
     /// The element whose row comes next.
     fn element(&self) -> Option<&Element> {
-        self.elements.front()
+        self.elements.get(self.at)
+    }
+
+    /// Whether `other` is at the same row of the same file.
+    fn is_at(&self, other: &Self) -> bool {
+        (self.at, self.read) == (other.at, other.read)
+    }
+
+    /// Whether an element with rows is made of triangle strips.
+    fn have_strips(&self) -> bool {
+        self.elements.iter().any(|element| element.kind == Kind::TriStrips && element.count > 0)
     }
 
     /// Counts a row that has been read.
@@ -162,10 +308,20 @@ impl Rows {
         self.settle();
     }
 
-    /// Drops elements without further rows, and those without properties, whose rows are empty.
+    /// Counts so many rows.
+    fn skip(&mut self, mut rows: u64) {
+        while let Some(element) = self.element().filter(|_| rows > 0) {
+            let some = rows.min(element.count - self.read);
+            self.read += some;
+            rows -= some;
+            self.settle();
+        }
+    }
+
+    /// Passes over elements without further rows, and those without properties, whose rows are empty.
     fn settle(&mut self) {
         while self.element().is_some_and(|element| element.properties.is_empty() || self.read >= element.count) {
-            self.elements.pop_front();
+            self.at += 1;
             self.read = 0;
         }
     }

@@ -1,24 +1,20 @@
 //! Tables without a header that can be read in two ways: as columns between commas or numbers with decimal commas, as
-//! points or as a matrix of heights.
+//! points or as a matrix of heights, with or without a number before each point.
 
-use super::super::decimal::number;
 use super::super::fault::{FaultKind, Flaw, quoted};
 use super::super::lines::trimmed;
+use super::evidence::{Evidence, WIDEST_POINT};
 use super::layout::Separator;
 
-/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with
-/// opacity, intensity and time.
-const WIDEST_POINT: usize = 12;
-
 /// The readings that the lines so far leave open.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Doubt {
     first_line: u64,
     first: String,
     /// The smallest and the largest number of fields, while every line can be read with decimal commas.
     commas: Option<(usize, usize)>,
-    /// The numbers in the first line, where it has nothing else and more than three.
-    width: Option<usize>,
+    /// The columns, while every line has the same number of numbers, more than three.
+    columns: Option<Evidence>,
 }
 
 impl Doubt {
@@ -27,30 +23,45 @@ impl Doubt {
     /// # Errors
     /// The line has too many numbers for a point.
     pub(super) fn about(line: &[u8], separator: Separator, number: u64) -> Result<Self, Flaw> {
-        let fields = separator.fields(line).filter(|field| !field.is_empty());
-        let is_number = |field: &[u8]| [b'.', b','].into_iter().any(|mark| is_whole(field, mark));
-        let mut width = Some(0);
-        for field in fields {
-            width = width.filter(|_| is_number(field)).map(|width| width + 1);
-        }
-        if let Some(count) = width.filter(|width| *width > WIDEST_POINT) {
-            let found =
-                format!("{count} numbers; either a row of a matrix of heights, or a point and its properties, which a header would name");
+        let columns = Evidence::of(line, separator);
+        if columns.as_ref().is_some_and(|columns| columns.width() > WIDEST_POINT) {
+            let found = format!(
+                "more of them; either a row of a matrix of heights, or a point and its properties, which a header would name; {AS_POINTS}"
+            );
             return Err(Flaw::new(FaultKind::Ambiguous, format!("at most {WIDEST_POINT} numbers in a line without a header"), found));
         }
         let commas = (separator == Separator::Comma).then_some((usize::MAX, 0));
-        Ok(Self { first_line: number, first: quoted(trimmed(line)), commas, width: width.filter(|width| *width > 3) })
+        let mut doubt = Self { first_line: number, first: quoted(trimmed(line)), commas, columns };
+        doubt.look_at_commas(line);
+        Ok(doubt)
     }
 
-    /// Adds a line of data, including the first one.
+    /// Takes a line of data after the first into account.
     pub(super) fn look_at(&mut self, line: &[u8]) {
+        self.look_at_commas(line);
+        if self.columns.as_mut().is_some_and(|columns| !columns.look_at(line)) {
+            self.columns = None;
+        }
+    }
+
+    fn look_at_commas(&mut self, line: &[u8]) {
         if let Some((least, most)) = self.commas {
             self.commas = decimal_comma_fields(line).map(|count| (least.min(count), most.max(count)));
         }
     }
 
-    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal
-    /// point has shown that commas separate columns.
+    /// The same doubt about lines that follow.
+    pub(super) fn of_more_lines(&self) -> Self {
+        Self { commas: self.commas.map(|_| (usize::MAX, 0)), ..self.clone() }
+    }
+
+    /// Takes lines into account that `more` looked at.
+    pub(super) fn add(&mut self, more: &Self) {
+        self.commas = self.commas.zip(more.commas).map(|(own, others)| (own.0.min(others.0), own.1.max(others.1)));
+    }
+
+    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal point has shown that
+    /// commas separate columns.
     pub(super) fn flaw(&self, points: u64, has_mark: bool) -> Option<(Flaw, u64)> {
         if let Some((least, most)) = self.commas.filter(|_| !has_mark)
             && (least == 6 || least != most)
@@ -59,16 +70,21 @@ impl Doubt {
             let expected = "a semicolon, tab or blank between numbers with decimal commas, or a decimal point";
             return Some((Flaw::new(FaultKind::Ambiguous, expected, found), self.first_line));
         }
-        let width = self.width.filter(|width| *width as u64 == points)?;
-        let found = format!("{width} lines of {width} numbers: either a square matrix of heights, or points and their properties");
+        let columns = self.columns.as_ref()?;
+        let width = columns.width();
+        let found = if columns.is_numbered() {
+            format!("{points} lines of {width} numbers, the first of which counts up: either x, or a number before x, y and z")
+        } else if columns.can_be_matrix(points) {
+            format!("{points} lines of {width} numbers: either a matrix of heights, or points and their properties; {AS_POINTS}")
+        } else {
+            return None;
+        };
         Some((Flaw::new(FaultKind::Ambiguous, "a header that names x, y and z", found), self.first_line))
     }
 }
 
-/// Whether the whole of `field` is a number.
-fn is_whole(field: &[u8], mark: u8) -> bool {
-    number(field, mark).is_some_and(|(_, length)| length == field.len())
-}
+/// The remedy where heights are meant.
+const AS_POINTS: &str = "send heights as points x, y, z";
 
 /// The number of fields between commas in a line that can also be read as three numbers with decimal commas between
 /// commas: three to six whole numbers, of which the second, fourth and sixth of six have no sign and no blank before

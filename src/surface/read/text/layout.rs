@@ -144,12 +144,16 @@ impl Layout {
             Separator::Tab => rest,
             _ => trimmed_start(rest),
         };
-        let mark = self.mark.unwrap_or(b'.');
+        // Where the comma separates, only a number in quotation marks has a decimal comma.
+        let mark = self.mark.filter(|_| self.separator != Separator::Comma).unwrap_or(b'.');
         if let Some((value, length)) = number(start, mark)
             && let Some(rest) = self.after(&start[length..])
         {
             let token = &start[..length];
-            if self.mark.is_none() && token.contains(&mark) {
+            if self.mark != Some(mark) && token.contains(&mark) {
+                if self.mark.is_some() {
+                    return self.odd_number(start);
+                }
                 self.mark = Some(mark);
             }
             return Ok((bounded(value, token)?, rest));
@@ -181,13 +185,17 @@ impl Layout {
     /// blanks between tabs; else the reason why it is not a number.
     fn odd_number<'a>(&mut self, rest: &'a [u8]) -> Result<(f64, Option<&'a [u8]>), Flaw> {
         let (field, after) = self.separator.split(rest);
-        let bare = trimmed(field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\"")).unwrap_or(field));
+        let quotation = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\""));
+        let bare = trimmed(quotation.unwrap_or(field));
         let whole = |mark| number(bare, mark).filter(|(_, length)| *length == bare.len());
-        let (value, mark) = match (self.mark, self.separator) {
-            (Some(mark), _) => (whole(mark), mark),
-            (None, Separator::Comma) => (whole(b'.'), b'.'),
-            (None, _) => whole(b'.').map_or_else(|| (whole(b','), b','), |found| (Some(found), b'.')),
+        let (value, mark) = match self.mark {
+            Some(mark) => (whole(mark), mark),
+            None => whole(b'.').map_or_else(|| (whole(b','), b','), |found| (Some(found), b'.')),
         };
+        if self.mark.is_none() && mark == b',' && self.separator == Separator::Comma && is_group_of_thousands(bare) {
+            let found = format!("{}: either a decimal comma, or a comma between thousands", quoted(bare));
+            return Err(Flaw::new(FaultKind::Ambiguous, "a decimal point, or a semicolon between columns", found));
+        }
         match value {
             Some((value, _)) => {
                 if bare.contains(&mark) {
@@ -212,4 +220,13 @@ impl Layout {
     fn too_few(&self, read: usize) -> Flaw {
         Flaw::new(FaultKind::Malformed, self.separator.name(), ["none", "one", "two"][read.min(2)])
     }
+}
+
+/// Whether a number with a comma can have thousands before it: one to three digits that do not begin with 0, the comma,
+/// and three digits.
+fn is_group_of_thousands(text: &[u8]) -> bool {
+    let digits = text.strip_prefix(b"-").or_else(|| text.strip_prefix(b"+")).unwrap_or(text);
+    let Some(at) = digits.iter().position(|byte| *byte == b',') else { return false };
+    let (before, after) = (&digits[..at], &digits[at + 1..]);
+    (1..=3).contains(&before.len()) && before[0] != b'0' && after.len() == 3 && before.iter().chain(after).all(u8::is_ascii_digit)
 }

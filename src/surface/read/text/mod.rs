@@ -10,19 +10,19 @@
 //!
 //! A table that can be read in two ways is refused with [`FaultKind::Ambiguous`].
 
-mod blocks;
 mod doubt;
+mod evidence;
 mod header;
 mod layout;
 
 pub(super) use layout::Layout;
 
-pub use blocks::{BlockOutcome, TextBlock};
-
+use super::blocks::{self, Block, Emitted, Unit};
 use super::fault::{Fault, FaultKind, Flaw};
 use super::lines::{Lines, trimmed, trimmed_start};
-use super::{Format, Notes, Sink, Summary, Unit};
-use blocks::BlockSplitter;
+use super::splitter::{BlockSplitter, any_line};
+use super::{Format, Notes, Sink, Summary};
+use crate::surface;
 use doubt::Doubt;
 use header::Header;
 use layout::Separator;
@@ -33,7 +33,7 @@ use std::borrow::Cow;
 pub(super) struct Reader {
     lines: Lines,
     table: Table,
-    blocks: BlockSplitter,
+    splitter: BlockSplitter,
 }
 
 #[derive(Debug, Default)]
@@ -43,7 +43,7 @@ struct Table {
     header: Option<Header>,
     /// The last comment that could be a header.
     comment: Option<Header>,
-    unit: Option<Unit>,
+    unit: Option<surface::Unit>,
     /// The count of points before them, with its line.
     count: Option<(u64, u64)>,
     layout: Option<Layout>,
@@ -53,38 +53,45 @@ struct Table {
 }
 
 impl Reader {
-    pub(super) fn new() -> Self {
-        Self { lines: Lines::after(0), table: Table::default(), blocks: BlockSplitter::default() }
+    pub(super) fn new(block: usize) -> Self {
+        Self { lines: Lines::after(0), table: Table::default(), splitter: BlockSplitter::new(block, any_line) }
     }
 
     pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
         self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
     }
 
-    /// Takes the next bytes of a text that arrives this way as a whole. Blocks are appended to `blocks` once the lines
-    /// before them have determined the layout.
-    pub(super) fn push_in_blocks<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S, blocks: &mut Vec<TextBlock>) -> Result<(), Fault> {
-        while !chunk.is_empty() {
-            let Some(lines) = self.blocks.next(&mut chunk) else { continue };
-            match self.table.layout {
-                Some(layout) if layout.mark.is_some() => blocks.push(TextBlock::new(lines, layout)),
-                _ => self.push(&lines, sink)?,
-            }
-        }
-        Ok(())
+    /// The next piece of a text that arrives this way as a whole: blocks, once the lines before them have determined the layout.
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+        let bytes = self.splitter.next(chunk)?;
+        Some(match self.table.job() {
+            Some(job) => Unit::Block(Block { bytes, job: blocks::Job::Text(job) }),
+            None => Unit::Serial(bytes.into()),
+        })
     }
 
-    /// Records the result of reading the next of the blocks.
-    pub(super) fn record_block(&mut self, read: BlockOutcome) -> Result<(), Fault> {
-        self.table.points += read.points;
-        let before = self.lines.ended();
-        self.lines.skip(read.lines);
-        read.result.map_err(|fault| fault.after_lines(before))
+    pub(super) fn rest(&mut self) -> Vec<u8> {
+        self.splitter.rest()
+    }
+
+    /// Adds a run to what was read, unless its decimal mark is not the one of the file.
+    pub(super) fn link(&mut self, run: &Run) -> bool {
+        let table = &mut self.table;
+        let Some(layout) = &mut table.layout else { return false };
+        // A run of whole numbers is the same with either mark.
+        if layout.mark.is_some() && run.mark.is_some() && layout.mark != run.mark {
+            return false;
+        }
+        layout.mark = layout.mark.or(run.mark);
+        table.points += run.points.len() as u64;
+        if let (Some(doubt), Some(more)) = (&mut table.doubt, &run.doubt) {
+            doubt.add(more);
+        }
+        self.lines.skip(run.lines);
+        true
     }
 
     pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
-        let rest = std::mem::take(&mut self.blocks).rest();
-        self.push(&rest, sink)?;
         self.lines.finish(|line, number| self.table.line(line, number, sink))?;
         let table = self.table;
         if table.points == 0 {
@@ -103,15 +110,58 @@ impl Reader {
     }
 }
 
-/// Reads lines that all have the same layout.
-pub(super) fn read_block<S: Sink>(text: &[u8], layout: Layout, sink: &mut S) -> BlockOutcome {
+/// How a block of lines is read.
+#[derive(Debug)]
+pub(super) struct Job {
+    /// Without a mark where the lines before have whole numbers only.
+    layout: Layout,
+    /// The readings that the block may rule out.
+    doubt: Option<Doubt>,
+}
+
+/// The points of a block.
+#[derive(Debug)]
+pub(super) struct Run {
+    lines: u64,
+    points: Vec<[f64; 3]>,
+    /// The decimal mark, where one is known at the end of the block.
+    mark: Option<u8>,
+    doubt: Option<Doubt>,
+}
+
+impl Run {
+    pub(super) fn emit<S: Sink>(&self, sink: &mut S) -> Emitted {
+        for point in &self.points {
+            sink.point(*point);
+        }
+        Emitted::default()
+    }
+}
+
+/// Parses a block; `None` where it has a fault.
+pub(super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
+    struct Points(Vec<[f64; 3]>);
+    impl Sink for Points {
+        fn point(&mut self, point: [f64; 3]) {
+            self.0.push(point);
+        }
+        fn facet(&mut self, _: [[f64; 3]; 3]) {}
+    }
     let mut lines = Lines::after(0);
-    let mut table = Table { layout: Some(layout), ..Table::default() };
-    let result = lines.push(text, |line, number| table.line(line, number, sink));
-    BlockOutcome { lines: lines.ended(), points: table.points, result }
+    let mut table = Table { layout: Some(job.layout), doubt: job.doubt, ..Table::default() };
+    let mut points = Points(Vec::with_capacity(bytes.len() / 16));
+    lines.push(bytes, |line, number| table.line(line, number, &mut points)).ok()?;
+    let mark = table.layout.and_then(|layout| layout.mark);
+    Some(Run { lines: lines.ended(), points: points.0, mark, doubt: table.doubt })
 }
 
 impl Table {
+    /// How the lines after these are read, once their layout is known.
+    fn job(&self) -> Option<Job> {
+        let layout = self.layout?;
+        Some(Job { layout, doubt: self.doubt.as_ref().filter(|_| layout.mark.is_none()).map(Doubt::of_more_lines) })
+    }
+
     fn line<S: Sink>(&mut self, line: &[u8], number: u64, sink: &mut S) -> Result<(), Flaw> {
         let content = trimmed_start(line);
         if content.is_empty() {
@@ -134,10 +184,12 @@ impl Table {
             if matches!(cleaned, Cow::Owned(_)) && self.layout.is_some_and(|layout| layout.separator == Separator::Blanks) {
                 refuse_mixed_blanks(line)?;
             }
-            point
+            self.points += 1;
+            sink.point(point);
+            return Ok(());
         };
         if let Some(doubt) = &mut self.doubt {
-            doubt.look_at(line);
+            doubt.look_at(&without_hard_blanks(line));
         }
         self.points += 1;
         sink.point(point);

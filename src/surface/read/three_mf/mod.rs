@@ -10,6 +10,7 @@
 //! change the surface, such as materials, are ignored; a model that requires any other extension is refused.
 
 mod build;
+mod cycle;
 mod model;
 mod xml;
 
@@ -18,6 +19,7 @@ use super::{Format, Notes, Sink, Summary};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
 use crate::cancellation::CancelFlag;
 use build::Build;
+use cycle::refuse_cycles;
 use model::{Model, Room};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -80,6 +82,7 @@ impl Reader {
             wanted.extend(models_named_by(&part));
             models.insert(path.to_lowercase(), part);
         }
+        refuse_cycles(&models, &root, &items)?;
         let mut build = Build::new(&models, self.vertex_limit, cancel);
         build.place_all(&root, &items, sink)?;
         if build.facets() == 0 {

@@ -1,0 +1,133 @@
+//! The height at which a cutter rests on a surface, found without looking at every cell under it.
+
+use super::profile;
+use crate::milling::Cutter;
+use crate::numerics::raster::Frame;
+use crate::surface::mesh::ViewFromAbove;
+
+/// The heights of a view, and the highest of each block of 2 x 2, 4 x 4, ... cells.
+///
+/// A block whose highest point would touch the cutter lower than one already found is passed over with all its cells.
+#[derive(Debug, Clone)]
+pub struct RestingHeights {
+    frame: Frame,
+    /// The height in mm from which the stored ones count.
+    level: f64,
+    /// The cells, then blocks of twice the side each, up to a single one.
+    blocks: Vec<Blocks>,
+}
+
+/// The highest point of each block of one size, row after row; minus infinity where there is no surface.
+#[derive(Debug, Clone)]
+struct Blocks {
+    columns: usize,
+    rows: usize,
+    heights: Vec<f32>,
+}
+
+impl RestingHeights {
+    /// The heights of a view in single precision: rounded by up to 6e-8 of the surface's height.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "heights in single precision; the rounding is documented")]
+    pub fn new(view: &ViewFromAbove) -> Self {
+        let seen = || view.heights.iter().copied().filter(|z| z.is_finite());
+        let (low, high) = seen().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
+        let level = if low <= high { f64::midpoint(low, high) } else { 0.0 };
+        let cells = Blocks {
+            columns: view.frame.columns,
+            rows: view.frame.rows,
+            heights: view.heights.iter().map(|z| (z - level) as f32).collect(),
+        };
+        let mut blocks = vec![cells];
+        while let Some(last) = blocks.last().filter(|last| last.heights.len() > 1) {
+            let next = last.merged();
+            blocks.push(next);
+        }
+        Self { frame: view.frame, level, blocks }
+    }
+
+    /// The height in mm from which those of [`RestingHeights::cells`] count.
+    pub(super) fn level(&self) -> f64 {
+        self.level
+    }
+
+    /// The height of each cell over [`RestingHeights::level`]; minus infinity where there is no surface.
+    pub(super) fn cells(&self) -> &[f32] {
+        &self.blocks[0].heights
+    }
+
+    /// t(x, y), the lowest height of the tip at (x, y) in mm at which the cutter does not cut into the surface;
+    /// `None` where there is no surface under the cutter.
+    ///
+    /// On a smooth surface it is too low by up to e^2/(2 r cos^3 S), on a level plane by nothing; beside a sharp edge
+    /// by the change of p over half a cell.
+    #[must_use]
+    pub fn lowest_tip(&self, cutter: Cutter, at: [f64; 2]) -> Option<f64> {
+        Some(self.highest(cutter, at, f64::NEG_INFINITY) + self.level).filter(|height| height.is_finite())
+    }
+
+    /// The lowest height to which a tip at `tip` must be raised so that the cutter does not cut into the surface:
+    /// t(x, y), or the tip's own height where that is higher. The nearer the tip is to that height, the fewer cells
+    /// are looked at.
+    #[must_use]
+    pub fn raised(&self, cutter: Cutter, [x, y, z]: [f64; 3]) -> f64 {
+        z.max(self.highest(cutter, [x, y], z - self.level) + self.level)
+    }
+
+    /// The greater of `least` and max z(x + u) - p(|u|) over the cells, both over the level.
+    #[expect(clippy::cast_precision_loss, reason = "counts of cells are far under 2^53")]
+    fn highest(&self, cutter: Cutter, [x, y]: [f64; 2], least: f64) -> f64 {
+        let (radius, cell) = (cutter.outer_radius().mm(), self.frame.cell);
+        let [u, v, _] = self.frame.in_cells([x, y, 0.0]);
+        let mut highest = least;
+        let mut open = vec![(self.blocks.len() - 1, 0, 0)];
+        while let Some((size, column, row)) = open.pop() {
+            let blocks = &self.blocks[size];
+            let z = f64::from(blocks.heights[row * blocks.columns + column]);
+            if z <= highest {
+                continue;
+            }
+            let side = (1_usize << size) as f64;
+            // How far the nearest centre of a cell of the block may be, along one axis, in cells.
+            let apart = |first: usize, at: f64| {
+                let first = first as f64 * side;
+                (first - at).max(at - (first + side - 1.0)).max(0.0)
+            };
+            let d = cell * apart(column, u).hypot(apart(row, v));
+            if d > radius {
+                continue;
+            }
+            let resting = z - profile(cutter, d);
+            if resting <= highest {
+                continue;
+            }
+            let Some(smaller) = size.checked_sub(1) else {
+                highest = resting;
+                continue;
+            };
+            let cells = &self.blocks[smaller];
+            for row in 2 * row..(2 * row + 2).min(cells.rows) {
+                for column in 2 * column..(2 * column + 2).min(cells.columns) {
+                    open.push((smaller, column, row));
+                }
+            }
+        }
+        highest
+    }
+}
+
+impl Blocks {
+    /// Blocks of twice the side.
+    fn merged(&self) -> Self {
+        let (columns, rows) = (self.columns.div_ceil(2), self.rows.div_ceil(2));
+        let mut heights = vec![f32::NEG_INFINITY; columns * rows];
+        for (row, of_row) in self.heights.chunks_exact(self.columns).enumerate() {
+            let out = &mut heights[row / 2 * columns..(row / 2 + 1) * columns];
+            for (column, &z) in of_row.iter().enumerate() {
+                let highest = &mut out[column / 2];
+                *highest = if z > *highest { z } else { *highest };
+            }
+        }
+        Self { columns, rows, heights }
+    }
+}

@@ -1,0 +1,53 @@
+//! Flat regions of a mesh: facets that lie in one plane and touch each other.
+
+use super::curvature::{Fans, LARGEST_FAN};
+use super::dot;
+
+/// The angle in rad up to which two normals are those of one plane. Files in single precision round coordinates of
+/// 100 mm by 4e-6 mm, which turns the normals of facets of 0.1 mm by 4e-5 rad.
+pub(super) const SAME_PLANE: f64 = 1e-4;
+
+/// For each facet the area of its flat region, in mm^2: of all facets that are reached from the region's first facet
+/// by common points and whose normals are that facet's. A region is compared with its first facet, so that a gently
+/// curved surface does not become one region.
+///
+/// Points with more than [`LARGEST_FAN`] facets do not extend a region; it would take the square of their number. The
+/// facets of such a fan touch each other at its rim as well.
+pub(super) fn areas_of_flat_regions(triangles: &[[u32; 3]], fans: &Fans, normals: &[[f64; 3]], areas: &[f64]) -> Vec<f64> {
+    // 1 - cos(x) = x^2/2, to 1e-17 for an angle of 1e-4.
+    let least_cos = 1.0 - 0.5 * SAME_PLANE * SAME_PLANE;
+    let mut of_regions = vec![f64::NAN; triangles.len()];
+    let mut members: Vec<u32> = Vec::new();
+    for (first, normal) in normals.iter().enumerate() {
+        if !of_regions[first].is_nan() {
+            continue;
+        }
+        members.clear();
+        #[expect(clippy::cast_possible_truncation, reason = "the bound on facets is below 2^32")]
+        members.push(first as u32);
+        of_regions[first] = 0.0;
+        let (mut next, mut area) = (0, 0.0);
+        while next < members.len() {
+            let facet = members[next] as usize;
+            next += 1;
+            area += areas[facet];
+            for point in triangles[facet] {
+                let fan = fans.around(point as usize);
+                if fan.len() > LARGEST_FAN {
+                    continue;
+                }
+                for &other in fan {
+                    let is_new = of_regions[other as usize].is_nan();
+                    if is_new && dot(normals[other as usize], *normal) >= least_cos {
+                        of_regions[other as usize] = 0.0;
+                        members.push(other);
+                    }
+                }
+            }
+        }
+        for &member in &members {
+            of_regions[member as usize] = area;
+        }
+    }
+    of_regions
+}

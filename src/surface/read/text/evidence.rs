@@ -1,0 +1,138 @@
+//! What the numbers of a table without a header show about its columns: whether it can be a matrix of heights, and
+//! whether its first column numbers the lines.
+
+use super::super::decimal::number;
+use super::layout::Separator;
+
+/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with
+/// opacity, intensity and time.
+pub(super) const WIDEST_POINT: usize = 12;
+
+/// The lines that are examined: they are parsed twice.
+const MOST_LINES: u64 = 10_000;
+
+/// Fewer lines than these are no surface, and show nothing.
+const FEWEST_LINES: u64 = 3;
+
+/// A matrix of heights has at most so many rows for each column; a longer table can still be one where its columns are
+/// alike.
+const LONGEST_MATRIX: u64 = 50;
+
+/// The columns of a table in which each line examined so far has the same number of numbers, more than three, and
+/// nothing else.
+#[derive(Debug, Clone)]
+pub(super) struct Evidence {
+    separator: Separator,
+    columns: Vec<Column>,
+    lines: u64,
+    /// Whether the columns from each index on are a vector of unit length in every line.
+    unit_vectors: Vec<bool>,
+    /// The constant difference of the first column from line to line, while it has one.
+    step: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Column {
+    last: f64,
+    least: f64,
+    most: f64,
+    /// Whether no number has a decimal mark or an exponent.
+    is_whole: bool,
+}
+
+impl Evidence {
+    /// The columns of the table that begins with `line`; `None` where they are at most three or not all numbers.
+    pub(super) fn of(line: &[u8], separator: Separator) -> Option<Self> {
+        let numbers = numbers(line, separator)?;
+        let columns = numbers.map(|(value, is_whole)| Column { last: value, least: value, most: value, is_whole });
+        let columns: Vec<Column> = columns.collect();
+        let unit_vectors = vec![true; columns.len().checked_sub(3).filter(|further| *further > 0)?];
+        let mut evidence = Self { separator, columns, lines: 0, unit_vectors, step: None };
+        evidence.count();
+        Some(evidence)
+    }
+
+    /// The number of numbers in a line.
+    pub(super) fn width(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Takes the next line into account; false where it has other columns.
+    pub(super) fn look_at(&mut self, line: &[u8]) -> bool {
+        if self.lines == MOST_LINES {
+            return true;
+        }
+        let before = self.columns[0];
+        let Some(numbers) = numbers(line, self.separator) else { return false };
+        let mut width = 0;
+        for (value, is_whole) in numbers {
+            let Some(column) = self.columns.get_mut(width) else { return false };
+            *column =
+                Column { last: value, least: column.least.min(value), most: column.most.max(value), is_whole: column.is_whole && is_whole };
+            width += 1;
+        }
+        let step = self.columns[0].last - before.last;
+        self.step = if self.lines == 1 { Some(step) } else { self.step.filter(|first| first.to_bits() == step.to_bits()) };
+        self.count();
+        width == self.columns.len()
+    }
+
+    fn count(&mut self) {
+        self.lines += 1;
+        for (index, is_unit) in self.unit_vectors.iter_mut().enumerate() {
+            let square: f64 = self.columns[index + 3..].iter().take(3).map(|column| column.last * column.last).sum();
+            *is_unit &= index + 6 <= self.columns.len() && (square.sqrt() - 1.0).abs() < 0.01;
+        }
+    }
+
+    /// Whether the first column can number the lines: whole numbers that rise by the same amount.
+    pub(super) fn is_numbered(&self) -> bool {
+        self.lines >= FEWEST_LINES && self.columns[0].is_whole && self.step.is_some_and(|step| step > 0.0)
+    }
+
+    /// Whether a table of `lines` lines can be a matrix of heights. A normal, a colour or whole numbers beside
+    /// coordinates with decimals show that it has points. So does a table far longer than wide, unless the numbers in
+    /// each pair of adjacent columns are alike.
+    pub(super) fn can_be_matrix(&self, lines: u64) -> bool {
+        let further = &self.columns[3..];
+        let has_normal = self.unit_vectors.contains(&true);
+        let has_decimals = !self.columns[..3].iter().all(|column| column.is_whole);
+        let is_colour = |columns: &[Column]| {
+            let is_channel = |column: &Column| column.is_whole && column.least >= 0.0 && column.most <= 255.0;
+            columns.iter().all(is_channel) && columns.iter().any(|column| column.most > 0.0)
+        };
+        let has_colour = further.windows(3).any(is_colour);
+        let has_whole_numbers = further.iter().any(|column| column.is_whole && column.least < column.most);
+        let has_properties = has_normal || (has_decimals && (has_colour || has_whole_numbers));
+        let is_long = lines > LONGEST_MATRIX * self.columns.len() as u64;
+        lines >= FEWEST_LINES && !has_properties && (!is_long || self.columns.windows(2).all(|pair| are_alike(pair[0], pair[1])))
+    }
+}
+
+/// Whether the ranges of two columns share at least half of the wider one.
+fn are_alike(one: Column, other: Column) -> bool {
+    let shared = one.most.min(other.most) - one.least.max(other.least);
+    shared >= 0.5 * (one.most - one.least).max(other.most - other.least)
+}
+
+/// The numbers in a line, each with whether it is written as a whole number; `None` where a field is something else.
+/// Empty fields are left out: a separator may stand at the end of each line.
+fn numbers(line: &[u8], separator: Separator) -> Option<impl Iterator<Item = (f64, bool)>> {
+    let mut numbers = [(0.0, false); WIDEST_POINT + 1];
+    let mut count = 0;
+    for field in separator.fields(line).filter(|field| !field.is_empty()) {
+        let number = number_in(field)?;
+        // More numbers than fit are counted as one more.
+        numbers[count.min(WIDEST_POINT)] = number;
+        count += 1;
+    }
+    Some(numbers.into_iter().take(count))
+}
+
+/// The number that the whole of `field` is, in quotation marks or not, with either decimal mark.
+fn number_in(field: &[u8]) -> Option<(f64, bool)> {
+    let bare = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\"")).unwrap_or(field);
+    let whole = |mark| number(bare, mark).filter(|(_, length)| *length == bare.len());
+    let (value, _) = whole(b'.').or_else(|| whole(b','))?;
+    Some((value, bare.iter().all(|byte| byte.is_ascii_digit() || matches!(byte, b'-' | b'+'))))
+}

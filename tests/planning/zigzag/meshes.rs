@@ -1,0 +1,112 @@
+//! Plans on meshes whose curvatures are estimated: planes beside fillets, and waves where the floor is curved.
+
+use super::{drive, mm, ranked, settings};
+use scallopd::milling::{Cutter, Model};
+use scallopd::planning::Level;
+use scallopd::planning::zigzag::{CandidateCutter, SurfaceWeakness, ZigzagPlan, heights};
+use scallopd::quantity::Angle;
+use scallopd::surface::mesh::Selection;
+use scallopd::surface::{Facing, FinishFacet, Grid, MeshBuilder, Unit};
+
+/// The facets of a grid of points, with their curvatures as the service estimates them.
+fn estimated(rows: u32, columns: u32, at: impl Fn(u32, u32) -> [f64; 3]) -> Vec<FinishFacet> {
+    let mut grid = Grid::into_sink(rows as usize, columns as usize, MeshBuilder::new()).unwrap();
+    for row in 0..rows {
+        for column in 0..columns {
+            grid.point(at(row, column));
+        }
+    }
+    let mesh = grid.finish().unwrap().finish(Unit::Millimetre, Facing::Up).unwrap();
+    let selected = mesh.selected(&Selection::all(), &mesh.pieces()).unwrap();
+    mesh.facets_for_finishing(&mesh.visibility(Angle::from_degrees(85.0).unwrap()), &selected)
+}
+
+/// A floor of 40 x 30 mm in `strips` strips of quads, then a concave fillet of 10 mm radius up to 45 deg.
+fn floor_and_fillet(strips: u32) -> Vec<FinishFacet> {
+    let profile = |column: u32| {
+        if column < strips {
+            [40.0 * f64::from(column) / f64::from(strips), 0.0]
+        } else {
+            let (sin, cos) = (45.0 * f64::from(column - strips) / 40.0).to_radians().sin_cos();
+            [40.0 + 10.0 * sin, 10.0 - 10.0 * cos]
+        }
+    };
+    estimated(11, strips + 41, |row, column| {
+        let [x, z] = profile(column);
+        [x, 3.0 * f64::from(row), z]
+    })
+}
+
+#[test]
+fn a_floor_of_a_few_large_facets_beside_a_fillet_takes_flat_and_bull_nose_cutters() {
+    let cutters = [Cutter::toroidal(mm(10.0), mm(1.0)).unwrap(), Cutter::flat_end(mm(10.0)), Cutter::ball_end(mm(10.0))];
+    let times = |strips: u32| -> Vec<f64> {
+        let ranking = ranked(&floor_and_fillet(strips), &cutters.map(CandidateCutter::new), &settings(Model::Envelope));
+        assert_eq!(ranking.plans.len(), 3, "{strips} strips: {:?}", ranking.not_ranked);
+        (0..3).map(|cutter| ranking.plans.iter().find(|plan| plan.candidate == cutter).unwrap().time.seconds()).collect()
+    };
+    let fine = times(160);
+    for strips in [1, 4, 40] {
+        for (coarse, fine) in times(strips).into_iter().zip(&fine) {
+            // The same surface: a pass more or less at the border of floor and fillet.
+            assert!((coarse / fine - 1.0).abs() < 0.03, "{strips} strips: {coarse} s, {fine} s");
+        }
+    }
+}
+
+/// Waves with a level saddle and level tops, on a grid of 1 mm: there the curvature is not small against that of the
+/// cutter's body.
+fn waves() -> Vec<FinishFacet> {
+    estimated(46, 61, |row, column| {
+        let (x, y) = (f64::from(column), f64::from(row));
+        [x, y, 0.15 * x + 6.0 * (x / 18.0).sin() * (y / 22.0).cos() + 0.004 * y * y]
+    })
+}
+
+/// The shares of the area that exceed the tolerance of 10 um by more than 3 %, and that have no height.
+fn over(plan: &ZigzagPlan, facets: &[FinishFacet], candidate: &CandidateCutter) -> [f64; 2] {
+    let all: Vec<u32> = (0..u32::try_from(facets.len()).unwrap()).collect();
+    let heights = heights(plan, facets, candidate, &settings(Model::Envelope), &all);
+    let share = |is_in: &dyn Fn(Option<f64>) -> bool| {
+        let of = facets.iter().zip(&heights).filter(|(_, height)| is_in(height.map(|height| height.mm())));
+        of.map(|(facet, _)| facet.area).sum::<f64>() / facets.iter().map(|facet| facet.area).sum::<f64>()
+    };
+    [share(&|height| height.is_some_and(|height| height > 0.0103)), share(&|height| height.is_none())]
+}
+
+#[test]
+fn the_height_is_kept_on_all_but_a_thousandth_of_the_area_or_the_confidence_is_lower() {
+    let facets = waves();
+    let sharp = CandidateCutter { drive: Some(drive(4, 8000.0)), ..CandidateCutter::new(Cutter::toroidal(mm(8.0), mm(1.0)).unwrap()) };
+    let candidates = [
+        CandidateCutter::new(Cutter::toroidal(mm(10.0), mm(2.0)).unwrap()),
+        CandidateCutter::new(Cutter::toroidal(mm(10.0), mm(0.5)).unwrap()),
+        sharp,
+    ];
+    for candidate in candidates {
+        let ranking = ranked(&facets, &[candidate], &settings(Model::Envelope));
+        let plan = &ranking.plans[0];
+        let [over, without] = over(plan, &facets, &candidate);
+        let confidence = ranking.confidence.as_ref().unwrap();
+        let says_so = confidence.reasons().iter().any(|reason| reason.weakness == SurfaceWeakness::OverTolerance);
+        let figures = plan.scallop_height;
+        println!(
+            "{:?}: {over:.5} over, {without:.5} without; stated {} and {}",
+            candidate.cutter, figures.far_over_share, figures.without_height_share
+        );
+        assert!(over <= 0.001 || (says_so && confidence.level() != Level::High), "{over} {figures:?}");
+        assert!(over <= 0.005, "{over}");
+    }
+}
+
+#[test]
+fn no_direction_in_the_list_is_faster_than_the_plan() {
+    let facets = waves();
+    for cutter in [Cutter::toroidal(mm(10.0), mm(0.5)).unwrap(), Cutter::toroidal(mm(8.0), mm(1.0)).unwrap(), Cutter::ball_end(mm(6.0))] {
+        let plan = ranked(&facets, &[CandidateCutter::new(cutter)], &settings(Model::Envelope)).plans.remove(0);
+        let least = plan.by_direction.iter().filter_map(|(_, time)| *time).map(|time| time.seconds()).fold(f64::INFINITY, f64::min);
+        assert!(plan.time.seconds() <= least * (1.0 + 1e-12), "{} s, {least} s", plan.time.seconds());
+        let own = plan.by_direction.iter().find(|(direction, _)| *direction == plan.direction).unwrap().1.unwrap();
+        assert_eq!(own, plan.time);
+    }
+}

@@ -1,0 +1,121 @@
+//! Recommendations that nobody waits for any more: the program stops working on them.
+//!
+//! All bounds are processor times of the program, which other programs on the machine do not change.
+
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+
+use crate::app::PATIENCE;
+use crate::service::launch::Program;
+
+/// Cells on each side of the surface, of two facets each.
+const CELLS: u16 = 150;
+
+/// As many as an upload may have. Each is simulated in all directions, which takes minutes of processor time
+/// altogether.
+const CUTTERS: u32 = 200;
+
+/// The work begins to plan after this processor time, in s: the upload itself takes less.
+const BEGUN: f64 = 1.5;
+
+/// The most processor time, in s, that may follow the end of the request. Every processor may go on for 50 ms, and for
+/// 1 s where the client may only have closed its sending side; half a second more is for one that is slow to notice.
+fn most_afterwards() -> f64 {
+    let processors = std::thread::available_parallelism().map_or(1, |count| u32::try_from(count.get()).unwrap_or(u32::MAX));
+    1.0 + 1.5 * f64::from(processors)
+}
+
+/// Waves over 100 x 100 mm in binary STL.
+fn surface() -> Vec<u8> {
+    let step = 100.0 / f32::from(CELLS);
+    let corner = |column: u16, row: u16| {
+        let (x, y) = (f32::from(column) * step, f32::from(row) * step);
+        [x, y, 6.0 * (0.1 * x).sin() * (0.12 * y).cos()]
+    };
+    let mut file = vec![0; 80];
+    file.extend((2 * u32::from(CELLS) * u32::from(CELLS)).to_le_bytes());
+    for (column, row) in (0..CELLS).flat_map(|row| (0..CELLS).map(move |column| (column, row))) {
+        let [a, b, c, d] = [corner(column, row), corner(column + 1, row), corner(column + 1, row + 1), corner(column, row + 1)];
+        for facet in [[[0.0; 3], a, b, c], [[0.0; 3], a, c, d]] {
+            file.extend(facet.as_flattened().iter().flat_map(|number| number.to_le_bytes()));
+            file.extend([0, 0]);
+        }
+    }
+    file
+}
+
+/// An upload of the surface with a library of cutters in a table, as it travels.
+fn upload() -> Vec<u8> {
+    let rows = (0..CUTTERS).map(|index| format!("B{index},ball_end,{:.2},2\n", 4.0 + 0.02 * f64::from(index)));
+    let library = format!("name,type,diameter_mm,teeth\n{}", rows.collect::<String>());
+    let parameters = r#"{"scallop_height_mm":0.001,"machine":{"preset":"five_axis_vmc"}}"#;
+    let mut body = Vec::new();
+    for (name, data) in [("surface", surface().as_slice()), ("library", library.as_bytes()), ("parameters", parameters.as_bytes())] {
+        body.extend(format!("--part\r\ncontent-disposition: form-data; name=\"{name}\"\r\n\r\n").bytes());
+        body.extend(data.iter().chain(b"\r\n"));
+    }
+    body.extend(b"--part--\r\n");
+    let head = format!(
+        "POST /v1/cutter-recommendation/upload HTTP/1.1\r\nhost: test\r\ncontent-type: multipart/form-data; boundary=part\r\ncontent-length: {}\r\n\r\n",
+        body.len()
+    );
+    [head.into_bytes(), body].concat()
+}
+
+/// Sends the upload, and returns once the program is at work on it.
+async fn begin(program: &Program) -> TcpStream {
+    let mut stream = TcpStream::connect(program.address).await.unwrap();
+    stream.write_all(&upload()).await.unwrap();
+    let deadline = tokio::time::Instant::now() + 4 * PATIENCE;
+    while program.processor_time_s() < BEGUN {
+        assert!(tokio::time::Instant::now() < deadline, "the work does not begin");
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
+    stream
+}
+
+/// Asserts that the program comes to rest after little more processor time.
+async fn assert_at_rest(program: &Program) {
+    let at_end = program.processor_time_s();
+    let mut last = at_end;
+    loop {
+        tokio::time::sleep(Duration::from_millis(1000)).await;
+        let now = program.processor_time_s();
+        assert!(now - at_end < most_afterwards(), "{:.1} s of processor time afterwards", now - at_end);
+        // What a server at rest takes is a few ms.
+        if now - last < 0.1 {
+            return;
+        }
+        last = now;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn work_on_a_recommendation_ends_soon_after_its_client_reset_the_connection() {
+    let program = Program::start(&["--request-timeout-s", "600"]);
+    let stream = begin(&program).await;
+    stream.set_zero_linger().unwrap();
+    drop(stream);
+    assert_at_rest(&program).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn work_on_a_recommendation_ends_soon_after_its_client_closed_the_connection() {
+    let program = Program::start(&["--request-timeout-s", "600"]);
+    drop(begin(&program).await);
+    assert_at_rest(&program).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn work_on_a_recommendation_ends_soon_after_its_time_is_over() {
+    // The time counts from the request's last byte.
+    let program = Program::start(&["--request-timeout-s", "3"]);
+    let mut stream = TcpStream::connect(program.address).await.unwrap();
+    stream.write_all(&upload()).await.unwrap();
+    let mut answer = [0; 12];
+    tokio::time::timeout(4 * PATIENCE, stream.read_exact(&mut answer)).await.expect("an answer").unwrap();
+    assert_eq!(&answer, b"HTTP/1.1 408");
+    assert_at_rest(&program).await;
+}
