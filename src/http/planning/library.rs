@@ -119,6 +119,7 @@ pub(super) fn not_ranked(tool: &FaultyTool, cutter: usize) -> NotRanked {
         detail: tool.to_string(),
         uncut_share: None,
         uncut_height_mm: None,
+        uncut_height_error_mm: None,
     }
 }
 

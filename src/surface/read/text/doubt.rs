@@ -7,7 +7,7 @@ use super::evidence::{Evidence, WIDEST_POINT};
 use super::layout::Separator;
 
 /// The readings that the lines so far leave open.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Doubt {
     first_line: u64,
     first: String,
@@ -50,9 +50,15 @@ impl Doubt {
         }
     }
 
-    /// The same doubt about lines that follow.
+    /// Whether the next line must be looked at in order.
+    pub(super) fn needs_lines(&self) -> bool {
+        self.columns.as_ref().is_some_and(|columns| !columns.is_complete())
+    }
+
+    /// The doubt about decimal commas in lines that follow.
     pub(super) fn of_more_lines(&self) -> Self {
-        Self { commas: self.commas.map(|_| (usize::MAX, 0)), ..self.clone() }
+        let commas = self.commas.map(|_| (usize::MAX, 0));
+        Self { first_line: self.first_line, first: self.first.clone(), commas, columns: None }
     }
 
     /// Takes lines into account that `more` looked at.
