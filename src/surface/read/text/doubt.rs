@@ -66,8 +66,8 @@ impl Doubt {
         self.commas = self.commas.zip(more.commas).map(|(own, others)| (own.0.min(others.0), own.1.max(others.1)));
     }
 
-    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal point has shown that
-    /// commas separate columns.
+    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal
+    /// point has shown that commas separate columns.
     pub(super) fn flaw(&self, points: u64, has_mark: bool) -> Option<(Flaw, u64)> {
         if let Some((least, most)) = self.commas.filter(|_| !has_mark)
             && (least == 6 || least != most)

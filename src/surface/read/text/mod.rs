@@ -61,7 +61,8 @@ impl Reader {
         self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
     }
 
-    /// The next piece of a text that arrives this way as a whole: blocks, once the lines before them have determined the layout.
+    /// The next piece of a text that arrives this way as a whole: blocks, once the lines before them have determined
+    /// the layout.
     pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
         let bytes = self.splitter.next(chunk)?;
         Some(match self.table.job() {
