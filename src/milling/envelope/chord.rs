@@ -41,13 +41,13 @@ pub(super) struct Shift {
 }
 
 impl Shift {
-    /// By how much x moves when the chord moves to the side, up, or becomes longer.
+    /// The shift of x when the chord moves to the side, up, or becomes longer.
     pub(super) fn of(&self, aside: f64, rise: f64, longer: f64) -> f64 {
         self.off + self.by_side * aside + self.by_height * rise + self.by_spacing * longer
     }
 }
 
-/// How much lower than at x the least value may be for a search to end, as a share of the height.
+/// The tolerance of a search: the difference between the value at x and the least value, as a share of the height.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Accuracy {
     crossing: f64,

@@ -83,7 +83,7 @@ impl Clearing {
         Held { chord, shifts }
     }
 
-    /// How far outside the section the chords in a row are, negative inside, searched from `x` on.
+    /// The distance of the chords in a row from the section, negative inside, searched from `x` on.
     pub(super) fn outside(&self, body: &Body, mut x: [f64; 2], row: Row, reach: f64) -> f64 {
         self.search(body, &mut x, row, Accuracy::full(row.p), reach).chord.value
     }

@@ -282,7 +282,8 @@ impl Envelope {
         mark_spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd && self.body.is_concave()
     }
 
-    /// Whether the quick search can end: not on plane floors and walls, where the section's edges are straight along the feed, nor for a sharp edge without marks.
+    /// Whether the quick search can end: not on plane floors and walls, where the section's edges are straight along
+    /// the feed, nor for a sharp edge without marks.
     fn is_quick(&self, mark_spacing: f64) -> bool {
         let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
         let is_straight = self.pass.surface.is_plane() && (slope.sin() == 0.0 || slope.cos() == 0.0);
@@ -353,7 +354,8 @@ impl Envelope {
         };
         // Above the whole cutter there is no section.
         let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
-        // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the height, or beyond it on the corner's round.
+        // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the
+        // height, or beyond it on the corner's round.
         let (slope, theta) = (self.contact().slope(), self.contact().theta());
         let steep = s * theta.sin().abs() + f * theta.cos().abs();
         let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
@@ -362,7 +364,8 @@ impl Envelope {
         guess.min(outer / 4.0)
     }
 
-    /// About the largest feed per tooth near a plane floor, where the tolerance p exceeds the height of the whole flat: the marks lie on the flat and on the corner's round. 0 elsewhere.
+    /// About the largest feed per tooth near a plane floor, where the tolerance p exceeds the height of the whole flat:
+    /// the marks lie on the flat and on the corner's round. 0 elsewhere.
     fn feed_on_flat(&self, p: f64, s: f64) -> f64 {
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         let over_flat = (p - 2.0 * core * self.contact().slope().sin()).min(corner);
@@ -382,8 +385,8 @@ impl Envelope {
         self.height_on_concave(s, pattern, level, false)
     }
 
-    /// Why passes s apart leave no height although they and their marks overlap seen from above: on a curved surface
-    /// the grooves, or with them the marks, do not meet.
+    /// The reason why passes s apart leave no height although they and their marks overlap seen from above: on a curved
+    /// surface the grooves, or with them the marks, do not meet.
     fn no_height(&self, s: f64) -> NoAnswer {
         let outer = self.cutter.outer_radius().mm();
         let levels = [0.25, 1.0, 2.0].map(|share| share * outer);
@@ -406,7 +409,7 @@ impl Envelope {
     }
 
     /// The largest feed per tooth up to `largest` that keeps the height p in passes s apart, from a guess; `quick` is
-    /// what the quick search found.
+    /// the result of the fast search.
     fn feed_at(&self, p: f64, s: f64, quick: Option<f64>, guess: f64, largest: f64) -> Option<f64> {
         if !self.is_convex_up_to(p) {
             return self.feed_on_concave(p, s, quick, largest);

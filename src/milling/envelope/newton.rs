@@ -38,7 +38,8 @@ pub(super) enum Sought {
 /// elsewhere.
 const MOST_STEPS: usize = 24;
 
-/// Steps with roughly searched chords. Where these do not suffice a chord's parabola is misleading: it runs across an edge of the body.
+/// Steps with roughly searched chords. Where these do not suffice a chord's parabola is misleading: it runs across an
+/// edge of the body.
 const ROUGH_STEPS: usize = 8;
 
 /// A ridge: its lengths, and where its chords lie.
@@ -117,7 +118,7 @@ pub(super) fn solve_from(
     None
 }
 
-/// By how much a step changes the lengths; all but one are 0.
+/// The changes of the lengths by a step; all but one are 0.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     rise: f64,

@@ -159,7 +159,7 @@ proptest! {
         approx::assert_relative_eq!(quick.level, searched(&envelope, s, marks), max_relative = 1e-12);
     }
 
-    /// The general search knows nothing of ridges between marks of two kinds: it intersects and joins intervals.
+    /// The general search does not treat ridges between marks of two kinds: it intersects and joins intervals.
     #[test]
     fn with_runout_the_quick_and_the_general_search_agree(
         cutter in cutters(), slope in 0.01..89.99_f64, theta in quarter_turn(), share in 0.001..0.9_f64, marks in 0.001..0.4_f64, radial in 0.0..0.005_f64, axial in -0.005..0.005_f64, teeth in 2_u32..6, bend in prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.3_f64, 0.0..0.3_f64]],
