@@ -3,13 +3,14 @@
 use crate::milling::{Contact, Cutter, SurfaceCurvature};
 use crate::quantity::Angle;
 
-/// The solid that a turning cutter fills, with its side continued upwards: a horizontal disc of radius a = R - r, with everything
-/// above it (the core), and whatever is nearer to that than r. It is a Minkowski sum of convex sets, so it is convex, and so is the
-/// distance to its core.
+/// The solid that a turning cutter fills, with its side continued upwards: a horizontal disc of radius a = R - r, with
+/// everything above it (the core), and whatever is nearer to that than r. It is a Minkowski sum of convex sets, so it
+/// is convex, and so is the distance to its core.
 ///
-/// Places are given from the contact: x along the feed, y to its side in the tangent plane, p over the **surface**, along its normal n at the contact. With
-/// u the steepest descent and v = Z x D the level line, the feed is u cos(theta) + v sin(theta) and the side -u sin(theta) + v cos(theta).
-/// The surface is 1/2 u'Ku under the tangent plane, so that the place is p - 1/2 u'Ku over the tangent plane.
+/// Places are given from the contact: x along the feed, y to its side in the tangent plane, p over the **surface**,
+/// along its normal n at the contact. With u the steepest descent and v = Z x D the level line, the feed is u
+/// cos(theta) + v sin(theta) and the side -u sin(theta) + v cos(theta). The surface is 1/2 u'Ku under the tangent
+/// plane, so that the place is p - 1/2 u'Ku over the tangent plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     core: f64,
@@ -19,12 +20,13 @@ pub(super) struct Body {
     along_level: f64,
     axis: f64,
     surface: SurfaceCurvature,
-    /// The curvature k_ss along the steepest line and the twist k_sl against the level line, where the surface has a concave direction.
+    /// The curvature k_ss along the steepest line and the twist k_sl against the level line, where the surface has a
+    /// concave direction.
     concave: Option<[f64; 2]>,
 }
 
-/// How far a place is from the body, negative inside, with its derivatives along the feed, to the side and along the normal, and
-/// the second derivatives of which one is along the feed.
+/// How far a place is from the body, negative inside, with its derivatives along the feed, to the side and along the
+/// normal, and the second derivatives of which one is along the feed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Distance {
     pub(super) value: f64,
@@ -36,15 +38,17 @@ pub(super) struct Distance {
     pub(super) bend_to_height: f64,
 }
 
-/// The radii of curvature of cutter and surface against each other at the contact, in the axes of the feed: the inverse of C^-1 + K, in mm. Where the cutter
-/// is a paraboloid, the groove of a pass has the radius `across`, and its lowest places beside the contact are `skew`/`across` ahead of it.
+/// The radii of curvature of cutter and surface against each other at the contact, in the axes of the feed: the inverse
+/// of C^-1 + K, in mm. Where the cutter is a paraboloid, the groove of a pass has the radius `across`, and its lowest
+/// places beside the contact are `skew`/`across` ahead of it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RelativeRadii {
     pub(super) across: f64,
     pub(super) skew: f64,
 }
 
-/// A place of a sharp edge, along the feed and to the side, its height over the surface, and how offset and height change with the angle around the axis.
+/// A place of a sharp edge, along the feed and to the side, its height over the surface, and how offset and height
+/// change with the angle around the axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgePlace {
     pub(super) x: f64,
@@ -61,10 +65,12 @@ impl Body {
     pub(super) fn new(cutter: Cutter, contact: Contact, surface: SurfaceCurvature) -> Self {
         let (core, corner, slope) = (cutter.core_radius().mm(), cutter.corner_radius().mm(), contact.slope());
         let (cos, sin) = (contact.theta().cos(), contact.theta().sin());
-        // Under the whole cutter such a surface falls by less than places are rounded, and noise in derivatives would mislead the search.
+        // Under the whole cutter such a surface falls by less than places are rounded, and noise in derivatives would
+        // mislead the search.
         let is_flat = surface.principal_per_mm().into_iter().all(|curvature| curvature.abs() * (core + corner) <= 1e-14);
         let surface = if is_flat { SurfaceCurvature::PLANE } else { surface };
-        // Neither turning the feed round nor mirroring feed and surface at the steepest line changes what a pass leaves.
+        // Neither turning the feed round nor mirroring feed and surface at the steepest line changes what a pass
+        // leaves.
         let surface = if (cos < 0.0) == (sin < 0.0) || cos == 0.0 || sin == 0.0 { surface } else { surface.mirrored() };
         Self {
             core,
@@ -82,7 +88,8 @@ impl Body {
         }
     }
 
-    /// The place of a sharp edge at the angle psi from the contact, seen along the axis: its offset to the side and its height over the surface, each with its derivative.
+    /// The place of a sharp edge at the angle psi from the contact, seen along the axis: its offset to the side and its
+    /// height over the surface, each with its derivative.
     ///
     /// d = R (1 - cos(psi)) towards the axis and R sin(psi) along the level line.
     pub(super) fn sharp_edge(&self, psi: f64) -> EdgePlace {
@@ -106,9 +113,9 @@ impl Body {
         }
     }
 
-    /// C (1 + K C)^-1 = (C + det(C) adj(K)) / (1 + tr(K C) + det(K) det(C)), where C holds the cutter's radii of curvature, r along the steepest
-    /// line and q = a/sin(S) + r along the level one, turned into the axes of the feed. For first guesses only: near the floor q is bounded by what
-    /// no cut reaches.
+    /// C (1 + K C)^-1 = (C + det(C) adj(K)) / (1 + tr(K C) + det(K) det(C)), where C holds the cutter's radii of
+    /// curvature, r along the steepest line and q = a/sin(S) + r along the level one, turned into the axes of the feed.
+    /// For first guesses only: near the floor q is bounded by what no cut reaches.
     pub(super) fn relative_radii(&self) -> RelativeRadii {
         let (c, s, r) = (self.along_steepest, self.along_level, self.corner);
         let q = if self.core > 0.0 { (self.core / self.slope.sin()).min(1e6 * self.core) + r } else { r };
@@ -118,7 +125,8 @@ impl Body {
         RelativeRadii { across: (across + det * k_f) / whole, skew: (skew - det * k_ft) / whole }
     }
 
-    /// By how much the turning of the surface's normal changes the height of the mark that is lowest half a step-over s beside its pass, half a mark spacing f further on.
+    /// By how much the turning of the surface's normal changes the height of the mark that is lowest half a step-over s
+    /// beside its pass, half a mark spacing f further on.
     pub(super) fn third_order(&self, s: f64, f: f64) -> f64 {
         let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
         let radii = self.relative_radii();
@@ -143,7 +151,8 @@ impl Body {
         2.0 * (self.core + self.corner)
     }
 
-    /// Whether the surface has a concave direction, so that the section need not be convex; on a wall that the cutter does not gouge it is.
+    /// Whether the surface has a concave direction, so that the section need not be convex; on a wall that the cutter
+    /// does not gouge it is.
     pub(super) fn is_concave(&self) -> bool {
         self.concave.is_some()
     }
@@ -157,10 +166,12 @@ impl Body {
         self.along_level
     }
 
-    /// The lengths from the contact in a direction (along the feed, to the side) at which H can turn from rising to falling or back, in order: where the line enters and leaves the flat,
-    /// is nearest to the axis, and, where it runs over the flat, where the parabola of H there is highest. 0 for those that there are not.
+    /// The lengths from the contact in a direction (along the feed, to the side) at which H can turn from rising to
+    /// falling or back, in order: where the line enters and leaves the flat, is nearest to the axis, and, where it runs
+    /// over the flat, where the parabola of H there is highest. 0 for those that there are not.
     ///
-    /// The flat is the disc of radius a, cos(S) times as long along the steepest line. On it H = tan(S) u_s + r (1 - 1/cos(S)) + 1/2 u'Ku.
+    /// The flat is the disc of radius a, cos(S) times as long along the steepest line. On it H = tan(S) u_s + r (1 -
+    /// 1/cos(S)) + 1/2 u'Ku.
     pub(super) fn turns(&self, direction: [f64; 2]) -> [f64; 4] {
         let (sin, cos) = (self.slope.sin(), self.slope.cos());
         let steep = direction[0] * self.along_steepest - direction[1] * self.along_level;
@@ -186,11 +197,13 @@ impl Body {
         turns
     }
 
-    /// Whether the section at the height p is known to be convex although the surface is not: because it reaches neither the flat nor the side.
+    /// Whether the section at the height p is known to be convex although the surface is not: because it reaches
+    /// neither the flat nor the side.
     ///
-    /// On the round the cutter's curvature is sin(beta) / (a + r sin(beta)) or more, beta being the angle between its normal and the axis, so that H is convex where that exceeds the largest concave
-    /// curvature k. The section lies within the circle about the contact in which the cutter's sphere of radius q = a/sin(S) + r is not higher than p over the surface, and along the steepest line
-    /// within that of the corner's round.
+    /// On the round the cutter's curvature is sin(beta) / (a + r sin(beta)) or more, beta being the angle between its
+    /// normal and the axis, so that H is convex where that exceeds the largest concave curvature k. The section lies
+    /// within the circle about the contact in which the cutter's sphere of radius q = a/sin(S) + r is not higher than p
+    /// over the surface, and along the steepest line within that of the corner's round.
     pub(super) fn is_convex_up_to(&self, p: f64) -> bool {
         let (sin, cos, a, r) = (self.slope.sin(), self.slope.cos(), self.core, self.corner);
         let k = -self.surface.principal_per_mm()[1];
@@ -210,16 +223,17 @@ impl Body {
         clear_of_flat && reach_squared < (a + r) * (a + r) && along_steepest < cos * (r - reach_squared / (a + r))
     }
 
-    /// Whether the line from the contact to a place on the body at the height p runs inside the body, as far as a few places on it show.
+    /// Whether the line from the contact to a place on the body at the height p runs inside the body, as far as a few
+    /// places on it show.
     pub(super) fn reaches(&self, x: f64, y: f64, p: f64) -> bool {
         [0.2, 0.4, 0.6, 0.8].into_iter().all(|share| self.distance(share * x, share * y, p).value <= 1e-9 * p)
     }
 
-    /// Where the surface overhangs uphill of the contact, so that the cutter's straight side would pass through it: how far the place is beyond the line
-    /// from which on it does, or beyond the contact's level line where that is nearer.
+    /// Where the surface overhangs uphill of the contact, so that the cutter's straight side would pass through it: how
+    /// far the place is beyond the line from which on it does, or beyond the contact's level line where that is nearer.
     ///
-    /// The normal of the surface is n + K u, its part along the axis cos(S) - sin(S) (k_ss u_s + k_sl u_l). Along the side, up to where that vanishes, the height over the surface
-    /// rises, and falls beyond it.
+    /// The normal of the surface is n + K u, its part along the axis cos(S) - sin(S) (k_ss u_s + k_sl u_l). Along the
+    /// side, up to where that vanishes, the height over the surface rises, and falls beyond it.
     fn overhang(&self, steep: f64, level: f64) -> Option<Distance> {
         let [bend, twist] = self.concave?;
         let excess = self.slope.sin() * (bend * steep + twist * level) - self.slope.cos();
@@ -242,9 +256,9 @@ impl Body {
 
     /// The signed distance to the body at (x, y, p).
     ///
-    /// From the axis the place has the radius rho = sqrt(b^2 + nu^2), where b = a + r sin(S) - d, and d, nu, e are its offsets from
-    /// the contact along D, v and Z. The distance to the core is sqrt(g^2 + l^2) with g = rho - a outside and l = r cos(S) - e below
-    /// it. With D' = rho - b = nu^2/(rho + b) the distance to the body is
+    /// From the axis the place has the radius rho = sqrt(b^2 + nu^2), where b = a + r sin(S) - d, and d, nu, e are its
+    /// offsets from the contact along D, v and Z. The distance to the core is sqrt(g^2 + l^2) with g = rho - a outside
+    /// and l = r cos(S) - e below it. With D' = rho - b = nu^2/(rho + b) the distance to the body is
     ///
     /// sqrt(g^2 + l^2) - r = (2 r (sin(S) D' - p) + (D' - d)^2 + e^2) / (sqrt(g^2 + l^2) + r),
     ///
@@ -279,11 +293,13 @@ impl Body {
         {
             return overhang;
         }
-        // The radial unit vector; on the axis the core's floor is nearer than its side, so that its direction does not matter.
+        // The radial unit vector; on the axis the core's floor is nearer than its side, so that its direction does not
+        // matter.
         let (radial_d, radial_level) = if radius > 0.0 { (-b / radius, level / radius) } else { (-1.0, 0.0) };
-        // A vector's parts along the feed, to the side and along the normal; of these the feed has the parts cos(theta) and sin(theta) times those of the
-        // steepest and the level line, the side -sin(theta) and cos(theta) times them. Against the surface, a step along the normal is a step over the tangent
-        // plane, less what the surface falls.
+        // A vector's parts along the feed, to the side and along the normal; of these the feed has the parts cos(theta)
+        // and sin(theta) times those of the steepest and the level line, the side -sin(theta) and cos(theta) times
+        // them. Against the surface, a step along the normal is a step over the tangent plane, less what the surface
+        // falls.
         let parts = |d: f64, level: f64, z: f64| {
             let (steep, height) = (d * cos - z * sin, d * sin + z * cos);
             let feed = steep * self.along_steepest + level * self.along_level;

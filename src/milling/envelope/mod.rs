@@ -7,9 +7,15 @@
 //!
 //! Assumptions: a tooth cuts the shape of the whole body, that is, the feed per revolution is small compared with the
 //! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel, and the
-//! surface is of the second order: what changes along it is left out. This file has the model's answers, `section` the
-//! general search, `newton` a quicker one that proves its outcome, `chord` what both search along the feed, and `body`
-//! the cutter's solid.
+//! surface is of the second order: what changes along it is left out.
+//!
+//! - `mod` (this file): the model's answers, each by the quickest way that has one
+//! - `closed_form`: planes at floors and walls, balls, sharp edges on planes
+//! - `newton`: all unknowns at once, with a proof of the outcome; `clearing` and `runout`: the same with runout;
+//!   `sharp_edge`: sharp edges on curved surfaces
+//! - `section`: the general search; `chord`: what all searches do along the feed
+//! - `concave` and `outline`: surfaces on which the section need not be convex
+//! - `body`: the cutter's solid over the surface
 
 mod body;
 mod chord;
@@ -282,7 +288,8 @@ impl Envelope {
         mark_spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd && self.body.is_concave()
     }
 
-    /// Whether the quick search can end: not on plane floors and walls, where the section's edges are straight along the feed, nor for a sharp edge without marks.
+    /// Whether the quick search can end: not on plane floors and walls, where the section's edges are straight along
+    /// the feed, nor for a sharp edge without marks.
     fn is_quick(&self, mark_spacing: f64) -> bool {
         let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
         let is_straight = self.pass.surface.is_plane() && (slope.sin() == 0.0 || slope.cos() == 0.0);
@@ -353,7 +360,8 @@ impl Envelope {
         };
         // Above the whole cutter there is no section.
         let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
-        // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the height, or beyond it on the corner's round.
+        // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the
+        // height, or beyond it on the corner's round.
         let (slope, theta) = (self.contact().slope(), self.contact().theta());
         let steep = s * theta.sin().abs() + f * theta.cos().abs();
         let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
@@ -362,7 +370,8 @@ impl Envelope {
         guess.min(outer / 4.0)
     }
 
-    /// About the largest feed per tooth near a plane floor, where the tolerance p exceeds the height of the whole flat: the marks lie on the flat and on the corner's round. 0 elsewhere.
+    /// About the largest feed per tooth near a plane floor, where the tolerance p exceeds the height of the whole flat:
+    /// the marks lie on the flat and on the corner's round. 0 elsewhere.
     fn feed_on_flat(&self, p: f64, s: f64) -> f64 {
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         let over_flat = (p - 2.0 * core * self.contact().slope().sin()).min(corner);

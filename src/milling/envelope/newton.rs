@@ -38,7 +38,8 @@ pub(super) enum Sought {
 /// elsewhere.
 const MOST_STEPS: usize = 24;
 
-/// Steps with roughly searched chords. Where these do not suffice a chord's parabola is misleading: it runs across an edge of the body.
+/// Steps with roughly searched chords. Where these do not suffice a chord's parabola is misleading: it runs across an
+/// edge of the body.
 const ROUGH_STEPS: usize = 8;
 
 /// A ridge: its lengths, and where its chords lie.

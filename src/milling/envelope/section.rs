@@ -1,16 +1,19 @@
-//! The cutter's section at a height over the surface: which lateral offsets a pass clears down to that height, whatever the phase of its teeth, and the height at which they
-//! are as wide as the step-over.
+//! The cutter's section at a height over the surface: which lateral offsets a pass clears down to that height, whatever
+//! the phase of its teeth, and the height at which they are as wide as the step-over.
 //!
-//! A place at the height p over the surface stays uncut if no tooth's body covers it. Let the section {H <= p} have a chord of the length l(t) along the feed at the lateral offset
-//! t. One pass, its teeth f apart, leaves the places at t uncut for some phase exactly when l(t) < f. So something is left at the height p, for some phase of each pass, exactly when
-//! the interval {t: l(t) >= f} is narrower than the step-over s. The height that is left in the worst case is the least p at which it is s wide:
+//! A place at the height p over the surface stays uncut if no tooth's body covers it. Let the section {H <= p} have a
+//! chord of the length l(t) along the feed at the lateral offset t. One pass, its teeth f apart, leaves the places at t
+//! uncut for some phase exactly when l(t) < f. So something is left at the height p, for some phase of each pass,
+//! exactly when the interval {t: l(t) >= f} is narrower than the step-over s. The height that is left in the worst case
+//! is the least p at which it is s wide:
 //!
 //! h = min p such that (x, t, p), (x - f, t, p), (x', t - s, p) and (x' - f, t - s, p) all lie in the body.
 //!
-//! With runout a shallow tooth's chord end lies in the section at the height p - delta. Nothing is assumed on where the lowest place is or on symmetry. A feed f = 0 leaves two
-//! points and gives h1.
+//! With runout a shallow tooth's chord end lies in the section at the height p - delta. Nothing is assumed on where the
+//! lowest place is or on symmetry. A feed f = 0 leaves two points and gives h1.
 //!
-//! In terms of the signed distance to the body, c(t, p) = min over x of max(distance(x, t, p), distance(x - f, t, p)). On planes and convex surfaces c is convex.
+//! In terms of the signed distance to the body, c(t, p) = min over x of max(distance(x, t, p), distance(x - f, t, p)).
+//! On planes and convex surfaces c is convex.
 
 use super::body::Body;
 use super::chord::{Accuracy, Chord, Marks};
@@ -77,8 +80,9 @@ pub(super) struct Section<'a> {
     budget: Cell<u32>,
 }
 
-/// Chords that a search on a concave surface may take: where the section has lobes it need not come to an end, and the outline has the answer then. Elsewhere most searches take some tens.
-const CONCAVE_BUDGET: u32 = 150;
+/// Chords that a search on a concave surface may take: where the section has lobes it need not come to an end, and the
+/// outline has the answer then. Elsewhere most searches take some tens.
+const CONCAVE_BUDGET: u32 = 1000;
 
 /// No offset beyond this one is searched, in mm: twice the largest length that can be stated.
 const FURTHEST: f64 = 2.0 * Length::LARGEST;
@@ -92,15 +96,17 @@ impl<'a> Section<'a> {
         Self { body, pattern, widest, budget }
     }
 
-    /// The width of the cleared interval at the height p, at most the widest one that is distinguished; 0 where the pass clears nothing down to p.
+    /// The width of the cleared interval at the height p, at most the widest one that is distinguished; 0 where the
+    /// pass clears nothing down to p.
     pub(super) fn width(&self, p: f64) -> f64 {
         self.interval(p, None).map_or(0.0, |interval| interval.width().max(0.0))
     }
 
     /// The height at which the cleared interval is `width` wide, starting from `guess`.
     ///
-    /// The square of the width is nearly linear in the height (for a paraboloid it is), so Newton's method works on that square, inside a bracket. An interval that is cut off
-    /// at the widest width has no derivative; there, and where three steps have not halved the bracket, the bracket is divided.
+    /// The square of the width is nearly linear in the height (for a paraboloid it is), so Newton's method works on
+    /// that square, inside a bracket. An interval that is cut off at the widest width has no derivative; there, and
+    /// where three steps have not halved the bracket, the bracket is divided.
     pub(super) fn level(&self, width: f64, guess: f64) -> f64 {
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut p = guess;
@@ -120,7 +126,8 @@ impl<'a> Section<'a> {
                 p - excess * (at + width) / (2.0 * at * slope)
             });
             last = found;
-            // Newton's step squares the error, so that after one of 1e-12 the rest is below every rounding; the edges' own roundings can keep it from ever falling further.
+            // Newton's step squares the error, so that after one of 1e-12 the rest is below every rounding; the edges'
+            // own roundings can keep it from ever falling further.
             if (newton - p).abs() <= 1e-12 * p {
                 return newton;
             }
@@ -148,8 +155,8 @@ impl<'a> Section<'a> {
 
     /// The cleared interval at the height p. `near` is one at another height, to start from.
     ///
-    /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it (or shallow marks each other, where two can be neighbours), or
-    /// where deep marks alone meet.
+    /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it (or shallow
+    /// marks each other, where two can be neighbours), or where deep marks alone meet.
     fn interval(&self, p: f64, near: Option<&Interval>) -> Option<Interval> {
         let pattern = &self.pattern;
         if pattern.is_even() {
@@ -158,7 +165,8 @@ impl<'a> Section<'a> {
             let right = self.edge(p, &marks, 1.0, near.map(|near| &near.right), left.t + self.widest)?;
             return Some(Interval { left, right });
         }
-        // Between two shallow marks no less stays than between a deep and a shallow one, so that they alone count where two can be neighbours.
+        // Between two shallow marks no less stays than between a deep and a shallow one, so that they alone count where
+        // two can be neighbours.
         let before =
             Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: if pattern.shallow_pairs { pattern.drop } else { 0.0 } };
         let behind = if pattern.shallow_pairs { before } else { Marks { front_drop: 0.0, back_drop: pattern.drop, ..before } };
@@ -204,7 +212,8 @@ impl<'a> Section<'a> {
         (t, ahead + marks.spacing / 2.0)
     }
 
-    /// The edge by Newton's method on c over t, which from outside the section approaches steadily where c is convex; a bracket keeps it there.
+    /// The edge by Newton's method on c over t, which from outside the section approaches steadily where c is convex; a
+    /// bracket keeps it there.
     fn edge_from(&self, p: f64, marks: &Marks, side: f64, start: (f64, f64), furthest: f64) -> Option<Edge> {
         let (mut t, mut x) = start;
         let mut reach = t.abs() + marks.spacing;

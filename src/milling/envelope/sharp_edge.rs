@@ -1,7 +1,9 @@
-//! Ridges of a flat-end cutter without marks, on curved surfaces: where both sides of its sharp edge are equally high over the surface.
+//! Ridges of a flat-end cutter without marks, on curved surfaces: where both sides of its sharp edge are equally high
+//! over the surface.
 //!
-//! Along the edge height and offset to the side are functions of one angle, so that Newton's method needs no search for the edge's corner. An answer is a candidate only: the flat or the side can
-//! clear more, which the section's outline shows.
+//! Along the edge height and offset to the side are functions of one angle, so that Newton's method needs no search for
+//! the edge's corner. An answer is a candidate only: the flat or the side can clear more, which the section's outline
+//! shows.
 
 use super::body::{Body, EdgePlace};
 
@@ -56,7 +58,8 @@ pub(super) fn step_over(body: &Body, p: f64, guess: f64) -> Option<f64> {
     is_held(body, left, right, p).then(|| body.sharp_edge(right).t - body.sharp_edge(left).t)
 }
 
-/// Whether the edge rises from the contact to both ends, and its offsets with it, and whether both ends are seen from the contact.
+/// Whether the edge rises from the contact to both ends, and its offsets with it, and whether both ends are seen from
+/// the contact.
 fn is_held(body: &Body, left: f64, right: f64, p: f64) -> bool {
     let rises = |end: f64| {
         [0.25, 0.5, 0.75, 1.0].into_iter().all(|share| {
