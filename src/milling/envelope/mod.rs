@@ -363,7 +363,7 @@ impl Envelope {
         // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the
         // height, or beyond it on the corner's round.
         let (slope, theta) = (self.contact().slope(), self.contact().theta());
-        let steep = s * theta.sin().abs() + f * theta.cos().abs();
+        let steep = s * theta.sin().abs() + f * theta.cos().abs() + 0.1 * (s + f);
         let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
         let on_flat = slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE));
         let guess = if self.pass.surface.is_plane() { parabola.min(on_flat) } else { parabola };
