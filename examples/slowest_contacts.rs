@@ -199,9 +199,10 @@ mod linux {
                     }
                     times.sort_by(f64::total_cmp);
                     let Some((longest, input)) = worst else { continue };
-                    let slow = times.iter().rev().take_while(|time| **time > 100.0).count();
+                    #[expect(clippy::cast_precision_loss, reason = "counts are far under 2^53")]
+                    let slow = 100.0 * times.iter().rev().take_while(|time| **time > 100.0).count() as f64 / times.len() as f64;
                     let (median, p99) = (times[times.len() / 2], times[times.len() - 1 - times.len() / 100]);
-                    println!("| {surface_name} | {runout_name} | {name} | {median:.1} | {p99:.1} | {longest:.0} | {slow} |");
+                    println!("| {surface_name} | {runout_name} | {name} | {median:.1} | {p99:.1} | {longest:.0} | {slow:.2} % |");
                     worst_inputs.push(format!("{surface_name}, runout {runout_name}, {name}: {longest:.0} us\n    {input:?}"));
                 }
             }

@@ -194,6 +194,11 @@ fn outcomes(seed: u64, count: usize, curved: bool, harsh: bool) -> Vec<Outcome> 
     outcomes
 }
 
+/// A shift of the seeds, so that other configurations can be drawn: `SCALLOPD_SEED=90`.
+fn seed() -> u64 {
+    std::env::var("SCALLOPD_SEED").map_or(0, |seed| seed.parse().expect("SCALLOPD_SEED must be a whole number"))
+}
+
 /// Prints the figures of the configurations, and the worst one; returns their median.
 fn print(name: &str, outcomes: &[&Outcome]) -> f64 {
     let mut outcomes = outcomes.to_vec();
@@ -223,7 +228,7 @@ fn print_by_warning(name: &str, outcomes: &[Outcome]) {
 
 #[test]
 fn heights_on_curved_surfaces_are_not_exceeded_and_are_reached() {
-    let outcomes = outcomes(11, wanted(200), true, false);
+    let outcomes = outcomes(11 + seed(), wanted(200), true, false);
     print_by_warning("curved", &outcomes);
     // If the third order is not small, the model warns, and the height is exceeded in some cases:
     // docs/envelope-on-curved-surfaces.md has the figures.
@@ -240,7 +245,8 @@ fn heights_on_curved_surfaces_are_not_exceeded_and_are_reached() {
 
 #[test]
 fn heights_of_close_fits_without_a_warning_are_not_exceeded() {
-    let (near, fair): (Vec<_>, Vec<_>) = outcomes(12, wanted(40), true, true).into_iter().partition(|outcome| outcome.lambda <= 0.6);
+    let (near, fair): (Vec<_>, Vec<_>) =
+        outcomes(12 + seed(), wanted(40), true, true).into_iter().partition(|outcome| outcome.lambda <= 0.6);
     print_by_warning("harsh, lambda over 0.6", &fair);
     let (least, little) = near.iter().partition::<Vec<_>, _>(|outcome| outcome.lambda < 0.25);
     print("harsh, lambda 0.25 to 0.6", &little);
@@ -252,7 +258,7 @@ fn heights_of_close_fits_without_a_warning_are_not_exceeded() {
 
 #[test]
 fn heights_with_runout_are_not_exceeded() {
-    let outcomes = outcomes(13, wanted(40), false, false);
+    let outcomes = outcomes(13 + seed(), wanted(40), false, false);
     print("runout, 2 to 6 teeth", &outcomes.iter().collect::<Vec<_>>());
     for outcome in &outcomes {
         assert!(outcome.share <= 1.01, "{outcome:?}");

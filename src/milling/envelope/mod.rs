@@ -7,9 +7,15 @@
 //!
 //! Assumptions: a tooth cuts the shape of the whole body, that is, the feed per revolution is small compared with the
 //! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel, and the
-//! surface is of the second order: what changes along it is left out. This file has the model's answers, `section` the
-//! general search, `newton` a quicker one that proves its outcome, `chord` what both search along the feed, and `body`
-//! the cutter's solid.
+//! surface is of the second order: what changes along it is left out.
+//!
+//! - `mod` (this file): the model's answers, each by the quickest way that has one
+//! - `closed_form`: planes at floors and walls, balls, sharp edges on planes
+//! - `newton`: all unknowns at once, with a proof of the outcome; `clearing` and `runout`: the same with runout;
+//!   `sharp_edge`: sharp edges on curved surfaces
+//! - `section`: the general search; `chord`: what all searches do along the feed
+//! - `concave` and `outline`: surfaces on which the section need not be convex
+//! - `body`: the cutter's solid over the surface
 
 mod body;
 mod chord;
@@ -357,7 +363,7 @@ impl Envelope {
         // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the
         // height, or beyond it on the corner's round.
         let (slope, theta) = (self.contact().slope(), self.contact().theta());
-        let steep = s * theta.sin().abs() + f * theta.cos().abs();
+        let steep = s * theta.sin().abs() + f * theta.cos().abs() + 0.1 * (s + f);
         let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
         let on_flat = slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE));
         let guess = if self.pass.surface.is_plane() { parabola.min(on_flat) } else { parabola };

@@ -81,8 +81,8 @@ pub(super) struct Section<'a> {
 }
 
 /// Chords that a search on a concave surface may take: if the section has lobes it may not terminate, and the outline
-/// then has the answer. Elsewhere most searches take some tens.
-const CONCAVE_BUDGET: u32 = 150;
+/// then has the answer. A bound of 150 is exceeded by searches that end with an exact answer.
+const CONCAVE_BUDGET: u32 = 1000;
 
 /// No offset beyond this one is searched, in mm: twice the largest accepted length.
 const FURTHEST: f64 = 2.0 * Length::LARGEST;
