@@ -178,6 +178,7 @@ fn a_fillet_keeps_its_curvature_beside_a_plane_and_the_plane_has_none() {
 
 #[test]
 fn a_plane_rounded_to_single_precision_has_no_curvature() {
+    #[expect(clippy::cast_possible_truncation, reason = "the rounding is what is tested")]
     let single = |value: f64| f64::from(value as f32);
     let plane = grid(41, 51, |u, v| [50.0 * u, 40.0 * v, single(0.3 * 50.0 * u - 0.2 * 40.0 * v + 70.0)]);
     let curved = finish_facets(&plane).iter().filter(|facet| facet.curvature.iter().any(|&k| k != 0.0)).count();

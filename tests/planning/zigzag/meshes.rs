@@ -4,7 +4,7 @@ use super::{drive, mm, ranked, settings};
 use scallopd::milling::{Cutter, Model};
 use scallopd::planning::Level;
 use scallopd::planning::zigzag::{CandidateCutter, SurfaceWeakness, ZigzagPlan, heights};
-use scallopd::quantity::Angle;
+use scallopd::quantity::{Angle, Length, Time};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, FinishFacet, Grid, MeshBuilder, Unit};
 
@@ -68,7 +68,7 @@ fn over(plan: &ZigzagPlan, facets: &[FinishFacet], candidate: &CandidateCutter) 
     let all: Vec<u32> = (0..u32::try_from(facets.len()).unwrap()).collect();
     let heights = heights(plan, facets, candidate, &settings(Model::Envelope), &all);
     let share = |is_in: &dyn Fn(Option<f64>) -> bool| {
-        let of = facets.iter().zip(&heights).filter(|(_, height)| is_in(height.map(|height| height.mm())));
+        let of = facets.iter().zip(&heights).filter(|(_, height)| is_in(height.map(Length::mm)));
         of.map(|(facet, _)| facet.area).sum::<f64>() / facets.iter().map(|facet| facet.area).sum::<f64>()
     };
     [share(&|height| height.is_some_and(|height| height > 0.0103)), share(&|height| height.is_none())]
@@ -104,7 +104,7 @@ fn no_direction_in_the_list_is_faster_than_the_plan() {
     let facets = waves();
     for cutter in [Cutter::toroidal(mm(10.0), mm(0.5)).unwrap(), Cutter::toroidal(mm(8.0), mm(1.0)).unwrap(), Cutter::ball_end(mm(6.0))] {
         let plan = ranked(&facets, &[CandidateCutter::new(cutter)], &settings(Model::Envelope)).plans.remove(0);
-        let least = plan.by_direction.iter().filter_map(|(_, time)| *time).map(|time| time.seconds()).fold(f64::INFINITY, f64::min);
+        let least = plan.by_direction.iter().filter_map(|(_, time)| *time).map(Time::seconds).fold(f64::INFINITY, f64::min);
         assert!(plan.time.seconds() <= least * (1.0 + 1e-12), "{} s, {least} s", plan.time.seconds());
         let own = plan.by_direction.iter().find(|(direction, _)| *direction == plan.direction).unwrap().1.unwrap();
         assert_eq!(own, plan.time);
