@@ -69,18 +69,18 @@ impl MemoryBudget {
         self.0.refusals.load(Ordering::Relaxed)
     }
 
-    /// Counts a refused reservation, and is why.
+    /// Counts a refused reservation, and returns its reason.
     pub(crate) fn refuse(&self, exceeded: BudgetExceeded) -> BudgetExceeded {
         self.0.refusals.fetch_add(1, Ordering::Relaxed);
         exceeded
     }
 
-    /// Ends when bytes return after this call.
+    /// Ready when bytes return after this call.
     pub fn returned(&self) -> Notified<'_> {
         self.0.returned.notified()
     }
 
-    /// A reservation of no bytes, to grow.
+    /// An empty reservation.
     pub fn open(&self) -> Reservation {
         Reservation { budget: self.clone(), bytes: 0 }
     }
@@ -138,10 +138,10 @@ impl Reservation {
         }
     }
 
-    /// The same on a thread that may block; ends early, too, once `stop` returns true.
+    /// The same for a thread that may block. Also ends once `stop` returns true.
     ///
     /// # Errors
-    /// [`BudgetExceeded`]: the reservation is as before.
+    /// [`BudgetExceeded`]; the reservation is unchanged then.
     pub fn grow_blocking(&mut self, bytes: u64, longest: Duration, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
         /// Bytes return within milliseconds unless the load persists.
         const PAUSE: Duration = Duration::from_millis(2);
@@ -155,10 +155,10 @@ impl Reservation {
         }
     }
 
-    /// Reserves `bytes` more; a failure is no refusal yet.
+    /// Reserves `bytes` more. A failure is not counted as a refusal.
     ///
     /// # Errors
-    /// [`BudgetExceeded`]: the reservation is as before.
+    /// [`BudgetExceeded`]; the reservation is unchanged then.
     pub fn try_grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
         let Shared { total, reserved, .. } = &*self.budget.0;
         let own = self.bytes.checked_add(bytes).filter(|own| *own <= self.budget.largest()).ok_or(BudgetExceeded::Always)?;

@@ -1,11 +1,11 @@
-//! How far to trust an answer, whatever the method.
+//! The levels of confidence in a recommendation, for both methods.
 
-/// How far to trust a recommendation.
+/// The reliability of a recommendation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// The surface is of the kind for which the method was built.
+    /// The surface is of the kind for which the method is intended.
     High,
-    /// It departs from that kind so far that times and critical slope are estimates.
+    /// The surface differs from that kind so much that times and critical slope are estimates.
     Moderate,
     /// The recommendation may be wrong; simulate both candidates.
     Low,

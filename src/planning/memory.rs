@@ -1,29 +1,30 @@
-//! The memory that planning takes, stated beforehand so that a caller can reserve it. `cargo bench --bench memory`
-//! measures it.
+//! The memory of planning, computed in advance so that a caller can reserve it. `cargo bench --bench memory` measures
+//! it.
 
 use super::zigzag::PlanRoom;
 use crate::surface::FinishFacet;
 use crate::surface::mesh::MeshSize;
 
-/// Of each facet and point of a mesh: corner numbers and coordinates.
+/// Bytes for each facet and point of a mesh: corner numbers and coordinates.
 const MESH_FACET: usize = 12;
 const MESH_POINT: usize = 24;
 
-/// Of each facet: its class, its piece, whether it is selected, and its place among those that are planned.
+/// Bytes for each facet: class, piece, selection, and position among the planned facets.
 const CLASSES: usize = 20;
 
-/// Of each cell of a view from above: height, facet and side.
+/// Bytes for each cell of a view from above: height, facet and side.
 const VIEW_CELL: usize = 13;
 
-/// While curvatures are estimated: normal, area, equations and neighbours of each facet, and the normal at each point.
+/// Bytes while curvatures are estimated: normal, area, equations and neighbours of each facet, and the normal at each
+/// point.
 const CURVATURE_FACET: usize = 192;
 const CURVATURE_POINT: usize = 60;
 
-/// Of each facet that is planned: [`FinishFacet`](crate::surface::FinishFacet), and what the simulation prepares of it.
+/// Bytes for each planned facet: [`FinishFacet`](crate::surface::FinishFacet), and the simulation's data.
 const PLANNED_FACET: usize = 152 + 168;
 
-/// For each candidate or direction in work: a facet in the order of its direction, and while it is between two
-/// planes, which all facets may be at once.
+/// Bytes for each candidate or direction in work and facet: the facet in the order of its direction, and its entry
+/// while it is between two planes, as all facets may be at once.
 const ORDERED_FACET: usize = 128 + 80;
 
 /// For each candidate or direction in work: a plane with those of the check before and of the best direction so far,
@@ -36,26 +37,27 @@ const CELL: usize = 56;
 /// The most cells of a plane.
 const MOST_CELLS: usize = 100_000;
 
-/// The most facets that the search over directions samples for the directions around the best, some more than it
-/// draws; for all directions half as many; and what is held of each.
+/// The most facets that the search over directions samples for the directions around the best, somewhat more than it
+/// draws, for all directions half as many; and the bytes for each.
 const SAMPLED: usize = 7_000;
 const SAMPLED_FACET: usize = 176;
 
-/// Of each candidate: tables of spacings and feeds, and times by direction.
+/// Bytes for each candidate: tables of spacings and feeds, and times by direction.
 const CANDIDATE: usize = 64 << 10;
 
-/// The side of the raster on which cutters are tried, and what is held of each cell: height and facet seen, height
-/// and area.
+/// The cells along each side of the raster for the reach of cutters, and the bytes for each cell: height and facet
+/// seen, height and area.
 pub const TRIAL_SIDE: usize = 256;
 const TRIAL_CELL: usize = 20;
 
-/// While a cutter is tried, for each thread: the raster with a border, three times, and three figures of each cell.
+/// Bytes for each thread while the reach of a cutter is computed: the raster with a border, three times, and three
+/// figures of each cell.
 const TRIAL: usize = 1_400_000 + 20 * TRIAL_SIDE * TRIAL_SIDE;
 
-/// What else does not grow.
+/// Bytes of all other constant memory.
 const FIXED: usize = 1 << 18;
 
-/// What is ranked, as far as the memory depends on it.
+/// The size of a ranking, on which its memory depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RankingSize {
     /// The facets that are planned.
@@ -66,12 +68,12 @@ pub struct RankingSize {
     pub diameters: usize,
 }
 
-/// How a ranking uses threads.
+/// The use of threads by a ranking.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parallelism {
-    /// How many threads there are.
+    /// The number of threads.
     pub threads: usize,
-    /// How many candidates are planned at once.
+    /// The number of candidates that are planned at once.
     pub candidates: usize,
 }
 
@@ -81,8 +83,8 @@ pub fn bytes_of_mesh(MeshSize { facets, points }: MeshSize) -> usize {
     facets * MESH_FACET + points * MESH_POINT
 }
 
-/// The memory that it takes to class the facets of a mesh of this size, to estimate their curvatures and to see the
-/// mesh from above, in bytes, beside the mesh.
+/// The memory in bytes to class the facets of a mesh of this size, to estimate their curvatures and to compute the view
+/// from above, beside the mesh.
 #[must_use]
 pub fn bytes_to_prepare(MeshSize { facets, points }: MeshSize) -> usize {
     let view = (8 * facets).clamp(1 << 12, 1 << 20) * VIEW_CELL;
@@ -90,13 +92,13 @@ pub fn bytes_to_prepare(MeshSize { facets, points }: MeshSize) -> usize {
     facets * CLASSES + (curvatures + view).max(facets * size_of::<FinishFacet>() + TRIAL_SIDE * TRIAL_SIDE * VIEW_CELL)
 }
 
-/// What is held of a mesh with so many facets once it is prepared, in bytes, beside the mesh.
+/// The memory in bytes of a prepared mesh with so many facets, beside the mesh.
 #[must_use]
 pub fn bytes_prepared(facets: usize) -> usize {
     facets * (CLASSES + size_of::<FinishFacet>()) + TRIAL_SIDE * TRIAL_SIDE * VIEW_CELL
 }
 
-/// The memory that it takes to rank, in bytes, beside the mesh.
+/// The memory in bytes of a ranking, beside the mesh.
 #[must_use]
 pub fn bytes_to_rank(size: RankingSize, parallelism: Parallelism, room: PlanRoom) -> usize {
     let RankingSize { facets, candidates, diameters } = size;
@@ -109,8 +111,8 @@ pub fn bytes_to_rank(size: RankingSize, parallelism: Parallelism, room: PlanRoom
     held + search.max(plans).max(trial) + FIXED
 }
 
-/// The most threads and candidates at once, of at most `threads`, with which ranking takes at most `most` bytes, and
-/// these bytes; one of each where none fits.
+/// The largest number of threads, at most `threads`, and of candidates at once with which ranking takes at most `most`
+/// bytes, and these bytes; one of each if none fits.
 #[must_use]
 pub fn fitting(size: RankingSize, threads: usize, room: PlanRoom, most: usize) -> (Parallelism, usize) {
     let ways = (1..=threads).rev().flat_map(|threads| (1..=threads).rev().map(move |candidates| Parallelism { threads, candidates }));

@@ -1,8 +1,8 @@
-//! Which cutter finishes a surface sooner. Heights and step-overs come from `milling`, times from `motion`, shapes
-//! and facets from `surface`.
+//! Planning: which cutter finishes a surface soonest. Heights and step-overs come from `milling`, times from `motion`,
+//! shapes and facets from `surface`.
 //!
-//! Two methods: [`rectangle`], the published one, puts an inclined rectangle in place of the surface; [`zigzag`]
-//! simulates the passes on the surface itself.
+//! Two methods: [`rectangle`], the published one, replaces the surface by an inclined rectangle; [`zigzag`] simulates
+//! the passes on the surface itself.
 
 mod confidence;
 pub mod memory;

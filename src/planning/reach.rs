@@ -1,20 +1,21 @@
-//! Which part of a surface a cutter reaches: the surface seen from above, dilated and eroded with the cutter's profile.
+//! The reach of a cutter: the surface seen from above, dilated and eroded with the cutter's profile, gives the uncut
+//! area.
 //!
 //! Symbols: R and r outer and corner radius, p(d) the height of the cutter's bottom over its tip at distance d from
 //! its axis, z(x, y) the surface, h the side of a raster cell, and e = h/sqrt(2), half a cell's diagonal.
 //!
-//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest that the tip can be, and m(x) = min
-//! over |u| <= R of t(x + u) + p(|u|) is what all tips together leave. m - z >= 0 is uncut: on the raster too,
-//! because the tip at a cell rests on every cell within R.
+//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest height of the tip, and m(x) = min over
+//! |u| <= R of t(x + u) + p(|u|) is the surface that all tips together leave. m - z >= 0 is the uncut height; this
+//! holds on the raster as well, because the tip at a cell is limited by every cell within R.
 //!
-//! **The raster's error.** On a plane it is none: offsets come in pairs u and -u, so that dilation lifts the plane by
-//! as much as erosion lowers it. On a curved surface the tip that touches at a cell may lie up to e beside all tips
-//! of the raster. A tip moved by e along the surface, of relative curvature 1/R - 1/rho in a hollow of radius rho,
-//! touches elsewhere and leaves e^2/2 (1/R)^2 / (1/R - 1/rho) = e^2/(2 R lambda), lambda = 1 - R/rho; on a slope S
-//! distances along the surface and heights along the normal grow by 1/cos S each, which makes e^2/(2 R lambda cos^3
-//! S). With the smallest radius of the cutter's bottom, r, in place of R, and lambda = 1/3, hollows of at least 1.5
-//! times the cutter's radius, this is the error stated, but at most 2 e tan S + e^2/(2 R lambda), which bounds the
-//! rise of the surface between tips where the corner is sharp.
+//! **The raster's error.** On a plane it is 0: offsets are in pairs u and -u, so that dilation lifts the plane by as
+//! much as erosion lowers it. On a curved surface the tip that touches at a cell may lie up to e beside all tips of the
+//! raster. A tip moved by e along the surface, of relative curvature 1/R - 1/rho in a hollow of radius rho, touches
+//! elsewhere and leaves e^2/2 (1/R)^2 / (1/R - 1/rho) = e^2/(2 R lambda), lambda = 1 - R/rho; on a slope S distances
+//! along the surface and heights along the normal grow by 1/cos S each, which makes e^2/(2 R lambda cos^3 S). With the
+//! smallest radius of the cutter's bottom, r, in place of R, and lambda = 1/3, hollows of at least 1.5 times the
+//! cutter's radius, this is the error stated, but at most 2 e tan S + e^2/(2 R lambda), which bounds the rise of the
+//! surface between tips where the corner is sharp.
 //!
 //! **Cells that seem uncut.** In a tighter hollow the tips of the raster leave more than that, although the cutter
 //! fits. So where a cell's height exceeds the error, the cutter is also placed where it touches the facet at the
@@ -38,15 +39,15 @@ use rayon::prelude::*;
 const LEAST_CLEARANCE: f64 = 1.0 / 3.0;
 
 /// The largest product of cells, those around the surface included, and offsets in the disc: about 10 ms a cutter. A
-/// cutter that takes more is tried on every second, third, ... cell. The surface of 100 x 80 mm on 256 cells takes
+/// cutter that takes more is evaluated on every second, third, ... cell. The surface of 100 x 80 mm on 256 cells takes
 /// discs of up to 6.5 mm in full.
 const WORK: f64 = 6e7;
 
-/// In how many of the cells that seem uncut the cutter is placed at most, a few milliseconds; of more, in as many,
+/// The most cells that seem uncut in which the cutter is placed, a few milliseconds; of more, this many are taken,
 /// evenly spread.
 const MOST_PLACED: usize = 4_096;
 
-/// A surface on a raster, on which cutters are tried.
+/// A surface on a raster, for the reach of cutters.
 #[derive(Debug, Clone)]
 pub struct ReachMap {
     frame: Frame,
@@ -60,15 +61,16 @@ pub struct ReachMap {
     rounding: f64,
 }
 
-/// What a cutter leaves of a surface.
+/// The material of a surface that a cutter leaves.
 #[derive(Debug, Clone)]
 pub struct Uncut {
-    /// The share of the machined area that stands higher than the scallop height and the raster's error there: 0 to 1.
+    /// The share of the machined area whose uncut height exceeds the scallop height and the raster's error there: 0 to
+    /// 1.
     pub share: f64,
     /// The largest height left on the machined area, where it exceeds the raster's error; else 0.
     pub height: Length,
-    /// How far that height may be off, where sharp edges hold the cutter: the change of the cutter's profile between
-    /// the cells on both sides of the place at which it rests, and the error on smooth surfaces.
+    /// The error of that height beside sharp edges: the change of the cutter's profile between the cells on both sides
+    /// of its contact, plus the error on smooth surfaces.
     pub height_error: Length,
     /// The raster's error on a level part of the surface; on a slope it is larger.
     pub level_error: Length,
@@ -110,7 +112,7 @@ impl ReachMap {
         Self { frame: view.frame, heights: RestingHeights::new(view), normals, area, rounding }
     }
 
-    /// What a cutter leaves where it does not reach, `scallop_height` being allowed everywhere.
+    /// The material that a cutter leaves where it does not reach; `scallop_height` is allowed everywhere.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
     pub fn uncut(&self, cutter: Cutter, scallop_height: Length) -> Uncut {
@@ -178,7 +180,7 @@ impl ReachMap {
             })
             .collect();
         Uncut {
-            // The last of the cells that are looked at may stand for more than there are.
+            // The last sampled cell may represent more cells than there are.
             share: if machined > 0.0 { (over / machined).min(1.0) } else { 0.0 },
             height: Length::computed(worst.map_or(0.0, |(height, _)| height)),
             height_error: Length::computed(height_error),
@@ -188,11 +190,12 @@ impl ReachMap {
         }
     }
 
-    /// How far the cutter rises from where it touches the surface at the middle of a cell until it cuts into the surface
-    /// nowhere, in mm.
+    /// The height in mm by which the cutter must rise from its contact at the middle of a cell until it does not cut
+    /// into the surface.
     ///
-    /// The contact has the normal of the facet or, where that is less, the mean normal of the nine cells around: near the
-    /// end of a facet that stands for an arc, the facet's normal is half of the turn to the next facet off the arc's.
+    /// The contact has the normal of the facet or, where that is less, the mean normal of the nine cells around: near
+    /// the end of a facet that stands for an arc, the facet's normal is half of the turn to the next facet off the
+    /// arc's.
     fn rise(&self, cutter: Cutter, cell: usize) -> f64 {
         let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
         let [x, y] = self.frame.centre(column, row);
@@ -320,7 +323,7 @@ impl Coarse {
     fn of(map: &ReachMap, stride: usize, radius: f64) -> Self {
         let (columns, rows) = (map.frame.columns.div_ceil(stride), map.frame.rows.div_ceil(stride));
         let cell = map.frame.cell * stride as f64;
-        // A single cell holds the cutter where it is, whatever lies around it.
+        // A single cell is the contact whatever is around it.
         let pad = if columns == 1 && rows == 1 { 0 } else { (radius / cell).floor() as usize };
         let width = columns + 4 * pad;
         let mut heights = vec![f32::NEG_INFINITY; width * (rows + 4 * pad)];
@@ -372,7 +375,7 @@ impl Coarse {
         &values[row * self.width..(row + 1) * self.width]
     }
 
-    /// How far from the axis the cutter rests on the surface when it cuts deepest at a cell.
+    /// The distance of the contact from the axis when the cutter cuts deepest at a cell.
     fn rest(&self, cell: usize, tips: &[f32], disc: &Disc) -> f64 {
         let place = (cell / self.columns + 2 * self.pad) * self.width + cell % self.columns + 2 * self.pad;
         let offsets = disc.offsets(self.width);

@@ -56,7 +56,8 @@ async fn a_spindle_speed_over_the_machines_is_named() {
     assert_eq!(limited["candidates"], at_limit["candidates"]);
 }
 
-/// The time of a plan is that of the contacts, also where some tips are raised and have none; that of the tips is stated beside them.
+/// The time of a plan is that of the contacts, also where some tips are raised and have none; that of the tips is
+/// stated beside them.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn passes_state_the_time_of_their_tips() {
     let app = TestApp::start().await;

@@ -14,7 +14,8 @@ impl PartedSink for Recorder {
     }
 }
 
-/// What was read of a file in blocks of about `block` bytes, from chunks of `size`; the recorder only of a file without a fault.
+/// What was read of a file in blocks of about `block` bytes, from chunks of `size`; the recorder only of a file without
+/// a fault.
 fn in_blocks(file: &[u8], block: usize, size: usize) -> Result<(Recorder, Summary), Fault> {
     let (mut reader, mut recorder) = (Reader::new(FormatHint::default()).with_block_size(block), Recorder::default());
     let chunks: Vec<&[u8]> = file.chunks(size).collect();
@@ -25,7 +26,8 @@ fn in_blocks(file: &[u8], block: usize, size: usize) -> Result<(Recorder, Summar
     Ok((recorder, summary))
 }
 
-/// Files of a wavy surface in every format that is read in blocks, and of points in several layouts, whole numbers among them.
+/// Files of a wavy surface in every format that is read in blocks, and of points in several layouts, whole numbers
+/// among them.
 fn files(count: u16) -> Vec<Vec<u8>> {
     let columns = 7;
     let vertex = |index: u16| [f32::from(index % columns), f32::from(index / columns) * 0.5, f32::from(index * 7 % 11) * 0.25];

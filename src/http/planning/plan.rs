@@ -35,8 +35,8 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// Takes shape and facets of the surface that was sent at `path`. Once `stop` returns true the task is discarded,
-    /// and may be any.
+    /// Determines shape and facets of the surface at `path`. Once `stop` returns true, the task is discarded and has no
+    /// meaning.
     pub(super) fn new(
         parameters: Parameters,
         sourced: SurfaceWithSource,
@@ -51,7 +51,7 @@ impl Task {
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let workpiece = match parameters.method {
             Method::Surface => Some(Workpiece::new(mesh, unit, &parameters, stop).map_err(|fault| fault.report(path, faults))?),
-            // Without facets the method loses evidence, not its answer.
+            // Without facets, method rectangle has an answer with less evidence.
             Method::Rectangle => match Workpiece::new(mesh, unit, &parameters, stop) {
                 Ok(workpiece) => Some(workpiece),
                 Err(fault) if fault.is_sound() => None,
@@ -80,7 +80,7 @@ impl Task {
         self.warnings.extend(warnings);
     }
 
-    /// How large the mesh and the ranking on it are.
+    /// The size of the mesh and of the ranking on it.
     pub(super) fn size(&self) -> (MeshSize, RankingSize) {
         let candidates: Vec<_> = self.parameters.candidates.iter().map(|named| named.candidate).collect();
         let none = (MeshSize { facets: 0, points: 0 }, RankingSize { facets: 0, candidates: candidates.len(), diameters: 0 });
@@ -142,7 +142,7 @@ impl Task {
         })
     }
 
-    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may.
+    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may use.
     fn passes(
         &mut self,
         workpiece: &Workpiece,
@@ -217,7 +217,7 @@ impl Task {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
         let Some(workpiece) = workpiece else { return Ok((&confidence).into()) };
-        // The recommended cutter and the next one decide about the order.
+        // The order depends on the recommended cutter and the next one.
         let compared: Vec<usize> = candidates.iter().take(2).map(RankedCandidate::cutter).collect();
         let by = Model::Envelope;
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, means, stop)? else {

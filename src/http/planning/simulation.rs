@@ -17,7 +17,7 @@ use axum::http::StatusCode;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// The side of the raster on which cutters are tried and maps are drawn.
+/// The cells along each side of the raster for the reach of cutters and for maps.
 const SIDE: usize = TRIAL_SIDE;
 
 /// The facets of a surface, with those that are machined.
@@ -71,9 +71,9 @@ impl NoWorkpiece {
 }
 
 impl Workpiece {
-    /// The facets that a surface has.
+    /// Prepares the facets of a surface.
     ///
-    /// Once `stop` returns true, work ends after the step that has begun, with any result.
+    /// Once `stop` returns true, work ends after the current step, and the result has no meaning.
     pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters, stop: &dyn Fn() -> bool) -> Result<Self, NoWorkpiece> {
         let go_on = || if stop() { Err(NoWorkpiece::NothingToMachine) } else { Ok(()) };
         let mesh = mesh.finish_until(unit, parameters.facing, stop).map_err(NoWorkpiece::Mesh)?;
@@ -132,8 +132,8 @@ pub(super) struct Simulation {
 }
 
 impl Simulation {
-    /// Simulates the candidates in these places among those of the request, in larger room where a plan needs it;
-    /// `None` as soon as `stop` returns true.
+    /// Simulates the candidates at these positions in the request, with a larger room if a plan needs it; `None` as
+    /// soon as `stop` returns true.
     pub(super) fn run(
         workpiece: &Workpiece,
         parameters: &Parameters,
@@ -150,7 +150,7 @@ impl Simulation {
             if stop() {
                 return Ok(None);
             }
-            // A map of each cutter takes half a MB, so that only the figures are kept.
+            // The map of a cutter takes half a MB, so only the figures are kept.
             let tried = places.par_iter().map(|&place| {
                 let candidate = parameters.candidates[place].candidate;
                 let reach = Some((&reach.uncut(candidate.cutter, parameters.scallop_height)).into());
@@ -206,7 +206,7 @@ pub(super) fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send)
     })
 }
 
-/// How many cutters are tried between two checks for cancellation.
+/// The number of cutters between two checks for cancellation.
 const MOST_AT_ONCE: usize = 8;
 
 fn mesh_code(error: MeshError) -> RequestFault {

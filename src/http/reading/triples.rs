@@ -7,7 +7,8 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 /// The bytes that one core reads at once: some thousand triples.
 const BLOCK: usize = 64 * 1024;
 
-/// The blocks that are read before their triples are passed on: what is held of them is bounded, and a cancelled reading ends soon.
+/// The blocks that are read before their triples are passed on: what is held of them is bounded, and a cancelled
+/// reading ends soon.
 const BATCH: usize = 16;
 
 /// A number of a triple, parsed from an item of a JSON array.
@@ -30,8 +31,9 @@ impl TripleNumber for u32 {
     }
 }
 
-/// Passes blocks of the triples of the array `json` to `each`, on all cores, and what it returns to `take`, in order. `None` where an item is anything but
-/// three numbers in double precision, or `cancel` is set; `take` may have been called before. `json` must be the text of a JSON value.
+/// Passes blocks of the triples of the array `json` to `each`, on all cores, and what it returns to `take`, in order.
+/// `None` where an item is anything but three numbers in double precision, or `cancel` is set; `take` may have been
+/// called before. `json` must be the text of a JSON value.
 pub(crate) fn read_triples<N: TripleNumber, T: Send>(
     json: &str,
     cancel: Option<&CancelFlag>,

@@ -44,6 +44,16 @@ pub(super) struct RelativeRadii {
     pub(super) skew: f64,
 }
 
+/// A place of a sharp edge, along the feed and to the side, its height over the surface, and how offset and height change with the angle around the axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EdgePlace {
+    pub(super) x: f64,
+    pub(super) t: f64,
+    pub(super) t_by_psi: f64,
+    pub(super) height: f64,
+    pub(super) height_by_psi: f64,
+}
+
 /// The sine of an overhang under which it is rounding.
 const OVERHANG: f64 = 1e-12;
 
@@ -69,6 +79,30 @@ impl Body {
                 let steepest = surface.turned(-sin.abs(), cos.abs());
                 [steepest.along_per_mm(), steepest.twist_per_mm()]
             }),
+        }
+    }
+
+    /// The place of a sharp edge at the angle psi from the contact, seen along the axis: its offset to the side and its height over the surface, each with its derivative.
+    ///
+    /// d = R (1 - cos(psi)) towards the axis and R sin(psi) along the level line.
+    pub(super) fn sharp_edge(&self, psi: f64) -> EdgePlace {
+        let (sin, cos) = psi.sin_cos();
+        // R (1 - cos(psi)) without cancellation.
+        let inwards = 2.0 * self.core * (psi / 2.0).sin().powi(2);
+        let sheared = |inwards: f64, level: f64| {
+            let steep = inwards * self.slope.cos();
+            (steep * self.along_steepest + level * self.along_level, level * self.along_steepest - steep * self.along_level)
+        };
+        let (x, y) = sheared(inwards, self.core * sin);
+        let (x_by_psi, y_by_psi) = sheared(self.core * sin, self.core * cos);
+        let (k_f, k_t, k_ft) = (self.surface.along_per_mm(), self.surface.across_per_mm(), self.surface.twist_per_mm());
+        let (fall_by_feed, fall_by_side) = (k_f * x + k_ft * y, k_ft * x + k_t * y);
+        EdgePlace {
+            x,
+            t: y,
+            t_by_psi: y_by_psi,
+            height: inwards * self.slope.sin() + 0.5 * (x * fall_by_feed + y * fall_by_side),
+            height_by_psi: self.core * sin * self.slope.sin() + x_by_psi * fall_by_feed + y_by_psi * fall_by_side,
         }
     }
 

@@ -20,6 +20,7 @@ mod newton;
 mod outline;
 mod runout;
 mod section;
+mod sharp_edge;
 
 use super::gouging;
 use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
@@ -129,7 +130,7 @@ impl Envelope {
         }
         let largest = self.largest_feed(s);
         let room = tolerance.mm() - step_over_height.mm();
-        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().min(largest);
+        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().max(self.feed_on_flat(tolerance.mm(), s)).min(largest);
         let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
         let quick = if let Some(feed) = self.feed_on_floor_or_wall(tolerance.mm(), s) {
             Some(feed.min(largest))
@@ -155,6 +156,9 @@ impl Envelope {
     /// where none does from [`Length::SMALLEST`] on.
     fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
         let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
+        if excess(largest) <= 0.0 {
+            return Some(largest);
+        }
         let mut low = guess.clamp(Length::SMALLEST, largest);
         let mut high;
         if excess(low) <= 0.0 {
@@ -213,6 +217,8 @@ impl Envelope {
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
         let quick = if let Some(step_over) = self.step_over_on_floor_or_wall(p, &pattern) {
             Some(step_over.min(largest))
+        } else if self.is_sharp_on_concave(pattern.spacing) {
+            sharp_edge::step_over(&self.body, p, guess)
         } else if pattern.is_even() {
             self.quickly(lengths, Sought::StepOver).map(|found| found.step_over)
         } else if self.is_convex_up_to(p) {
@@ -271,10 +277,16 @@ impl Envelope {
         if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
     }
 
-    /// Whether the quick search can end: not on floors and walls, nor for a sharp edge without marks.
+    /// Whether a sharp edge without marks cuts a concave surface, where the edge's own curve has the ridge.
+    fn is_sharp_on_concave(&self, mark_spacing: f64) -> bool {
+        mark_spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd && self.body.is_concave()
+    }
+
+    /// Whether the quick search can end: not on plane floors and walls, where the section's edges are straight along the feed, nor for a sharp edge without marks.
     fn is_quick(&self, mark_spacing: f64) -> bool {
         let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
-        slope.sin() != 0.0 && slope.cos() != 0.0 && !(sharp && mark_spacing == 0.0)
+        let is_straight = self.pass.surface.is_plane() && (slope.sin() == 0.0 || slope.cos() == 0.0);
+        !(is_straight || sharp && mark_spacing == 0.0)
     }
 
     /// h for passes s apart with a pattern of marks, both in the tangent plane.
@@ -305,7 +317,12 @@ impl Envelope {
             return Some(closed);
         }
         let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
-        match self.quickly(lengths, Sought::Level).map(|found| found.level) {
+        let quick = if self.is_sharp_on_concave(f) {
+            sharp_edge::level(&self.body, s)
+        } else {
+            self.quickly(lengths, Sought::Level).map(|found| found.level)
+        };
+        match quick {
             Some(level) if self.is_convex_up_to(level) => Some(level),
             Some(level) => self.height_on_concave(s, pattern, Some(level), true),
             None => self.searched_level(s, pattern, lengths.level),
@@ -335,7 +352,25 @@ impl Envelope {
             pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
         };
         // Above the whole cutter there is no section.
-        (s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer)).min(outer / 4.0)
+        let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
+        // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the height, or beyond it on the corner's round.
+        let (slope, theta) = (self.contact().slope(), self.contact().theta());
+        let steep = s * theta.sin().abs() + f * theta.cos().abs();
+        let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
+        let on_flat = slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE));
+        let guess = if self.pass.surface.is_plane() { parabola.min(on_flat) } else { parabola };
+        guess.min(outer / 4.0)
+    }
+
+    /// About the largest feed per tooth near a plane floor, where the tolerance p exceeds the height of the whole flat: the marks lie on the flat and on the corner's round. 0 elsewhere.
+    fn feed_on_flat(&self, p: f64, s: f64) -> f64 {
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let over_flat = (p - 2.0 * core * self.contact().slope().sin()).min(corner);
+        if over_flat <= 0.0 || !self.pass.surface.is_plane() {
+            return 0.0;
+        }
+        let diameter = 2.0 * (core + (over_flat * (2.0 * corner - over_flat)).sqrt());
+        ((diameter - s) * (diameter + s)).max(0.0).sqrt()
     }
 
     /// h by the general search.

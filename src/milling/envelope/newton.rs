@@ -38,6 +38,9 @@ pub(super) enum Sought {
 /// elsewhere.
 const MOST_STEPS: usize = 24;
 
+/// Steps with roughly searched chords. Where these do not suffice a chord's parabola is misleading: it runs across an edge of the body.
+const ROUGH_STEPS: usize = 8;
+
 /// A ridge: its lengths, and where its chords lie.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ridge {
@@ -60,13 +63,16 @@ pub(super) fn solve_from(
     mut place: Place,
     [near_marks, far_marks]: [Clearing; 2],
 ) -> Option<Ridge> {
-    for _ in 0..MOST_STEPS {
+    // Where edges of the body meet, a chord's end is followed only as nearly as it was found.
+    let mut is_close = false;
+    for step in 0..MOST_STEPS {
         let s = lengths.step_over;
         let f = lengths.mark_spacing;
         let (p, reach) = (lengths.level, s + f);
+        let accuracy = if is_close || step >= ROUGH_STEPS { Accuracy::full(p) } else { Accuracy::rough(p) };
         let row = |t: f64| Row { t, p, feed: f };
-        let near_held = near_marks.search(body, &mut place.x, row(place.t), Accuracy::rough(p), reach);
-        let far_held = far_marks.search(body, &mut place.neighbour_x, row(place.t - s), Accuracy::rough(p), reach);
+        let near_held = near_marks.search(body, &mut place.x, row(place.t), accuracy, reach);
+        let far_held = far_marks.search(body, &mut place.neighbour_x, row(place.t - s), accuracy, reach);
         let (near, far) = (&near_held.chord, &far_held.chord);
         if !(near.by_side > 0.0 && far.by_side < 0.0) {
             // The chords have to lie on both sides of the deepest one; the change of slope between them shows about
@@ -85,6 +91,7 @@ pub(super) fn solve_from(
             return None;
         }
         let rounding = 16.0 * f64::EPSILON * lengths.level * by_height.abs();
+        is_close |= value.abs() <= rounding;
         let proved = value.abs() <= rounding && near.furthest.max(far.furthest) <= rounding;
         let change = match sought {
             Sought::Level => Change { rise: (-value / by_height).max(-0.75 * lengths.level), ..Change::NONE },

@@ -77,8 +77,8 @@ pub(super) struct Section<'a> {
     budget: Cell<u32>,
 }
 
-/// Chords that a search on a concave surface may take: where the section has lobes it need not come to an end, and the outline has the answer then. Some hundred suffice elsewhere.
-const CONCAVE_BUDGET: u32 = 1000;
+/// Chords that a search on a concave surface may take: where the section has lobes it need not come to an end, and the outline has the answer then. Elsewhere most searches take some tens.
+const CONCAVE_BUDGET: u32 = 150;
 
 /// No offset beyond this one is searched, in mm: twice the largest length that can be stated.
 const FURTHEST: f64 = 2.0 * Length::LARGEST;

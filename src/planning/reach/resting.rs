@@ -67,8 +67,8 @@ impl RestingHeights {
     }
 
     /// The lowest height to which a tip at `tip` must be raised so that the cutter does not cut into the surface:
-    /// t(x, y), or the tip's own height where that is higher. The nearer the tip is to that height, the fewer cells
-    /// are looked at.
+    /// t(x, y), or the tip's own height where that is higher. The nearer the tip is to that height, the fewer cells are
+    /// visited.
     #[must_use]
     pub fn raised(&self, cutter: Cutter, [x, y, z]: [f64; 3]) -> f64 {
         z.max(self.highest(cutter, [x, y], z - self.level) + self.level)
@@ -88,7 +88,7 @@ impl RestingHeights {
                 continue;
             }
             let side = (1_usize << size) as f64;
-            // How far the nearest centre of a cell of the block may be, along one axis, in cells.
+            // The distance of the nearest cell centre of the block along one axis, in cells.
             let apart = |first: usize, at: f64| {
                 let first = first as f64 * side;
                 (first - at).max(at - (first + side - 1.0)).max(0.0)

@@ -1,4 +1,4 @@
-//! The zigzag of any one cutter on the rectangle that stands for a surface, for comparison with a simulation.
+//! The zigzag of one cutter of any kind on the equivalent rectangle of a surface, for comparison with a simulation.
 
 use super::{InclinedRectangle, Zigzag};
 use crate::milling::{Contact, Cutter, CutterKind, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
@@ -16,8 +16,8 @@ pub struct RectanglePlan {
     pub zigzag: Zigzag,
 }
 
-/// The zigzag of a cutter on the rectangle that stands for a surface: a ball-end cutter along the long side, a
-/// toroidal or flat-end cutter up and down the slope [Herraz et al. 2020, section 6.1].
+/// The zigzag of a cutter on the equivalent rectangle of a surface: a ball-end cutter along the long side, a toroidal
+/// or flat-end cutter up and down the slope [Herraz et al. 2020, section 6.1].
 ///
 /// The step-over is at most the cutter's diameter, which is also the answer on a level surface where model `analytic`
 /// has none. `None` where the model has no step-over.

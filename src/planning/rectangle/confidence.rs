@@ -1,4 +1,4 @@
-//! How far to trust a recommendation by rectangle: the weaknesses of the method that the surface at hand touches.
+//! The confidence in a recommendation by method rectangle: the weaknesses of the method on the surface.
 //!
 //! Herraz et al. 2020 name these weaknesses, mostly in section 7, but give few figures. Each threshold here states
 //! where it comes from.
@@ -43,12 +43,12 @@ pub enum Weakness {
     /// The slope is near the critical slope; figure: the difference in deg. The paper's test surface 2 has a critical
     /// slope of 62.6 deg by the method and of 54.7 deg by simulation, 8 deg apart (section 6.2.2).
     SlopeNearCritical,
-    /// Both candidates take nearly the same time; figure: the difference against the longer time. The paper's times
-    /// err by up to 5 % on average (section 4.2.2), so a smaller difference decides nothing.
+    /// Both candidates take nearly the same time; figure: the difference as a share of the longer time. The paper's
+    /// times err by up to 5 % on average (section 4.2.2), so a smaller difference decides nothing.
     TimesNearlyEqual,
     /// Mean slope and slope of the best plane lie on either side of the critical slope; figure: the mean slope in
-    /// deg, with the critical slope as threshold. The paper takes either for the surface's slope and never saw them
-    /// disagree (section 7.3).
+    /// deg, with the critical slope as threshold. The paper uses either as the surface's slope and had no case in which
+    /// they disagree (section 7.3).
     MeanSlopeDisagrees,
     /// A pass up the slope is too short to reach the feed rate, which the paper assumes and calls acceptable but for
     /// very small surfaces (section 7.2); figure: its length in mm. Times still follow the drives' limits.
@@ -59,11 +59,11 @@ pub enum Weakness {
     /// The surface is smaller than the 100 mm^2 from which the paper shows its critical slope to be unique (section
     /// 7.2); figure: the characteristic size in mm^2.
     SmallSurface,
-    /// The passes are so few that their quotient, which is not rounded, counts: the paper's largest error, about one
+    /// The passes are so few that their quotient, which is not rounded, matters: the paper's largest error, about one
     /// pass (section 4.2.2); figure: the smaller number of passes. One pass in 20 is its 5 %, one in 5 a fifth.
     FewPasses,
-    /// The toroidal cutter's step-over is wider than the cutter, because the model takes its groove for a circle;
-    /// figure: the step-over in mm.
+    /// The toroidal cutter's step-over is wider than the cutter, because the model's groove is a circle; figure: the
+    /// step-over in mm.
     StepOverExceedsCutter,
     /// The mean slope is far from the slope of the best plane; figure: the difference in deg. The step-over of a
     /// torus follows the slope: at 17 deg the effective radius of R = 5 mm, r = 2 mm is 12.3 mm, at 22 deg 10.0 mm,
@@ -72,24 +72,24 @@ pub enum Weakness {
     /// The area is far from the characteristic size of the rectangle; figure: their difference as a share of the
     /// characteristic size. The time goes with the area.
     AreaFarFromSize,
-    /// The surface is in several pieces, which no rectangle stands for; figure: their number.
+    /// The surface is in several pieces, which no rectangle can represent; figure: their number.
     SeveralPieces,
     /// The simulation on the surface takes another time than the rectangle; figure: the difference as a share of the
     /// simulated time, the larger one of both candidates.
     SimulationDisagrees,
-    /// The simulation on the surface names the other cutter; figure: what the recommended one loses, as a share of
-    /// the faster one's time.
+    /// The simulation on the surface favours the other cutter; figure: the additional time of the recommended one, as a
+    /// share of the faster one's time.
     SimulationPrefersOther,
 }
 
-/// A weakness that the surface at hand touches.
+/// A weakness of the method on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reason {
-    /// Which weakness.
+    /// The weakness.
     pub weakness: Weakness,
-    /// What the confidence falls to on its account.
+    /// The level to which it lowers the confidence.
     pub level: Level,
-    /// The figure that shows it, in the unit that the weakness names.
+    /// The figure on which it is based, in the unit that the weakness states.
     pub figure: f64,
     /// The threshold that the figure crossed.
     pub threshold: f64,
@@ -176,7 +176,7 @@ impl fmt::Display for Reason {
     }
 }
 
-/// How far to trust a recommendation, and why not further.
+/// The confidence in a recommendation, with the reasons that lower it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Confidence {
     level: Level,
@@ -190,7 +190,7 @@ impl Confidence {
         self.level
     }
 
-    /// What keeps the level from being high, the gravest first.
+    /// The reasons why the level is not high, the gravest first.
     #[must_use]
     pub fn reasons(&self) -> &[Reason] {
         &self.reasons

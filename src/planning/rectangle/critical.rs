@@ -1,4 +1,4 @@
-//! The slope, and the form factor, at which both cutters take the same time.
+//! The critical slope and the critical form factor, at which both cutters take the same time.
 
 use super::{InclinedRectangle, Job};
 use crate::milling::{Model, NoAnswer};
@@ -61,8 +61,8 @@ impl CriticalFormFactor {
     }
 }
 
-/// The difference of two times, against them, up to which they count as equal: each is a dozen rounded operations,
-/// 3e-15, and equal cutters on a square must come out equal.
+/// The relative difference up to which two times count as equal: each is the result of a dozen rounded operations,
+/// 3e-15, and equal cutters on a square must have equal times.
 const TIE: f64 = 1e-13;
 
 /// The flattest slope at which times are compared, in degrees: 17 nm over a metre. A flatter slope counts as a
@@ -76,7 +76,7 @@ const FLATTEST: f64 = 1e-6;
 /// one at most.
 ///
 /// # Errors
-/// The [`NoAnswer`] of the step-over on a slope that had to be looked at.
+/// The [`NoAnswer`] of the step-over on a slope that the search evaluates.
 pub fn critical_slope(job: &Job, rectangle: InclinedRectangle) -> Result<CriticalSlope, NoAnswer> {
     let on_wall = excess_at_slope(job, rectangle, Angle::RIGHT)?;
     if on_wall < -TIE {
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_cutters_on_a_square_meet_on_a_wall() {
+    fn equal_cutters_on_a_square_have_a_critical_slope_of_90_degrees() {
         for (ball, machine) in [(10.0, (5000.0, 6.0, 40.0)), (10.0, (1e5, 0.1, 100.0))] {
             let job = job((10.0, 2.0), ball, 0.01, machine);
             assert_eq!(critical_slope(&job, rectangle(1.0, 2000.0)).unwrap(), CriticalSlope::At(Angle::RIGHT));
@@ -280,14 +280,14 @@ mod tests {
     }
 
     #[test]
-    fn the_published_rectangles_are_solved_in_closed_form() {
+    fn the_published_rectangles_have_the_closed_form() {
         for (mu, chi) in [(2.0, 1568.0), (2.07, 3315.47), (1.19, 3137.0)] {
             assert!(critical_slope_in_closed_form(&published(), rectangle(mu, chi)).is_some());
         }
     }
 
     #[test]
-    fn the_closed_forms_stand_back_where_their_assumptions_fail() {
+    fn the_closed_forms_are_not_used_where_their_assumptions_fail() {
         // Passes of 5 mm do not reach the feed rate, which takes 7.6 mm.
         let small = rectangle(2.0, 50.0);
         assert_eq!(critical_slope_in_closed_form(&published(), small), None);

@@ -1,4 +1,4 @@
-//! A rectangle, inclined about its long side, and the zigzag that finishes it.
+//! The inclined rectangle, and the zigzag that finishes it.
 
 use crate::motion::{MachineLimits, travel_time};
 use crate::quantity::{Area, FormFactor, Length, OutOfRange, Time};
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn sides_and_form_are_two_ways_to_say_the_same() {
+    fn sides_and_form_describe_the_same_rectangle() {
         let by_sides = InclinedRectangle::from_sides(mm(56.0), mm(28.0)).unwrap();
         let by_form = InclinedRectangle::from_form(by_sides.form_factor(), by_sides.characteristic_size()).unwrap();
         assert_relative_eq!(by_sides.form_factor().ratio(), 2.0);
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_zigzag_counts_one_step_to_every_pass() {
+    fn a_zigzag_has_one_step_for_each_pass() {
         let machine = PRESETS[0].limits;
         let rectangle = InclinedRectangle::from_sides(mm(30.0), mm(20.0)).unwrap();
         let zigzag = rectangle.up_and_down(mm(0.5), machine);

@@ -1,4 +1,4 @@
-//! What is given whatever the surface: two cutters to choose from, the scallop they may leave, and the machine.
+//! The job of the published method: two cutters to compare, the scallop height that they may leave, and the machine.
 
 use crate::milling::{Contact, Cutter, CutterKind, EffectiveRadius, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::motion::MachineLimits;
@@ -16,7 +16,7 @@ pub struct Job {
     ball_end_step_over: Length,
 }
 
-/// Why cutters and scallop height do not make a job.
+/// The reason why cutters and scallop height do not make a job.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JobError {
     /// The first cutter is not toroidal.
@@ -67,7 +67,7 @@ impl Job {
         if scallop_height > largest {
             return Err(JobError::ScallopTooHigh { largest });
         }
-        // A ball leaves the same on every slope, and in both models, so its step-over is known once and for all.
+        // A ball leaves the same height on every slope and in both models, so its step-over is computed once.
         let ball_end_step_over = step_over(Model::Analytic, ball_end, Angle::ZERO, scallop_height).map_err(JobError::BallEnd)?;
         Ok(Self { toroidal, ball_end, scallop_height, machine, model, ball_end_step_over })
     }
@@ -137,7 +137,7 @@ fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length)
     }
     let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
     match EvaluatedPass::new(model, pass)?.max_step_over(scallop_height, None) {
-        // A scallop as high as the corner radius, to a rounding: the passes lie as far apart as they can.
+        // A scallop as high as the corner radius, to a rounding: the passes have their largest distance.
         Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => Ok(largest_step_over),
         found => found,
     }

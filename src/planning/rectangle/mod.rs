@@ -1,5 +1,5 @@
-//! The published method: a rectangle, inclined about its long side, stands for the surface. Critical slope and form
-//! factor, the recommendation of one of two cutters, and how far to trust it.
+//! The published method: a rectangle inclined about its long side replaces the surface. Critical slope and form factor,
+//! the recommendation of one of two cutters, and its confidence.
 //!
 //! Symbols: w and h the rectangle's long and short side, mu = w/h its form factor, chi = w h its characteristic size,
 //! s the slope, sh the scallop height, sod the step-over, T the machining time; 1 marks the toroidal cutter up and

@@ -1,4 +1,4 @@
-//! Which cutter, in which direction, by how much.
+//! The recommendation of method rectangle: the faster of two cutters, its direction, and both plans.
 
 use super::{Confidence, CriticalFormFactor, CriticalSlope, InclinedRectangle, Job, Zigzag, critical_form_factor, critical_slope};
 use crate::milling::NoAnswer;
@@ -15,7 +15,7 @@ pub enum CutterChoice {
     BallEnd,
 }
 
-/// One way to finish a surface.
+/// A cutter with the figures of its passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
     /// The cutter.
@@ -28,7 +28,7 @@ pub struct Candidate {
     pub zigzag: Zigzag,
 }
 
-/// Both ways to finish an inclined rectangle, and which is faster.
+/// Both candidates on an inclined rectangle, and the faster one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
     /// The slope below which the toroidal cutter is faster on this rectangle.
@@ -54,16 +54,16 @@ impl Plan {
     }
 }
 
-/// A plan for a surface, and how far to trust it.
+/// A plan for a surface, with its confidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recommendation {
     /// Both candidates, with directions.
     pub plan: Plan,
-    /// The weaknesses that the answer has.
+    /// The confidence in the recommendation.
     pub confidence: Confidence,
 }
 
-/// Why there is no plan.
+/// The reason why there is no plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PlanError {
     /// A side of the rectangle that stands for the surface is outside these bounds, in mm.
@@ -83,7 +83,7 @@ impl fmt::Display for PlanError {
 
 impl std::error::Error for PlanError {}
 
-/// Both ways to finish a rectangle at a slope from 0 to pi/2, without directions.
+/// Both candidates on a rectangle at a slope from 0 to pi/2, without directions.
 ///
 /// # Errors
 /// [`NoAnswer`], when the toroidal cutter has no step-over: at slope 0 in the analytic model.
@@ -104,8 +104,8 @@ pub fn plan(job: &Job, rectangle: InclinedRectangle, slope: Angle) -> Result<Pla
 /// The recommendation for a surface, by the rectangle that has its form factor and characteristic size, at its slope
 /// [Herraz et al. 2020, section 6.1].
 ///
-/// A surface without steepest direction is level: what is left of its slope is rounding, and would be taken for a
-/// groove of kilometres' radius.
+/// A surface without steepest direction is level: its slope is only rounding error, from which a groove with a radius
+/// of kilometres would result.
 ///
 /// # Errors
 /// [`PlanError`]
@@ -127,7 +127,7 @@ mod tests {
     use crate::quantity::{Acceleration, Area, FormFactor, Jerk, Length, Speed};
     use proptest::prelude::*;
 
-    /// All of what can be stated, decade by decade.
+    /// All valid values, decade by decade.
     fn decades(smallest: f64, largest: f64) -> impl Strategy<Value = f64> {
         (smallest.log10()..=largest.log10()).prop_map(move |exponent| 10.0_f64.powf(exponent).clamp(smallest, largest))
     }
@@ -153,7 +153,7 @@ mod tests {
         #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::with_cases(2000) })]
 
         #[test]
-        fn whatever_can_be_stated_has_a_plan_that_holds_together(
+        fn all_valid_jobs_have_a_consistent_plan(
             (diameter, corner, ball, scallop) in (lengths(), lengths(), lengths(), lengths()),
             machine in machines(),
             mu in decades(1.0, FormFactor::LARGEST),

@@ -1,4 +1,4 @@
-//! A cutter to choose from, and how it is driven.
+//! A candidate cutter with its drive: teeth, spindle speed and feed limit.
 
 use crate::milling::Cutter;
 use crate::motion::Machine;
@@ -15,19 +15,19 @@ pub struct CandidateCutter {
     pub drive: Option<Drive>,
     /// The length of the flutes.
     pub flute_length: Option<Length>,
-    /// What the cutter cannot reach; `None` where that is not known.
+    /// The part that the cutter cannot reach; `None` if it is not known.
     pub reach: Option<ReachFigures>,
 }
 
 impl CandidateCutter {
-    /// A cutter of which nothing else is known.
+    /// A cutter without drive, flute length and reach.
     #[must_use]
     pub fn new(cutter: Cutter) -> Self {
         Self { cutter, drive: None, flute_length: None, reach: None }
     }
 }
 
-/// How a cutter is driven.
+/// The drive of a cutter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// z, the number of teeth, at least 1.
@@ -38,14 +38,14 @@ pub struct Drive {
     pub max_feed_per_tooth: Option<Length>,
 }
 
-/// What a cutter cannot reach of a surface.
+/// The part of a surface that a cutter cannot reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReachFigures {
     /// The share of the area that stays uncut, 0 to 1.
     pub uncut_share: f64,
     /// The largest height that stays uncut.
     pub uncut_height: Length,
-    /// How far that height may be off: the error of the raster on which it was found.
+    /// The error of that height: that of the raster on which it was found.
     pub uncut_height_error: Length,
 }
 

@@ -32,24 +32,24 @@ pub struct ScallopFigures {
     /// the passes: it has no height and is not in the percentiles. Facets that are too steep to set a spacing are in
     /// none of these shares.
     pub without_height_share: f64,
-    /// At how many places the height was calculated.
+    /// The number of points at which the height was calculated.
     pub places: usize,
 }
 
-/// How many places are drawn by area.
+/// The number of points drawn by area.
 const DRAWN: usize = 400;
 
-/// How many places are chosen beside them, from all strips: those that bind the strips, and those where the spacing
-/// errs most.
+/// The number of further points chosen from all strips: those that bind the strips, and those with the largest error of
+/// the spacing.
 const CHOSEN: usize = 1600;
 
-/// How many strips at most have places chosen from them; more are checked at even distances.
+/// The largest number of strips with chosen points; of more strips, this many are taken at even distances.
 const STRIPS: usize = 400;
 
-/// How many places are chosen from a strip at most: half of them because they bind it.
+/// The largest number of points chosen from a strip, half of them because they bind it.
 const MOST_OF_STRIP: usize = 6;
 
-/// How often the spacing follows from a check.
+/// The largest number of rounds in which a check corrects the spacing.
 const ROUNDS: usize = 4;
 
 /// Heights from this share of the tolerance on count as tight, and over this one as too high; spacings are set to
@@ -64,7 +64,7 @@ const FAR_OVER: f64 = 1.03;
 /// The largest part of a facet's risk that is due to its curvature against that of the cutter's body.
 const LARGEST_CURVATURE: f64 = 10.0;
 
-/// What to check a plan with.
+/// The data for the check of a plan.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Inspector<'a> {
     pub(super) facets: &'a [FinishFacet],
@@ -74,7 +74,7 @@ pub(super) struct Inspector<'a> {
     pub(super) teeth_per_second: Option<f64>,
 }
 
-/// A height at a place, and which strip it is in.
+/// A height at a point, and its strip.
 #[derive(Debug, Clone, Copy)]
 struct Evaluated {
     strip: usize,
@@ -82,7 +82,7 @@ struct Evaluated {
     height: Option<f64>,
 }
 
-/// Simulates with spacings as they come, or, where `follows` is set, with spacings that follow from the check of each
+/// Simulates with the model's spacings, or, if `follows` is set, with spacings that are corrected by the check of each
 /// strip.
 ///
 /// In each round the heights at the facets that bind the strips, at those where the spacing errs most, and at places
@@ -274,7 +274,7 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
         }
         let spacing = planes[strip].after;
         let by_inverse = inspector.widest(spaced, facet, spacing).map(|widest| widest / spacing);
-        // Heights go about with the square of the spacing.
+        // Heights are about proportional to the square of the spacing.
         let correction = by_inverse.unwrap_or_else(|| if height.is_finite() { (AIM * tolerance / height).sqrt() } else { 0.5 });
         // A factor that would make the spacing wider than the cutter would leave later corrections without effect.
         let widest = (spaced.widest / spacing).clamp(1.0, 1.2);
@@ -286,7 +286,7 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
     let mut last = None;
     let factors = planes.iter().zip(corrections).map(|(plane, correction)| {
         let own = spaced.factor(plane.at);
-        // Strips without a height follow their neighbour.
+        // Strips without a height take the factor of their neighbour.
         let factor = correction.map_or_else(|| last.unwrap_or(own), |correction| own * correction);
         last = Some(factor);
         (plane.at, factor)

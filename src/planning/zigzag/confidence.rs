@@ -1,4 +1,4 @@
-//! How far to trust the order of simulated plans.
+//! The confidence in the order of simulated plans.
 
 use super::plan::ZigzagPlan;
 use super::workpiece::SurfaceFigures;
@@ -24,12 +24,12 @@ impl Default for SurfaceEvidence {
     }
 }
 
-/// What makes the order of simulated plans doubtful.
+/// A weakness of the order of simulated plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceWeakness {
-    /// The fastest plan leads by less than 2 %, about what the simulation errs by; figure: the lead over the next
-    /// plan as a share of its time.
+    /// The fastest plan leads by less than 2 %, about the error of the simulation; figure: the lead over the next plan
+    /// as a share of its time.
     SmallLead,
     /// Facets are wide against the step-over although the surface is curved, so that slopes and curvatures between
     /// passes are those of the tessellation; figure: the size of a facet over the median step-over. At 2 one facet
@@ -50,14 +50,14 @@ pub enum SurfaceWeakness {
     OverTolerance,
 }
 
-/// A weakness of the plans at hand.
+/// A weakness of the plans, with its figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceReason {
-    /// Which weakness.
+    /// The weakness.
     pub weakness: SurfaceWeakness,
     /// The level to which it lowers the confidence.
     pub level: Level,
-    /// The figure that shows it.
+    /// The figure on which it is based.
     pub figure: f64,
     /// The threshold that the figure crosses.
     pub threshold: f64,
@@ -98,7 +98,7 @@ impl fmt::Display for SurfaceReason {
     }
 }
 
-/// How far to trust the order of simulated plans, and why not further.
+/// The confidence in the order of simulated plans, with the reasons that lower it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceConfidence {
     level: Level,
@@ -112,7 +112,7 @@ impl SurfaceConfidence {
         self.level
     }
 
-    /// What keeps the level from being high, the gravest first.
+    /// The reasons why the level is not high, the gravest first.
     #[must_use]
     pub fn reasons(&self) -> &[SurfaceReason] {
         &self.reasons

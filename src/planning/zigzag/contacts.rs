@@ -1,11 +1,11 @@
-//! One facet under the models of `milling`: its contact, its curvature in the axes of the feed, heights and feeds
-//! there.
+//! Evaluation of one facet by the models of `milling`: its contact, its curvature in the axes of the feed, heights and
+//! feeds.
 
 use crate::milling::{Contact, ContactError, CurvatureOutOfRange, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use crate::quantity::Length;
 use crate::surface::FinishFacet;
 
-/// Why a facet has no height or feed.
+/// The reason why a facet has no height or feed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum NoContact {
     Contact(ContactError),

@@ -1,10 +1,10 @@
-//! A bound from below on the time of any zigzag: every place finished with the widest step-over of any direction,
-//! without stops.
+//! A lower bound of the time of any zigzag: every point is finished with the widest step-over of any direction, without
+//! stops.
 
 use super::prepared::Prepared;
 use super::workpiece::{Tangent, Workpiece};
 
-/// How many directions are tried at a facet. Step-overs squared are nearly linear in cos^2(alpha), so that the widest
+/// The number of directions at each facet. Step-overs squared are nearly linear in cos^2(alpha), so that the widest
 /// lies within 2.5 deg of one of them and exceeds it by at most 0.2 %, which [`SLACK`] covers.
 const DIRECTIONS: u32 = 36;
 const SLACK: f64 = 0.998;

@@ -1,4 +1,4 @@
-//! What it takes from the end of one run to the start of the next.
+//! Links: the moves from the end of one run to the start of the next.
 
 use super::tour::Pattern;
 use crate::motion::{Machine, MachineLimits, travel_time};
@@ -15,7 +15,7 @@ pub(super) struct End {
     pub(super) plane: usize,
 }
 
-/// The way between two runs.
+/// The move between two runs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link {
     pub(super) length: f64,

@@ -1,4 +1,4 @@
-//! Where the planes of the passes lie: as far apart as the worst point of each strip allows.
+//! The positions of the planes of passes, as far apart as the worst point of each strip allows.
 
 use super::spacing::CutterSpacing;
 use super::sweep::{Covered, Sweep};
@@ -7,7 +7,7 @@ use super::workpiece::{Tangent, Workpiece};
 /// The most planes that a plan may have; beyond it a direction counts as having no spacing.
 pub(super) const MOST_PLANES: usize = 50_000;
 
-/// How many of the tightest facets of a strip are looked at for the share that may be left out.
+/// The number of the tightest facets of a strip that are considered for the share that may be left out.
 const TIGHTEST: usize = 8;
 
 /// Facets of one direction with the spacings that they allow one cutter.
@@ -59,7 +59,7 @@ fn squared_spacing(tangent: &Tangent, sweep: &Sweep, spacing: &CutterSpacing) ->
 /// A facet that the planes have reached.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reached {
-    /// Its place in the order of the sweep.
+    /// Its position in the order of the sweep.
     pub(super) place: u32,
     pub(super) low: f64,
     pub(super) high: f64,
@@ -80,17 +80,17 @@ pub(super) struct Plane {
     pub(super) binding: [Option<u32>; BINDING],
 }
 
-/// How many of the facets that bind a spacing are kept.
+/// The number of facets that bind a spacing and are kept.
 pub(super) const BINDING: usize = 4;
 
 impl Plane {
-    /// The spacing that decides about the scallop: the wider one.
+    /// The spacing that determines the scallop height: the wider one.
     pub(super) fn spacing(&self) -> f64 {
         self.before.max(self.after)
     }
 }
 
-/// Why there are no planes.
+/// The reason why there are no planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum NoPlanes {
     /// More planes or runs than there is room for.
@@ -107,7 +107,7 @@ pub(super) enum NoPlanes {
     TooManyMet,
 }
 
-/// How many planes are placed between two checks for cancellation.
+/// The number of planes between two checks for cancellation.
 const PLANES_AT_ONCE: usize = 32;
 
 /// The most facets that strips may meet, over all strips: some 0.2 s. A mesh of a million facets meets 5e6; half a
@@ -186,7 +186,7 @@ struct Walk<'a> {
     next: usize,
     end: usize,
     reached: Vec<Reached>,
-    /// How far to look: somewhat more than the last spacing.
+    /// The width of the search: somewhat more than the last spacing.
     hint: f64,
     /// The tightest facets of the strip: the width that they allow it, and which of the reached facets they are.
     tightest: Vec<(f64, usize)>,
@@ -214,7 +214,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The same, not looking farther than `width`.
+    /// The same, searching at most up to `width`.
     fn widest_within(&mut self, at: f64, width: f64) -> f64 {
         let factor = self.spaced.factor(at);
         let end = at + width;
@@ -237,7 +237,7 @@ impl Walk<'_> {
         let mut limit = width;
         let mut area = 0.0;
         for (index, reached) in self.reached.iter().enumerate() {
-            // Facets that end at the plane before are still there.
+            // Facets that end at the previous plane are still included.
             if reached.high <= at {
                 continue;
             }

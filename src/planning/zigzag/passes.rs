@@ -23,14 +23,15 @@ use std::fmt;
 /// The passes of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Passes {
-    /// Where in `points` each run begins; the cutter links from the end of a run to the start of the next.
+    /// The position in `points` at which each run begins; the cutter links from the end of a run to the start of the
+    /// next.
     pub run_starts: Vec<usize>,
     /// All points in cutting order.
     pub points: Vec<PassPoint>,
     /// The time in which the tips pass all runs and links. The time of a plan is that of the contacts, whose way is
     /// shorter where the contact wanders over the cutter's bottom, and where tips are raised.
     pub time: Time,
-    /// How far contacts and tips that were left out lie from the lines between those that were kept, at most.
+    /// The largest distance of omitted contacts and tips from the lines between the kept ones.
     pub chord_tolerance: Length,
 }
 
@@ -61,7 +62,7 @@ pub struct PassPoint {
 /// shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyPoints {
-    /// How many points may be.
+    /// The largest number of points.
     pub limit: usize,
 }
 
@@ -76,11 +77,12 @@ impl std::error::Error for TooManyPoints {}
 /// The chord tolerance as a share of the scallop height, to begin with.
 const CHORD_SHARE: f64 = 0.1;
 
-/// How often the chord tolerance is doubled before passes count as having too many points: up to a thousand times.
+/// The number of doublings of the chord tolerance, up to a thousand times, before passes count as having too many
+/// points.
 const DOUBLINGS: u32 = 10;
 
-/// How far under the height at which the cutter rests a tip may be, as a share of the scallop height, before it is
-/// raised.
+/// The depth of a tip under the height at which the cutter rests, as a share of the scallop height, above which the tip
+/// is raised.
 const SUNK_SHARE: f64 = 0.5;
 
 /// A run in cutting order and sense.
@@ -91,7 +93,7 @@ struct OrderedRun {
     ends: [End; 2],
 }
 
-/// A place on a pass before points are left out.
+/// A point of a pass before points are left out.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     facet: u32,
@@ -151,8 +153,8 @@ pub fn passes(
     Ok(Passes { run_starts, points: points.into_iter().flatten().collect(), time, chord_tolerance: Length::computed(chord) })
 }
 
-/// The memory that [`passes`] takes with at most `limit` points, in bytes, beside what ranking a candidate takes: the
-/// places of all planes and the points.
+/// The memory in bytes of [`passes`] with at most `limit` points, beside the memory of ranking a candidate: the points
+/// of all planes before and after thinning.
 #[must_use]
 pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
     let heading = Heading::new(plan.direction);
@@ -326,7 +328,7 @@ fn distance(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
     (out[0] - share * line[0]).hypot(out[1] - share * line[1]).hypot(out[2] - share * line[2])
 }
 
-/// What points are made with.
+/// The data from which points are computed.
 struct Pointing<'a> {
     facets: &'a [FinishFacet],
     spaced: &'a Spaced<'a>,

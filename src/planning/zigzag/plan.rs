@@ -1,4 +1,4 @@
-//! The plan of one candidate, and why a candidate has none.
+//! The plan of one candidate, or the reason why it has none.
 
 use super::candidate::ReachFigures;
 use super::check::ScallopFigures;
@@ -12,7 +12,7 @@ use std::fmt;
 /// The plan of one candidate: zigzag in its fastest direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZigzagPlan {
-    /// The place of the cutter among the candidates.
+    /// The position of the cutter among the candidates.
     pub candidate: usize,
     /// The line of the passes seen from above, in [0, pi) from X unless it was stated otherwise.
     pub direction: Angle,
@@ -30,13 +30,13 @@ pub struct ZigzagPlan {
     pub feed_per_tooth: Option<Length>,
     /// The scallop height over the area.
     pub scallop_height: ScallopFigures,
-    /// A bound from below: no zigzag that keeps the scallop height is faster.
+    /// A lower bound: no zigzag that keeps the scallop height is faster.
     pub least_time: Time,
     /// The time of each direction that was tried; `None` where it has no plan. That of `direction` is `time`. The
     /// others are estimates: times before the check, multiplied by the factor by which the check changed the time of
     /// the fastest direction.
     pub by_direction: Vec<(Angle, Option<Time>)>,
-    /// What the cutter cannot reach.
+    /// The area that the cutter cannot reach.
     pub reach: Option<ReachFigures>,
     /// The same cutter on the rectangle of the published method, for comparison; `None` without a shape or a
     /// step-over there.
@@ -77,13 +77,13 @@ impl SpacingFigures {
 /// A candidate without a plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NotRanked {
-    /// The place of the cutter among the candidates.
+    /// The position of the cutter among the candidates.
     pub candidate: usize,
-    /// Why it has no plan.
+    /// The reason why it has no plan.
     pub reason: NotRankedReason,
 }
 
-/// Why a candidate has no plan.
+/// The reason why a candidate has no plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum NotRankedReason {

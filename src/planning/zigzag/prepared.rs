@@ -1,4 +1,4 @@
-//! A candidate with what the simulation needs of it: once for all directions.
+//! A candidate, prepared once for all directions.
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::room::Room;
@@ -34,7 +34,7 @@ impl Prepared {
         2.0 * self.candidate.cutter.outer_radius().mm() * (1.0 - 1e-6)
     }
 
-    /// How the cutter is moved, whatever the direction.
+    /// The operation of the cutter, for all directions.
     pub(super) fn operation<'a>(&'a self, settings: &'a ZigzagSettings, room: &'a Room) -> Operation<'a> {
         Operation { machine: &settings.machine, pattern: settings.pattern, feeds: &self.feeds, link_rate: self.link_rate, room }
     }

@@ -1,4 +1,4 @@
-//! All candidates on one surface: each one's fastest plan, checked, in the order of their times.
+//! The ranking of all candidates on a surface: the checked fastest plan of each, sorted by time.
 
 use super::candidate::CandidateCutter;
 use super::check::{Inspector, ScallopFigures, checked};
@@ -19,16 +19,16 @@ use crate::quantity::{Angle, Length, Speed, Time};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
 
-/// All candidates on one surface.
+/// The plans of all candidates on a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranking {
     /// The plans, fastest first.
     pub plans: Vec<ZigzagPlan>,
     /// The candidates without a plan.
     pub not_ranked: Vec<NotRanked>,
-    /// What was taken of the surface.
+    /// The figures of the surface.
     pub surface: SurfaceFigures,
-    /// How far to trust the order of the plans; `None` without a plan.
+    /// The confidence in the order of the plans; `None` without a plan.
     pub confidence: Option<SurfaceConfidence>,
 }
 
@@ -38,7 +38,8 @@ const LARGEST_SHARE_WITHOUT_HEIGHT: f64 = 0.5;
 /// Plans zigzag passes for each candidate over the facets and ranks them by time.
 ///
 /// The facets must be visible from above, with n_z > 0; `evidence` holds the mesh's properties beside them.
-/// `stop` is asked before each candidate and direction and every 32 planes; `None` as soon as it returns true.
+/// `stop` is called before each candidate and direction and every 32 planes; the result is `None` as soon as it returns
+/// true.
 #[must_use]
 pub fn rank(
     facets: &[FinishFacet],
@@ -50,12 +51,12 @@ pub fn rank(
     rank_within(facets, candidates, settings, evidence, PlanRoom::LARGEST, stop).ok()
 }
 
-/// Why nothing was ranked.
+/// The reason why nothing was ranked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoRanking {
     /// `stop` returned true.
     Stopped,
-    /// A plan has more planes or runs than there is room for, and would fit a larger room.
+    /// A plan has more planes or runs than its room allows, but would fit a larger room.
     NoRoom,
 }
 
@@ -73,7 +74,7 @@ pub fn rank_within(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Ranking, NoRanking> {
     let room = Room::new(room);
-    // A plan that does not fit ends the others, too.
+    // A plan that does not fit ends the others as well.
     let ranking = ranked(facets, candidates, settings, evidence, &room, &|| room.is_exceeded() || stop());
     ranking.ok_or(if room.is_exceeded() { NoRanking::NoRoom } else { NoRanking::Stopped })
 }
@@ -136,10 +137,10 @@ fn keep_planes_of_fastest(plans: &mut [ZigzagPlan]) {
     plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != fastest).for_each(|(_, plan)| plan.passes = Vec::new());
 }
 
-/// In how many directions the plan of a candidate is checked at most.
+/// The largest number of directions in which the plan of a candidate is checked.
 const MOST_CHECKED: usize = 3;
 
-/// How far the directions that are checked must lie from each other, in deg: nearer ones have nearly the same spacings.
+/// The smallest angle between checked directions, in deg: nearer ones have nearly the same spacings.
 const CHECKED_APART: f64 = 5.0;
 
 /// A direction's zigzag after its check.

@@ -1,14 +1,14 @@
 //! The order in which runs are cut: region by region, in each region plane by plane.
 //!
 //! A region is a chain of runs in consecutive planes, each beside exactly one run of the next plane and alone beside
-//! it; where a gap begins or ends, regions part or join. A region is finished before the cutter leaves it, so that a
+//! it; where a gap begins or ends, regions divide or join. A region is finished before the cutter leaves it, so that a
 //! gap costs a lift for each region that it makes and not for each plane that it crosses. The next region, and the
 //! corner at which the cutter enters it, are those with the quickest link.
 
 use super::links::{End, Links};
 use super::tour::Pattern;
 
-/// Where a run lies.
+/// The position of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stretch {
     /// The number of its plane, in rising order across the passes.
@@ -30,13 +30,14 @@ impl Stretch {
 /// A run in the order of cutting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Leg {
-    /// The place of the run among all.
+    /// The position of the run among all.
     pub(super) run: usize,
     /// Whether it is cut in the direction of the passes.
     pub(super) forward: bool,
 }
 
-/// How many ways into other regions are compared at most, over all regions together: some milliseconds.
+/// The largest number of links to other regions that are compared, over all regions together, which takes some
+/// milliseconds.
 const MOST_COMPARED: usize = 16_384;
 
 /// The order of runs that come plane by plane, and in each plane along it.

@@ -1,11 +1,11 @@
-//! The bounds on planes and runs that keep the memory of a plan within what was reserved for it.
+//! Bounds on the planes and runs of a plan, which keep its memory within the reservation.
 
 use super::march::{MOST_PLANES, NoPlanes};
 use super::simulate::MOST_RUNS;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How many planes and runs the plan of each candidate may have. Most plans have some hundred of each; memory for the
-/// most that there may be is reserved for those that need it.
+/// The largest numbers of planes and runs of each candidate's plan. Most plans have some hundred of each; memory for
+/// more is reserved only for plans that need it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlanRoom {
     /// The most planes.
@@ -43,8 +43,8 @@ impl Room {
     /// Records that a plan with these planes and runs needs more room, if it does.
     ///
     /// # Errors
-    /// [`NoPlanes::TooManyPlanes`] and [`NoPlanes::TooManyRuns`] where no room would do, [`NoPlanes::NoRoom`] where a
-    /// larger one would.
+    /// [`NoPlanes::TooManyPlanes`] and [`NoPlanes::TooManyRuns`] if even the largest room is exceeded,
+    /// [`NoPlanes::NoRoom`] if a larger room would suffice.
     pub(super) fn check(&self, planes: usize, runs: usize) -> Result<(), NoPlanes> {
         let most = PlanRoom::LARGEST;
         if planes > most.planes {

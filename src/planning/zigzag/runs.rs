@@ -1,4 +1,4 @@
-//! Where a plane cuts the facets: runs along it, joined over narrow gaps.
+//! Runs: the parts of a plane that cut facets, joined over narrow gaps.
 
 use super::march::{Plane, Reached, Spaced};
 use super::regions::Stretch;
@@ -31,9 +31,9 @@ const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]
 #[derive(Debug)]
 pub(super) struct RunFinder {
     cells: Vec<Cell>,
-    /// The cells that hold something. A part of a kilometre has 1e5 cells, and most planes few cuts.
+    /// The cells with cuts. A part of a kilometre has 1e5 cells, and most planes have few cuts.
     filled: Vec<usize>,
-    /// Room for the places of the facets that a plane cuts.
+    /// A buffer for the positions of the facets that a plane cuts.
     cut: Vec<u32>,
     origin: f64,
     gap: f64,
@@ -57,7 +57,7 @@ impl RunFinder {
         let (at, spacing) = (plane.at, plane.spacing());
         let constant_pace = if let FeedLaw::Constant { rate } = feeds { Some(rate.recip()) } else { None };
         let per_gap = self.gap.recip();
-        // Whether a facet is cut and whether it is kept are as good as random: both lists grow without branches.
+        // Whether a facet is cut or kept is nearly random, so both lists grow without branches.
         self.cut.resize(reached.len(), 0);
         let (mut kept, mut count) = (0, 0);
         for index in 0..reached.len() {

@@ -1,4 +1,4 @@
-//! The fastest direction of each cutter.
+//! The search for the fastest direction of each cutter.
 
 use super::march::{NoPlanes, Spaced};
 use super::prepared::Prepared;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TimeOfDirection {
     pub(super) direction: Angle,
-    /// In s, or why there is none.
+    /// The time in s, or the reason why there is none.
     pub(super) seconds: Result<f64, NoPlanes>,
     /// Whether it is from the first pass on sampled facets, and rougher than the others.
     pub(super) is_rough: bool,
@@ -26,11 +26,11 @@ const MOST_AT_FIRST: usize = 3_000;
 /// Facets beyond this number are sampled around the best direction as well, where times then err by some 0.7 %.
 const MOST_FACETS: usize = 6_000;
 
-/// How many of the fastest directions of the first pass are simulated again.
+/// The number of the fastest directions of the first pass that are simulated again.
 const BEST_AT_FIRST: usize = 2;
 
-/// The times of each contender in the directions that are asked for, in rising order of direction; `None` as soon as
-/// `stop` returns true.
+/// The times of each contender in the requested directions, in rising order of direction; `None` as soon as `stop`
+/// returns true.
 pub(super) fn times_by_direction(
     workpiece: &Workpiece,
     contenders: &[Prepared],
@@ -52,7 +52,8 @@ pub(super) fn times_by_direction(
             coarse.extend(beside.iter().filter(|angle| !is_among(&coarse, **angle)).copied().collect::<Vec<_>>());
             let first = sampled(workpiece, MOST_AT_FIRST);
             simulated(first.as_ref().unwrap_or(workpiece), for_all(contenders, &coarse), &mut times);
-            // The best are simulated again with the facets of those around them, so that they compare.
+            // The best are simulated again with the same facets as the directions around them, so that times are
+            // comparable.
             if first.is_some() {
                 let best = take_fastest(&mut times);
                 simulated(around, best.iter().map(|&(contender, time)| (contender, time.direction)).collect(), &mut times);
@@ -79,7 +80,7 @@ pub(super) fn times_by_direction(
     (!stop()).then_some(times)
 }
 
-/// The direction that takes least, a rough time counting only where there are no others.
+/// The fastest direction; a rough time counts only if there are no others.
 pub(super) fn fastest(times: &[TimeOfDirection]) -> Option<TimeOfDirection> {
     let least = |is_rough: bool| {
         let found = times.iter().filter(|time| time.is_rough == is_rough).filter_map(|time| Some((time.seconds.ok()?, time)));
@@ -88,7 +89,7 @@ pub(super) fn fastest(times: &[TimeOfDirection]) -> Option<TimeOfDirection> {
     least(false).or_else(|| least(true))
 }
 
-/// About `count` of the facets, where there are more.
+/// About `count` of the facets, if there are more.
 fn sampled(workpiece: &Workpiece, count: usize) -> Option<Workpiece> {
     (workpiece.len() > count).then(|| workpiece.sampled(count))
 }
@@ -128,7 +129,7 @@ fn for_all(contenders: &[Prepared], directions: &[Angle]) -> Vec<(usize, Angle)>
     directions.iter().flat_map(|&direction| (0..contenders.len()).map(move |contender| (contender, direction))).collect()
 }
 
-/// What is the same for all pairs of contender and direction.
+/// The data that all pairs of contender and direction share.
 struct Simulation<'a> {
     facets: &'a Workpiece,
     contenders: &'a [Prepared],

@@ -1,4 +1,4 @@
-//! What is given for all candidates: the scallop height, the machine, the pattern and the directions.
+//! The settings of a ranking, the same for all candidates: scallop height, machine, pattern and directions.
 
 use super::tour::Pattern;
 use crate::milling::Model;
@@ -6,7 +6,7 @@ use crate::motion::Machine;
 use crate::quantity::{Angle, Length};
 use crate::surface::Shape;
 
-/// What is given for all candidates.
+/// The settings of a ranking.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZigzagSettings {
     /// The scallop height to keep: of step-over and feed marks together for cutters with a drive, of the step-over
@@ -14,7 +14,7 @@ pub struct ZigzagSettings {
     pub scallop_height: Length,
     /// The machine.
     pub machine: Machine,
-    /// How passes follow each other.
+    /// The pattern of the passes.
     pub pattern: Pattern,
     /// The model by which passes are spaced.
     pub model: Model,
@@ -22,11 +22,12 @@ pub struct ZigzagSettings {
     pub max_slope: Angle,
     /// The directions of passes.
     pub directions: Directions,
-    /// The share of a strip's area that may allow less than the strip's spacing, so that one bad facet does not set it.
+    /// The share of a strip's area that may allow less than the strip's spacing, so that a single bad facet does not
+    /// determine it.
     pub left_out_share: f64,
     /// The share of the area up to which a cutter may leave the surface uncut and be ranked.
     pub max_uncut_share: f64,
-    /// How many candidates are planned at once at most, each of which takes memory.
+    /// The largest number of candidates that are planned at once, each of which takes memory.
     pub candidates_at_once: usize,
     /// The shape of the surface, for the comparison with the published method; `None` leaves it out.
     pub shape: Option<Shape>,
@@ -52,7 +53,7 @@ impl ZigzagSettings {
     }
 }
 
-/// Which directions are simulated.
+/// The directions that are simulated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Directions {
     /// Every 5 deg and those of `beside`, then around the best down to 0.5 deg.
@@ -60,6 +61,6 @@ pub enum Directions {
         /// Further directions, such as the principal and the steepest one.
         beside: Vec<Angle>,
     },
-    /// These only.
+    /// Only these.
     Only(Vec<Angle>),
 }

@@ -1,4 +1,4 @@
-//! One cutter in one direction over a workpiece.
+//! The simulation of one cutter in one direction over a workpiece.
 
 use super::links::Links;
 use super::march::{NoPlanes, Plane, Spaced, march};
@@ -8,7 +8,7 @@ use super::spacing::FeedLaw;
 use super::tour::{Pattern, TourFigures};
 use crate::motion::Machine;
 
-/// What is the same for every direction of a cutter.
+/// The data that all directions of a cutter share.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Operation<'a> {
     pub(super) machine: &'a Machine,

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 /// The sines of the rows' slopes, rising from 0 to 1: 0, then in steps of a quarter from 0.02 deg to 10 deg, then
 /// every 2.5 deg.
 ///
-/// A step-over squared goes with 1/sin(S) where the cutter's corner makes the groove, and is constant where its flat
-/// does.
+/// The square of the step-over is proportional to 1/sin(S) where the cutter's corner makes the groove, and constant
+/// where its flat does.
 static SINES: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let mut degrees = vec![0.0];
     let mut next: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! How far apart the planes of neighbouring passes may lie at a slope and direction, for one cutter and scallop height.
+//! The largest spacing of neighbouring planes at a slope and direction, for one cutter and scallop height.
 
 use super::candidate::FeedRange;
 use super::slopes::{SlopePlace, sines};
@@ -37,7 +37,7 @@ enum Law {
     Table { squared: Vec<f64> },
 }
 
-/// How the feed follows the spacing.
+/// The feed as a function of the spacing.
 #[derive(Debug, Clone)]
 pub(super) enum FeedLaw {
     /// One feed rate everywhere, in mm/s: the machine's, or the largest feed per tooth, which the best step-over
@@ -47,7 +47,7 @@ pub(super) enum FeedLaw {
     Table(FeedTable),
 }
 
-/// Feeds at the best step-over, and what smaller step-overs gain.
+/// Feeds at the best step-over, and the gain of smaller step-overs.
 #[derive(Debug, Clone)]
 pub(super) struct FeedTable {
     range: FeedRange,
@@ -310,7 +310,7 @@ mod tests {
     use super::*;
     use crate::planning::zigzag::slopes::place_of;
 
-    /// Numbers that look random and are the same on each run.
+    /// Pseudo-random numbers, the same in each run.
     fn random(state: &mut u64) -> f64 {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         f64::from(u32::try_from(*state >> 33).unwrap()) / f64::from(1_u32 << 31)

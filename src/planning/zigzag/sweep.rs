@@ -214,7 +214,7 @@ fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
         sorted[*place as usize] = *covered;
         *place += 1;
     }
-    // Facets of meshes in rows begin at the same places by the hundred; such a run is long but in order, or sorted by
+    // Hundreds of facets of a mesh in rows begin at the same coordinate; such a run is long but in order, or sorted by
     // comparison.
     if sorted.windows(2).any(|pair| pair[0].low > pair[1].low) {
         let mut start = 0;

@@ -6,7 +6,7 @@ use super::runs::Run;
 use crate::motion::{Machine, MachineLimits};
 use crate::quantity::Speed;
 
-/// How passes follow each other.
+/// The pattern of passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pattern {
     /// Passes alternate in sense.
@@ -16,20 +16,20 @@ pub enum Pattern {
     OneWay,
 }
 
-/// What a zigzag takes.
+/// Times, lengths and counts of a zigzag.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TourFigures {
     /// The time of all runs and links, in s.
     pub seconds: f64,
-    /// How many runs there are.
+    /// The number of runs.
     pub runs: usize,
     /// The length of all runs, in mm.
     pub run_length: f64,
-    /// How many links there are.
+    /// The number of links.
     pub links: usize,
     /// The length of all links, in mm.
     pub link_length: f64,
-    /// How many links go over the clearance height.
+    /// The number of links over the clearance height.
     pub lifts: usize,
     /// The time of these links, in s.
     pub lift_seconds: f64,

@@ -159,7 +159,7 @@ impl Workpiece {
     }
 }
 
-/// What the simulation takes of the surface.
+/// The figures of the surface in the simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceFigures {
     /// The area of all facets.
@@ -170,6 +170,6 @@ pub struct SurfaceFigures {
     pub steep_area_share: f64,
     /// The edge length of a square of the mean facet's area: two triangles to a square of it are as many facets.
     pub facet_size: Length,
-    /// How far facets of that size lie from the surface, by the mean of its curvature over the area: k size^2 / 8.
+    /// The distance of facets of that size from the surface, by the mean curvature k over the area: k size^2 / 8.
     pub sagitta: Length,
 }

@@ -1,11 +1,11 @@
 //! The curvature of the surface that a mesh approximates, estimated at its facets.
 //!
-//! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal: the
-//! mean of the normals of the facets around that point, weighted by their angles there, of those only that are within
-//! [`CREASE_ANGLE_DEG`] of the facet's own normal. Along each edge from p to q the curvature tensor K should turn the
-//! normal as K (q - p) = n_q - n_p: K is the symmetric tensor in the facet's plane that fits best in the sense of
-//! least squares, with all equations divided by the edge's length. The equations of the neighbours, which are the
-//! facets that share a point and lie within the crease angle, together count a quarter of the facet's own.
+//! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal: the mean
+//! of the normals of the facets around that point that are within [`CREASE_ANGLE_DEG`] of the facet's own normal,
+//! weighted by their angles there. Along each edge from p to q the curvature tensor K should turn the normal as K (q -
+//! p) = n_q - n_p: K is the symmetric tensor in the facet's plane that fits best in the sense of least squares, with
+//! all equations divided by the edge's length. The equations of the neighbours, which are the facets that share a point
+//! and lie within the crease angle, together count a quarter of the facet's own.
 //!
 //! **Planes beside fillets.** CAD systems write a plane as a few large facets, and the fillet that touches it as
 //! narrow strips. At the border between them the surface has the normal of the plane; the first strip is a chord,
@@ -14,30 +14,30 @@
 //! whose regions differ by more than that are not neighbours. A facet inside a flat region has the curvature 0. A
 //! plane is therefore a plane up to its border, and the first strip of a fillet has the curvature of the fillet.
 //!
-//! **Borders and creases.** At a corner with facets on one side only, the mean normal belongs to a place inside. An
-//! edge that leads into the direction in which the fan is open counts a thousandth of others, so that the neighbours'
-//! equations determine the curvature there.
+//! **Borders and creases.** At a corner with facets on one side only, the mean normal is that of a point further
+//! inside. An edge that points into the open side of the fan has a thousandth of the weight of others, so that the
+//! neighbours' equations determine the curvature there.
 //!
 //! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at
-//! each point the mean of the two facets' normals is the cylinder's own normal. So has a fillet as CAD systems
-//! tessellate it. This holds from 11 facets around (360/11 = 33 deg); with fewer, each edge is a crease and all
+//! each point the mean of the two facets' normals is the cylinder's own normal. The same holds for a fillet tessellated
+//! by a CAD system. This holds from 11 facets around (360/11 = 33 deg); with fewer, each edge is a crease and all
 //! facets count as plane. In return, two planes that meet at less than the crease angle get a curvature, that of the
 //! arc that touches both in the middle of their facets, unless one is over four times as large as the other. Where a
-//! fillet's strips are as large as the plane beside it, the facets on both sides of the border get a value between
-//! both curvatures.
+//! fillet's strips are as large as the plane beside it, the facets on both sides of the border get a value between both
+//! curvatures.
 //!
-//! **Noise.** Coordinates off by d turn the normals of facets of size L by d/L, and the curvature is off by d/L^2:
+//! **Noise.** Errors d of coordinates turn the normals of facets of size L by d/L, and change the curvature by d/L^2:
 //! 0.01/mm for a micrometre and facets of 0.01 mm.
 
 use super::flat_regions::{SAME_PLANE, areas_of_flat_regions};
 use super::{Mesh, Visibility, cross, difference, dot};
 use rayon::prelude::*;
 
-/// Facets whose normals differ by more do not belong to one smooth surface, in deg.
+/// The angle between normals, in deg, above which facets do not belong to one smooth surface.
 pub const CREASE_ANGLE_DEG: f64 = 35.0;
 
-/// The largest number of facets around a point that are examined when some are across a crease; of more, as many,
-/// evenly spread in the order of the file. It bounds the time for a fan of a million facets around one point.
+/// The largest number of facets around a point that are examined if some are across a crease; of more, this many are
+/// taken, evenly spread in the order of the file. It bounds the time for a million facets around one point.
 pub(super) const LARGEST_FAN: usize = 64;
 
 /// The weight of all neighbours' equations together, against the facet's own.
@@ -50,7 +50,7 @@ const LEAST_AREA_RATIO: f64 = 0.25;
 /// those of the region.
 const MUCH_LARGER: f64 = 8.0;
 
-/// The factor by which the weight of an edge's equation is reduced where the edge points into the open side of a fan.
+/// The factor by which the weight of an edge's equation is reduced if the edge points into the open side of a fan.
 const OPEN_SIDE: f64 = 1e3;
 
 /// The facets around each point: those of point p are `facets[starts[p]..starts[p + 1]]`.
@@ -181,7 +181,8 @@ impl Mesh {
             let weight = if sides.areas[facet as usize] >= least { angle } else { 0.0 };
             for axis in 0..3 {
                 sum[axis] += weight * normal[axis];
-                // The ends of the fan: what neighbours share cancels. Turned facets run the other way round.
+                // The contributions of shared edges cancel, so the ends of the fan remain. Turned facets run the other
+                // way round.
                 open[axis] += if dot(sine, normal) >= 0.0 { v[axis] - u[axis] } else { u[axis] - v[axis] };
             }
         }
@@ -254,7 +255,7 @@ impl Equations {
         let first = [0, 1, 2].map(|axis| cos * t[axis] + sin * u[axis]);
         let second = [0, 1, 2].map(|axis| cos * u[axis] - sin * t[axis]);
         let (s1, s2) = (between(&self.directions, first, first), between(&self.directions, second, second));
-        // The edges of a triangle with an area have two directions, which may differ by no more than a rounding.
+        // The edges of a triangle with an area have two directions, which may differ only by a rounding error.
         let quotient = |turn: f64, weight: f64| if weight > 1e-12 { turn / weight } else { 0.0 };
         let k11 = quotient(between(&self.turns, first, first), 2.0 * s1);
         let k12 = quotient(between(&self.turns, first, second), s1 + s2);
@@ -269,7 +270,7 @@ fn between([xx, xy, xz, yy, yz, zz]: &[f64; 6], a: [f64; 3], b: [f64; 3]) -> f64
     a[0] * (xx * b[0] + xy * b[1] + xz * b[2]) + a[1] * (xy * b[0] + yy * b[1] + yz * b[2]) + a[2] * (xz * b[0] + yz * b[1] + zz * b[2])
 }
 
-/// Two unit vectors across a unit vector and each other.
+/// Two unit vectors perpendicular to a unit vector and to each other.
 pub(super) fn tangents(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let [x, y, z] = normal.map(f64::abs);
     // The axis with the largest angle to the normal.
@@ -286,7 +287,7 @@ pub(super) fn tangents(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     (t, cross([0.0; 3], normal, t))
 }
 
-/// The vector of length 1 in this direction; `None` for one too short to have a direction.
+/// The unit vector in this direction; `None` for a vector too short to have one.
 fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let length = dot(vector, vector).sqrt();
     (length > 1e-150).then(|| vector.map(|part| part / length))

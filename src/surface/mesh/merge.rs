@@ -156,8 +156,8 @@ impl HeightLattice {
     }
 }
 
-/// The smallest whole number that is not below `value`. Casts saturate, far beyond what fits the lattice; the library's functions are calls where
-/// the processor's instructions are not assumed to have them.
+/// The smallest whole number that is not below `value`. Casts saturate, far beyond what fits the lattice; the library's
+/// functions are calls where the processor's instructions are not assumed to have them.
 #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "numbers beyond 2^52 are whole")]
 fn ceil(value: f64) -> i64 {
     let truncated = value as i64;

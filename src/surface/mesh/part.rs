@@ -5,8 +5,8 @@ use super::cross;
 use super::weld::Welder;
 use crate::surface::{Bounds, Sink};
 
-/// The facets or points of a part of a surface, for [`MeshBuilder::append`](super::MeshBuilder::append). Corners with equal coordinates
-/// become one point, and facets without area are counted and left out, as in the whole mesh.
+/// The facets or points of a part of a surface, for [`MeshBuilder::append`](super::MeshBuilder::append). Corners with
+/// equal coordinates become one point, and facets without area are counted and left out, as in the whole mesh.
 #[derive(Debug)]
 pub struct MeshPart {
     pub(super) welder: Welder,

@@ -5,8 +5,8 @@ use crate::surface::Bounds;
 use hashbrown::HashTable;
 
 /// A cloud of at most `limit` points. If there are more, the point nearest to the centre of each cell of a lattice is
-/// kept, unmoved; the cells are the smallest, by powers of two, that leave at most half of the limit, and double in size
-/// when later points exceed the limit.
+/// kept, unmoved; the cells are the smallest, by powers of two, that leave at most half of the limit, and double in
+/// size when later points exceed the limit.
 #[derive(Debug)]
 pub(super) struct PointCloud {
     limit: usize,
@@ -60,8 +60,8 @@ impl PointCloud {
         self.cells.as_ref().map_or(self.points.len(), |cells| cells.points.len())
     }
 
-    /// The further memory in bytes for `more` points: the vector grows to twice its size, and points that are thinned to
-    /// larger cells are held twice.
+    /// The further memory in bytes for `more` points: the vector grows to twice its size, and points that are thinned
+    /// to larger cells are held twice.
     pub(super) fn bytes_to_take(&self, more: usize) -> usize {
         let count = self.len() + more;
         if count > self.limit {
@@ -84,7 +84,8 @@ impl PointCloud {
     }
 
     fn thin(&mut self) {
-        // Of points above each other the highest counts; a surface scanned several times at the same places is not thinned for that.
+        // Of points above each other the highest counts; a surface scanned several times at the same places is not
+        // thinned for that.
         self.points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(b[2].total_cmp(&a[2])));
         self.points.dedup_by(|b, a| a[..2] == b[..2]);
         if self.points.len() <= self.limit / 2 {
@@ -166,8 +167,8 @@ impl Cells {
     }
 }
 
-/// The largest whole number that is not above `value`, without the sign of a zero. The library's function is a call where the processor's
-/// instructions are not assumed to have it.
+/// The largest whole number that is not above `value`, without the sign of a zero. The library's function is a call
+/// where the processor's instructions are not assumed to have it.
 #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "within 2^52, where both are exact")]
 fn floor(value: f64) -> f64 {
     const ALL_WHOLE: f64 = (1_u64 << 52) as f64;

@@ -1,8 +1,9 @@
-//! Reading on several threads: a file is divided into blocks that are parsed apart from each other, and their results joined in order.
+//! Reading on several threads: a file is divided into blocks that are parsed apart from each other, and their results
+//! joined in order.
 //!
-//! A block is parsed as if the file before it ended in the usual way, for instance with a whole facet. Its result counts where that is so and
-//! the block has no fault. Any other block is read again, in order, by the sequential reader, which finds the same points, facets and faults
-//! as it does in a file that is read on one thread.
+//! A block is parsed as if the file before it ended in the usual way, for instance with a whole facet. Its result
+//! counts where that is so and the block has no fault. Any other block is read again, in order, by the sequential
+//! reader, which finds the same points, facets and faults as it does in a file that is read on one thread.
 
 use super::fault::Fault;
 use super::{Body, Sink, mesh, obj, ply, stl_ascii, stl_binary, text};
@@ -75,7 +76,8 @@ impl Block {
     }
 }
 
-/// Reads consecutive blocks on the threads of the current pool. Each block is summed as a part of its own, whether it was parsed apart or not.
+/// Reads consecutive blocks on the threads of the current pool. Each block is summed as a part of its own, whether it
+/// was parsed apart or not.
 pub(super) fn read<S: PartedSink>(body: &mut Body, blocks: Vec<Block>, sink: &mut S) -> Result<(), Fault> {
     let parsed: Vec<Parsed> = blocks.into_par_iter().map(Block::parse).collect();
     let mut parsed = parsed.into_iter();

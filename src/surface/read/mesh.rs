@@ -1,4 +1,5 @@
-//! Vertices and faces of an indexed mesh, shared by the readers of OBJ and PLY: a whole file, or a run of one that is parsed apart.
+//! Vertices and faces of an indexed mesh, shared by the readers of OBJ and PLY: a whole file, or a run of one that is
+//! parsed apart.
 
 use super::Sink;
 use super::blocks::Emitted;
@@ -80,11 +81,13 @@ impl Mesh {
     }
 }
 
-/// A number in a run that counts backwards from the run's vertices: this bit, and the distance from the first of them plus [`ORIGIN`].
+/// A number in a run that counts backwards from the run's vertices: this bit, and the distance from the first of them
+/// plus [`ORIGIN`].
 const BACKWARDS: u32 = 1 << 31;
 const ORIGIN: i64 = 1 << 30;
 
-/// Vertices and faces of a part of a file, parsed without what precedes it. Methods return `None` where the part must be read in order.
+/// Vertices and faces of a part of a file, parsed without what precedes it. Methods return `None` where the part must
+/// be read in order.
 #[derive(Debug, Default)]
 pub(super) struct Run {
     vertices: Vec<[f64; 3]>,

@@ -135,7 +135,8 @@ impl Reader {
         Self { cancel: cancel.clone(), ..self }
     }
 
-    /// The same reader with blocks of `bytes` bytes, 1 at least, for [`Reader::push_in_parallel`]; 128 KiB unless stated.
+    /// The same reader with blocks of `bytes` bytes, 1 at least, for [`Reader::push_in_parallel`]; 128 KiB unless
+    /// stated.
     #[must_use]
     pub fn with_block_size(self, bytes: usize) -> Self {
         Self { block: bytes.max(1), ..self }
@@ -170,9 +171,9 @@ impl Reader {
         self.remember(result)
     }
 
-    /// Takes the next bytes of a file, in several chunks, and reads blocks of them on the threads of the current pool of rayon. The
-    /// whole file must be passed by this method. Points, facets and faults are the same as with [`Reader::push`]; the parts of the sink
-    /// depend on the file alone, not on the chunks or the threads.
+    /// Takes the next bytes of a file, in several chunks, and reads blocks of them on the threads of the current pool
+    /// of rayon. The whole file must be passed by this method. Points, facets and faults are the same as with
+    /// [`Reader::push`]; the parts of the sink depend on the file alone, not on the chunks or the threads.
     ///
     /// Each call holds some 40 bytes for each byte of the chunks, until it returns.
     ///

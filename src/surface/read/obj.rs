@@ -169,7 +169,8 @@ impl Reader {
 }
 
 impl Content {
-    /// Reads a line. A backslash at its end continues the statement on the next line, except in a comment, where it may end a path.
+    /// Reads a line. A backslash at its end continues the statement on the next line, except in a comment, where it may
+    /// end a path.
     fn line(&mut self, line: &[u8], target: &mut impl Target) -> Result<(), Flaw> {
         let line = trimmed(line);
         if self.begun.is_empty() && line.first() == Some(&b'#') {

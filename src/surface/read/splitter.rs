@@ -1,6 +1,7 @@
 //! Divides a text into blocks of whole lines, which several threads can read in parallel.
 //!
-//! Where a block ends depends on the text alone, not on the chunks in which it arrives, so that sums over blocks are reproducible to the bit.
+//! Where a block ends depends on the text alone, not on the chunks in which it arrives, so that sums over blocks are
+//! reproducible to the bit.
 
 use super::lines::{LONGEST_LINE, line_end, trimmed};
 

@@ -1,11 +1,11 @@
-//! What the facets of a surface and the simulation on them say about a rectangle in its place.
+//! Evidence from the facets of a surface and from the simulation on them, for the confidence in method rectangle.
 
 use super::{Confidence, Weakness, over};
 use crate::planning::rectangle::{CutterChoice, Plan};
 use crate::quantity::{Angle, Area, Time};
 use crate::surface::Shape;
 
-/// What the surface itself and the simulation on it say, where there are facets.
+/// The figures of the surface and of the simulation on it, if there are facets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
     /// The mean slope over the area.
@@ -19,7 +19,7 @@ pub struct Evidence {
 }
 
 impl Confidence {
-    /// Adds what the surface itself and the simulation on it say about a rectangle in its place.
+    /// Adds the weaknesses that the surface and the simulation on it show.
     #[must_use]
     pub fn with_evidence(self, plan: &Plan, shape: &Shape, evidence: &Evidence) -> Self {
         let with_surface = self.with_surface(shape, evidence);
@@ -31,8 +31,8 @@ impl Confidence {
         })
     }
 
-    /// Adds how far the times on the rectangle are from those of passes simulated on the surface. `times` has both,
-    /// in this order, for each candidate, the recommended one first.
+    /// Adds the deviation of the times on the rectangle from those of passes simulated on the surface. `times` has
+    /// both, in this order, for each candidate, the recommended one first.
     #[must_use]
     pub fn with_simulation(self, times: &[(Time, Time)]) -> Self {
         let mut reasons = self.reasons;
@@ -40,7 +40,7 @@ impl Confidence {
         reasons.extend(over(Weakness::SimulationDisagrees, apart.fold(0.0, f64::max), 0.1, 0.3));
         if let Some((_, recommended)) = times.first() {
             let fastest = times.iter().map(|(_, simulated)| simulated.seconds()).fold(f64::INFINITY, f64::min);
-            // The simulation errs by some 2 % itself.
+            // The simulation itself has an error of some 2 %.
             reasons.extend(over(Weakness::SimulationPrefersOther, recommended.seconds() / fastest - 1.0, 0.02, 0.05));
         }
         Self::from_reasons(reasons)

@@ -1,4 +1,4 @@
-//! Surfaces that touch one weakness each.
+//! Tests of the confidence, on surfaces with one weakness each.
 
 use super::*;
 use crate::milling::{Cutter, Model, NoAnswer};
@@ -73,7 +73,7 @@ fn squares_have_no_or_hardly_a_principal_direction() {
 }
 
 #[test]
-fn domes_are_graded_by_how_far_their_normals_lean() {
+fn domes_are_graded_by_the_inclination_of_their_normals() {
     use Weakness::NotFlat;
     // The cap of a ball of 60 mm, its axis leaning by 15 deg.
     let dome = |half_angle: f64| {
@@ -144,7 +144,7 @@ fn a_mean_slope_on_the_other_side_is_named() {
 }
 
 #[test]
-fn reasons_come_gravest_first_and_speak_for_themselves() {
+fn reasons_are_sorted_by_level_and_have_a_text() {
     let confidence = recommend(&job(0.01, "five_axis_vmc"), &plane(80.0, 40.0, 38.0, 0.0)).unwrap().confidence;
     assert!(confidence.reasons().is_sorted_by_key(|reason| std::cmp::Reverse(reason.level)));
     let said = confidence.reasons()[0].to_string();

@@ -67,7 +67,8 @@ trait Target {
     /// Starts to read a row of this kind.
     fn begin_row(&mut self, kind: Kind);
     fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw>;
-    /// A corner of the current face or strip; `None` stands for a negative number. `written` is what the file has there, for the fault.
+    /// A corner of the current face or strip; `None` stands for a negative number. `written` is what the file has
+    /// there, for the fault.
     fn corner(&mut self, vertex: Option<u64>, written: &dyn Fn() -> String) -> Result<(), Flaw>;
     fn close_face(&mut self) -> Result<(), Flaw>;
     /// Takes note of bytes after the last row.

@@ -50,7 +50,12 @@ impl Doubt {
         }
     }
 
-    /// The same doubt about lines that follow. The lines before them have shown what the columns are.
+    /// Whether the next line must be looked at in order.
+    pub(super) fn needs_lines(&self) -> bool {
+        self.columns.as_ref().is_some_and(|columns| !columns.is_complete())
+    }
+
+    /// The doubt about decimal commas in lines that follow.
     pub(super) fn of_more_lines(&self) -> Self {
         let commas = self.commas.map(|_| (usize::MAX, 0));
         Self { first_line: self.first_line, first: self.first.clone(), commas, columns: None }

@@ -57,6 +57,11 @@ impl Evidence {
         self.columns.len()
     }
 
+    /// Whether further lines make no difference.
+    pub(super) fn is_complete(&self) -> bool {
+        self.lines == MOST_LINES
+    }
+
     /// Takes the next line into account; false where it has other columns.
     pub(super) fn look_at(&mut self, line: &[u8]) -> bool {
         if self.lines == MOST_LINES {

@@ -61,7 +61,8 @@ impl Reader {
         self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
     }
 
-    /// The next piece of a text that arrives this way as a whole: blocks, once the lines before them have determined the layout.
+    /// The next piece of a text that arrives this way as a whole: blocks, once the lines before them have determined
+    /// the layout.
     pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
         let bytes = self.splitter.next(chunk)?;
         Some(match self.table.job() {
@@ -156,9 +157,9 @@ pub(super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
 }
 
 impl Table {
-    /// How the lines after these are read, once their layout is known.
+    /// How the lines after these are read, once their layout and the columns of a table without a header are known.
     fn job(&self) -> Option<Job> {
-        let layout = self.layout?;
+        let layout = self.layout.filter(|_| !self.doubt.as_ref().is_some_and(Doubt::needs_lines))?;
         Some(Job { layout, doubt: self.doubt.as_ref().filter(|_| layout.mark.is_none()).map(Doubt::of_more_lines) })
     }
 
