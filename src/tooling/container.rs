@@ -22,9 +22,9 @@ pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Resul
         return Err(flaw.in_file(file).into());
     }
     if Archive::is_archive(bytes) {
-        read_archive(bytes, file, library)?
+        read_archive(bytes, file, library)?;
     } else {
-        read_plain(bytes, file, None, library)?
+        read_plain(bytes, file, None, library)?;
     }
     if library.count() == 0 {
         return Err(Flaw::new(LibraryFaultKind::Empty, "a tool", "none").in_file(file).into());

@@ -14,7 +14,7 @@ pub(super) struct Doubt {
     /// The smallest and the largest number of fields, while every line can be read with decimal commas.
     commas: Option<(usize, usize)>,
     /// The columns, while every line has the same number of numbers, more than three.
-    columns: Option<Evidence>,
+    columns: Option<Box<Evidence>>,
 }
 
 impl Doubt {
@@ -23,7 +23,7 @@ impl Doubt {
     /// # Errors
     /// The line has too many numbers for a point.
     pub(super) fn about(line: &[u8], separator: Separator, number: u64) -> Result<Self, Flaw> {
-        let columns = Evidence::of(line, separator);
+        let columns = Evidence::of(line, separator).map(Box::new);
         if columns.as_ref().is_some_and(|columns| columns.width() > WIDEST_POINT) {
             let found = format!(
                 "more of them; either a row of a matrix of heights, or a point and its properties, which a header would name; {AS_POINTS}"
