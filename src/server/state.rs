@@ -1,7 +1,7 @@
 //! The state of a connection, shared by its stream, its requests and the table of all connections.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Waker};
 use std::time::{Duration, Instant};
 
@@ -79,16 +79,21 @@ impl ConnectionState {
         self.phase.store(phase as u8, Ordering::Release);
     }
 
-    /// The start of the wait for a head; `None` during a request.
+    /// The start of the wait for a head; `None` during a request, and until the connection's thread has looked for one:
+    /// a head may have arrived with the connection.
     pub(super) fn awaiting_since(&self) -> Option<Instant> {
         let since = self.opened + Duration::from_millis(self.awaiting_since_ms.load(Ordering::Relaxed));
-        self.is_in(Phase::AwaitingHead).then_some(since)
+        (self.is_in(Phase::AwaitingHead) && self.waker().is_some()).then_some(since)
+    }
+
+    fn waker(&self) -> MutexGuard<'_, Option<Waker>> {
+        self.waker.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Closes the connection if it still waits for a head when its task runs.
     pub(super) fn evict(&self) {
         self.evicted.store(true, Ordering::Release);
-        if let Some(waker) = self.waker.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        if let Some(waker) = self.waker().take() {
             waker.wake();
         }
     }
@@ -100,7 +105,7 @@ impl ConnectionState {
 
     /// Whether the connection shall close; if not, its task is woken when it shall.
     pub(super) fn poll_evicted(&self, context: &Context<'_>) -> bool {
-        let mut waker = self.waker.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut waker = self.waker();
         if waker.as_ref().is_none_or(|waker| !waker.will_wake(context.waker())) {
             *waker = Some(context.waker().clone());
         }

@@ -314,7 +314,9 @@ mod tests {
         #[test]
         fn sums_are_the_same_to_the_bit_without_wide_instructions(facets in prop::collection::vec(prop::array::uniform3(prop::array::uniform3(-20.0..20.0_f64)), SIZE)) {
             let mut block = Block::empty();
-            facets.iter().for_each(|facet| _ = block.push(*facet));
+            for facet in &facets {
+                block.push(*facet);
+            }
             let (wide, plain) = (facing(&block.corners), facing_anywhere(&block.corners));
             prop_assert_eq!((wide.area, wide.slope, wide.side), (plain.area, plain.slope, plain.side));
             let (mut wide_sums, mut plain_sums) = (Piece::about(facets[0][0]), Piece::about(facets[0][0]));

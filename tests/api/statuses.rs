@@ -19,6 +19,16 @@ async fn half_a_request(app: &TestApp, path: &str) -> TcpStream {
     stream
 }
 
+/// Waits until `count` requests have been admitted. A request before that could take the place of one of them.
+async fn until_in_flight(app: &TestApp, count: usize) {
+    // The request for the metrics counts, too.
+    let line = format!("scallopd_http_requests_in_flight {}\n", count + 1);
+    let deadline = tokio::time::Instant::now() + PATIENCE;
+    while !app.metrics().await.contains(&line) {
+        assert!(tokio::time::Instant::now() < deadline, "{count} requests are not in flight");
+    }
+}
+
 /// The status of an operation's answer under conditions that must give the status `wanted`.
 async fn obtain(wanted: u16, path: &str) -> u16 {
     let single = path.trim_end_matches("/batch");
@@ -49,17 +59,10 @@ async fn obtain(wanted: u16, path: &str) -> u16 {
         503 => {
             let app = TestApp::start_with(|settings| settings.http.max_in_flight = 1).await;
             let _occupies_the_only_place = half_a_request(&app, path).await;
-            let deadline = tokio::time::Instant::now() + PATIENCE;
-            loop {
-                let answer = app.send(path, body.to_string()).await;
-                if answer.status() == 503 {
-                    assert!(answer.headers().contains_key("retry-after"));
-                }
-                // Until the half request has arrived, this request may take its permit.
-                if answer.status() == 503 || tokio::time::Instant::now() > deadline {
-                    return answer.status().as_u16();
-                }
-            }
+            until_in_flight(&app, 1).await;
+            let answer = app.send(path, body.to_string()).await;
+            assert!(answer.headers().contains_key("retry-after"));
+            answer.status().as_u16()
         }
         other => panic!("the test cannot obtain {other} from {path}"),
     }
@@ -124,11 +127,8 @@ async fn every_documented_status_of_the_queries_is_obtained() {
         assert_eq!(obtained(&format!("{QUERY}&{parameters}")).await, 200, "{path}");
         assert_eq!(obtained("").await, 422, "{path}");
         let _occupy_both_places = (half_a_request(&app, path).await, half_a_request(&app, path).await);
-        let deadline = tokio::time::Instant::now() + PATIENCE;
-        while obtained("").await != 503 {
-            // Until the half requests have arrived, this request may take a permit.
-            assert!(tokio::time::Instant::now() < deadline, "{path}");
-        }
+        until_in_flight(&app, 2).await;
+        assert_eq!(obtained("").await, 503, "{path}");
         let failing = get(async || -> &'static str { panic!("a fault, on purpose") });
         let app = TestApp::serve(defaults(), Routes::new().undocumented(RouteClass::Single, path, failing)).await;
         assert_eq!(app.get(path).await.status(), 500, "{path}");

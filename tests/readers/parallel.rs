@@ -37,16 +37,17 @@ fn files(count: u16) -> Vec<Vec<u8>> {
     let points: Vec<[f64; 3]> = vertices.iter().map(|vertex| exact(*vertex)).collect();
     let facets: Vec<[[f64; 3]; 3]> = triangles.iter().map(|triangle| triangle.map(|vertex| points[vertex])).collect();
     let lines = |separator: &str, end: &str| points.iter().map(|point| words(point, separator) + end).collect::<String>();
-    let whole: String = (0..count).map(|index| format!("{index},{},{}\n", index % 5, 3 * index)).collect();
-    let polygons: String = (0..count)
+    let whole = (0..count).map(|index| format!("{index},{},{}\n", index % 5, 3 * index)).collect::<Vec<_>>().concat();
+    let polygons = (0..count)
         .map(|index| format!("v {index} 0 {0}\nv {index} 1 0\nv 0 {index}.5 \\\n 1\nf -1 -2 -3\nl 1 2\nf 1/1 2/2 3//3 1\n", index % 3))
-        .collect();
+        .collect::<Vec<_>>()
+        .concat();
     let quads = format!(
         "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face {}\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int vertex1\nend_header\n{}\n{}7\ntail\n",
         points.len(),
         triangles.len(),
         points.iter().map(|point| words(point, " ") + " 7\r\n").collect::<String>(),
-        triangles.iter().map(|[a, b, c]| format!("4 {a} {b} {c} {a}\n")).collect::<String>(),
+        triangles.iter().map(|[a, b, c]| format!("4 {a} {b} {c} {a}\n")).collect::<Vec<_>>().concat(),
     );
     vec![
         lines(",", "\n").into_bytes(),

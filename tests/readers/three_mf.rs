@@ -152,8 +152,8 @@ fn components_that_multiply_exponentially_are_refused() {
 #[test]
 fn objects_that_contain_themselves_are_refused_with_their_cycle() {
     let of = |id: u32, inner: &[u32]| {
-        let inner: String = inner.iter().map(|inner| format!("<component objectid=\"{inner}\"/>")).collect();
-        components(id, &inner)
+        let inner: Vec<String> = inner.iter().map(|inner| format!("<component objectid=\"{inner}\"/>")).collect();
+        components(id, &inner.concat())
     };
     let long: String = (1..=40_000).map(|id| of(id, &[id % 40_000 + 1])).collect();
     let wide: String = triangle_object(1) + &(2..40).map(|id| of(id, &[id - 1; 10])).collect::<String>() + &of(40, &[39, 40]);

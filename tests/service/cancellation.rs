@@ -81,7 +81,7 @@ async fn assert_at_rest(program: &Program) {
     let at_end = program.processor_time_s();
     let mut last = at_end;
     loop {
-        tokio::time::sleep(Duration::from_millis(1000)).await;
+        tokio::time::sleep(Duration::from_secs(1)).await;
         let now = program.processor_time_s();
         assert!(now - at_end < most_afterwards(), "{:.1} s of processor time afterwards", now - at_end);
         // What a server at rest takes is a few ms.

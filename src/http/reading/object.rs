@@ -116,13 +116,21 @@ impl<'a, 'p> Object<'a, 'p> {
             result = Err(faults.add(&self.path, RequestFault::TooManyFields, detail));
         }
         let known = if self.members.is_empty() { String::new() } else { self.known.join(", ") };
-        for (name, _) in &self.members {
-            let detail = format_args!("unknown field; known here: {known}");
-            result = Err(faults.add(&self.path.member(name), RequestFault::UnknownField, detail));
+        for (index, (name, _)) in self.members.iter().enumerate() {
+            let path = self.path.member(name);
+            result = Err(if index < MOST_WITH_KNOWN {
+                faults.add(&path, RequestFault::UnknownField, format_args!("unknown field; known here: {known}"))
+            } else {
+                faults.add(&path, RequestFault::UnknownField, "unknown field")
+            });
         }
         result
     }
 }
+
+/// The number of an object's unknown members whose faults list the known ones, so that an answer is not much longer
+/// than its request.
+const MOST_WITH_KNOWN: usize = 4;
 
 /// Describes a JSON value for the detail of a fault.
 pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
