@@ -18,6 +18,8 @@ pub struct MemoryBudget(Arc<Shared>);
 struct Shared {
     total: u64,
     reserved: AtomicU64,
+    /// The part of `reserved` for inputs.
+    inputs: AtomicU64,
     refusals: AtomicU64,
     /// Notified when bytes return.
     returned: Notify,
@@ -47,7 +49,13 @@ impl MemoryBudget {
     /// A budget of `total` bytes.
     #[must_use]
     pub fn new(total: u64) -> Self {
-        Self(Arc::new(Shared { total, reserved: AtomicU64::new(0), refusals: AtomicU64::new(0), returned: Notify::new() }))
+        Self(Arc::new(Shared {
+            total,
+            reserved: AtomicU64::new(0),
+            inputs: AtomicU64::new(0),
+            refusals: AtomicU64::new(0),
+            returned: Notify::new(),
+        }))
     }
 
     /// The largest reservation, three quarters of the budget. The rest is for the other memory of a request, such as
@@ -82,7 +90,14 @@ impl MemoryBudget {
 
     /// An empty reservation.
     pub fn open(&self) -> Reservation {
-        Reservation { budget: self.clone(), bytes: 0 }
+        Reservation { budget: self.clone(), bytes: 0, is_input: false }
+    }
+
+    /// An empty reservation for an input that is held until its request can be worked on. It grows only while the
+    /// other inputs hold at most a quarter of the budget. Without this bound, inputs that arrive together could fill
+    /// the budget, and none of their requests would get the memory for its work.
+    pub fn open_for_input(&self) -> Reservation {
+        Reservation { budget: self.clone(), bytes: 0, is_input: true }
     }
 
     /// A reservation of `bytes`.
@@ -102,6 +117,7 @@ impl MemoryBudget {
 pub struct Reservation {
     budget: MemoryBudget,
     bytes: u64,
+    is_input: bool,
 }
 
 impl Reservation {
@@ -160,13 +176,30 @@ impl Reservation {
     /// # Errors
     /// [`BudgetExceeded`]; the reservation is unchanged then.
     pub fn try_grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
-        let Shared { total, reserved, .. } = &*self.budget.0;
+        let Shared { total, reserved, inputs, .. } = &*self.budget.0;
         let own = self.bytes.checked_add(bytes).filter(|own| *own <= self.budget.largest()).ok_or(BudgetExceeded::Always)?;
         // No overflow: `reserved` and `bytes` are at most `total`, and a sum beyond it is not stored.
         let add = |reserved: u64| reserved.checked_add(bytes).filter(|sum| sum <= total);
-        reserved.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).map_err(|_| BudgetExceeded::Now)?;
+        if self.is_input {
+            // No underflow: `inputs` includes this reservation.
+            let add = |inputs: u64| (inputs - self.bytes <= total / 4).then(|| inputs.saturating_add(bytes));
+            inputs.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).map_err(|_| BudgetExceeded::Now)?;
+        }
+        if reserved.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).is_err() {
+            if self.is_input {
+                inputs.fetch_sub(bytes, Ordering::Relaxed);
+            }
+            return Err(BudgetExceeded::Now);
+        }
         self.bytes = own;
         Ok(())
+    }
+
+    /// Ends the wait of an input: its request has the memory for its work, so that other inputs may take its place.
+    pub fn begin_work(&mut self) {
+        if std::mem::take(&mut self.is_input) {
+            self.budget.0.inputs.fetch_sub(self.bytes, Ordering::Relaxed);
+        }
     }
 
     /// Returns all but `bytes`; a smaller reservation is kept.
@@ -175,6 +208,9 @@ impl Reservation {
         self.bytes -= returned;
         if returned > 0 {
             self.budget.0.reserved.fetch_sub(returned, Ordering::Relaxed);
+            if self.is_input {
+                self.budget.0.inputs.fetch_sub(returned, Ordering::Relaxed);
+            }
             self.budget.0.returned.notify_waiters();
         }
     }
@@ -219,6 +255,29 @@ mod tests {
         assert_eq!(reservation.grow(6), Err(BudgetExceeded::Always));
         assert_eq!(reservation.grow(u64::MAX), Err(BudgetExceeded::Always));
         assert_eq!(reservation.bytes(), 70);
+    }
+
+    #[test]
+    fn inputs_grow_while_the_others_hold_at_most_a_quarter() {
+        let budget = MemoryBudget::new(100);
+        let (mut first, mut second, mut work) = (budget.open_for_input(), budget.open_for_input(), budget.open());
+        first.grow(30).unwrap();
+        assert_eq!(second.grow(1), Err(BudgetExceeded::Now));
+        first.grow(30).unwrap();
+        work.grow(40).unwrap();
+        assert_eq!(first.grow(1), Err(BudgetExceeded::Now));
+        first.shrink_to(25);
+        second.grow(10).unwrap();
+        assert_eq!(budget.reserved(), 75);
+        let mut waiting = budget.open_for_input();
+        second.grow(20).unwrap();
+        assert_eq!(waiting.grow(1), Err(BudgetExceeded::Now));
+        second.begin_work();
+        waiting.grow(1).unwrap();
+        drop((first, second, waiting));
+        let mut third = budget.open_for_input();
+        third.grow(60).unwrap();
+        assert_eq!(budget.reserved(), 100);
     }
 
     #[tokio::test]

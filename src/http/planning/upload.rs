@@ -96,7 +96,7 @@ impl Received {
         while let Some(head) = form.next().await? {
             match head.name.as_deref() {
                 Some(name) if name == SURFACE.name && received.surface.is_none() => {
-                    let (surface, memory) = read_file(form, &head, work, metrics, work.reserve(0)?).await?;
+                    let (surface, memory) = read_file(form, &head, work, metrics, work.budget().open_for_input()).await?;
                     received.surface = Some(surface);
                     received.memory.push(memory);
                 }
@@ -149,6 +149,7 @@ impl Received {
     }
 
     fn answer(mut self, means: Means, budget: &MemoryBudget, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+        self.memory.iter_mut().for_each(Reservation::begin_work);
         let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
             let _ = (self.surface(&mut faults), self.libraries.check(&mut faults));
