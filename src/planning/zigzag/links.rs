@@ -1,6 +1,6 @@
 //! Links: the moves from the end of one run to the start of the next.
 
-use super::tour::Pattern;
+use super::settings::Pattern;
 use crate::motion::{Machine, MachineLimits, travel_time};
 use crate::quantity::{Length, Speed};
 

@@ -44,6 +44,6 @@ pub use passes::{PassPoint, Passes, TooManyPoints, bytes_of_passes, passes};
 pub use plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};
 pub use ranking::{NoRanking, Ranking, rank, rank_within};
 pub use room::PlanRoom;
-pub use settings::{Directions, ZigzagSettings};
-pub use tour::{Pattern, TourFigures};
+pub use settings::{Directions, Pattern, ZigzagSettings};
+pub use tour::TourFigures;
 pub use workpiece::SurfaceFigures;

@@ -6,7 +6,7 @@
 //! corner at which the cutter enters it, are those with the quickest link.
 
 use super::links::{End, Links};
-use super::tour::Pattern;
+use super::settings::Pattern;
 
 /// The position of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,10 +1,19 @@
 //! The settings of a ranking, the same for all candidates: scallop height, machine, pattern and directions.
 
-use super::tour::Pattern;
 use crate::milling::Model;
 use crate::motion::Machine;
 use crate::quantity::{Angle, Length};
 use crate::surface::Shape;
+
+/// The pattern of passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pattern {
+    /// Passes alternate in sense.
+    #[default]
+    Zigzag,
+    /// All passes have one sense; the cutter returns at the rapid rate over the clearance height.
+    OneWay,
+}
 
 /// The settings of a ranking.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,8 +4,9 @@ use super::links::Links;
 use super::march::{NoPlanes, Plane, Spaced, march};
 use super::room::Room;
 use super::runs::RunFinder;
+use super::settings::Pattern;
 use super::spacing::FeedLaw;
-use super::tour::{Pattern, TourFigures};
+use super::tour::TourFigures;
 use crate::motion::Machine;
 
 /// The data that all directions of a cutter share.

@@ -3,18 +3,9 @@
 use super::links::{Links, straight};
 use super::regions::{Stretch, in_order};
 use super::runs::Run;
+use super::settings::Pattern;
 use crate::motion::{Machine, MachineLimits};
 use crate::quantity::Speed;
-
-/// The pattern of passes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Pattern {
-    /// Passes alternate in sense.
-    #[default]
-    Zigzag,
-    /// All passes have one sense; the cutter returns at the rapid rate over the clearance height.
-    OneWay,
-}
 
 /// Times, lengths and counts of a zigzag.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
