@@ -53,7 +53,8 @@ class JsonBody:
 
 
 def _plain(value: Any) -> Any:
-    """Converts values that `json` does not support: numpy arrays and scalars and `array.array` by `tolist`, other buffers, mappings, iterables."""
+    """Converts values that `json` does not support: numpy arrays and scalars and `array.array` by `tolist`, other buffers,
+    mappings, iterables."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Mapping):
