@@ -358,7 +358,7 @@ class PluginExample(unittest.TestCase):
         example = readme.split("```python\n", 1)[1].split("```", 1)[0]
         lines = len([line for line in example.splitlines() if line.strip()])
         self.assertLess(lines, 30)
-        self.assertIn(f"G-code, {lines} lines", readme)
+        self.assertIn(f"G-code in {lines} lines", readme)
         document = FreeCAD.newDocument()
         self.addCleanup(FreeCAD.closeDocument, document.Name)
         document.addObject("Part::Feature", "Part").Shape = Part.makeCylinder(30, 40, Vector(0, 0, 0), Vector(1, 0, 0))
