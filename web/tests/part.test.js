@@ -142,7 +142,7 @@ test('a tool library joins the cutters, beside an example and beside a file', as
   await page.getByRole('button', { name: 'Copy as curl' }).click();
   const command = await page.evaluate(() => navigator.clipboard.readText());
   assert.equal(JSON.parse(await shell(`cd ${folder}; ${command}`)).recommended.machining_time_s, ofFile.recommended.machining_time_s);
-  const broken = fileOf('tools.json', '{"data": [{"type": "ball end mill"}]}');
+  const broken = fileOf('tools.json', '{"data": [{"type": "ball end mill"');
   await page.locator('#library-file').setInputFiles(broken);
   assert.equal((await find(page)).status, 400);
   await page.locator('.library + .fault').waitFor();
