@@ -142,7 +142,8 @@ impl Bench {
 
     /// The answer, in the pieces in which it is sent.
     fn answer(&self, path: &str, body: &Bytes) -> Vec<Bytes> {
-        let request = Request::post(path).header(header::CONTENT_TYPE, "application/json").body(Body::from(body.clone()));
+        let request = Request::post(path).header(header::HOST, "localhost").header(header::CONTENT_TYPE, "application/json");
+        let request = request.body(Body::from(body.clone()));
         self.runtime.block_on(async {
             let response = self.app.clone().oneshot(request.expect("a request")).await.expect("an answer");
             assert!(response.status().is_success(), "{path}: {}", response.status());
