@@ -62,10 +62,24 @@ impl Clearing {
     /// The chord in a row of whose ends the further one is furthest outside; `x` has each chord's front end, where its
     /// search starts and ends.
     pub(super) fn search(&self, body: &Body, x: &mut [f64; 2], row: Row, accuracy: Accuracy, reach: f64) -> Held {
-        let Row { t, p, feed } = row;
+        let (one, other) = self.pairs(row.feed);
+        let first = Chord::search(body, &mut x[0], row.t, row.p, &one, accuracy, reach);
+        let second = other.map(|marks| Chord::search(body, &mut x[1], row.t, row.p, &marks, accuracy, reach));
+        self.of(first, second)
+    }
+
+    /// The same of the chords that `find` has for the first and the second pair of marks, where there is one.
+    pub(super) fn held(&self, feed: f64, mut find: impl FnMut(usize, &Marks) -> Option<Chord>) -> Option<Held> {
         let (one, other) = self.pairs(feed);
-        let first = Chord::search(body, &mut x[0], t, p, &one, accuracy, reach);
-        let second = other.map(|marks| Chord::search(body, &mut x[1], t, p, &marks, accuracy, reach));
+        let first = find(0, &one)?;
+        let second = match other {
+            Some(marks) => Some(find(1, &marks)?),
+            None => None,
+        };
+        Some(self.of(first, second))
+    }
+
+    fn of(&self, first: Chord, second: Option<Chord>) -> Held {
         let mut shifts = [first.shift, second.map_or(first.shift, |second| second.shift)];
         let mut chord = match second {
             Some(second) => {

@@ -120,24 +120,24 @@ pub(super) fn solve_from(
 
 /// The changes of the lengths by a step; all but one are 0.
 #[derive(Debug, Clone, Copy)]
-struct Change {
-    rise: f64,
-    wider: f64,
-    longer: f64,
+pub(super) struct Change {
+    pub(super) rise: f64,
+    pub(super) wider: f64,
+    pub(super) longer: f64,
 }
 
 impl Change {
-    const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
+    pub(super) const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
 }
 
 /// A change that leaves a quarter of the length at least and makes it four times as long at most: from far off a
 /// tangent may point below 0 or to the horizon. The level needs the former only, since no tangent leads above h.
-fn bounded(change: f64, length: f64) -> f64 {
+pub(super) fn bounded(change: f64, length: f64) -> f64 {
     change.clamp(-0.75 * length, 3.0 * length)
 }
 
 /// Moves the place by a step of t, and x of both chords as the step changes them.
-fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Change) {
+pub(super) fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Change) {
     place.t += aside;
     for (x, shift) in place.x.iter_mut().zip(&near.shifts) {
         *x += shift.of(aside, change.rise, change.longer);

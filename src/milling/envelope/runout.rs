@@ -25,7 +25,7 @@ struct Found {
 
 impl Envelope {
     /// The marks that alternate in depth, and those of the deepest tooth alone.
-    fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
+    pub(super) fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
         let drop = self.drop;
         let alternating = if pattern.shallow_pairs { Clearing::Even { feeds: 1.0, drop } } else { Clearing::Mixed { drop } };
         [alternating, Clearing::Even { feeds: pattern.deep_spacing / pattern.spacing, drop: 0.0 }]
