@@ -143,6 +143,24 @@ impl Body {
         [steep * self.along_steepest + level * self.along_level, level * self.along_steepest - steep * self.along_level]
     }
 
+    /// Whether the flat is so nearly level that the section at most heights lies around the axis.
+    pub(super) fn is_nearly_level(&self) -> bool {
+        self.slope.sin() < 0.05
+    }
+
+    /// The place under the middle of the flat.
+    pub(super) fn flat_centre(&self) -> [f64; 2] {
+        let (sin, cos) = (self.slope.sin(), self.slope.cos());
+        self.along_feed(self.axis * cos + self.corner * (1.0 - cos) * sin, 0.0)
+    }
+
+    /// About the height of places around the axis that are `across` apart: that of the flat's tilt and of the round
+    /// beyond the flat.
+    pub(super) fn height_under_axis(&self, across: f64) -> f64 {
+        let beyond = ((across / 2.0 - self.core) / self.corner.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        self.slope.sin() * across + self.corner * (1.0 - (1.0 - beyond * beyond).sqrt())
+    }
+
     /// About half of the section's extent along the level line at the height p, the parabola of H there.
     pub(super) fn level_extent(&self, p: f64) -> f64 {
         let (sin, outer) = (self.slope.sin(), self.core + self.corner);

@@ -10,9 +10,16 @@ use super::body::{Body, Distance};
 use super::chord::{Chord, Marks, Shift, balance};
 use super::clearing::{Clearing, Held};
 use super::newton::{Change, Lengths, Place, Ridge, Sought, bounded, follow};
+use crate::quantity::Length;
 
-/// Quadratic convergence takes four to six steps from a start that is right to a few percent.
+/// Quadratic convergence takes four to six steps from a start that is right to a few percent. Where the round begins a
+/// distance grows with the square of the step beyond that line, so that steps only halve it.
 const MOST_STEPS: usize = 20;
+const MOST_STEPS_CONVEX: usize = 48;
+
+/// A step over this share of the one before is halved from the second third of the steps on: the chords alternate
+/// between two pairs of bounds.
+const SLOW: f64 = 0.7;
 
 /// The size of a step, as a share of the lengths, after which the next one is a rounding: its square.
 const LAST_STEP: f64 = 1e-8;
@@ -23,8 +30,8 @@ const OUTSIDE: f64 = 1e-7;
 /// The rounding errors of distances, as a share of the height: some hundred roundings.
 const ROUNDING: f64 = 2e-14;
 
-/// The slope along the feed up to which a bound counts as level.
-const LEVEL: f64 = 1e-12;
+/// The slope along the feed up to which a bound counts as level: some roundings.
+const LEVEL: f64 = 2e-17;
 
 /// A chord's front and back, each with the body, its side and its floor, the overhang and the top of the flat.
 const MOST_BOUNDS: usize = 10;
@@ -94,7 +101,8 @@ impl Bounds {
             // A bound of the other end that slopes the same way is met between the lowest places of both.
             let meeting = self.iter().filter(is_higher).find(|bound| slopes_alike(bound)).map(|bound| {
                 let off = (bound.at.value - highest.at.value) / (highest.at.by_feed - bound.at.by_feed);
-                Chord { value: there(highest, off), ..point(highest, off, furthest) }
+                // Both slope the same way here, so that this is not the place itself.
+                Chord { value: there(highest, off), ..point(highest, off, f64::INFINITY) }
             });
             let is_met = self.iter().filter(is_higher).any(|bound| !slopes_alike(bound));
             if pair.is_none() || !is_met {
@@ -157,7 +165,9 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
     // The offsets of near chords that lie, with the far one, on the left and on the right of the deepest chord, with the
     // distance there and its slope.
     let (mut on_left, mut on_right) = (None::<[f64; 3]>, None::<[f64; 3]>);
-    for step in 0..MOST_STEPS {
+    let most_steps = if body.is_concave() { MOST_STEPS } else { MOST_STEPS_CONVEX };
+    let mut last_size = f64::INFINITY;
+    for step in 0..most_steps {
         let Lengths { level, step_over, mark_spacing } = lengths;
         let near_held = edge(&marks[0], &place.x, place.t, &lengths)?;
         let far_held = edge(&marks[1], &place.neighbour_x, place.t - step_over, &lengths)?;
@@ -197,29 +207,39 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
         let share = balance(near.by_side, far.by_side);
         let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
         let value = mix(near.value, far.value);
+        let (by_height, by_spacing) = (mix(near.by_height, far.by_height), mix(near.by_spacing, far.by_spacing));
         let change = match sought {
-            Sought::Level => {
-                let rise = -value / mix(near.by_height, far.by_height);
-                Change { rise: bounded(rise, level), ..Change::NONE }
-            }
+            // Over the axis beside a wall the section shrinks with the height.
+            Sought::Level if by_height >= 0.0 => return None,
+            Sought::Level => Change { rise: bounded(-value / by_height, level), ..Change::NONE },
             Sought::StepOver => Change { wider: bounded(value / ((1.0 - share) * far.by_side), step_over), ..Change::NONE },
-            Sought::MarkSpacing => Change { longer: bounded(-value / mix(near.by_spacing, far.by_spacing), mark_spacing), ..Change::NONE },
+            Sought::MarkSpacing if by_spacing <= 0.0 => return None,
+            Sought::MarkSpacing => Change { longer: bounded(-value / by_spacing, mark_spacing), ..Change::NONE },
         };
         let aside = -(near.value + near.by_height * change.rise + near.by_spacing * change.longer) / near.by_side;
         let aside = aside.clamp(-step_over, step_over);
-        let step = change.rise.abs() / level
+        let size = change.rise.abs() / level
             + (change.wider.abs() + aside.abs()) / step_over
             + if change.longer == 0.0 { 0.0 } else { change.longer.abs() / mark_spacing };
-        if !step.is_finite() {
+        if !size.is_finite() {
             return None;
         }
+        let damping = if step > most_steps / 3 && size > SLOW * last_size { 0.5 } else { 1.0 };
+        last_size = size;
+        let change = Change { rise: damping * change.rise, wider: damping * change.wider, longer: damping * change.longer };
+        let aside = damping * aside;
         follow(&mut place, (&near_held, &far_held), aside, change);
         lengths.level += change.rise;
         lengths.step_over += change.wider;
         lengths.mark_spacing += change.longer;
+        if matches!(sought, Sought::StepOver) && lengths.step_over < Length::SMALLEST {
+            // Passes side by side leave more than the height.
+            return None;
+        }
         let furthest = near.furthest.max(far.furthest);
         let is_rounding = value.abs().max(furthest) <= ROUNDING * level;
-        if is_rounding || step <= LAST_STEP && furthest <= OUTSIDE * level {
+        // On a convex section distances within their roundings prove the ridge.
+        if is_rounding || body.is_concave() && size <= LAST_STEP && furthest <= OUTSIDE * level {
             return Some(Ridge { lengths, place });
         }
     }

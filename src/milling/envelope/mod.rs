@@ -32,6 +32,7 @@ use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Angle, Length};
 use body::Body;
+use clearing::Clearing;
 use concave::Found;
 use newton::{Lengths, Sought};
 use section::{Pattern, Section};
@@ -282,7 +283,10 @@ impl Envelope {
     /// The ridge by the quick search; `None` where its outcome is not proved, and where a sharp edge or a wall makes
     /// that hopeless.
     fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
-        if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
+        if !self.is_quick(lengths.mark_spacing) {
+            return None;
+        }
+        newton::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
     }
 
     /// Whether the quick search can end: not on plane floors and walls, where the section's edges are straight along

@@ -17,6 +17,7 @@
 use super::body::Body;
 use super::chord::{Accuracy, balance};
 use super::clearing::{Clearing, Held, Row};
+use super::local;
 
 /// The height of the ridge, the step-over and the distance of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
@@ -49,11 +50,24 @@ pub(super) struct Ridge {
     pub(super) place: Place,
 }
 
-/// The ridge on the body for marks of equal depth, of whose lengths the sought one is only a guess; `None` unless the
-/// outcome is proved.
-pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths) -> Option<Lengths> {
-    let both = [Clearing::EVEN; 2];
-    solve_from(body, sought, lengths, Place::start(body, lengths.step_over, both, lengths.mark_spacing), both).map(|ridge| ridge.lengths)
+/// The ridge on the body, of whose lengths the sought one is only a guess; `None` unless the outcome is proved.
+///
+/// Where the chords' searches do not end, on a convex section the steps of [`local`] do, from the contact or, near the
+/// floor, from under the axis. Each of its results is proved by convexity, too: a ridge near the start is the only one.
+pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths, marks: [Clearing; 2]) -> Option<Ridge> {
+    let place = Place::start(body, lengths.step_over, marks, lengths.mark_spacing);
+    let found = solve_from(body, sought, lengths, place, marks);
+    if found.is_some() || body.is_concave() {
+        return found;
+    }
+    let under_axis = || {
+        let mut lengths = lengths;
+        if matches!(sought, Sought::Level) {
+            lengths.level = lengths.level.max(body.height_under_axis(lengths.step_over.hypot(lengths.mark_spacing)));
+        }
+        local::solve(body, sought, lengths, Place::under_axis(body, lengths, marks), marks)
+    };
+    local::solve(body, sought, lengths, place, marks).or_else(|| if body.is_nearly_level() { under_axis() } else { None })
 }
 
 /// The ridge from a place near it, whose near and far edges are cleared by marks of their own.
@@ -157,6 +171,13 @@ pub(super) struct Place {
 }
 
 impl Place {
+    /// On both sides of the axis, around which a level section lies.
+    fn under_axis(body: &Body, Lengths { step_over, mark_spacing, .. }: Lengths, marks: [Clearing; 2]) -> Self {
+        let [x, t] = body.flat_centre();
+        let [near, far] = marks.map(|marks| x + marks.spacing(mark_spacing) / 2.0);
+        Self { t: t + step_over / 2.0, x: [near; 2], neighbour_x: [far; 2] }
+    }
+
     /// Half-way between the passes, the chords where the body is a paraboloid.
     pub(super) fn start(body: &Body, step_over: f64, [near, far]: [Clearing; 2], feed: f64) -> Self {
         let (half_step, radii) = (step_over / 2.0, body.relative_radii());

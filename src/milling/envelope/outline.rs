@@ -16,9 +16,9 @@ use super::section::Pattern;
 
 /// Lines from the contact, by which the polygon is made: a first round of them evenly, then where the polygon's sides
 /// are longest, the last ones beside its corners furthest across the feed.
-const LINES: usize = 48;
-const FIRST_LINES: usize = 16;
-const EVEN_LINES: usize = 36;
+const LINES: usize = 42;
+const FIRST_LINES: usize = 14;
+const EVEN_LINES: usize = 32;
 
 /// Steps that narrow an edge down to [`CLOSE`].
 const MOST_STEPS: usize = 40;
@@ -86,7 +86,7 @@ impl<'a> Outlook<'a> {
         let extent = [uphill.max(downhill).min(reach).max(p), body.level_extent(p)];
         let (mut units, mut measured) = ([[0.0; 2]; LINES], [[0.0; 2]; LINES]);
         let mut reached = 1.0;
-        #[expect(clippy::cast_precision_loss, reason = "at most 16")]
+        #[expect(clippy::cast_precision_loss, reason = "at most 14")]
         for i in 0..FIRST_LINES {
             let (level, steep) = (i as f64 * (std::f64::consts::TAU / FIRST_LINES as f64)).sin_cos();
             units[i] = [steep, level];

@@ -33,8 +33,7 @@ impl Envelope {
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
         let both = [marks; 2];
-        let place = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        newton::solve_from(&self.body, sought, lengths, place, both).map(|ridge| Found { ridge, marks })
+        newton::solve(&self.body, sought, lengths, both).map(|ridge| Found { ridge, marks })
     }
 
     /// Whether a ridge between marks of the kinds `marks` has the two intervals meet.
