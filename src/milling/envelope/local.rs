@@ -17,6 +17,9 @@ use crate::quantity::Length;
 const MOST_STEPS: usize = 20;
 const MOST_STEPS_CONVEX: usize = 48;
 
+/// The slope of the distance over the mark spacing from which on a small step is a small error.
+const SLOPED: f64 = 0.01;
+
 /// A step over this share of the one before is halved from the second third of the steps on: the chords alternate
 /// between two pairs of bounds.
 const SLOW: f64 = 0.7;
@@ -27,7 +30,7 @@ const LAST_STEP: f64 = 1e-8;
 /// The distances outside of the bounds at the last step, as a share of the height.
 const OUTSIDE: f64 = 1e-7;
 
-/// The rounding errors of distances, as a share of the height: some hundred roundings.
+/// The rounding errors of a height, as a share of it: some hundred roundings.
 const ROUNDING: f64 = 2e-14;
 
 /// The slope along the feed up to which a bound counts as level: some roundings.
@@ -166,7 +169,7 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
     // distance there and its slope.
     let (mut on_left, mut on_right) = (None::<[f64; 3]>, None::<[f64; 3]>);
     let most_steps = if body.is_concave() { MOST_STEPS } else { MOST_STEPS_CONVEX };
-    let mut last_size = f64::INFINITY;
+    let (mut last_size, mut last_near) = (f64::INFINITY, f64::INFINITY);
     for step in 0..most_steps {
         let Lengths { level, step_over, mark_spacing } = lengths;
         let near_held = edge(&marks[0], &place.x, place.t, &lengths)?;
@@ -217,7 +220,10 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
             Sought::MarkSpacing => Change { longer: bounded(-value / by_spacing, mark_spacing), ..Change::NONE },
         };
         let aside = -(near.value + near.by_height * change.rise + near.by_spacing * change.longer) / near.by_side;
-        let aside = aside.clamp(-step_over, step_over);
+        // Beyond the line where a round begins the distance grows with the square, which Newton's step only halves.
+        let halves = near.value > 0.2 * last_near && near.value < 0.3 * last_near;
+        last_near = near.value;
+        let aside = if halves { 2.0 * aside } else { aside }.clamp(-step_over, step_over);
         let size = change.rise.abs() / level
             + (change.wider.abs() + aside.abs()) / step_over
             + if change.longer == 0.0 { 0.0 } else { change.longer.abs() / mark_spacing };
@@ -237,9 +243,11 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
             return None;
         }
         let furthest = near.furthest.max(far.furthest);
-        let is_rounding = value.abs().max(furthest) <= ROUNDING * level;
-        // On a convex section distances within their roundings prove the ridge.
-        if is_rounding || body.is_concave() && size <= LAST_STEP && furthest <= OUTSIDE * level {
+        let is_rounding = value.abs().max(furthest) <= ROUNDING * level * by_height.abs();
+        // On a convex section distances within their roundings prove the ridge. A mark spacing may be taken from
+        // the last step's size, too, but not a height: the edge can be nearly upright.
+        let is_sloped = matches!(sought, Sought::MarkSpacing) && by_spacing >= SLOPED;
+        if is_rounding || (body.is_concave() || is_sloped) && size <= LAST_STEP && furthest <= OUTSIDE * level {
             return Some(Ridge { lengths, place });
         }
     }
