@@ -27,9 +27,11 @@ mod outline;
 mod runout;
 mod section;
 mod sharp_edge;
+mod third_order;
+mod turning_marks;
 
 use super::gouging;
-use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
+use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Angle, Length};
 use body::Body;
@@ -86,49 +88,12 @@ impl Envelope {
         self.relative_curvature
     }
 
-    /// The largest change, as a share of the ridge's height, that the third order of the surface makes to a mark's
-    /// height at the ridge between passes s apart, their marks f apart; an estimate by the curvature at the contact.
-    ///
-    /// From the contact to a mark beside the ridge the normal turns by K u, so that the cutter's line of steepest slope
-    /// turns by (K u)_level / tan(S) in the tangent plane and the slope changes by (K u)_steepest. Both change C^-1 =
-    /// diag(1/r, 1/q), q = (R - r)/sin(S) + r, hence the mark's height by 1/2 u' (change of C^-1) u. The changes of
-    /// both passes' marks have opposite signs, so that h itself changes with the square of this share.
-    pub(super) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        if self.pass.surface.is_plane() {
-            return 0.0;
-        }
-        let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
-        let share = self.body.third_order(s, f) * 8.0 / (s * s * self.groove_curvature);
-        // At an exact floor, and for a sharp edge, a product of 0 and infinity: the normal does not turn there, or
-        // everything turns with it.
-        if share.is_nan() { f64::INFINITY } else { share }
-    }
-
-    /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
-    ///
-    /// # Errors
-    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
-    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0))?;
-        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(step_over.mm(), self.pattern(feed.mm())))?;
-        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds
-        // for both.
-        let step_over_height = step_over_height.min(total);
-        // h is never under h1; where marks leave next to nothing, rounding may put it there.
-        let feed = (total - step_over_height).max(0.0);
-        Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
-    }
-
-    /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
-    ///
-    /// # Errors
-    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
-    /// step-over in [`Envelope::scallop_height`].
-    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+    /// [`Envelope::max_feed_per_tooth`] to second order.
+    fn second_order_max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
         let step_over_height = Length::computed(self.height(s, Pattern::even(0.0))?);
         let used_up = || {
-            let max_step_over = self.max_step_over(tolerance, None)?;
+            let max_step_over = self.second_order_max_step_over(tolerance, None)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
         };
         if step_over_height >= tolerance {
@@ -203,13 +168,8 @@ impl Envelope {
         Some(logarithm.exp())
     }
 
-    /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
-    ///
-    /// # Errors
-    /// - [`NoAnswer::FeedUsesUpTolerance`] where even passes [`Length::SMALLEST`] apart leave the tolerance;
-    /// - [`NoAnswer::MarksDoNotOverlap`];
-    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] where no step-over up to the largest one leaves the tolerance.
-    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+    /// [`Envelope::max_step_over`] to second order.
+    fn second_order_max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
         let largest = self.largest_step_over(pattern.spacing);
         if largest < Length::SMALLEST {
@@ -352,12 +312,7 @@ impl Envelope {
     /// overshoot.
     fn guess(&self, s: f64, pattern: Pattern) -> f64 {
         let outer = self.cutter.outer_radius().mm();
-        let f = if pattern.is_even() {
-            pattern.spacing
-        } else {
-            // Circles of radius P that meet their copies raised by delta do so as if they were f + 2 P delta / f apart.
-            pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
-        };
+        let f = self.even_spacing(&pattern);
         // Above the whole cutter there is no section.
         let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
         // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the
@@ -368,6 +323,15 @@ impl Envelope {
         let on_flat = slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE));
         let guess = if self.pass.surface.is_plane() { parabola.min(on_flat) } else { parabola };
         guess.min(outer / 4.0)
+    }
+
+    /// About the distance of marks of equal depth that leave the same height: circles of radius P that meet their copies
+    /// raised by delta do so as if they were f + 2 P delta / f apart.
+    fn even_spacing(&self, pattern: &Pattern) -> f64 {
+        if pattern.is_even() {
+            return pattern.spacing;
+        }
+        pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
     }
 
     /// About the largest feed per tooth near a plane floor, where the tolerance p exceeds the height of the whole flat:
