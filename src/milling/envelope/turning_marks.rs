@@ -61,6 +61,19 @@ pub(super) struct TurnedRidge {
     pub(super) lengths: Lengths,
 }
 
+/// Where the ridge's place and the contacts of the pass on `side` (-1 or 1) are beside the stated contact, for a ridge
+/// that is `aside` of the middle of both passes.
+///
+/// The stated contact is in that middle. Where oblique marks put the ridge beyond the passes, which happens if the
+/// step-over is short compared with the feed, it moves with the ridge: it is never further from it than a pass is, by
+/// y / (1 + (2y/s)^8)^(1/8).
+fn placed(aside: Number, step_over: Number, side: f64) -> [Number; 2] {
+    let half = step_over * 0.5;
+    let share = (aside * half.recip()).square();
+    let place = if share.value < 1e-4 { aside } else { aside * (share.square().square() + 1.0).sqrt().sqrt().sqrt().recip() };
+    [place, half * side + place - aside]
+}
+
 /// What a pass leaves at the ridge's place: the distance of the place from its two marks' bodies, which vanishes on the
 /// ridge, with the derivatives by the ridge's place and by the length that is sought, and how the marks have to move
 /// for both to be as far away.
@@ -181,8 +194,8 @@ impl TurningMarks {
         let spacing = mark_spacing.max(NO_MARKS * step_over);
         let aside = Number::unknown(ridge.aside, ASIDE);
         let height = Number::unknown(level, HEIGHT);
-        let offset = Number::unknown(step_over, STEP_OVER) * (side / 2.0);
-        let at = |behind: f64| self.distance(Number::unknown(behind, BEHIND), aside, height, offset);
+        let [place, offset] = placed(aside, Number::unknown(step_over, STEP_OVER), side);
+        let at = |behind: f64| self.distance(Number::unknown(behind, BEHIND), place, height, offset);
         let (front, back) = (at(ridge.behind[pass]), at(ridge.behind[pass] - spacing));
         let mean = (front + back) * 0.5;
         let slope = (front - back) * spacing.recip();
@@ -261,8 +274,9 @@ impl TurningMarks {
     fn level_marks(&self, ridge: &TurnedRidge, pass: usize, side: f64) -> Option<f64> {
         let Lengths { level, step_over, mark_spacing } = ridge.lengths;
         let spacing = mark_spacing.max(NO_MARKS * step_over);
-        let [aside, height, offset] = [ridge.aside, level, side * step_over / 2.0].map(Number::constant);
-        let at = |behind: f64| self.distance(Number::constant(behind), aside, height, offset).value;
+        let height = Number::constant(level);
+        let [place, offset] = placed(Number::constant(ridge.aside), Number::constant(step_over), side);
+        let at = |behind: f64| self.distance(Number::constant(behind), place, height, offset).value;
         let difference = |behind: f64| at(behind) - at(behind - spacing);
         let start = ridge.behind[pass];
         let side = if difference(start) < 0.0 { 1.0 } else { -1.0 };
