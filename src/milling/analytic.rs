@@ -217,7 +217,7 @@ impl Analytic {
 }
 
 /// h1 [Segonds 2017, eq. 12 with its signs corrected] of grooves with the curvature k = 1/R_eff on a surface with the
-/// curvature c = 1/rho, at the step-over s. `None` where the grooves do not meet.
+/// curvature c = 1/rho, at the step-over s. `None` if the grooves do not meet.
 ///
 /// Printed as A - Dq with A = R_eff cos(beta) - rho (1 - cos(beta)), Dq = sqrt(R_eff^2 - (1 + R_eff/rho)^2 s^2/4) and
 /// sin(beta) = s / 2 rho. With a = A/R_eff, d = Dq/R_eff it equals s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), without

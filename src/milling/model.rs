@@ -75,7 +75,7 @@ impl EvaluatedPass {
         }
     }
 
-    /// The effective radius across the feed, radial runout included; `None` where it is infinite.
+    /// The effective radius across the feed, radial runout included; `None` if it is infinite.
     #[must_use]
     pub fn effective_radius(&self) -> Option<Length> {
         match &self.evaluate {
@@ -85,7 +85,7 @@ impl EvaluatedPass {
         .finite()
     }
 
-    /// The effective radius along the feed; `None` where it is infinite.
+    /// The effective radius along the feed; `None` if it is infinite.
     #[must_use]
     pub fn transverse_effective_radius(&self) -> Option<Length> {
         match &self.evaluate {

@@ -27,7 +27,7 @@ pub enum ModelWarning {
     },
     /// The groove's circle is wider than any cut that the cutter can make.
     EffectiveRadiusBeyondCutter {
-        /// The effective radius; `None` where it is infinite.
+        /// The effective radius; `None` if it is infinite.
         effective_radius: Option<Length>,
         /// The cutter's diameter.
         diameter: Length,

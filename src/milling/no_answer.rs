@@ -21,7 +21,7 @@ pub enum NoAnswer {
     /// The cutter does not fit the concave surface and cuts into it beside the contact.
     Gouges {
         /// The smallest radius of curvature that the cutter fits: the stated concave radius, or the smaller concave
-        /// principal radius, times 1 - lambda. `None` where the cutter gouges away from the contact, or where a flat
+        /// principal radius, times 1 - lambda. `None` if the cutter gouges away from the contact, or where a flat
         /// gouges whatever the radius.
         smallest_radius: Option<Length>,
     },

@@ -15,7 +15,7 @@ pub struct Pass {
     pub surface: SurfaceCurvature,
     /// The runout of the teeth.
     pub runout: Runout,
-    /// z, the number of teeth; `None` where it is unknown. It matters only with runout, which assumes 2 teeth if it is
+    /// z, the number of teeth; `None` if it is unknown. It matters only with runout, which assumes 2 teeth if it is
     /// unknown.
     pub teeth: Option<NonZeroU32>,
 }

@@ -10,7 +10,7 @@ pub struct Machine {
     pub limits: MachineLimits,
     /// The speed of moves that do not cut.
     pub rapid_rate: Speed,
-    /// The largest spindle speed; `None` where no limit is known.
+    /// The largest spindle speed; `None` if no limit is known.
     pub max_spindle_speed: Option<SpindleSpeed>,
     /// The height over the highest point of the surface at which rapid moves cross it.
     pub clearance_height: Length,

@@ -17,7 +17,7 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// The preset of that name; `None` where there is none.
+    /// The preset of that name; `None` if there is none.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         PRESETS.iter().find(|preset| preset.name == name)

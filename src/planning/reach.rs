@@ -76,7 +76,7 @@ pub struct Uncut {
     pub level_error: Length,
     /// The side of the cells that were used: a multiple of the surface's own for a cutter that is large against them.
     pub cell: Length,
-    /// The height left in each cell of the surface, in mm; `None` where nothing is machined.
+    /// The height left in each cell of the surface, in mm; `None` if nothing is machined.
     pub map: Raster<Option<f32>>,
 }
 

@@ -22,12 +22,12 @@ pub struct Shape {
     pub characteristic_size: Area,
     /// s, the angle between the best-fit plane and the horizontal, 0 to pi/2: acos(|e3_z|) [eq. 20, misprinted].
     pub slope: Angle,
-    /// The direction of e1 seen from above, a line in [0, pi) from X; `None` where the surface spreads as much in every
+    /// The direction of e1 seen from above, a line in [0, pi) from X; `None` if the surface spreads as much in every
     /// direction, or most along the vertical.
     pub principal_direction: Option<Angle>,
-    /// The direction of e3 seen from above, a line in [0, pi) from X; `None` where the surface is level.
+    /// The direction of e3 seen from above, a line in [0, pi) from X; `None` if the surface is level.
     pub steepest_direction: Option<Angle>,
-    /// The angle between these two lines, 0 to pi/2; `None` where one of them is missing.
+    /// The angle between these two lines, 0 to pi/2; `None` if one of them is missing.
     pub direction_gap: Option<Angle>,
     /// sqrt(l3/l1): 0 for a plane.
     pub flatness: f64,

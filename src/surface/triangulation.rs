@@ -105,7 +105,7 @@ fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
     shortest.into_iter().map(|three| three.into_iter().rev().find(|length| length.is_finite()).unwrap_or(0.0)).collect()
 }
 
-/// The order in which points are inserted; `None` where all lie on one line or `stop` returns true. `points` are
+/// The order in which points are inserted; `None` if all lie on one line or `stop` returns true. `points` are
 /// sorted by x, then y, and differ.
 fn insertion_order(points: &[[f64; 3]], stop: &dyn Fn() -> bool) -> Option<Vec<u32>> {
     if stop() {

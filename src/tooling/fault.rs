@@ -94,7 +94,7 @@ impl LibraryFaults {
         self
     }
 
-    /// The faults of several files; `None` where there are none.
+    /// The faults of several files; `None` if there are none.
     pub(super) fn of_files(faults: Vec<LibraryFault>) -> Option<Self> {
         (!faults.is_empty()).then_some(Self(faults))
     }

@@ -56,7 +56,7 @@ impl Rows {
         }
     }
 
-    /// The name of the first column and the number of rows; `None` where there are no columns.
+    /// The name of the first column and the number of rows; `None` if there are no columns.
     pub(crate) fn first(&self) -> Option<(&'static str, usize)> {
         self.first
     }

@@ -47,7 +47,7 @@ pub(crate) trait PlainMembers: Members {
     /// Compares the number of rows of all columns of the object at `path`.
     fn check_rows(columns: &Self::Columns, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
-    /// The values of a row; `None` where one is of another type.
+    /// The values of a row; `None` if one is of another type.
     fn row(columns: &Self::Columns, index: usize) -> Option<Self::Slots>;
 
     /// Writes a row as members of an object.

@@ -13,7 +13,7 @@ const BATCH: usize = 16;
 
 /// A number of a triple, parsed from an item of a JSON array.
 pub(crate) trait TripleNumber: Copy + Default + Send {
-    /// `None` where the item is not a number of this kind as it is usually written.
+    /// `None` if the item is not a number of this kind as it is usually written.
     fn parse(item: &str) -> Option<Self>;
 }
 
@@ -32,7 +32,7 @@ impl TripleNumber for u32 {
 }
 
 /// Passes blocks of the triples of the array `json` to `each`, on all cores, and what it returns to `take`, in order.
-/// `None` where an item is anything but three numbers in double precision, or `cancel` is set; `take` may have been
+/// `None` if an item is anything but three numbers in double precision, or `cancel` is set; `take` may have been
 /// called before. `json` must be the text of a JSON value.
 pub(crate) fn read_triples<N: TripleNumber, T: Send>(
     json: &str,

@@ -58,7 +58,7 @@ pub(crate) struct Figure {
     about: &'static str,
     kind: FigureKind,
     presence: Presence,
-    /// The figure's value; `None` where it has none.
+    /// The figure's value; `None` if it has none.
     pub(crate) get: fn(&Figures) -> Option<FigureValue>,
 }
 

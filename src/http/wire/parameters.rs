@@ -182,7 +182,7 @@ impl ParameterColumns {
         CurvatureMembers::check_rows(&self.curvature, path, rows, faults);
     }
 
-    /// The values of a row; `None` where one is of another type.
+    /// The values of a row; `None` if one is of another type.
     pub(super) fn row(&self, index: usize) -> Option<ParameterSlots> {
         Some(ParameterSlots {
             step_over: StepOverMembers::row(&self.step_over, index)?,

@@ -27,7 +27,7 @@ pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults
 }
 
 /// Adds every point of the array `json` to `surface`, in parts that all cores sum; `json` must be a part of the text of a
-/// JSON value. `None` where it is anything but an array of points; then some may have been added.
+/// JSON value. `None` if it is anything but an array of points; then some may have been added.
 pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut ReceivedSurface) -> Option<()> {
     let mut in_bounds = true;
     let part = |points: Vec<[f64; 3]>| {

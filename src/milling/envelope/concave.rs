@@ -29,7 +29,7 @@ impl Envelope {
     }
 
     /// h for passes s apart: `found`, where the outline agrees with it, otherwise what is found from the outline;
-    /// `None` where no height clears s. Where `found` is known to clear s, only lower heights are in question.
+    /// `None` if no height clears s. Where `found` is known to clear s, only lower heights are in question.
     pub(super) fn height_on_concave(&self, s: f64, pattern: Pattern, found: Option<f64>, is_clear: bool) -> Option<f64> {
         let highest = 4.0 * self.cutter.outer_radius().mm();
         let found = found.filter(|found| *found < highest);

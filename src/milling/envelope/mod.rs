@@ -252,7 +252,7 @@ impl Envelope {
         }
     }
 
-    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` where the
+    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` if the
     /// smallest does not keep it.
     ///
     /// Where the section is not convex an inverse and the height can differ by what their outlines do. The height
@@ -277,7 +277,7 @@ impl Envelope {
         Pattern { spacing: feed, deep_spacing: f64::from(teeth) * feed, drop: self.drop, shallow_pairs: teeth > 2 }
     }
 
-    /// The ridge by the quick search; `None` where its outcome is not proved, and where a sharp edge or a wall makes
+    /// The ridge by the quick search; `None` if its outcome is not proved, and where a sharp edge or a wall makes
     /// that hopeless.
     fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
         if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
@@ -311,7 +311,7 @@ impl Envelope {
         self.level(s, pattern).ok_or_else(|| self.no_height(s))
     }
 
-    /// h for passes and marks that overlap seen from above; `None` where on a curved surface no height clears s.
+    /// h for passes and marks that overlap seen from above; `None` if on a curved surface no height clears s.
     fn level(&self, s: f64, pattern: Pattern) -> Option<f64> {
         let f = pattern.spacing;
         if !pattern.is_even() {

@@ -203,7 +203,7 @@ impl Outline {
         row
     }
 
-    /// The widest interval of offsets that marks of equal depth, f apart, clear; `None` where there is none.
+    /// The widest interval of offsets that marks of equal depth, f apart, clear; `None` if there is none.
     pub(super) fn cleared(&self, f: f64) -> Option<Cleared> {
         self.widest(f, |t| {
             let row = self.row(t);
@@ -213,7 +213,7 @@ impl Outline {
     }
 
     /// The widest interval of offsets that a pattern of deep and shallow marks clears; `shallow` is the outline for the
-    /// shallow ones, `None` where these do not reach as deep.
+    /// shallow ones, `None` if these do not reach as deep.
     pub(super) fn cleared_by(&self, pattern: &Pattern, shallow: Option<&Self>) -> Option<Cleared> {
         let f = pattern.spacing;
         self.widest(f, |t| {

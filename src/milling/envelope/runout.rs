@@ -52,7 +52,7 @@ impl Envelope {
     }
 
     /// The ridge with one edge of `best` and one of `other` marks where it is better than `best` itself, otherwise
-    /// `best`; `None` where the search for it ends without an answer.
+    /// `best`; `None` if the search for it ends without an answer.
     fn or_with(&self, sought: Sought, best: Found, other: Clearing) -> Option<Ridge> {
         let Lengths { level, step_over, mark_spacing } = best.ridge.lengths;
         let Place { t, x, neighbour_x } = best.ridge.place;
@@ -70,7 +70,7 @@ impl Envelope {
         newton::solve_from(&self.body, sought, best.ridge.lengths, place, marks).filter(|ridge| self.meet(ridge, marks))
     }
 
-    /// h for passes s apart; `None` where the search's outcome is not proved.
+    /// h for passes s apart; `None` if the search's outcome is not proved.
     pub(super) fn quick_level_with_runout(&self, s: f64, pattern: &Pattern) -> Option<f64> {
         if !self.is_quick(pattern.spacing) {
             return None;
@@ -101,7 +101,7 @@ impl Envelope {
     }
 
     /// The largest feed per tooth that keeps the height p in passes s apart, which alone leave `step_over_height` < p;
-    /// `None` where the search's outcome is not proved.
+    /// `None` if the search's outcome is not proved.
     pub(super) fn quick_feed_with_runout(&self, p: f64, s: f64, step_over_height: f64, guess: f64) -> Option<f64> {
         let pattern = self.pattern(guess);
         if !self.is_quick(guess) {
@@ -125,7 +125,7 @@ impl Envelope {
         Some(ridge.lengths.mark_spacing)
     }
 
-    /// The largest step-over that keeps the height p; 0 where the marks leave more, `None` where the search's outcome
+    /// The largest step-over that keeps the height p; 0 where the marks leave more, `None` if the search's outcome
     /// is not proved.
     pub(super) fn quick_step_over_with_runout(&self, p: f64, pattern: &Pattern, guess: f64) -> Option<f64> {
         if !self.is_quick(pattern.spacing) {

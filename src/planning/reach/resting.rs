@@ -57,7 +57,7 @@ impl RestingHeights {
     }
 
     /// t(x, y), the lowest height of the tip at (x, y) in mm at which the cutter does not cut into the surface;
-    /// `None` where there is no surface under the cutter.
+    /// `None` if there is no surface under the cutter.
     ///
     /// On a smooth surface it is too low by up to e^2/(2 r cos^3 S), on a level plane by nothing; beside a sharp edge
     /// by the change of p over half a cell.

@@ -9,7 +9,7 @@ use crate::surface::Shape;
 /// A zigzag on the rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectanglePlan {
-    /// The line of the passes: the principal direction of a ball-end cutter, the steepest of others; `None` where the
+    /// The line of the passes: the principal direction of a ball-end cutter, the steepest of others; `None` if the
     /// surface has none.
     pub direction: Option<Angle>,
     /// Step-over, passes, length and time.
@@ -20,7 +20,7 @@ pub struct RectanglePlan {
 /// or flat-end cutter up and down the slope [Herraz et al. 2020, section 6.1].
 ///
 /// The step-over is at most the cutter's diameter, which is also the answer on a level surface where model `analytic`
-/// has none. `None` where the model has no step-over.
+/// has none. `None` if the model has no step-over.
 ///
 /// # Errors
 /// [`OutOfRange`] with the bounds in mm, when a side of the rectangle is outside them.

@@ -115,7 +115,7 @@ fn ball_end_time(job: &Job, rectangle: InclinedRectangle) -> f64 {
     rectangle.along_the_long_side(job.ball_end_step_over(), job.machine()).time.seconds()
 }
 
-/// With z = cbrt(sod1), T1 = T2 reads z^3 - p z - q = 0, p = 4 w / (T2 cbrt(2J)), q = w t(h) / T2. `None` where the
+/// With z = cbrt(sod1), T1 = T2 reads z^3 - p z - q = 0, p = 4 w / (T2 cbrt(2J)), q = w t(h) / T2. `None` if the
 /// assumptions fail: the analytic model, a pass that reaches the feed rate, a step that the jerk alone limits, and a
 /// single real root.
 fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Option<Angle> {
@@ -183,7 +183,7 @@ fn critical_form_factor_by_bracketing(job: &Job, characteristic_size: Area, toro
 }
 
 /// With k = sod2/sod1 and t0 what the stops cost a pass, T1 = T2 reads a mu + b sqrt(mu) + c = 0, a = k (t0 +
-/// t(sod1)), b = -(1 - k) sqrt(chi)/V, c = -(t0 + t(sod2)); c/a < 0, so one root is positive. `None` where a pass
+/// t(sod1)), b = -(1 - k) sqrt(chi)/V, c = -(t0 + t(sod2)); c/a < 0, so one root is positive. `None` if a pass
 /// would not reach the feed rate, or mu be under 1.
 fn critical_form_factor_in_closed_form(job: &Job, characteristic_size: Area, toroidal: Length) -> Option<FormFactor> {
     let (machine, ball_end) = (job.machine(), job.ball_end_step_over());

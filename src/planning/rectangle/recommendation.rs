@@ -21,7 +21,7 @@ pub struct Candidate {
     /// The cutter.
     pub cutter: CutterChoice,
     /// The line along which it runs, seen from above, in [0, pi) from X: the steepest direction for the toroidal
-    /// cutter, the principal direction for the ball-end cutter. `None` where the surface has no such direction, or
+    /// cutter, the principal direction for the ball-end cutter. `None` if the surface has no such direction, or
     /// was given without its place in XY.
     pub direction: Option<Angle>,
     /// Step-over, passes, length and time.

@@ -38,7 +38,7 @@ pub struct Passes {
 /// A point of a pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassPoint {
-    /// Where the cutter touches the surface, in mm; `None` where the tip is raised because the cutter would gouge the
+    /// Where the cutter touches the surface, in mm; `None` if the tip is raised because the cutter would gouge the
     /// surface elsewhere.
     pub contact: Option<[f64; 3]>,
     /// The unit normal of the surface there.
@@ -52,7 +52,7 @@ pub struct PassPoint {
     pub feed_per_tooth: Option<Length>,
     /// The feed rate: that of the feed per tooth, else the machine's.
     pub feed_rate: Speed,
-    /// The scallop height that step-over and feed leave, by the model of the plan; `None` where the model has none.
+    /// The scallop height that step-over and feed leave, by the model of the plan; `None` if the model has none.
     pub scallop_height: Option<Length>,
     /// The curvature of the surface along the feed, across it and between both, in 1/mm, positive where convex.
     pub curvature: [f64; 3],
@@ -376,7 +376,7 @@ impl Pointing<'_> {
         }
     }
 
-    /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over
+    /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` if the step-over
     /// alone uses it up.
     fn largest_feed(&self, evaluated: &EvaluatedPass, step_over: f64, range: FeedRange) -> Option<f64> {
         // Most feeds are bound by the range, which one height shows.

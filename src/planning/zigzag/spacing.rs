@@ -232,7 +232,7 @@ fn share(step_over: f64, ball: Cutter, height: f64) -> f64 {
 }
 
 /// The step-over and feed that finish the most area per time under the scallop height: with a largest feed, where s
-/// f_z is largest; without feed marks, the largest step-over. At most `widest`. `None` where the model has no
+/// f_z is largest; without feed marks, the largest step-over. At most `widest`. `None` if the model has no
 /// step-over.
 fn best_step_over(
     cutter: Cutter,

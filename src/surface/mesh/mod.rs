@@ -182,7 +182,7 @@ impl Mesh {
     }
 
     /// The spacing in mm of the lattice on which the surface was merged because it had more facets or points than are
-    /// held; `None` where it was not.
+    /// held; `None` if it was not.
     #[must_use]
     pub fn merged_cell(&self) -> Option<f64> {
         self.merged_cell

@@ -24,13 +24,13 @@ pub struct ViewFromAbove {
 const VISITS: f64 = 5e7;
 
 impl ViewFromAbove {
-    /// The number of the facet seen in a cell, `None` where there is no surface.
+    /// The number of the facet seen in a cell, `None` if there is no surface.
     #[must_use]
     pub fn facet(&self, cell: usize) -> Option<usize> {
         Some(self.facets[cell]).filter(|&facet| facet != NO_FACET).map(|facet| facet as usize)
     }
 
-    /// A raster of a value of the facet seen in each cell; `None` where there is no surface.
+    /// A raster of a value of the facet seen in each cell; `None` if there is no surface.
     pub fn of_facets<T: Clone>(&self, figure: impl Fn(usize) -> T) -> Raster<Option<T>> {
         let values = (0..self.facets.len()).map(|cell| self.facet(cell).map(&figure)).collect();
         Raster { frame: self.frame, values }

@@ -57,7 +57,7 @@ pub(super) struct Emitted {
 /// A parsed block.
 struct Parsed {
     bytes: Vec<u8>,
-    /// `None` where the block must be read in order.
+    /// `None` if the block must be read in order.
     run: Option<Run>,
 }
 
@@ -111,7 +111,7 @@ pub(super) fn read<S: PartedSink>(body: &mut Body, blocks: Vec<Block>, sink: &mu
 }
 
 impl Body {
-    /// The next piece of the file out of `rest`; `None` where `rest` is used up.
+    /// The next piece of the file out of `rest`; `None` if `rest` is used up.
     pub(super) fn next_unit<'a>(&mut self, rest: &mut &'a [u8]) -> Result<Option<Unit<'a>>, Fault> {
         match self {
             Self::Text(reader) => Ok(reader.next_unit(rest)),

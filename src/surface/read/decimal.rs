@@ -4,7 +4,7 @@
 use super::LARGEST_COORDINATE;
 use super::fault::{FaultKind, Flaw, quoted};
 
-/// The number at the start of `text` and its length in bytes, or `None` where no number starts. `mark` is the decimal
+/// The number at the start of `text` and its length in bytes, or `None` if no number starts. `mark` is the decimal
 /// mark, point or comma.
 ///
 /// A number is `[+-] digits [mark digits] [e [+-] digits]`, with digits on one side of the mark at least; `E`, and

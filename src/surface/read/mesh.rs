@@ -54,7 +54,7 @@ impl Mesh {
         self.vertices.get(vertex).map(|corner| self.face.add(*corner))
     }
 
-    /// Passes a triangle of the vertices with these numbers to the sink, unless a number occurs twice; `None` where a
+    /// Passes a triangle of the vertices with these numbers to the sink, unless a number occurs twice; `None` if a
     /// vertex is missing.
     pub(super) fn add_triangle<S: Sink>(&mut self, vertices: [usize; 3], sink: &mut S) -> Option<()> {
         let [a, b, c] = vertices;
@@ -86,7 +86,7 @@ impl Mesh {
 const BACKWARDS: u32 = 1 << 31;
 const ORIGIN: i64 = 1 << 30;
 
-/// Vertices and faces of a part of a file, parsed without what precedes it. Methods return `None` where the part must
+/// Vertices and faces of a part of a file, parsed without what precedes it. Methods return `None` if the part must
 /// be read in order.
 #[derive(Debug, Default)]
 pub(super) struct Run {

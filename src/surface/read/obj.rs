@@ -98,7 +98,7 @@ impl Target for mesh::Run {
     }
 }
 
-/// Parses a block; `None` where it has a fault or refers to vertices that it cannot name apart.
+/// Parses a block; `None` if it has a fault or refers to vertices that it cannot name apart.
 pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
     let (mut lines, mut content, mut mesh) = (Lines::after(0), Content::default(), mesh::Run::of_bytes(bytes.len()));
     lines.push(bytes, |line, _| content.line(line, &mut mesh)).ok()?;

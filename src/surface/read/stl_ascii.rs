@@ -118,7 +118,7 @@ impl Run {
     }
 }
 
-/// Parses a block; `None` where it has a fault.
+/// Parses a block; `None` if it has a fault.
 pub(super) fn parse(bytes: &[u8], Job { in_solid }: Job) -> Option<Run> {
     struct Facets(Vec<[[f64; 3]; 3]>);
     impl Sink for Facets {

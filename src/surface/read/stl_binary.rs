@@ -163,7 +163,7 @@ pub(super) struct Run {
     facets: u64,
 }
 
-/// Checks a block of records; `None` where it has a fault.
+/// Checks a block of records; `None` if it has a fault.
 pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
     let (records, _) = bytes.as_chunks::<RECORD>();
     let is_bounded = |record| corners(record).iter().flatten().fold(true, |fine, value| fine & (value.abs() <= LARGEST_COORDINATE));

@@ -68,7 +68,7 @@ pub(in super::super) struct Job {
     start: Rows,
 }
 
-/// Parses a block; `None` where it has a fault.
+/// Parses a block; `None` if it has a fault.
 pub(in super::super) fn parse(bytes: &[u8], Job { start }: Job) -> Option<Run> {
     let (mut lines, mut rows, mut run) = (Lines::after(0), start.clone(), Run::of_bytes(bytes.len(), start));
     lines.push(bytes, |line, _| rows.line(line, &mut run)).ok()?;

@@ -292,7 +292,7 @@ fn next_row(steps: &[Step], format: Format, bytes: &[u8]) -> NextRow {
     if length > bytes.len() { NextRow::Incomplete } else { NextRow::Whole(length) }
 }
 
-/// Parses a block; `None` where it has a fault.
+/// Parses a block; `None` if it has a fault.
 pub(in super::super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
     let Job { format, start, steps, rows } = job;
     let kind = start.element()?.kind;

@@ -14,7 +14,7 @@ pub(super) struct Strip {
 
 impl Strip {
     /// Adds the vertex of this number, and passes the triangle that it closes to the sink; `None` starts another strip.
-    /// Returns `None` where the vertex is missing.
+    /// Returns `None` if the vertex is missing.
     pub(super) fn add<S: Sink>(&mut self, vertex: Option<usize>, mesh: &mut Mesh, sink: &mut S) -> Option<()> {
         let Some(vertex) = vertex else {
             *self = Self::default();

@@ -41,7 +41,7 @@ struct Column {
 }
 
 impl Evidence {
-    /// The columns of the table that begins with `line`; `None` where they are at most three or not all numbers.
+    /// The columns of the table that begins with `line`; `None` if they are at most three or not all numbers.
     pub(super) fn of(line: &[u8], separator: Separator) -> Option<Self> {
         let numbers = numbers(line, separator)?;
         let columns = numbers.map(|(value, is_whole)| Column { last: value, least: value, most: value, is_whole });
@@ -120,7 +120,7 @@ fn are_alike(one: Column, other: Column) -> bool {
     shared >= 0.5 * (one.most - one.least).max(other.most - other.least)
 }
 
-/// The numbers in a line, each with whether it is written as a whole number; `None` where a field is something else.
+/// The numbers in a line, each with whether it is written as a whole number; `None` if a field is something else.
 /// Empty fields are left out: a separator may stand at the end of each line.
 fn numbers(line: &[u8], separator: Separator) -> Option<impl Iterator<Item = (f64, bool)>> {
     let mut numbers = [(0.0, false); WIDEST_POINT + 1];

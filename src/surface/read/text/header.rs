@@ -17,7 +17,7 @@ pub(super) struct Header {
 const AXES: [&[u8]; 3] = [b"x", b"y", b"z"];
 
 impl Header {
-    /// Reads `line` as a header with one of `separators`; `None` where it does not name x, y and z.
+    /// Reads `line` as a header with one of `separators`; `None` if it does not name x, y and z.
     ///
     /// # Errors
     /// Two columns could be the same axis, or the units differ or are not supported.
@@ -34,7 +34,7 @@ impl Header {
         Ok(None)
     }
 
-    /// The header with these columns; `None` where two axes share a column, as with a separator that the line does not
+    /// The header with these columns; `None` if two axes share a column, as with a separator that the line does not
     /// have.
     fn of(names: &[Name], candidates: &[Vec<usize>; 3]) -> Result<Option<Self>, Flaw> {
         for (axis, columns) in candidates.iter().enumerate() {

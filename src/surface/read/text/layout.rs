@@ -161,7 +161,7 @@ impl Layout {
         self.odd_number(start)
     }
 
-    /// The text after the separator at the start of `rest`; the outer `None` where there is no separator.
+    /// The text after the separator at the start of `rest`; the outer `None` if there is no separator.
     #[inline]
     #[allow(clippy::option_option, reason = "the inner one is the end of the line, as everywhere here")]
     fn after<'a>(&self, rest: &'a [u8]) -> Option<Option<&'a [u8]>> {

@@ -139,7 +139,7 @@ impl Run {
     }
 }
 
-/// Parses a block; `None` where it has a fault.
+/// Parses a block; `None` if it has a fault.
 pub(super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
     struct Points(Vec<[f64; 3]>);
     impl Sink for Points {
@@ -324,7 +324,7 @@ fn without_hard_blanks(line: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(cleaned)
 }
 
-/// The point of a line with no-break spaces; `None` where it has none.
+/// The point of a line with no-break spaces; `None` if it has none.
 #[cold]
 fn point_between_hard_blanks(layout: &mut Layout, line: &[u8]) -> Option<Result<[f64; 3], Flaw>> {
     let Cow::Owned(cleaned) = without_hard_blanks(line) else { return None };
