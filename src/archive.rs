@@ -95,7 +95,7 @@ impl<'a> Archive<'a> {
     /// Reads the directory of an archive.
     ///
     /// # Errors
-    /// [`ArchiveFault`] where the directory is damaged or exceeds a limit.
+    /// [`ArchiveFault`] if the directory is damaged or exceeds a limit.
     pub(crate) fn open(bytes: &'a [u8], limits: ArchiveLimits) -> Result<Self, ArchiveFault> {
         let zip = ZipArchive::from_slice(bytes).map_err(damaged)?;
         let mut entries = Vec::new();
@@ -138,7 +138,7 @@ impl<'a> Archive<'a> {
     /// Starts to inflate a file.
     ///
     /// # Errors
-    /// [`ArchiveFault`] where the file's data are damaged, encrypted, or compressed by another method than deflate.
+    /// [`ArchiveFault`] if the file's data are damaged, encrypted, or compressed by another method than deflate.
     pub(crate) fn read(&self, entry: &ArchiveEntry) -> Result<Inflating<'_>, ArchiveFault> {
         if entry.is_encrypted {
             return Err(ArchiveFault::Encrypted);

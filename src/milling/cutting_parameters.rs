@@ -66,7 +66,7 @@ impl CuttingLimits {
     /// Limits on the feed per tooth and on the step-over along the surface; `None` sets none.
     ///
     /// # Errors
-    /// [`CuttingLimitsError`] where the smallest step-over exceeds the largest.
+    /// [`CuttingLimitsError`] if the smallest step-over exceeds the largest.
     pub fn new(
         max_feed_per_tooth: Option<Length>,
         min_step_over: Option<Length>,
@@ -109,9 +109,9 @@ impl EvaluatedPass {
     /// alone, with the largest step-over at each.
     ///
     /// # Errors
-    /// - [`NoAnswer::StepOverUsesUpTolerance`] where the smallest step-over leaves no feed,
+    /// - [`NoAnswer::StepOverUsesUpTolerance`] if the smallest step-over leaves no feed,
     ///   [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::FeedUsesUpTolerance`];
-    /// - [`NoAnswer::ToleranceLimitsNoFeed`], [`NoAnswer::ToleranceLimitsNoStepOver`] where neither tolerance nor
+    /// - [`NoAnswer::ToleranceLimitsNoFeed`], [`NoAnswer::ToleranceLimitsNoStepOver`] if neither tolerance nor
     ///   limits bound the feed or the step-over;
     /// - those of [`EvaluatedPass::scallop_height`].
     pub fn fastest(&self, tolerance: Length, limits: &CuttingLimits) -> Result<CuttingParameters, NoAnswer> {

@@ -15,7 +15,7 @@ pub(super) const NEAR_GOUGING: f64 = 0.6;
 /// of curvature. 1 for K = 0. R includes the radial runout.
 ///
 /// # Errors
-/// [`NoAnswer::Gouges`] where lambda <= 0, and where the height H of the cutter over the surface is negative anywhere
+/// [`NoAnswer::Gouges`] if lambda <= 0, and where the height H of the cutter over the surface is negative anywhere
 /// under the cutter.
 pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     if pass.surface.is_plane() {

@@ -4,9 +4,9 @@
 //! Symbols: R and r outer and corner radius, p(d) the height of the cutter's bottom over its tip at distance d from
 //! its axis, z(x, y) the surface, h the side of a raster cell, and e = h/sqrt(2), half a cell's diagonal.
 //!
-//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest height of the tip, and m(x) = min over
-//! |u| <= R of t(x + u) + p(|u|) is the surface that all tips together leave. m - z >= 0 is the uncut height; this
-//! holds on the raster as well, because the tip at a cell is limited by every cell within R.
+//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest height of the tip at x. The surface
+//! that the cutter leaves from all tip positions is m(x) = min over |u| <= R of t(x + u) + p(|u|). The uncut height is
+//! m - z >= 0. This also holds on the raster, because every cell within R limits the tip at a cell.
 //!
 //! **The raster's error.** On a plane it is 0: offsets come in pairs u and -u, so that dilation lifts the plane by as
 //! much as erosion lowers it. On a curved surface the tip that touches at a cell may be up to e away from every tip of

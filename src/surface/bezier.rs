@@ -70,7 +70,7 @@ impl Bezier {
     /// points, 2 to [`Bezier::LARGEST_ORDER`] as well.
     ///
     /// # Errors
-    /// [`BezierError`] where a number of points or a coordinate is out of bounds, or the rows differ in length.
+    /// [`BezierError`] if a number of points or a coordinate is out of bounds, or the rows differ in length.
     pub fn new(net: &[Vec<[f64; 3]>]) -> Result<Self, BezierError> {
         order_in_bounds(net.len()).map_err(BezierError::Rows)?;
         let columns = net[0].len();

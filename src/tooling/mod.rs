@@ -88,7 +88,7 @@ impl ToolLibrary {
     /// Reads a library. Faults state `file_name`.
     ///
     /// # Errors
-    /// [`LibraryFaults`] where a file cannot be read as a library: its faults, and those of the tools that were read.
+    /// [`LibraryFaults`] if a file cannot be read as a library: its faults, and those of the tools that were read.
     pub fn read(bytes: &[u8], file_name: Option<&str>) -> Result<Self, LibraryFaults> {
         let mut library = Self::default();
         match container::read(bytes, file_name.unwrap_or("the library"), &mut library) {

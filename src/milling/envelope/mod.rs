@@ -206,9 +206,9 @@ impl Envelope {
     /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
     ///
     /// # Errors
-    /// - [`NoAnswer::FeedUsesUpTolerance`] where even passes [`Length::SMALLEST`] apart leave the tolerance;
+    /// - [`NoAnswer::FeedUsesUpTolerance`] if even passes [`Length::SMALLEST`] apart leave the tolerance;
     /// - [`NoAnswer::MarksDoNotOverlap`];
-    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] where no step-over up to the largest one leaves the tolerance.
+    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one leaves the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
         let largest = self.largest_step_over(pattern.spacing);

@@ -146,7 +146,7 @@ impl MeshBuilder {
     /// turned over. A facet whose back is seen from above is handled by [`Mesh::visibility`], for either `facing`.
     ///
     /// # Errors
-    /// [`MeshError`] where no facet has an area, too few points were added, or a coordinate was out of bounds.
+    /// [`MeshError`] if no facet has an area, too few points were added, or a coordinate was out of bounds.
     pub fn finish(self, unit: Unit, facing: Facing) -> Result<Mesh, MeshError> {
         self.finish_until(unit, facing, &|| false)
     }
