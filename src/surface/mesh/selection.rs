@@ -5,8 +5,8 @@ use crate::quantity::Angle;
 use crate::surface::Bounds;
 use std::fmt;
 
-/// Conditions that a facet must meet, all of them, to be machined. Other facets still hide those below them and must
-/// not be gouged.
+/// The conditions that a facet must meet, all of them, to be machined. The other facets still hide those below them,
+/// and must not be gouged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Selection {
     slope: Option<(Angle, Angle)>,
