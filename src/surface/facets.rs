@@ -19,9 +19,8 @@ pub(super) const DOWN: usize = 2;
 /// The side of a facet without an area.
 const NOWHERE: usize = 3;
 
-/// |n_z| of a unit normal up to which a facet counts as a wall: within 0.006 deg of vertical. Files in single precision
-/// move the corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by
-/// 3e-5.
+/// A facet is a wall if |n_z| of its unit normal is at most this: within 0.006 deg of vertical. Single precision rounds
+/// corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half a metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
 /// The number of facets in a block: 4.6 kB of corners, which fit the first-level cache.

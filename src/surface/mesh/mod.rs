@@ -33,9 +33,9 @@ use super::{Bounds, Sink};
 use nalgebra::Vector3;
 use std::fmt;
 
-/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of
-/// vertical. Single precision moves corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half a
-/// metre from the origin by 3e-5.
+/// A facet is a wall if |n_z| of its unit normal is at most this, as in the sums over a surface: within 0.006 deg of
+/// vertical. Single precision rounds corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half
+/// a metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
 /// A triangle mesh: points in mm, and triangles as the numbers of their points. There is at least one triangle, and all

@@ -62,7 +62,7 @@ impl Evidence {
         self.lines == MOST_LINES
     }
 
-    /// Takes the next line into account; false where it has other columns.
+    /// Adds the next line; returns false if it has another number of columns.
     pub(super) fn look_at(&mut self, line: &[u8]) -> bool {
         if self.lines == MOST_LINES {
             return true;
