@@ -25,8 +25,8 @@ impl Machine {
 }
 
 impl From<MachineLimits> for Machine {
-    /// A machine with known limits of feed moves only. Its rapid rate is the feed rate, its spindle speed has no limit,
-    /// and it crosses the part 5 mm over the highest point.
+    /// A machine of which only the limits of feed moves are known. Its rapid rate is the feed rate, its spindle speed
+    /// has no limit, and it crosses the part 5 mm above the highest point.
     fn from(limits: MachineLimits) -> Self {
         Self { limits, rapid_rate: limits.feed_rate, max_spindle_speed: None, clearance_height: Length::computed(5.0) }
     }
