@@ -9,8 +9,8 @@
 //! The ridge is where four marks have the same height over one place of the surface, two neighbours of each pass.
 //! Newton's method finds it from the ridge of the second order. Without curvature both are the same.
 
+use super::body::Body;
 use super::newton::{Lengths, Sought};
-use crate::milling::Pass;
 use crate::numerics::{Dual, bracketed_root};
 use std::convert::Infallible;
 
@@ -20,6 +20,9 @@ const LARGEST_TURN: f64 = 0.7;
 
 /// Without marks the ridge is that of marks this share of the step-over apart, of which h keeps the square.
 const NO_MARKS: f64 = 1e-6;
+
+/// The slope along the feed that counts as none: some roundings.
+const STRAIGHT: f64 = 1e-14;
 
 /// Newton's method takes three to five steps from the ridge of the second order.
 const MOST_STEPS: usize = 30;
@@ -99,13 +102,12 @@ impl TurnedRidge {
 }
 
 impl TurningMarks {
-    pub(super) fn new(pass: &Pass) -> Self {
-        let cutter = pass.cutter.widened(pass.runout.radial());
-        let (slope, theta, surface) = (pass.contact.slope(), pass.contact.theta(), pass.surface);
+    pub(super) fn new(body: &Body) -> Self {
+        let (slope, surface) = (body.slope(), body.surface());
         Self {
-            core: cutter.core_radius().mm(),
-            corner: cutter.corner_radius().mm(),
-            axis: [-slope.sin() * theta.cos(), slope.sin() * theta.sin(), slope.cos()],
+            core: body.core(),
+            corner: body.corner(),
+            axis: [-slope.sin() * body.along_steepest(), slope.sin() * body.along_level(), slope.cos()],
             curvature: [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()],
             largest_turn: LARGEST_TURN * slope.sin().min(slope.cos()),
         }
@@ -199,9 +201,11 @@ impl TurningMarks {
         let (front, back) = (at(ridge.behind[pass]), at(ridge.behind[pass] - spacing));
         let mean = (front + back) * 0.5;
         let slope = (front - back) * spacing.recip();
-        // The second derivative along the feed: where it is not positive there is no least distance.
+        // The second derivative along the feed. Where both marks are on the cutter's flat or side and the surface is
+        // straight along the feed, it vanishes, and the marks may lie anywhere.
         let bend = slope.by[BEHIND];
-        if bend.is_nan() || bend <= 0.0 {
+        let is_straight = bend.abs() * spacing <= STRAIGHT && slope.value.abs() <= STRAIGHT;
+        if bend.is_nan() || bend <= 0.0 && !is_straight {
             return None;
         }
         let (mean_by_sought, slope_by_sought) = match sought {
@@ -210,7 +214,7 @@ impl TurningMarks {
             // The back mark moves against the front one.
             Sought::MarkSpacing => (-0.5 * back.by[BEHIND], (back.by[BEHIND] - slope.value) / spacing),
         };
-        let moves = [slope.value, slope.by[ASIDE], slope_by_sought].map(|by| -by / bend);
+        let moves = [slope.value, slope.by[ASIDE], slope_by_sought].map(|by| if is_straight { 0.0 } else { -by / bend });
         let along = mean.by[BEHIND];
         Some(Row {
             value: mean.value + along * moves[0],
@@ -219,7 +223,7 @@ impl TurningMarks {
             moves,
             difference: front.value - back.value,
             // The distance falls from the back mark to the front one and rises beyond.
-            is_ridge: mean.by[HEIGHT] < 0.0 && (front.by[BEHIND] >= 0.0 && back.by[BEHIND] <= 0.0 || mark_spacing < spacing),
+            is_ridge: mean.by[HEIGHT] < 0.0 && (is_straight || mark_spacing < spacing || front.by[BEHIND] >= 0.0 && back.by[BEHIND] <= 0.0),
         })
     }
 
@@ -279,6 +283,9 @@ impl TurningMarks {
         let at = |behind: f64| self.distance(Number::constant(behind), place, height, offset).value;
         let difference = |behind: f64| at(behind) - at(behind - spacing);
         let start = ridge.behind[pass];
+        if difference(start).abs() <= STRAIGHT * spacing {
+            return Some(start);
+        }
         let side = if difference(start) < 0.0 { 1.0 } else { -1.0 };
         let mut step = 0.1 * (step_over + spacing);
         let mut other = start + side * step;
