@@ -1,21 +1,24 @@
 //! Heights and inverses on curved surfaces, where every mark has a normal of its own: the answers of the second order,
 //! corrected by those of [`TurningMarks`].
 
+use super::Envelope;
 use super::clearing::Clearing;
 use super::newton::{self, Lengths, Place, Ridge, Sought};
 use super::section::Pattern;
 use super::turning_marks::{TurnedRidge, TurningMarks};
-use super::Envelope;
 use crate::milling::{CutterKind, NoAnswer, ScallopHeight};
 use crate::numerics::bracketed_root;
 use crate::quantity::Length;
 use std::convert::Infallible;
 
 /// A ridge whose length differs by more than this factor from that of the second order is another ridge.
-const SAME_RIDGE: f64 = 4.0;
+const SAME_RIDGE: f64 = 1.6;
 
 /// Up to this factor between the third order and the second the quick search is taken without a second one.
-const CLOSE: f64 = 1.05;
+const CLOSE: f64 = 1.02;
+
+/// Up to this factor a length that is sought directly needs no confirmation by its height.
+const CONFIRMED: f64 = 1.005;
 
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
@@ -139,7 +142,7 @@ impl Envelope {
         let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
         let is_kept = |length: f64| excess(length) <= ROUNDING;
         if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found)) {
-            let is_close = found <= CLOSE * guess && guess <= CLOSE * found;
+            let is_close = found <= CONFIRMED * guess && guess <= CONFIRMED * found;
             if is_close && self.is_convex_up_to(p) || excess(found).abs() <= ROUNDING {
                 return Some(found);
             }
@@ -168,7 +171,11 @@ impl Envelope {
         let bounded = |logarithm: f64| Ok::<_, Infallible>(excess(logarithm.exp()).min(1.0));
         let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), bounded);
         // Where the height jumps over the tolerance, the root can be on the far side.
-        [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9].map(|share| share * logarithm.exp()).into_iter().find(|length| is_kept(*length)).or(Some(low))
+        [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9]
+            .map(|share| share * logarithm.exp())
+            .into_iter()
+            .find(|length| is_kept(*length))
+            .or(Some(low))
     }
 
     /// Whether the turning of the surface's normal changes marks: that of a ball is the same in every direction.
@@ -204,7 +211,8 @@ impl Envelope {
                 .into_iter()
                 .all(|(one, other)| one <= factor * other && other <= factor * one)
         };
-        let search = |start: TurnedRidge, is_careful: bool| marks.solve(sought, start, is_careful).filter(|ridge| is_within(ridge, SAME_RIDGE));
+        let search =
+            |start: TurnedRidge, is_careful: bool| marks.solve(sought, start, is_careful).filter(|ridge| is_within(ridge, SAME_RIDGE));
         let paraboloid = self.ridge_of_paraboloid(lengths);
         let quick = search(paraboloid, false);
         if quick.is_some_and(|ridge| is_within(&ridge, CLOSE)) {
@@ -240,8 +248,10 @@ impl Envelope {
         TurnedRidge { behind: [half + ahead, half - ahead], aside: 0.0, lengths }
     }
 
-    /// The largest turn at the ridge as a share of the sine or cosine of the slope.
-    pub(in crate::milling) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+    /// How much the surface's normal turns from the stated contact to the marks at the ridge: the tangent of the largest
+    /// angle, as a share of the smaller of sine and cosine of the slope. Infinite where no ridge of turned marks was
+    /// found, so that the answers are those of the second order.
+    pub(in crate::milling) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         if !self.has_third_order() {
             return if self.pass.surface.is_plane() || self.cutter.kind() == CutterKind::BallEnd { 0.0 } else { f64::INFINITY };
         }
