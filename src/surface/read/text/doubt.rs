@@ -13,7 +13,7 @@ pub(super) struct Doubt {
     first: String,
     /// The smallest and the largest number of fields, while every line can be read with decimal commas.
     commas: Option<(usize, usize)>,
-    /// The columns, while every line has the same number of numbers, more than three.
+    /// The columns, while every line has the same number of numbers, three at least.
     columns: Option<Box<Evidence>>,
 }
 
@@ -80,6 +80,8 @@ impl Doubt {
         let width = columns.width();
         let found = if columns.is_numbered() {
             format!("{points} lines of {width} numbers, the first of which counts up: either x, or a number before x, y and z")
+        } else if columns.can_be_matrix(points) && width == 3 {
+            format!("{points} lines of three nearly equal numbers: either a matrix of heights, or points along x = y = z; {AS_POINTS}")
         } else if columns.can_be_matrix(points) {
             format!("{points} lines of {width} numbers: either a matrix of heights, or points and their properties; {AS_POINTS}")
         } else {
