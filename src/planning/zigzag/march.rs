@@ -237,13 +237,12 @@ impl Walk<'_> {
         let mut limit = width;
         let mut area = 0.0;
         for (index, reached) in self.reached.iter().enumerate() {
-            // Facets that end at the previous plane are still included.
-            if reached.high <= at {
-                continue;
-            }
             // A strip that ends before the facet begins is not bound by it.
             let (own, begins) = (reached.allowed * factor, reached.low - at);
             let bound = if own > begins { own } else { begins };
+            // Facets that end at the previous plane are still included, and are as frequent as others: a branch would be
+            // taken by chance. They have no area in the strip.
+            let bound = if reached.high > at { bound } else { f64::INFINITY };
             let (from, to) = (if reached.low > at { reached.low } else { at }, if reached.high < end { reached.high } else { end });
             area += reached.density * if to > from { to - from } else { 0.0 };
             if bound < limit {
