@@ -1,14 +1,14 @@
-//! Reads arrays of triples of numbers, such as points, in JSON that has been checked already, on all cores.
+//! Arrays of triples of numbers, such as points, read on all cores from JSON whose syntax has been checked.
 
 use crate::cancellation::CancelFlag;
 use memchr::memchr;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// The bytes that one core reads at once: some thousand triples.
+/// The size of a block, which one thread reads: some thousand triples.
 const BLOCK: usize = 64 * 1024;
 
-/// The blocks that are read before their triples are passed on: what is held of them is bounded, and a cancelled
-/// reading ends soon.
+/// The number of blocks that are read before their triples are passed on. It bounds the memory for triples, and the
+/// time until a cancelled reading ends.
 const BATCH: usize = 16;
 
 /// A number of a triple, parsed from an item of a JSON array.
@@ -19,7 +19,7 @@ pub(crate) trait TripleNumber: Copy + Default + Send {
 
 impl TripleNumber for f64 {
     fn parse(item: &str) -> Option<Self> {
-        // The text is JSON: what begins like a number is one.
+        // In valid JSON, text that begins like a number is one.
         let is_number = matches!(item.as_bytes().first(), Some(b'-' | b'0'..=b'9'));
         item.parse().ok().filter(|value: &f64| is_number && value.is_finite())
     }
@@ -31,9 +31,9 @@ impl TripleNumber for u32 {
     }
 }
 
-/// Passes blocks of the triples of the array `json` to `each`, on all cores, and what it returns to `take`, in order.
-/// `None` where an item is anything but three numbers in double precision, or `cancel` is set; `take` may have been
-/// called before. `json` must be the text of a JSON value.
+/// Calls `each` with blocks of the triples of the array `json`, on all cores, and `take` with the results in order.
+/// `None` where an item is anything but three finite numbers in double precision, or `cancel` is set; `take` may have
+/// been called before. `json` must be the text of a JSON value.
 pub(crate) fn read_triples<N: TripleNumber, T: Send>(
     json: &str,
     cancel: Option<&CancelFlag>,
@@ -59,10 +59,11 @@ pub(crate) fn read_triples<N: TripleNumber, T: Send>(
     Some(())
 }
 
-/// Divides `items` after the triple that passes the size of a block, and drops the comma.
+/// Divides `items` after the first triple that ends beyond the size of a block. The comma between both parts is left
+/// out.
 fn next_block(items: &str) -> Option<(&str, &str)> {
     let Some(end) = items.as_bytes().get(BLOCK..).and_then(|after| memchr(b']', after)) else { return Some((items, "")) };
-    // A bracket is one byte in UTF-8, so that both sides are valid text.
+    // Both parts are valid UTF-8, because a bracket is one byte.
     let (block, rest) = items.split_at(BLOCK + end + 1);
     let rest = rest.trim_ascii_start();
     if rest.is_empty() { Some((block, rest)) } else { Some((block, rest.strip_prefix(',')?.trim_ascii_start())) }
@@ -144,7 +145,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
-        /// Blocks end anywhere between triples, and every number is the same double as with the general reader.
+        /// Blocks end between any two triples, and every number is the same double as with the general reader.
         #[test]
         fn long_arrays_are_read_as_by_the_general_reader(
             triple in proptest::array::uniform3(proptest::num::f64::NORMAL | proptest::num::f64::ZERO),
