@@ -1,25 +1,26 @@
-//! Arrays of triples of numbers, such as points, read on all cores from JSON whose syntax has been checked.
+//! The fast reader of arrays of triples of numbers, such as points. It uses all cores, and needs JSON whose syntax has
+//! been checked.
 
 use crate::cancellation::CancelFlag;
 use memchr::memchr;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// The size of a block, which one thread reads: some thousand triples.
+/// The number of bytes that one thread reads at a time: some thousand triples.
 const BLOCK: usize = 64 * 1024;
 
-/// The number of blocks that are read before their triples are passed on. It bounds the memory for triples, and the
+/// The number of blocks that are read before their results are passed on. It limits the memory of the results, and the
 /// time until a cancelled reading ends.
 const BATCH: usize = 16;
 
 /// A number of a triple, parsed from an item of a JSON array.
 pub(crate) trait TripleNumber: Copy + Default + Send {
-    /// `None` where the item is not a number of this kind as it is usually written.
+    /// Parses an item; `None` if it is not a number of this type in the usual notation.
     fn parse(item: &str) -> Option<Self>;
 }
 
 impl TripleNumber for f64 {
     fn parse(item: &str) -> Option<Self> {
-        // In valid JSON, text that begins like a number is one.
+        // The text is valid JSON, so the first byte identifies a number.
         let is_number = matches!(item.as_bytes().first(), Some(b'-' | b'0'..=b'9'));
         item.parse().ok().filter(|value: &f64| is_number && value.is_finite())
     }
@@ -31,9 +32,9 @@ impl TripleNumber for u32 {
     }
 }
 
-/// Calls `each` with blocks of the triples of the array `json`, on all cores, and `take` with the results in order.
-/// `None` where an item is anything but three finite numbers in double precision, or `cancel` is set; `take` may have
-/// been called before. `json` must be the text of a JSON value.
+/// Reads the array `json`, which must be the text of a JSON value. Its triples are passed to `each` in blocks, on all
+/// cores, and the results of `each` to `take`, in order. Returns `None` if an item is not three finite numbers of type
+/// `N`, or once `cancel` is set; `take` may have been called before.
 pub(crate) fn read_triples<N: TripleNumber, T: Send>(
     json: &str,
     cancel: Option<&CancelFlag>,
@@ -59,11 +60,10 @@ pub(crate) fn read_triples<N: TripleNumber, T: Send>(
     Some(())
 }
 
-/// Divides `items` after the first triple that ends beyond the size of a block. The comma between both parts is left
-/// out.
+/// Splits `items` after the triple with which the block exceeds its size, and drops the comma.
 fn next_block(items: &str) -> Option<(&str, &str)> {
     let Some(end) = items.as_bytes().get(BLOCK..).and_then(|after| memchr(b']', after)) else { return Some((items, "")) };
-    // Both parts are valid UTF-8, because a bracket is one byte.
+    // A bracket is one byte in UTF-8, so that both sides are valid text.
     let (block, rest) = items.split_at(BLOCK + end + 1);
     let rest = rest.trim_ascii_start();
     if rest.is_empty() { Some((block, rest)) } else { Some((block, rest.strip_prefix(',')?.trim_ascii_start())) }
@@ -145,7 +145,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
-        /// Blocks end between any two triples, and every number is the same double as with the general reader.
+        /// Blocks end anywhere between triples, and every number is the same double as with the general reader.
         #[test]
         fn long_arrays_are_read_as_by_the_general_reader(
             triple in proptest::array::uniform3(proptest::num::f64::NORMAL | proptest::num::f64::ZERO),

@@ -1,33 +1,32 @@
-//! Division of a text into blocks of whole lines, which several threads read in parallel.
+//! Divides a text into blocks of whole lines, which several threads can read in parallel.
 //!
-//! The ends of blocks depend on the text alone, not on the chunks in which it arrives. Sums over blocks are therefore
-//! the same to the bit however a text arrives.
+//! The ends of blocks depend only on the text, not on the chunks in which it arrives, so that sums over blocks are
+//! reproducible to the bit.
 
 use super::lines::{LONGEST_LINE, line_end, trimmed};
 
-/// The default size of blocks, in bytes. A thread reads such a block in a few tenths of a millisecond.
+/// The default size of blocks, in bytes: a thread's work of a few tenths of a millisecond.
 pub(super) const BLOCK: usize = 1 << 17;
 
 /// Divides a text into blocks.
 #[derive(Debug)]
 pub(super) struct BlockSplitter {
-    /// The least size of a block in bytes. A block ends with the line that exceeds it.
+    /// The size of a block in bytes: a block ends with the line that exceeds it.
     size: usize,
     /// Whether a block may end after this line.
     may_end: fn(&[u8]) -> bool,
-    /// The current block.
     begun: Vec<u8>,
-    /// The start of the last line in `begun`; set when `begun` reaches the size.
+    /// The start of the last line in `begun`; only meaningful once `begun` has the size of a block.
     line: usize,
 }
 
 impl BlockSplitter {
-    /// Blocks may end after lines for which `may_end` holds.
+    /// A splitter whose blocks end only after lines for which `may_end` returns true.
     pub(super) fn new(size: usize, may_end: fn(&[u8]) -> bool) -> Self {
         Self { size, may_end, begun: Vec::new(), line: 0 }
     }
 
-    /// Moves bytes from `chunk` to the current block, and returns the block once it is complete.
+    /// Moves bytes from `chunk` into the current block, and returns the block when it is complete.
     pub(super) fn next(&mut self, chunk: &mut &[u8]) -> Option<Vec<u8>> {
         if self.begun.is_empty() {
             self.begun.reserve_exact(self.size + LONGEST_LINE);
@@ -60,7 +59,7 @@ impl BlockSplitter {
             _ => false,
         };
         if !is_line_end {
-            // A block also ends within a line that is too long, which its reader refuses.
+            // The reader of the block refuses a line that is too long.
             return self.begun.len() - self.line > LONGEST_LINE + 2;
         }
         let mut line = &self.begun[self.line..];

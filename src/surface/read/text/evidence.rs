@@ -1,20 +1,19 @@
-//! Evidence in the numbers of a table without a header: whether the table can be a matrix of heights, and whether its
-//! first column numbers the lines.
+//! Statistics of the columns of a table without a header. They show whether it can be a matrix of heights, and whether
+//! its first column numbers the lines.
 
 use super::super::decimal::number;
 use super::layout::Separator;
 
-/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with
-/// opacity, intensity and time.
+/// The most columns that a point with properties has: position, normal, colour with opacity, intensity and time.
 pub(super) const WIDEST_POINT: usize = 12;
 
 /// The number of columns of a table that usually has points.
 const POINT: usize = 3;
 
-/// The largest number of lines that are examined. Each is parsed twice.
+/// The largest number of lines that are examined. The limit saves time, because an examined line is parsed twice.
 const MOST_LINES: u64 = 10_000;
 
-/// The smallest number of lines that are evidence. Fewer make no surface.
+/// The smallest number of lines from which anything is concluded; fewer points are no surface.
 const FEWEST_LINES: u64 = 3;
 
 /// The most rows of a matrix of heights for each column. A table with more than three columns is taken for a longer
@@ -25,18 +24,18 @@ const LONGEST_MATRIX: u64 = 50;
 /// of all numbers. As points they would lie along the line x = y = z and nowhere else.
 const LARGEST_DIFFERENCE: f64 = 0.25;
 
-/// The columns of a table in which each line examined so far has the same number of numbers, three at least, and
-/// nothing else.
+/// The statistics of a table in which every line examined has the same number of columns, at least three, and only
+/// numbers.
 #[derive(Debug)]
 pub(super) struct Evidence {
     separator: Separator,
     columns: Vec<Column>,
     lines: u64,
-    /// Whether the three columns from each further column on are a vector of unit length in every line.
+    /// For each column after the third: whether it and the next two are a unit vector in every line.
     unit_vectors: Vec<bool>,
     /// The largest difference between two numbers of a line.
     largest_difference: f64,
-    /// The constant difference of the first column from line to line, while it has one.
+    /// The difference of the first column from line to line, as long as it is constant.
     step: Option<f64>,
 }
 
@@ -50,7 +49,8 @@ struct Column {
 }
 
 impl Evidence {
-    /// The columns of the table that begins with `line`; `None` where they are fewer than three or not all numbers.
+    /// The statistics of a table that begins with `line`; `None` if the line has fewer than three columns or a field that
+    /// is not a number.
     pub(super) fn of(line: &[u8], separator: Separator) -> Option<Self> {
         let numbers = numbers(line, separator)?;
         let columns = numbers.map(|(value, is_whole)| Column { last: value, least: value, most: value, is_whole });
@@ -61,7 +61,7 @@ impl Evidence {
         Some(evidence)
     }
 
-    /// The number of numbers in a line.
+    /// The number of columns.
     pub(super) fn width(&self) -> usize {
         self.columns.len()
     }
@@ -71,12 +71,12 @@ impl Evidence {
         if self.width() == POINT { POINT as u64 * LONGEST_MATRIX + 1 } else { MOST_LINES }
     }
 
-    /// Whether further lines make no difference.
+    /// Whether enough lines have been examined.
     pub(super) fn is_complete(&self) -> bool {
         self.lines == self.most_lines()
     }
 
-    /// Takes the next line into account; false where it has other columns.
+    /// Adds the next line; returns false if it has another number of columns.
     pub(super) fn look_at(&mut self, line: &[u8]) -> bool {
         if self.is_complete() {
             return true;
@@ -123,16 +123,16 @@ impl Evidence {
         }
     }
 
-    /// Whether three columns can be a matrix of heights. They nearly always are points, so that this requires evidence
-    /// against points: numbers that are nearly equal in each line.
+    /// Whether three columns can be a matrix of heights. They are nearly always points, so evidence against points is
+    /// required: numbers that are nearly equal in each line.
     fn can_be_narrow_matrix(&self, lines: u64) -> bool {
         let (least, most) = range(self.columns.iter().map(|column| [column.least, column.most]));
         lines <= POINT as u64 * LONGEST_MATRIX && self.largest_difference < LARGEST_DIFFERENCE * (most - least)
     }
 
-    /// Whether more than three columns can be a matrix of heights. A normal, a colour, or whole numbers beside
-    /// coordinates with decimals are evidence of points. So is a table far longer than wide, unless the numbers in each
-    /// pair of adjacent columns are alike.
+    /// Whether more than three columns can be a matrix of heights. They are points if a normal, a colour or whole
+    /// numbers follow coordinates with decimals. They are also points if the table is far longer than wide, unless
+    /// adjacent columns have similar ranges.
     fn can_be_wide_matrix(&self, lines: u64) -> bool {
         let (coordinates, further) = self.columns.split_at(POINT);
         let has_normal = self.unit_vectors.contains(&true);
@@ -160,21 +160,22 @@ fn are_alike(one: Column, other: Column) -> bool {
     shared >= 0.5 * (one.most - one.least).max(other.most - other.least)
 }
 
-/// The numbers in a line, each with whether it is written as a whole number; `None` where a field is something else.
+/// The numbers in a line, each with whether it is written as a whole number; `None` if a field is something else.
 /// Empty fields are left out: a separator may stand at the end of each line.
 fn numbers(line: &[u8], separator: Separator) -> Option<impl Iterator<Item = (f64, bool)>> {
     let mut numbers = [(0.0, false); WIDEST_POINT + 1];
     let mut count = 0;
     for field in separator.fields(line).filter(|field| !field.is_empty()) {
         let number = number_in(field)?;
-        // More numbers than fit are counted as one more.
+        // Numbers beyond the largest count are counted as one.
         numbers[count.min(WIDEST_POINT)] = number;
         count += 1;
     }
     Some(numbers.into_iter().take(count))
 }
 
-/// The number that the whole of `field` is, in quotation marks or not, with either decimal mark.
+/// The number in `field`, if the field is nothing else; it may be in quotation marks and have either decimal mark. Also
+/// whether it is written as a whole number.
 fn number_in(field: &[u8]) -> Option<(f64, bool)> {
     let bare = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\"")).unwrap_or(field);
     let whole = |mark| number(bare, mark).filter(|(_, length)| *length == bare.len());
