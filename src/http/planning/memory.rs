@@ -15,6 +15,8 @@ pub(super) struct Means {
     pub(super) memory: Reservation,
     pub(super) parallelism: Parallelism,
     pub(super) room: PlanRoom,
+    /// The threads of a permit.
+    threads: usize,
     /// The longest wait for more memory.
     longest_wait: Duration,
     /// The memory that one request may have, in bytes.
@@ -28,6 +30,7 @@ impl Means {
             memory: work.budget().open(),
             parallelism: Parallelism { threads: work.threads(), candidates: work.threads() },
             room: PlanRoom::USUAL,
+            threads: work.threads(),
             longest_wait,
             largest: usize::try_from(work.budget().largest()).unwrap_or(usize::MAX),
         }
@@ -39,16 +42,28 @@ impl Means {
     }
 
     /// The memory in bytes of a ranking on a mesh of this size, and its use of threads: as many threads and candidates
-    /// at once as one request may use.
-    pub(super) fn needed(&self, mesh: MeshSize, size: RankingSize) -> (u64, Parallelism) {
+    /// at once as `most` bytes allow; one of each if none fits.
+    fn within(&self, mesh: MeshSize, size: RankingSize, most: usize) -> (u64, Parallelism) {
         let mesh = bytes_of_mesh(mesh);
-        let (parallelism, bytes) = fitting(size, self.parallelism.threads, self.room, self.largest.saturating_sub(mesh));
+        let (parallelism, bytes) = fitting(size, self.threads, self.room, most.saturating_sub(mesh));
         ((mesh + bytes) as u64, parallelism)
     }
 
-    /// Reserves the memory for a ranking. Blocks, so it must be called on a worker thread.
+    /// The most memory in bytes of a ranking on a mesh of this size: as much as one request may use.
+    pub(super) fn most(&self, mesh: MeshSize, size: RankingSize) -> u64 {
+        self.within(mesh, size, self.largest).0
+    }
+
+    /// The least memory in bytes of a ranking on a mesh of this size.
+    pub(super) fn least(&self, mesh: MeshSize, size: RankingSize) -> u64 {
+        self.within(mesh, size, 0).0
+    }
+
+    /// Reserves the memory for a ranking: as much as it can use of what is free, but at least what it needs. Blocks, so
+    /// it must be called on a worker thread.
     pub(super) fn provide(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
-        let (bytes, parallelism) = self.needed(mesh, size);
+        let attainable = usize::try_from(self.memory.attainable()).unwrap_or(usize::MAX);
+        let (bytes, parallelism) = self.within(mesh, size, self.largest.min(attainable));
         self.memory.shrink_to(bytes);
         self.add(bytes - self.memory.bytes(), stop)?;
         self.parallelism = parallelism;

@@ -9,7 +9,7 @@ use super::memory::{BYTES_OF_A_MAP, Means};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
-use super::simulation::{Simulation, Workpiece, ranking_size};
+use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -42,7 +42,7 @@ impl Task {
         sourced: SurfaceWithSource,
         path: &JsonPath<'_>,
         faults: &mut Faults,
-        stop: &dyn Fn() -> bool,
+        stop: Stop,
     ) -> Result<Self, Faulted> {
         let unit = sourced.unit_of(parameters.unit, path, faults)?;
         let shape = sourced.surface.sampled.shape(unit, parameters.facing);
@@ -89,19 +89,14 @@ impl Task {
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer is discarded and has no
     /// meaning.
-    pub(super) fn answer(mut self, means: &mut Means, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
+    pub(super) fn answer(mut self, means: &mut Means, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.workpiece.take()) {
             (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, means, stop),
             (_, workpiece) => self.on_rectangle(workpiece.as_ref(), means, stop),
         }
     }
 
-    fn on_surface(
-        mut self,
-        workpiece: &Workpiece,
-        means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<RecommendationAnswer, Problem> {
+    fn on_surface(mut self, workpiece: &Workpiece, means: &mut Means, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, means, stop)? else {
             return Err(Problem::no_cutter_fits(Vec::new()));
@@ -120,7 +115,7 @@ impl Task {
         let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, means, stop)? } else { None };
         let map = if self.parameters.includes(Part::Map) {
             means.add(BYTES_OF_A_MAP, stop)?;
-            MapAnswer::new(workpiece, &simulation)
+            MapAnswer::new(workpiece, &simulation, stop)
         } else {
             None
         };
@@ -148,12 +143,12 @@ impl Task {
         workpiece: &Workpiece,
         simulation: &Simulation,
         means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
+        stop: Stop,
     ) -> Result<Option<PassesAnswer>, Problem> {
         let passes = match means.add(PassesAnswer::bytes(workpiece, simulation), stop) {
             Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
             Err(BudgetExceeded::Always) => Err("the passes need more memory than one request may use".to_owned()),
-            Ok(()) => PassesAnswer::new(workpiece, simulation).transpose().map_err(|error| error.to_string()),
+            Ok(()) => PassesAnswer::new(workpiece, simulation, stop).transpose().map_err(|error| error.to_string()),
         };
         Ok(passes.unwrap_or_else(|reason| {
             self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out")));
@@ -161,17 +156,12 @@ impl Task {
         }))
     }
 
-    fn on_rectangle(
-        mut self,
-        workpiece: Option<&Workpiece>,
-        means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<RecommendationAnswer, Problem> {
+    fn on_rectangle(mut self, workpiece: Option<&Workpiece>, means: &mut Means, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
         let feed_rate = self.parameters.machine.limits.feed_rate;
         let slope = if self.shape.steepest_direction.is_some() { self.shape.slope } else { Angle::ZERO };
         let (mut candidates, mut not_ranked) = (Vec::new(), Vec::new());
-        for (index, cutter) in named.iter().enumerate() {
+        for (index, cutter) in named.iter().enumerate().take_while(|_| !stop()) {
             match on_rectangle(cutter, &self.parameters, &self.shape) {
                 Ok(Some(plan)) => candidates.push(RankedCandidate::on_rectangle(index, &plan, slope, feed_rate, named)),
                 _ => not_ranked.push(self.not_ranked(index, NotRankedReason::NoStepOver)),
@@ -212,7 +202,7 @@ impl Task {
         candidates: &[RankedCandidate],
         workpiece: Option<&Workpiece>,
         means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
+        stop: Stop,
     ) -> Result<ConfidenceAnswer, Problem> {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);

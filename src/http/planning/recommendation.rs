@@ -48,7 +48,10 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
         Begun::Answered(answer) => Ok(answer),
         Begun::Waits(task, mut means, bytes) => {
             let memory = std::mem::replace(&mut means.memory, work.budget().open());
-            let again = move |memory, cancelled: &CancelFlag| answer_to(*task, means.with(memory), cancelled);
+            let again = move |mut memory: Reservation, cancelled: &CancelFlag| {
+                memory.begin_work();
+                answer_to(*task, means.with(memory), cancelled)
+            };
             work.run_with_memory(memory, bytes, LONGEST_WAIT, again).await?
         }
     }
@@ -61,17 +64,18 @@ enum Begun {
     Waits(Box<Task>, Means, u64),
 }
 
-/// Answers where the memory for it is free; where others hold it, returns all but what the task holds.
+/// Answers where the memory for it is free; where others hold it, returns all but what the task holds. Few tasks may
+/// wait at once, because together they could hold so much that none gets the rest.
 fn begin(task: Task, mut means: Means, cancelled: &CancelFlag) -> Result<Begun, Problem> {
     let (mesh, ranking) = task.size();
-    let (needed, _) = means.needed(mesh, ranking);
-    means.memory.shrink_to(needed);
-    let more = needed - means.memory.bytes();
-    match means.memory.try_grow(more) {
+    means.memory.shrink_to(means.most(mesh, ranking));
+    let least = means.least(mesh, ranking);
+    match means.memory.try_grow(least.saturating_sub(means.memory.bytes())) {
         Err(BudgetExceeded::Now) => {
             let held = (bytes_of_mesh(mesh) + bytes_prepared(mesh.facets)) as u64;
             means.memory.shrink_to(held);
-            let more = needed - means.memory.bytes();
+            means.memory.begin_wait()?;
+            let more = least.saturating_sub(means.memory.bytes());
             Ok(Begun::Waits(Box::new(task), means, more))
         }
         _ => answer_to(task, means, cancelled).map(Begun::Answered),

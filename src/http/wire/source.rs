@@ -4,7 +4,7 @@ use super::Warning;
 use super::unit::unit_name;
 use crate::http::codes::{FileFault, RequestFault, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::surface::read::{Format, Notes, Summary};
+use crate::surface::read::{Format, MostOfPush, Notes, Summary};
 use crate::surface::{Basis, MeshBuilder, MeshPart, PartedSink, SampledSurface, Shape, Sink, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -61,11 +61,6 @@ impl From<Format> for Source {
 /// The most facets of a surface that are held; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
 
-/// The memory that a byte of a block takes while it is read, in vectors that grow to twice their size: itself, the number
-/// of a vertex at a corner (4 bytes for each 2), and of each facet (4 bytes at least, in binary PLY) 12 bytes for its
-/// corners, and 36 for the points that it does not share with others and the table that finds them.
-const BYTES_OF_A_BYTE_OF_A_BLOCK: usize = 40;
-
 /// A surface that is being received: the sums for its shape, and its facets.
 #[derive(Debug)]
 pub(crate) struct ReceivedSurface {
@@ -83,10 +78,9 @@ impl ReceivedSurface {
         self.mesh.held_bytes() as u64
     }
 
-    /// The further memory in bytes to read `bytes` of a file whose reader holds `vertices` vertices. Few formats state a
-    /// facet in fewer than 4 bytes or a vertex in fewer than 6, and blocks are held with what is read of them.
-    pub(crate) fn bytes_to_take(&self, bytes: usize, vertices: usize) -> u64 {
-        (self.mesh.bytes_to_take(bytes / 4, bytes / 6 + vertices) + BYTES_OF_A_BYTE_OF_A_BLOCK * bytes) as u64
+    /// The further memory in bytes to read at most `push` of a file whose reader holds `vertices` vertices.
+    pub(crate) fn bytes_to_take(&self, push: MostOfPush, vertices: usize) -> u64 {
+        (self.mesh.bytes_to_take(push.facets, push.corners + vertices) + push.held) as u64
     }
 
     /// The further memory in bytes to read a package, whatever it contains.

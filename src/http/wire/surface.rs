@@ -2,6 +2,7 @@
 
 use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
 use super::source::{ReceivedSurface, Source, SurfaceWithSource};
+use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
     AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
@@ -113,10 +114,17 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
-    let mesh = patch.tessellate(samples, ReceivedSurface::new().mesh);
-    let surface = patch.sampled(samples).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
-        faults.add(&object.path().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
-    })?;
+    let cancel = faults.cancel_flag();
+    let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
+    let mesh = patch.tessellate_until(samples, ReceivedSurface::new().mesh, &stop);
+    let surface =
+        patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
+            faults.add(
+                &object.path().member(SAMPLES.name),
+                RequestFault::OutOfRange,
+                format_args!("the number of samples each way {bounds}"),
+            )
+        })?;
     Ok(SurfaceWithSource::stated(surface, Source::Bezier))
 }
 
@@ -189,11 +197,18 @@ fn most_items(raw: &RawValue) -> usize {
     memchr::memchr_iter(b'[', text).count().min(text.len() / 8)
 }
 
+/// The number of triangles between two checks for cancellation.
+const TRIANGLES_AT_ONCE: usize = 4096;
+
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = path.member(TRIANGLES.name);
     let mut surface = ReceivedSurface::new();
     let mut result = Ok(());
+    let cancel = faults.cancel_flag();
     for (number, triangle) in triangles.iter().enumerate() {
+        if number.is_multiple_of(TRIANGLES_AT_ONCE) && cancel.as_ref().is_some_and(CancelFlag::is_cancelled) {
+            break;
+        }
         let at = |corner: usize| points.get(triangle[corner] as usize).copied().ok_or(corner);
         match (at(0), at(1), at(2)) {
             (Ok(a), Ok(b), Ok(c)) => surface.facet([a, b, c]),
