@@ -3,7 +3,7 @@
 use crate::http::wire::ReceivedSurface;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
-use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, fitting};
+use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, bytes_to_rank, fitting};
 use crate::planning::zigzag::PlanRoom;
 use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
@@ -68,6 +68,13 @@ impl Means {
         self.add(bytes - self.memory.bytes(), stop)?;
         self.parallelism = parallelism;
         Ok(())
+    }
+
+    /// Returns what only the ranking took: the memory of one plan is kept, with which passes and map are computed.
+    pub(super) fn keep_one_plan(&mut self, mesh: MeshSize, size: RankingSize) {
+        let parallelism = Parallelism { candidates: 1, ..self.parallelism };
+        let plan = bytes_to_rank(RankingSize { candidates: 1, ..size }, parallelism, PlanRoom::LARGEST);
+        self.memory.shrink_to((bytes_of_mesh(mesh) + plan) as u64);
     }
 
     /// Reserves `bytes` more. Blocks, so it must be called on a worker thread.

@@ -101,6 +101,7 @@ impl Task {
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, means, stop)? else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
+        means.keep_one_plan(workpiece.mesh.size(), ranking_size(&workpiece.mesh, &simulation.candidates));
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
         let mut not_ranked: Vec<NotRanked> =

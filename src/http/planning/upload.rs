@@ -224,11 +224,11 @@ struct File {
 }
 
 impl File {
-    /// The reading of a package ends early once `cancel` is set.
+    /// Reading ends early once `cancel` is set.
     fn new(hint: FormatHint, memory: Reservation, cancel: &CancelFlag) -> Self {
         let reader = Reader::new(hint).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE).with_archive_limit(LARGEST_ARCHIVE);
         let reader = reader.with_cancel_flag(cancel);
-        Self { reader, surface: ReceivedSurface::new(), memory }
+        Self { reader, surface: ReceivedSurface::until(cancel), memory }
     }
 
     /// Reads a block. The most memory that it can take is reserved meanwhile, and afterwards what is held.

@@ -2,6 +2,7 @@
 
 use super::Warning;
 use super::unit::unit_name;
+use crate::cancellation::CancelFlag;
 use crate::http::codes::{FileFault, RequestFault, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::surface::read::{Format, MostOfPush, Notes, Summary};
@@ -71,6 +72,12 @@ pub(crate) struct ReceivedSurface {
 impl ReceivedSurface {
     pub(crate) fn new() -> Self {
         Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS) }
+    }
+
+    /// The same, which ends early with any surface once `cancel` is set.
+    pub(crate) fn until(cancel: &CancelFlag) -> Self {
+        let Self { sampled, mesh } = Self::new();
+        Self { sampled, mesh: mesh.with_cancel_flag(cancel) }
     }
 
     /// The memory that the facets hold, in bytes.

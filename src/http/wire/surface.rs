@@ -47,7 +47,7 @@ impl Kind for StatedSurface {
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         // Points alone, as nearly all bodies of this size have, need no pass to find the members.
-        let mut surface = ReceivedSurface::new();
+        let mut surface = received(faults);
         if let Some(points) = sole_member(raw.get(), POINTS.name)
             && receive_points(points, faults, &mut surface).is_some()
         {
@@ -93,10 +93,15 @@ impl Kind for StatedSurface {
     }
 }
 
+/// An empty surface for the body that `faults` belongs to.
+fn received(faults: &Faults) -> ReceivedSurface {
+    faults.cancel_flag().map_or_else(ReceivedSurface::new, |cancel| ReceivedSurface::until(&cancel))
+}
+
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
-    let mut surface = ReceivedSurface::new();
+    let mut surface = received(faults);
     if receive_points(raw.get(), faults, &mut surface).is_none() {
         find_faults(raw, path.member(POINTS.name), faults)?;
     }
@@ -116,7 +121,7 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
     let cancel = faults.cancel_flag();
     let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
-    let mesh = patch.tessellate_until(samples, ReceivedSurface::new().mesh, &stop);
+    let mesh = patch.tessellate_until(samples, received(faults).mesh, &stop);
     let surface =
         patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
             faults.add(
@@ -154,8 +159,7 @@ impl Kind for GridKind {
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = object.path();
-    let mut grid =
-        Grid::into_sink(rows, columns, ReceivedSurface::new()).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
+    let mut grid = Grid::into_sink(rows, columns, received(faults)).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let Some(raw) = object.take(GRID_POINTS.name, faults) else {
         return object.required(&GRID_POINTS, faults).and(Err(Faulted));
     };
@@ -202,7 +206,7 @@ const TRIANGLES_AT_ONCE: usize = 4096;
 
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = path.member(TRIANGLES.name);
-    let mut surface = ReceivedSurface::new();
+    let mut surface = received(faults);
     let mut result = Ok(());
     let cancel = faults.cancel_flag();
     for (number, triangle) in triangles.iter().enumerate() {
