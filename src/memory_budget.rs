@@ -10,7 +10,7 @@ use tokio::sync::Notify;
 use tokio::sync::futures::Notified;
 use tokio::time::{Instant, timeout_at};
 
-/// A bound on the bytes reserved at once. Clones share it.
+/// A limit on the bytes reserved at the same time. Clones share it.
 #[derive(Debug, Clone)]
 pub struct MemoryBudget(Arc<Shared>);
 
@@ -93,8 +93,8 @@ impl MemoryBudget {
         Reservation { budget: self.clone(), bytes: 0, is_input: false }
     }
 
-    /// An empty reservation for an input that is held until its request can be worked on. It grows only while the
-    /// other inputs hold at most a quarter of the budget. Without this bound, inputs that arrive together could fill
+    /// An empty reservation for an input that is stored until its request can be processed. It grows only while the
+    /// other inputs have at most a quarter of the budget. Without this limit, inputs that arrive together could fill
     /// the budget, and none of their requests would get the memory for its work.
     pub fn open_for_input(&self) -> Reservation {
         Reservation { budget: self.clone(), bytes: 0, is_input: true }
@@ -142,7 +142,7 @@ impl Reservation {
     pub async fn grow_within(&mut self, bytes: u64, longest: Duration) -> Result<(), BudgetExceeded> {
         let deadline = Instant::now() + longest;
         loop {
-            // Registered before the attempt, so that bytes that return after it are noticed.
+            // Registered before the attempt, so that bytes returned after it are not missed.
             let budget = self.budget.clone();
             let returned = budget.returned();
             match self.try_grow(bytes) {
@@ -218,7 +218,8 @@ impl Reservation {
         self.bytes.saturating_add(free).min(self.budget.largest())
     }
 
-    /// Ends the wait of an input: its request has the memory for its work, so that other inputs may take its place.
+    /// Records that the input's request has the memory for its work, so that the input no longer counts among the
+    /// waiting inputs.
     pub fn begin_work(&mut self) {
         if std::mem::take(&mut self.is_input) {
             self.budget.0.inputs.fetch_sub(self.bytes, Ordering::Relaxed);

@@ -29,7 +29,7 @@ impl Frame {
         self.columns * self.rows
     }
 
-    /// The index of a cell: row after row from the lowest y, and within a row from the lowest x.
+    /// The index of a cell: row by row from the lowest y, and within a row from the lowest x.
     #[must_use]
     pub fn index(&self, column: usize, row: usize) -> usize {
         row * self.columns + column
@@ -75,7 +75,7 @@ impl Frame {
 pub struct Raster<T> {
     /// The position and size.
     pub frame: Frame,
-    /// The values of the cells, row after row from the lowest y.
+    /// The values of the cells, row by row from the lowest y.
     pub values: Vec<T>,
 }
 
@@ -87,17 +87,17 @@ impl<T: Clone> Raster<T> {
     }
 }
 
-/// The distance in cells within which a cell centre counts as on a triangle's edge: coordinates of up to a million
-/// cells are rounded by 1e-10.
+/// A cell centre counts as on a triangle's edge within this distance, in cells: coordinates of up to a million cells
+/// are rounded by 1e-10.
 const ON_EDGE: f64 = 1e-9;
 
-/// Calls `visit` for each point with whole coordinates from `first` to `last` that a triangle, including its border,
-/// covers, with column, row, height, and whether the point is on an edge. The triangle's coordinates are in cells.
+/// Calls `visit` for each point with whole coordinates from `first` to `last` that a triangle or its border covers. The
+/// arguments are column, row, height, and whether the point is on an edge. The triangle's coordinates are in cells.
 ///
 /// No point between two triangles with a common edge is missed: the crossing of the edge with a row is computed from
-/// its ends in the order of their coordinates, hence with the same bits for both triangles. Heights are interpolated
-/// between the crossings with the two edges, so that they stay between the corners' heights however steep the triangle
-/// is.
+/// its ends in the order of their coordinates, so that it is bitwise the same for both triangles. Heights are
+/// interpolated between the crossings with the two edges, so that they stay between the corners' heights even in steep
+/// triangles.
 pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut visit: impl FnMut(i64, i64, f64, bool)) {
     let before = |a: &[f64; 3], b: &[f64; 3]| (a[1], a[0]) < (b[1], b[0]);
     for (i, j) in [(0, 1), (1, 2), (0, 1)] {

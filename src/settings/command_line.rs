@@ -1,4 +1,4 @@
-//! The command line: flags, variables, defaults and help. Values are text here; [`Settings`](super::Settings) parses
+//! The command line: flags, variables, defaults and help. Values stay text here; [`Settings`](super::Settings) parses
 //! them.
 
 use std::ffi::OsString;

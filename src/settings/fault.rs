@@ -50,22 +50,22 @@ impl std::error::Error for Faults {}
 /// The reason why a value is invalid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reason {
-    /// Not an IP address with a port.
+    /// It is not an IP address with a port.
     Address,
-    /// Not a whole number within the bounds.
+    /// It is not a whole number within the bounds.
     WholeNumber {
         /// The smallest number accepted.
         minimum: u64,
         /// The largest number accepted.
         maximum: u64,
     },
-    /// Not one of the words.
+    /// It is not one of these words.
     Word(&'static str),
-    /// An item of the list that is not an origin.
+    /// This item of the list is not an origin.
     Origin(String),
-    /// Not an `http://` address.
+    /// It is not an `http://` address.
     Collector,
-    /// A setting of a feature that this executable was built without.
+    /// The setting belongs to a feature without which this executable was built.
     NotBuiltIn,
 }
 

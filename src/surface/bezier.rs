@@ -10,7 +10,7 @@ use std::fmt;
 pub struct Bezier {
     rows: usize,
     columns: usize,
-    /// Row after row.
+    /// Row by row.
     control_points: Vec<[f64; 3]>,
 }
 
@@ -66,11 +66,11 @@ impl Bezier {
     /// The largest number of samples along each parameter.
     pub const LARGEST_SAMPLES: usize = 1000;
 
-    /// A patch from its control points, row after row: 2 to [`Bezier::LARGEST_ORDER`] rows with the same number of
-    /// points, 2 to [`Bezier::LARGEST_ORDER`] as well.
+    /// A patch from its control points, row by row: 2 to [`Bezier::LARGEST_ORDER`] rows, each with the same number of
+    /// points, which is also from 2 to [`Bezier::LARGEST_ORDER`].
     ///
     /// # Errors
-    /// [`BezierError`] where a number of points or a coordinate is out of bounds, or the rows differ in length.
+    /// [`BezierError`] if a number of points or a coordinate is out of bounds, or the rows differ in length.
     pub fn new(net: &[Vec<[f64; 3]>]) -> Result<Self, BezierError> {
         order_in_bounds(net.len()).map_err(BezierError::Rows)?;
         let columns = net[0].len();
@@ -281,8 +281,8 @@ mod tests {
             let step = 1e-6;
             for axis in 0..3 {
                 assert_abs_diff_eq!(blend(&curve, &across)[axis], expected[axis], epsilon = 1e-12);
-                // Central differences err by step^2/6 times a third derivative of up to 19^3 * 8 * 50, 5e-7, and by the
-                // rounding of 50 mm over the step, 1e-8.
+                // Central differences have an error of step^2/6 times a third derivative of up to 19^3 * 8 * 50, which
+                // is 5e-7, and of the rounding of 50 mm over the step, 1e-8.
                 let by_u = (at(u + step, v)[axis] - at(u - step, v)[axis]) / (2.0 * step);
                 let by_v = (at(u, v + step)[axis] - at(u, v - step)[axis]) / (2.0 * step);
                 assert_abs_diff_eq!(blend(&curve_u, &across)[axis], by_u, epsilon = 1e-6);

@@ -1,4 +1,4 @@
-//! The principal axes of a surface, along which it spreads most and least.
+//! The principal axes of a surface: the directions along which it extends most and least.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 

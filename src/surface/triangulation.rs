@@ -6,13 +6,13 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 /// out.
 pub const LONG_EDGE: f64 = 4.0;
 
-/// How many points are inserted between two checks for cancellation: about a millisecond.
+/// The number of points inserted between two checks for cancellation: about a millisecond.
 const INSERTED_AT_ONCE: usize = 1024;
 
 /// How many edges or triangles are listed between two checks: about a millisecond.
 const LISTED_AT_ONCE: usize = 16_384;
 
-/// A point of the plane and its number.
+/// A point of the plane with its index.
 struct Site {
     at: Point2<f64>,
     index: u32,
@@ -25,9 +25,9 @@ impl HasPosition for Site {
     }
 }
 
-/// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise
-/// seen from above, so they face up. Of points above each other, the highest is used. Empty if all points lie in one
-/// vertical plane.
+/// The Delaunay triangulation of the points seen from above, and the points that it uses. The corners of triangles are
+/// counter-clockwise seen from above, so that they face up. Of points above each other, the highest is used. The result
+/// is empty if all points lie in one vertical plane.
 ///
 /// **Long edges.** A Delaunay triangulation fills the convex hull, including notches and holes. A triangle is therefore
 /// left out if one of its edges is longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the
@@ -35,16 +35,16 @@ impl HasPosition for Site {
 /// the next line. The spacing at an edge is the smaller spacing of its ends, but at least half the median of all
 /// points, so that two points close together by chance leave no hole.
 ///
-/// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random,
-/// each round along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and
-/// Rote 2003), after three that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time for
-/// points near a line.
+/// **Time** is O(n log n) for all inputs. Three points that are not on one line are inserted first. The others follow
+/// in random rounds, each four times as large as the one before and sorted along a Hilbert curve over the points' ranks
+/// (a biased randomised insertion order, Amenta, Choi and Rote 2003). The sweep of `spade`'s own bulk loading takes
+/// quadratic time for points near a line.
 ///
 /// Once `stop` returns true the triangulation ends within milliseconds, without triangles.
 pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut points = points;
     for point in &mut points {
-        // The library refuses magnitudes under 1.8e-43 other than 0; -0 becomes 0.
+        // The library refuses magnitudes under 1.8e-43 except 0. -0 becomes 0.
         for c in point {
             *c = if c.abs() < 1e-40 { 0.0 } else { *c };
         }
@@ -117,8 +117,8 @@ fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize, stop: &dyn Fn()
     Some(shortest.into_iter().map(third).collect())
 }
 
-/// The order in which points are inserted; `None` where all lie on one line or `stop` returns true. `points` are
-/// sorted by x, then y, and differ.
+/// The order in which points are inserted; `None` if all lie on one line or `stop` returns true. `points` must be
+/// sorted by x, then y, and distinct.
 fn insertion_order(points: &[[f64; 3]], stop: &dyn Fn() -> bool) -> Option<Vec<u32>> {
     if stop() {
         return None;
@@ -216,8 +216,8 @@ mod tests {
         for (spacing, shake) in [([1.0, 1.0], 0.0), ([1.0, 1.0], 0.8), ([0.2, 1.0], 0.0)] {
             let l = lattice(if spacing[0] < 1.0 { 201 } else { 41 }, 41, spacing, shake, |x, y| x <= 20.1 || y <= 20.1);
             let found = area(&triangulate(l));
-            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2
-            // at its corner; a shaken border loses up to half a spacing along its 160 mm.
+            // 1200 mm^2; the convex hull has 1400. In the notch, triangles with edges of up to 4 spacings remain: an
+            // area of 4^2/2 at its corner. A displaced border loses up to half a spacing along its 160 mm.
             assert!(found > 1200.0 - if shake > 0.0 { 80.0 } else { 1e-9 } && found < 1210.0 + 20.0 * shake, "{spacing:?} {shake} {found}");
         }
     }
@@ -226,7 +226,7 @@ mod tests {
     fn a_hole_stays_open_and_a_dense_cloud_is_closed() {
         let ring = lattice(61, 61, [0.5, 0.5], 0.9, |x, y| (x - 15.0).hypot(y - 15.0) >= 6.0);
         let found = area(&triangulate(ring));
-        // A square of 30 mm less a disc of 6 mm, 787 mm^2, less half a spacing along the border of 120 mm and of 38 mm.
+        // A square of 30 mm minus a disc of 6 mm, 787 mm^2, minus half a spacing along borders of 120 mm and 38 mm.
         assert!((found - 787.0).abs() < 40.0, "{found}");
         let whole = area(&triangulate(lattice(61, 61, [0.5, 0.5], 0.9, |_, _| true)));
         assert!(whole > 860.0 && whole < 930.0, "{whole}");
@@ -259,7 +259,7 @@ mod tests {
         };
         assert!(!stop_at(usize::MAX).1.is_empty());
         let in_all = asked.get();
-        // Ten thousand points, a thousand at once, and the steps before and after.
+        // Ten checks for ten thousand points, a thousand at a time, and those before and after.
         assert!(in_all >= 14, "{in_all}");
         for count in 1..=in_all {
             assert_eq!(stop_at(count).1.len(), 0, "stopped at {count} of {in_all}");

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::HashMap;
 
-/// The largest library file, and the largest sum of the files of a zip after inflation: 3 kB for each of 10,000 tools.
+/// The largest library file, and the largest decompressed size of a zip: 3 kB for each of 10,000 tools.
 const LARGEST: usize = 32 << 20;
 
 /// The limits of a zip. A FreeCAD library has a file for each tool.
@@ -71,7 +71,7 @@ struct ListedFile {
 }
 
 impl Listed {
-    /// Reads all lists of an archive. The inner `None` stands for an archive without lists, of which all tools are
+    /// Reads all lists of an archive. The inner `None` means that the archive has no lists, so that all its tools are
     /// read.
     fn read(archive: &Archive, path: impl Fn(&str) -> String) -> Result<Option<Self>, LibraryFaults> {
         let (mut listed, mut faults, mut has_lists) = (Self::default(), Vec::new(), false);
@@ -111,8 +111,8 @@ impl Listed {
     }
 }
 
-/// Reads all libraries and tools of a zip, in the order of its directory. Where it has lists of FreeCAD, tool files
-/// that none of them names are counted, not read.
+/// Reads all libraries and tools of a zip, in the order of its directory. If it has lists of FreeCAD, tool files that
+/// none of them names are counted, not read.
 fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
     let archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?.until(cancel);
     let path = |name: &str| format!("{file}/{name}");
@@ -159,7 +159,8 @@ fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &Ca
     Ok(listed.map_or(Ok(()), |listed| listed.add_missing(library))?)
 }
 
-/// Reads a tool file of FreeCAD in a zip. Where it is not one, that is a fault of the tool: the zip has others.
+/// Reads a tool file of FreeCAD in a zip. A file that is not a tool is recorded as a faulty tool, and the other files
+/// are still read.
 fn read_tool_file(bytes: &[u8], path: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
     let text = match decoded(bytes) {
         Ok(text) => text,
@@ -192,7 +193,7 @@ fn flaw(fault: &ArchiveFault) -> Flaw {
     Flaw::new(kind, "a ZIP archive within its limits", fault.to_string())
 }
 
-/// A file as text: UTF-8, UTF-16 with a byte-order mark, or else Latin-1. The inner error describes a binary file.
+/// A file as text: UTF-8, UTF-16 with a byte-order mark, or otherwise Latin-1. The error describes a binary file.
 fn decoded(bytes: &[u8]) -> Result<String, &'static str> {
     let utf_16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.as_chunks::<2>().0.iter().map(|pair| unit(*pair)).collect();

@@ -1,4 +1,4 @@
-//! Cutters in CSV, one in each line under a header:
+//! Reader of cutters in CSV, one on each line after a header:
 //! `name,type,diameter_mm,corner_radius_mm,teeth,spindle_speed_rpm,max_feed_per_tooth_mm`, with `_in` for inches in
 //! place of `_mm`; also `number`, `flute_length_mm` and `preset`.
 //!
@@ -94,7 +94,7 @@ struct Table {
 }
 
 impl Table {
-    /// The columns that a header names; all its faults where it has some.
+    /// The columns that a header names, or all its faults.
     fn of(header: &::csv::StringRecord, file: &str) -> Result<Self, LibraryFaults> {
         let mut flaws = Vec::new();
         let columns: Vec<Option<Column>> = header

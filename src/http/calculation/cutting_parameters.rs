@@ -77,7 +77,8 @@ const FIGURES: &[Figure] = &[
 const EQUAL: f64 = 1e-9;
 
 impl FastestParameters {
-    /// The words for a limit that binds. The largest feed per tooth is the cutter maker's, the machine's, or both.
+    /// The wire names of a limit that binds. A limit on the feed per tooth is the cutter manufacturer's, the machine's,
+    /// or both.
     fn words(limit: LimitedBy, per_tooth: Option<Length>, by_machine: Option<Length>) -> [Option<BindingLimit>; 2] {
         let is_smallest = |one: Option<Length>, other: Option<Length>| {
             one.is_some_and(|one| other.is_none_or(|other| one.mm() <= other.mm() * (1.0 + EQUAL)))
@@ -96,7 +97,7 @@ impl FastestParameters {
 
 impl Calculation for FastestParameters {
     const STATED: StatedParameters = StatedParameters { step_over: false, feed_per_tooth: false };
-    // Dozens of searches for a step-over.
+    // The calculation searches for a step-over dozens of times.
     const TAKES_LONG: bool = true;
     type Members = CuttingParametersMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];

@@ -65,7 +65,8 @@ impl FeedLimits {
         Ok(Self { spindle_speed_rpm: spindle_speed_rpm?, per_tooth: per_tooth?, rate_mm_min: rate_mm_min? })
     }
 
-    /// z n, the feed rate for each mm of feed per tooth; `None` where teeth or spindle speed are not stated.
+    /// z n, the feed rate for each mm of feed per tooth; `None` if the number of teeth or the spindle speed is not
+    /// stated.
     pub(super) fn teeth_per_min(&self, shared: &SharedParameters) -> Option<f64> {
         shared.tool.teeth.zip(self.spindle_speed_rpm).map(|(teeth, speed)| f64::from(teeth) * speed)
     }

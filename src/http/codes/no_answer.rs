@@ -29,7 +29,7 @@ pub(crate) enum ProblemFigure {
     MaxStepOver,
     /// The step-over at which the passes just meet.
     LargestStepOver,
-    /// The smallest concave radius that the cutter fits.
+    /// The smallest concave radius into which the cutter fits.
     SmallestRadius,
     /// The height that the tooth marks alone leave.
     FeedHeight,

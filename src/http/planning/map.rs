@@ -7,7 +7,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 /// The surface seen from above on square cells, at most 256 x 256. Arrays of figures have one item for each cell, row
-/// after row from the lowest y, each row from the lowest x; null where there is no figure.
+/// by row from the lowest y, and in a row from the lowest x; null for a cell without a figure.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = SurfaceMap)]
 pub(crate) struct MapAnswer {

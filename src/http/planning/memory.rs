@@ -1,4 +1,4 @@
-//! The memory of a recommendation, which is reserved from the budget before the calculation.
+//! The memory of a recommendation, which is reserved in the budget before the calculation.
 
 use crate::http::wire::ReceivedSurface;
 use crate::http::worker_pool::Work;
@@ -9,9 +9,9 @@ use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
 use std::time::Duration;
 
-/// The resources that a recommendation holds.
+/// The resources of a recommendation: its memory, and what it may use of threads and room for plans.
 #[derive(Debug)]
-pub(super) struct Means {
+pub(super) struct Resources {
     pub(super) memory: Reservation,
     pub(super) parallelism: Parallelism,
     pub(super) room: PlanRoom,
@@ -19,12 +19,12 @@ pub(super) struct Means {
     threads: usize,
     /// The longest wait for more memory.
     longest_wait: Duration,
-    /// The memory that one request may have, in bytes.
+    /// The largest memory of one request, in bytes.
     largest: usize,
 }
 
-impl Means {
-    /// An empty reservation.
+impl Resources {
+    /// Resources with an empty reservation.
     pub(super) fn none(work: &Work, longest_wait: Duration) -> Self {
         Self {
             memory: work.budget().open(),
@@ -36,7 +36,7 @@ impl Means {
         }
     }
 
-    /// The same resources with this reservation.
+    /// The same resources with another reservation.
     pub(super) fn with(self, memory: Reservation) -> Self {
         Self { memory, ..self }
     }
@@ -89,39 +89,39 @@ impl Means {
     }
 }
 
-/// The memory in bytes to prepare the facets of the plan, beside the memory of the surface itself.
+/// The memory in bytes to prepare the facets of the plan, in addition to the memory of the surface itself.
 pub(super) fn bytes_of_workpiece(mesh: &MeshBuilder) -> u64 {
     let size = mesh.size();
     (bytes_of_mesh(size) + mesh.bytes_to_finish().max(bytes_to_prepare(size))) as u64
 }
 
-/// The memory of a map: figures of each cell and their text, in a vector that grows to twice its size.
+/// The memory of a map: the figures of each cell and their text, in a vector that doubles when it grows.
 pub(super) const BYTES_OF_A_MAP: u64 = 256 * (TRIAL_SIDE * TRIAL_SIDE) as u64;
 
-/// The memory of the facets of a JSON surface, in bytes for each byte of the body, while their vectors grow to twice
-/// their size. A point takes at least 8 bytes, `[0,0,0],`, and a point of a grid makes two facets: 72 bytes, 15 of the
-/// vertex table, and 36 for each facet.
+/// The memory of the facets of a JSON surface, in bytes for each byte of the body, while their vectors double in size.
+/// A point has at least 8 bytes in the body, `[0,0,0],`. It takes 72 bytes and 15 of the vertex table, and in a grid
+/// two facets of 36 bytes each.
 const BYTES_OF_A_BYTE: usize = 20;
 
-/// The points and triangles of a JSON mesh, which are held until all are read: 24 bytes for each 8 of the body.
+/// The points and triangles of a JSON mesh, which are stored until all are read: 24 bytes for each 8 of the body.
 const BYTES_OF_A_BYTE_OF_A_MESH: usize = 3;
 
-/// The points that are read from blocks of a body at once, and the parts that are summed of them: 72 bytes for each 8
-/// of a million bytes.
+/// The points that are read from blocks of a body at the same time, and the parts of the surface made from them: 72
+/// bytes for each 8 bytes, of at most a million bytes.
 const BYTES_OF_A_BYTE_OF_BLOCKS: usize = 9;
 const MOST_BYTES_OF_BLOCKS: usize = 1 << 20;
 
 /// The facets of a sampled patch: one million, before they are merged.
 const BYTES_OF_A_PATCH: usize = 48 << 20;
 
-/// The bytes for each facet of a patch: the facet, half of a point and of its entry in the table, in vectors that grow
-/// to twice their size, and the samples.
+/// The bytes for each facet of a patch: the facet, half of a point and of its entry in the table, in vectors that
+/// double when they grow, and the samples.
 const BYTES_OF_A_SAMPLED_FACET: usize = 120;
 
 /// The most samples along a parameter of a patch.
 const MOST_SAMPLES: usize = 1000;
 
-/// The memory in bytes to read the surface of a JSON body, beside the body itself.
+/// The memory in bytes to read the surface of a JSON body, in addition to the body itself.
 pub(super) fn bytes_to_read(json: &[u8]) -> u64 {
     let facets = (BYTES_OF_A_BYTE * json.len()).min(bytes_of_most_facets()).max(bytes_of_patch(json));
     let blocks = BYTES_OF_A_BYTE_OF_BLOCKS * json.len().min(MOST_BYTES_OF_BLOCKS);

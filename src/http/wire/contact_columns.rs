@@ -1,4 +1,4 @@
-//! The contacts of a batch as an object of columns, read straight into numbers.
+//! The contacts of a batch as an object of columns, which is parsed directly into numbers.
 
 use super::batch_contact::{BatchContact, Slots};
 use super::contact::{AngleColumns, AngleMembers, VectorColumns, VectorMembers};

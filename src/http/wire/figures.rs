@@ -25,7 +25,7 @@ pub(crate) struct Figures {
     pub(crate) limited_by: Option<&'static str>,
     /// The words for the limits that bind, followed by `None`.
     pub(crate) binding_limits: [Option<&'static str>; MOST_WORDS],
-    /// The comparison with the envelope's height, where requested.
+    /// The comparison with the envelope's height, if requested.
     pub(crate) check: Option<Check>,
     effective_radius: Option<Length>,
     transverse_effective_radius: Option<Length>,
@@ -58,7 +58,7 @@ pub(crate) struct Figure {
     about: &'static str,
     kind: FigureKind,
     presence: Presence,
-    /// The figure's value; `None` where it has none.
+    /// The figure's value; `None` if it has none.
     pub(crate) get: fn(&Figures) -> Option<FigureValue>,
 }
 
@@ -76,7 +76,7 @@ enum FigureKind {
     Words(fn(&str, &mut Components) -> RefOr<Schema>),
 }
 
-/// How a single answer shows a figure without a value. A batch has null in its column, as for a contact without an
+/// How a single answer represents a figure without a value. The column of a batch has null, as for a contact without an
 /// answer.
 #[derive(Debug, Clone, Copy)]
 enum Presence {
@@ -150,7 +150,7 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
     }),
 ];
 
-/// The figures of a batch that are computed only where the request names their columns.
+/// The figures of a batch that are computed only if the request names their columns.
 pub(crate) const CHECK_FIGURES: &[Figure] = &[
     Figure::number("envelope_scallop_height_mm", "the height by the cutter's exact shape (model envelope)", |figures| {
         figures.check.map(|check| FigureValue::Number(check.envelope_scallop_height_mm))

@@ -32,9 +32,9 @@ pub(crate) enum Source {
     Obj,
     /// A PLY file with a body of text.
     PlyAscii,
-    /// A binary PLY file, little end first.
+    /// A binary PLY file, little-endian.
     PlyLittleEndian,
-    /// A binary PLY file, big end first.
+    /// A binary PLY file, big-endian.
     PlyBigEndian,
     /// A PCD file with data in text.
     Pcd,
@@ -59,7 +59,7 @@ impl From<Format> for Source {
     }
 }
 
-/// The most facets of a surface that are held; more are merged on a raster.
+/// The largest number of facets of a surface; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
 
 /// A surface that is being received: the sums for its shape, and its facets.
@@ -80,17 +80,17 @@ impl ReceivedSurface {
         Self { sampled, mesh: mesh.with_cancel_flag(cancel) }
     }
 
-    /// The memory that the facets hold, in bytes.
+    /// The memory of the facets, in bytes.
     pub(crate) fn held_bytes(&self) -> u64 {
         self.mesh.held_bytes() as u64
     }
 
-    /// The further memory in bytes to read at most `push` of a file whose reader holds `vertices` vertices.
+    /// The additional memory in bytes to read at most `push` of a file whose reader stores `vertices` vertices.
     pub(crate) fn bytes_to_take(&self, push: MostOfPush, vertices: usize) -> u64 {
         (self.mesh.bytes_to_take(push.facets, push.corners + vertices) + push.held) as u64
     }
 
-    /// The further memory in bytes to read a package, whatever it contains.
+    /// The additional memory in bytes to read a 3MF package, whatever it contains.
     pub(crate) fn bytes_to_take_package(&self) -> u64 {
         self.mesh.bytes_to_take(MOST_FACETS, 3 * MOST_FACETS) as u64
     }
@@ -122,7 +122,7 @@ impl PartedSink for ReceivedSurface {
     }
 }
 
-/// A part of a surface that a thread of its own receives.
+/// A part of a surface, which one thread fills.
 #[derive(Debug, Default)]
 pub(crate) struct ReceivedPart {
     sampled: SampledSurface,
@@ -163,10 +163,10 @@ impl SurfaceWithSource {
         Self { surface, source: summary.format.into(), unit: summary.unit, notes: summary.notes }
     }
 
-    /// The unit of the coordinates: the request's, else the file's, else mm.
+    /// The unit of the coordinates: the request's, otherwise the file's, otherwise mm.
     ///
     /// A 3MF file always states its unit, and the request must not state another. A text may state a unit in the names
-    /// of its columns; where that is not mm, the request must state the unit.
+    /// of its columns; if that is not mm, the request must state the unit.
     pub(crate) fn unit_of(&self, requested: Option<Unit>, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Unit, Faulted> {
         let Some(own) = self.unit else { return Ok(requested.unwrap_or_default()) };
         match requested {

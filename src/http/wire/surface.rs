@@ -46,7 +46,7 @@ impl Kind for StatedSurface {
     type Value = SurfaceWithSource;
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
-        // Points alone, as nearly all bodies of this size have, need no pass to find the members.
+        // Nearly all large bodies have only points. They are read without a first pass that finds the members.
         let mut surface = received(faults);
         if let Some(points) = sole_member(raw.get(), POINTS.name)
             && receive_points(points, faults, &mut surface).is_some()
@@ -108,8 +108,8 @@ fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     Ok(SurfaceWithSource::stated(surface, Source::Points))
 }
 
-/// What stands after the name of the first member of the object `json`, if that is `name`, up to the end of the object. It is the value of this member
-/// where there are no others.
+/// The text from the value of the object's first member to the end of the object, if that member is `name`. If the
+/// object has no other members, the text is the value.
 fn sole_member<'a>(json: &'a str, name: &str) -> Option<&'a str> {
     let rest = json.strip_prefix('{')?.trim_ascii_start().strip_prefix('"')?.strip_prefix(name)?.strip_prefix('"')?;
     rest.trim_ascii_start().strip_prefix(':')?.strip_suffix('}')
@@ -250,13 +250,13 @@ impl Kind for Triangles {
         if read_triples(raw.get(), cancel.as_ref(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
             return Ok(triangles);
         }
-        // The pass above stops at the first fault without its location. This pass finds all faults, and accepts whole
-        // numbers written as 1.0 or 1e3.
+        // The pass above stopped at the first fault, without its location. This pass finds all faults, and accepts
+        // whole numbers written as 1.0 or 1e3.
         triangles.clear();
         let mut index = 0;
         each_raw(raw, path, faults, |item, faults| {
-            // Stands for a triangle with a fault, so that the indices of the others are checked as well. A request with
-            // a fault is not planned.
+            // A default replaces a triangle with a fault, so that the indices of the others are checked too. A request
+            // with a fault is not planned.
             triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
             index += 1;
         })?;
@@ -299,8 +299,8 @@ impl WireObject for BezierKind {
     }
 }
 
-/// Rows of control points. At most one row and one point of a row more than the limit are kept, enough to refuse the
-/// patch.
+/// Rows of control points. At most one row, and one point of a row, more than the limit are stored: enough to refuse
+/// the patch.
 pub(crate) struct Net;
 
 const MOST_KEPT: usize = Bezier::LARGEST_ORDER + 1;

@@ -12,11 +12,11 @@ use crate::quantity::Length;
 use crate::surface::FinishFacet;
 
 /// The scallop height that `plan` leaves at each of the facets `wanted`, by model `envelope` with the curvature of
-/// the facet. `None` where the cutter gouges beside the contact or leaves uncut material between its passes, and on
+/// the facet. `None` if the cutter gouges beside the contact or leaves uncut material between its passes, and on
 /// facets that are too steep to set a spacing.
 ///
-/// [`super::rank`] made the plan from the same facets, candidate and settings. Once `stop` returns true, it ends early
-/// without heights.
+/// `plan` must be a result of [`super::rank`] for the same facets, candidate and settings. Once `stop` returns true, it
+/// ends early without heights.
 #[must_use]
 pub fn heights(
     plan: &ZigzagPlan,

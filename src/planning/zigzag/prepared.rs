@@ -1,4 +1,4 @@
-//! A candidate, prepared once for all directions.
+//! A candidate with the tables that do not depend on the direction.
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::room::Room;
@@ -38,7 +38,7 @@ impl Prepared {
         Self { index, candidate: *candidate, spacing, feeds, range, link_rate }
     }
 
-    /// The widest spacing, in mm: a rounding of single precision less than the diameter, where passes still overlap.
+    /// The widest spacing, in mm: the diameter less a rounding error of single precision, so that passes still overlap.
     pub(super) fn diameter(&self) -> f64 {
         2.0 * self.candidate.cutter.outer_radius().mm() * (1.0 - 1e-6)
     }
@@ -49,7 +49,7 @@ impl Prepared {
     }
 }
 
-/// Which rows of the tables the slopes of the workpiece need.
+/// For each row of the tables, whether a slope of the workpiece needs it.
 pub(super) fn rows_of(workpiece: &Workpiece) -> Vec<bool> {
     let mut rows = vec![false; sines().len()];
     for tangent in &workpiece.tangents {

@@ -8,22 +8,22 @@ use super::{Mesh, MeshError, cross};
 use crate::cancellation::CancelFlag;
 use crate::surface::{Bounds, Facing, LARGEST_COORDINATE, Sink, Unit, triangulation};
 
-/// A sink that welds facets into a [`Mesh`], or triangulates points.
+/// A sink that welds facets into a [`Mesh`], or triangulates single points.
 ///
-/// Corners with equal coordinates become one point. Facets without area are counted and left out. Where there are
-/// facets, single points are ignored; without facets the points are triangulated in the XY plane.
+/// Corners with equal coordinates become one point. Facets without area are counted and left out. If there are facets,
+/// single points are ignored; otherwise the points are triangulated in the XY plane.
 ///
 /// # Memory
-/// At most [`MeshBuilder::facet_limit`] facets are held, N = 2,000,000 by default. A facet takes 12 bytes, a point 24
-/// bytes and 5 to 10 bytes of the welding table; while these grow, old and new storage exist together. A closed mesh
-/// has N/2 points: about 70 MB for the default, and at most 140 MB while it grows. The worst case, facets that share no
-/// corner, has 3 N points: 230 MB, 420 MB while it grows.
+/// At most [`MeshBuilder::facet_limit`] facets are stored, N = 2,000,000 by default. A facet takes 12 bytes, a point 24
+/// bytes and 5 to 10 bytes of the welding table. While these grow, old and new storage exist together. A closed mesh
+/// has N/2 points: with the default about 70 MB, and at most 140 MB while it grows. The worst case, facets that share
+/// no corner, has 3 N points: 230 MB, and 420 MB while it grows.
 ///
 /// At the first facet beyond the bound, the builder merges all facets, earlier and later ones, into the height of the
 /// surface seen from above on a square lattice of sqrt(N/2) x sqrt(N/2) nodes, 8 bytes each. The spacing of the
 /// lattice, a power of two of the file's unit, is the smallest that covers all facets; [`Mesh::merged_cell`] has it.
-/// Heights at the nodes are exact; walls become slopes one spacing wide, and undercuts disappear. Of single points at
-/// most N/2 are held; beyond, one point is kept for each cell of a lattice in the same way.
+/// Heights at the nodes are exact; walls become slopes one spacing wide, and undercuts disappear. At most N/2 single
+/// points are stored; if there are more, one point is kept for each cell of a lattice in the same way.
 #[derive(Debug)]
 pub struct MeshBuilder {
     limit: usize,
@@ -108,8 +108,8 @@ impl MeshBuilder {
         self.welder.held_bytes() + self.triangles.capacity() * size_of::<[u32; 3]>() + lattice + self.cloud.held_bytes()
     }
 
-    /// The further memory in bytes to add `facets` facets or points with `corners` new corners: vectors grow to twice
-    /// their size, and facets beyond the limit move to a lattice, which is rebuilt when its cells grow.
+    /// The additional memory in bytes to add `facets` facets or points with `corners` new corners. Vectors double in
+    /// size, and facets beyond the limit are merged on a lattice, which is rebuilt when its spacing doubles.
     #[must_use]
     pub fn bytes_to_take(&self, facets: usize, corners: usize) -> usize {
         let lattice = self.limit / 2 * size_of::<f64>();
@@ -135,12 +135,12 @@ impl MeshBuilder {
         MeshSize { facets: self.triangles.len(), points: self.welder.len() }
     }
 
-    /// The further memory in bytes that [`MeshBuilder::finish`] takes, beside the held data and the mesh itself.
+    /// The additional memory in bytes that [`MeshBuilder::finish`] takes, without the stored data and the mesh itself.
     #[must_use]
     pub fn bytes_to_finish(&self) -> usize {
         let MeshSize { facets, points } = self.size();
         if self.lattice.is_some() {
-            // The vectors of points and triangles grow to twice their size.
+            // The vectors of points and triangles double in size.
             2 * (points * size_of::<[f64; 3]>() + facets * size_of::<[u32; 3]>())
         } else if self.triangles.is_empty() {
             points * BYTES_TO_TRIANGULATE
@@ -155,12 +155,12 @@ impl MeshBuilder {
     /// turned over. A facet whose back is seen from above is handled by [`Mesh::visibility`], for either `facing`.
     ///
     /// # Errors
-    /// [`MeshError`] where no facet has an area, too few points were added, or a coordinate was out of bounds.
+    /// [`MeshError`] if no facet has an area, too few points were added, or a coordinate was out of bounds.
     pub fn finish(self, unit: Unit, facing: Facing) -> Result<Mesh, MeshError> {
         self.finish_until(unit, facing, &|| false)
     }
 
-    /// The same; ends early with any result once `stop` returns true.
+    /// The same as [`MeshBuilder::finish`], but returns early, with any result, once `stop` returns true.
     ///
     /// # Errors
     /// As [`MeshBuilder::finish`].
@@ -194,7 +194,7 @@ impl MeshBuilder {
             let [a, b, c] = [a, b, c].map(|&index| points[index as usize]);
             cross(a, b, c)[2]
         };
-        // A lattice and a triangulation face up by construction.
+        // The facets of a lattice and of a triangulation face up by construction.
         let given_sides = merged.is_none() && !from_points;
         let mut turned_over = given_sides && self.turned_over;
         if given_sides && facing == Facing::Up {

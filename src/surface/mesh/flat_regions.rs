@@ -1,21 +1,21 @@
-//! Flat regions of a mesh: facets that lie in one plane and touch each other.
+//! Flat regions of a mesh: connected facets in one plane.
 
 use super::curvature::{Fans, LARGEST_FAN};
 use super::dot;
 
-/// The angle in rad up to which two normals are those of one plane. Files in single precision round coordinates of
-/// 100 mm by 4e-6 mm, which turns the normals of facets of 0.1 mm by 4e-5 rad.
+/// The largest angle in rad between normals of one plane. Files in single precision round coordinates of 100 mm by 4e-6
+/// mm, which turns the normals of facets of 0.1 mm by 4e-5 rad.
 pub(super) const SAME_PLANE: f64 = 1e-4;
 
 /// The number of facets between two checks for cancellation.
 const TURN: usize = 1024;
 
-/// For each facet the area of its flat region, in mm^2: of all facets that are reached from the region's first facet
-/// by common points and whose normals are that facet's. A region is compared with its first facet, so that a gently
+/// For each facet, the area of its flat region in mm^2. A region has all facets that are connected with its first facet
+/// by common points and have the same normal. All normals are compared with that of the first facet, so that a gently
 /// curved surface does not become one region.
 ///
-/// Points with more than [`LARGEST_FAN`] facets do not extend a region; it would take the square of their number. The
-/// facets of such a fan touch each other at its rim as well.
+/// Points with more than [`LARGEST_FAN`] facets do not extend a region, because the time would grow with the square of
+/// their number. The facets of such a fan are also connected at its rim.
 ///
 /// Once `stop` returns true, it ends early; areas are then missing.
 pub(super) fn areas_of_flat_regions(

@@ -4,11 +4,11 @@
 use crate::numerics::raster::scan;
 use crate::surface::Bounds;
 
-/// Largest heights at the nodes (i cell, j cell) for whole i and j, cell a power of two.
+/// The largest heights at the nodes (i cell, j cell) for whole numbers i and j; cell is a power of two.
 ///
-/// Every second node of a lattice is a node of the next coarser one, so that doubling the spacing gives exactly the
-/// heights of a lattice with this spacing from the start. Node (i, j) is stored at (i mod side, j mod side): no two
-/// nodes of a range of `side` share a place, and the range can grow without moving stored heights.
+/// Every second node of a lattice is a node of the next coarser one. Doubling the spacing therefore gives exactly the
+/// heights of a lattice that had this spacing from the start. Node (i, j) is stored at (i mod side, j mod side): no two
+/// nodes in a range of `side` share a slot, and the range can grow without moving stored heights.
 #[derive(Debug)]
 pub(super) struct HeightLattice {
     side: i64,
@@ -17,17 +17,17 @@ pub(super) struct HeightLattice {
     heights: Vec<f64>,
     low: [i64; 2],
     high: [i64; 2],
-    /// Nodes and rows visited since the last doubling of the spacing.
+    /// The number of nodes and rows visited since the spacing last doubled.
     visits: u64,
 }
 
-/// The visits after which the spacing doubles, about a second of work. Without it, a file with many facets, each as
-/// large as the part, would take facets times nodes.
+/// The number of visits after which the spacing doubles, about a second of work. Without this limit, many facets that
+/// are each as large as the part would take the product of facets and nodes.
 const VISITS: u64 = 400_000_000;
 
 impl HeightLattice {
-    /// A lattice for at most `limit` facets, two for each square between nodes, fine enough for `bounds`, which more
-    /// facets may enlarge.
+    /// A lattice for at most `limit` facets, two for each square between nodes, with the smallest spacing that covers
+    /// `bounds`. Further facets may enlarge the bounds.
     pub(super) fn new(limit: usize, bounds: &Bounds) -> Self {
         let side = (limit / 2).isqrt().max(2);
         #[expect(clippy::cast_precision_loss, reason = "under 2^53")]
@@ -62,7 +62,7 @@ impl HeightLattice {
 
     pub(super) fn add(&mut self, corners: [[f64; 3]; 3]) {
         loop {
-            // Exact, and equal to a division by the spacing, since both are powers of two.
+            // Exact, and equal to a division by the spacing, because both are powers of two.
             let by_cell = self.cell().recip();
             let corners = corners.map(|[x, y, z]| [x * by_cell, y * by_cell, z]);
             let mut bounds = Bounds::NONE;
@@ -71,7 +71,7 @@ impl HeightLattice {
             }
             let (first, last) = ([0, 1].map(|axis| ceil(bounds.min[axis])), [0, 1].map(|axis| floor(bounds.max[axis])));
             if first[0] > last[0] || first[1] > last[1] {
-                // Between nodes.
+                // The facet covers no node.
                 return;
             }
             let low = [0, 1].map(|axis| self.low[axis].min(first[axis]));
@@ -121,7 +121,7 @@ impl HeightLattice {
         if self.low[0] > self.high[0] || self.low[1] > self.high[1] {
             return (points, triangles);
         }
-        // The numbers of the points of the row before, and of this one.
+        // The indices of the points of the previous row, and of this one.
         let mut below: Vec<Option<u32>> = Vec::new();
         for row in self.low[1]..=self.high[1] {
             let mut here = Vec::with_capacity(below.len());
@@ -156,8 +156,8 @@ impl HeightLattice {
     }
 }
 
-/// The smallest whole number that is not below `value`. Casts saturate, far beyond what fits the lattice; the library's
-/// functions are calls where the processor's instructions are not assumed to have them.
+/// The smallest whole number that is not below `value`. Casts saturate far beyond the range of the lattice. The
+/// standard library's functions are slow calls unless SSE4.1 is assumed.
 #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "numbers beyond 2^52 are whole")]
 fn ceil(value: f64) -> i64 {
     let truncated = value as i64;

@@ -1,4 +1,4 @@
-//! A part of a surface that is welded apart from the others, so that several threads can weld parts at once.
+//! A part of a surface that is welded independently, so that several threads can weld parts at the same time.
 
 use super::builder::in_range;
 use super::cross;

@@ -30,7 +30,7 @@ const TURN: usize = 4096;
 const NONE: u32 = u32::MAX;
 
 impl Mesh {
-    /// The connected pieces, by joining the sets of points that each facet connects: O(n log n), amortised.
+    /// The connected pieces, found by joining the sets of points that each facet connects: O(n log n), amortised.
     ///
     /// # Panics
     /// Never: the bound on facets keeps point numbers within 32 bits.
@@ -83,8 +83,8 @@ fn root(parent: &mut [u32], mut point: u32) -> u32 {
     point
 }
 
-/// Joins the sets of two points under the lower representative, which it returns. Linking by number with path halving
-/// is O(log n) a step, amortised.
+/// Joins the sets of two points under the smaller representative, which it returns. Linking by index with path halving
+/// is O(log n) for each step, amortised.
 fn join(parent: &mut [u32], a: u32, b: u32) -> u32 {
     let (a, b) = (root(parent, a), root(parent, b));
     let (low, high) = (a.min(b), a.max(b));

@@ -8,8 +8,8 @@ use std::fmt;
 /// The number of facets between two checks for cancellation.
 const TURN: usize = 4096;
 
-/// Conditions that a facet must meet, all of them, to be machined. Other facets still hide those below them and must
-/// not be gouged.
+/// The conditions that a facet must meet, all of them, to be machined. The other facets still hide those below them,
+/// and must not be gouged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Selection {
     slope: Option<(Angle, Angle)>,
@@ -58,7 +58,7 @@ impl Selection {
     /// Only facets whose slope lies from `smallest` to `largest`, ends included.
     ///
     /// # Errors
-    /// [`SelectionError::SlopeBand`] where `smallest` exceeds `largest`, or one is outside 0 to 90 deg.
+    /// [`SelectionError::SlopeBand`] if `smallest` exceeds `largest`, or one is outside 0 to 90 deg.
     pub fn with_slopes(self, smallest: Angle, largest: Angle) -> Result<Self, SelectionError> {
         let in_order = smallest.radians() >= 0.0 && smallest.radians() <= largest.radians() && largest.radians() <= Angle::RIGHT.radians();
         if in_order { Ok(Self { slope: Some((smallest, largest)), ..self }) } else { Err(SelectionError::SlopeBand) }
@@ -67,7 +67,7 @@ impl Selection {
     /// Only facets whose centroid lies in the box, in mm, its sides included.
     ///
     /// # Errors
-    /// [`SelectionError::Box`] where the box is empty or a coordinate is not finite.
+    /// [`SelectionError::Box`] if the box is empty or a coordinate is not finite.
     pub fn with_box(self, min: [f64; 3], max: [f64; 3]) -> Result<Self, SelectionError> {
         let valid = (0..3).all(|axis| min[axis].is_finite() && max[axis].is_finite() && min[axis] <= max[axis]);
         if valid { Ok(Self { bounds: Some(Bounds { min, max }), ..self }) } else { Err(SelectionError::Box) }

@@ -1,4 +1,4 @@
-//! A mesh seen from above on a raster: the highest facet at each cell centre and its height.
+//! A mesh seen from above, on a raster: the highest facet at each cell centre, and its height.
 
 use super::{Mesh, WALL, cross, dot};
 use crate::numerics::raster::{Frame, Raster};
@@ -19,21 +19,21 @@ pub struct ViewFromAbove {
     pub facets: Vec<u32>,
 }
 
-/// The largest number of rows and cells that a pass may visit, about 0.2 s. Many facets that each cover the whole part
-/// get larger cells.
+/// The largest number of rows and cells that rasterisation may visit, about 0.2 s. If many facets each cover the whole
+/// part, the cells become larger.
 const VISITS: f64 = 5e7;
 
 /// The number of facets and cells between two checks for cancellation.
 const TURN: usize = 16_384;
 
 impl ViewFromAbove {
-    /// The number of the facet seen in a cell, `None` where there is no surface.
+    /// The number of the facet seen in a cell; `None` if there is no surface.
     #[must_use]
     pub fn facet(&self, cell: usize) -> Option<usize> {
         Some(self.facets[cell]).filter(|&facet| facet != NO_FACET).map(|facet| facet as usize)
     }
 
-    /// A raster of a value of the facet seen in each cell; `None` where there is no surface.
+    /// A raster of a value of the facet seen in each cell; `None` if there is no surface.
     pub fn of_facets<T: Clone>(&self, figure: impl Fn(usize) -> T) -> Raster<Option<T>> {
         let values = (0..self.facets.len()).map(|cell| self.facet(cell).map(&figure)).collect();
         Raster { frame: self.frame, values }
@@ -95,7 +95,7 @@ impl Mesh {
         ViewFromAbove { frame, heights, facets }
     }
 
-    /// Square cells over the bounds: `side` along the longer side, fewer where facets cover more cells than may be
+    /// Square cells over the bounds: `side` along the longer side, fewer if facets cover more cells than may be
     /// visited.
     fn frame(&self, side: usize) -> Frame {
         let Bounds { min, max } = self.bounds();
@@ -110,8 +110,8 @@ impl Mesh {
         let affordable = (height + (height * height + 4.0 * VISITS * area).sqrt()) / (2.0 * VISITS);
         #[expect(clippy::cast_precision_loss, reason = "at most 4096")]
         let stated = (max[0] - min[0]).max(max[1] - min[1]) / side as f64;
-        // A mesh of walls above one point has no extent, and any cell size serves. An extent of a rounding error needs
-        // larger cells.
+        // A mesh of walls above one point has no extent, and any cell size is suitable. An extent as small as a
+        // rounding error needs larger cells.
         let magnitude = self.bounds().largest_magnitude();
         let cell = stated.max(affordable).max(magnitude * f64::EPSILON).max(1e-300);
         // The ceiling of a rounded quotient can be side + 1.

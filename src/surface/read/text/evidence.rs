@@ -1,33 +1,32 @@
-//! What the numbers of a table without a header show about its columns: whether it can be a matrix of heights, and
-//! whether its first column numbers the lines.
+//! Statistics of the columns of a table without a header. They show whether it can be a matrix of heights, and whether
+//! its first column numbers the lines.
 
 use super::super::decimal::number;
 use super::layout::Separator;
 
-/// The largest number of numbers in a line that are taken for a point with properties: position, normal, colour with
-/// opacity, intensity and time.
+/// The most columns that a point with properties has: position, normal, colour with opacity, intensity and time.
 pub(super) const WIDEST_POINT: usize = 12;
 
-/// The lines that are examined: they are parsed twice.
+/// The largest number of lines that are examined. The limit saves time, because an examined line is parsed twice.
 const MOST_LINES: u64 = 10_000;
 
-/// Fewer lines than these are no surface, and show nothing.
+/// The smallest number of lines from which anything is concluded; fewer points are no surface.
 const FEWEST_LINES: u64 = 3;
 
-/// A matrix of heights has at most so many rows for each column; a longer table can still be one where its columns are
-/// alike.
+/// A matrix of heights has at most this many rows for each column. A longer table can be one only if its columns have
+/// similar ranges.
 const LONGEST_MATRIX: u64 = 50;
 
-/// The columns of a table in which each line examined so far has the same number of numbers, more than three, and
-/// nothing else.
+/// The statistics of a table in which every line examined has the same number of columns, more than three, and only
+/// numbers.
 #[derive(Debug)]
 pub(super) struct Evidence {
     separator: Separator,
     columns: Vec<Column>,
     lines: u64,
-    /// Whether the columns from each index on are a vector of unit length in every line.
+    /// For each column after the third: whether it and the next two are a unit vector in every line.
     unit_vectors: Vec<bool>,
-    /// The constant difference of the first column from line to line, while it has one.
+    /// The difference of the first column from line to line, as long as it is constant.
     step: Option<f64>,
 }
 
@@ -41,7 +40,8 @@ struct Column {
 }
 
 impl Evidence {
-    /// The columns of the table that begins with `line`; `None` where they are at most three or not all numbers.
+    /// The statistics of a table that begins with `line`; `None` if the line has at most three columns or a field that
+    /// is not a number.
     pub(super) fn of(line: &[u8], separator: Separator) -> Option<Self> {
         let numbers = numbers(line, separator)?;
         let columns = numbers.map(|(value, is_whole)| Column { last: value, least: value, most: value, is_whole });
@@ -52,17 +52,17 @@ impl Evidence {
         Some(evidence)
     }
 
-    /// The number of numbers in a line.
+    /// The number of columns.
     pub(super) fn width(&self) -> usize {
         self.columns.len()
     }
 
-    /// Whether further lines make no difference.
+    /// Whether enough lines have been examined.
     pub(super) fn is_complete(&self) -> bool {
         self.lines == MOST_LINES
     }
 
-    /// Takes the next line into account; false where it has other columns.
+    /// Adds the next line; returns false if it has another number of columns.
     pub(super) fn look_at(&mut self, line: &[u8]) -> bool {
         if self.lines == MOST_LINES {
             return true;
@@ -95,9 +95,9 @@ impl Evidence {
         self.lines >= FEWEST_LINES && self.columns[0].is_whole && self.step.is_some_and(|step| step > 0.0)
     }
 
-    /// Whether a table of `lines` lines can be a matrix of heights. A normal, a colour or whole numbers beside
-    /// coordinates with decimals show that it has points. So does a table far longer than wide, unless the numbers in
-    /// each pair of adjacent columns are alike.
+    /// Whether a table of `lines` lines can be a matrix of heights. It has points if a normal, a colour or whole
+    /// numbers follow coordinates with decimals. It also has points if it is far longer than wide, unless adjacent
+    /// columns have similar ranges.
     pub(super) fn can_be_matrix(&self, lines: u64) -> bool {
         let further = &self.columns[3..];
         let has_normal = self.unit_vectors.contains(&true);
@@ -120,21 +120,22 @@ fn are_alike(one: Column, other: Column) -> bool {
     shared >= 0.5 * (one.most - one.least).max(other.most - other.least)
 }
 
-/// The numbers in a line, each with whether it is written as a whole number; `None` where a field is something else.
+/// The numbers in a line, each with whether it is written as a whole number; `None` if a field is something else.
 /// Empty fields are left out: a separator may stand at the end of each line.
 fn numbers(line: &[u8], separator: Separator) -> Option<impl Iterator<Item = (f64, bool)>> {
     let mut numbers = [(0.0, false); WIDEST_POINT + 1];
     let mut count = 0;
     for field in separator.fields(line).filter(|field| !field.is_empty()) {
         let number = number_in(field)?;
-        // More numbers than fit are counted as one more.
+        // Numbers beyond the largest count are counted as one.
         numbers[count.min(WIDEST_POINT)] = number;
         count += 1;
     }
     Some(numbers.into_iter().take(count))
 }
 
-/// The number that the whole of `field` is, in quotation marks or not, with either decimal mark.
+/// The number in `field`, if the field is nothing else; it may be in quotation marks and have either decimal mark. Also
+/// whether it is written as a whole number.
 fn number_in(field: &[u8]) -> Option<(f64, bool)> {
     let bare = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\"")).unwrap_or(field);
     let whole = |mark| number(bare, mark).filter(|(_, length)| *length == bare.len());
