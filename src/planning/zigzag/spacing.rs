@@ -102,8 +102,8 @@ impl CutterSpacing {
         (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
     }
 
-    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 where no spacing keeps
-    /// the scallop height.
+    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 if no spacing keeps the
+    /// scallop height.
     pub(super) fn squared(&self, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
         let ratio_squared = tangent.ratio_squared(cos_alpha);
         let on_plane = match &self.law {
