@@ -140,6 +140,10 @@ impl Sink for Received {
 impl PartedSink for Received {
     type Part = MeshPart;
 
+    fn part(&self) -> MeshPart {
+        self.0.part()
+    }
+
     fn append(&mut self, part: MeshPart) {
         self.0.append(part);
     }

@@ -54,8 +54,8 @@ impl EvaluatedPass {
         }
     }
 
-    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0
-    /// where the cutter gouges.
+    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0 if
+    /// the cutter gouges.
     #[must_use]
     pub fn relative_curvature(&self) -> f64 {
         match &self.prepared {

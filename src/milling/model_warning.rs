@@ -42,7 +42,7 @@ pub enum ModelWarning {
     /// The cutter fits closely into the concave surface, so that the second order of the surface is not accurate
     /// enough.
     NearGouging {
-        /// The smallest relative curvature as a share of the cutter's own: 1 on a plane, 0 where the cutter gouges.
+        /// The smallest relative curvature as a share of the cutter's own: 1 on a plane, 0 if the cutter gouges.
         lambda: f64,
     },
 }
@@ -53,23 +53,23 @@ impl fmt::Display for ModelWarning {
             Self::RunoutNotSmall { ratio } => {
                 write!(
                     f,
-                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the feed's share is then no bound",
+                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the height due to the feed is then not an upper bound",
                     ratio * 100.0
                 )
             }
             Self::StepOverWide { ratio } => write!(
                 f,
-                "the step-over is {:.1} % of the effective diameter; the circle that replaces the cutter fits it near the contact only",
+                "the step-over is {:.1} % of the effective diameter; the circle that replaces the cutter fits it only near the contact",
                 ratio * 100.0
             ),
             Self::FeedPerToothLong { ratio } => write!(
                 f,
-                "the feed per tooth is {:.1} % of the transverse effective diameter; the circle that replaces the cutter fits it near the contact only",
+                "the feed per tooth is {:.1} % of the transverse effective diameter; the circle that replaces the cutter fits it only near the contact",
                 ratio * 100.0
             ),
             Self::EffectiveRadiusBeyondCutter { effective_radius: Some(radius), diameter } => write!(
                 f,
-                "the effective radius, {:.3} mm, exceeds the cutter's diameter, {:.3} mm: the groove is flatter than the cutter is wide, and the scallop can be far higher than computed",
+                "the effective radius, {:.3} mm, exceeds the cutter's diameter, {:.3} mm: the groove's circle is wider than the cutter, and the scallop can be far higher than computed",
                 radius.mm(),
                 diameter.mm()
             ),
@@ -78,11 +78,11 @@ impl fmt::Display for ModelWarning {
                 f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
             }
             Self::CurvatureApproximate => f.write_str(
-                "the surface is curved, and its normal turns so much between the marks that this counts, which the model leaves out (always under a slope of 10 deg); the height can be exceeded by a few percent",
+                "the normal of the curved surface turns between the marks by an angle that is not negligible (as at every slope under 10 deg); the model leaves this out, and the height can be exceeded by a few percent",
             ),
             Self::NearGouging { lambda } => write!(
                 f,
-                "the cutter fits closely into the concave surface: the relative curvature is {lambda:.3} of the cutter's own, and under {NEAR_GOUGING} the height can be exceeded"
+                "the cutter fits closely into the concave surface: the relative curvature is {lambda:.3} of the cutter's own, and below {NEAR_GOUGING} the height can be exceeded"
             ),
         }
     }

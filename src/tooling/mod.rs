@@ -219,7 +219,7 @@ struct ToolParts {
 }
 
 impl ToolParts {
-    /// The tool, where `position` counts the tools of the file from 1.
+    /// The tool with these values. `position` counts the tools of the file from 1.
     fn with(self, cutter: Cutter, position: usize) -> LibraryTool {
         LibraryTool {
             name: self.name.map_or_else(|| format!("tool {}", self.number.map_or(position as u64, u64::from)), |name| shortened(&name)),

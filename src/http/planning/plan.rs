@@ -59,7 +59,7 @@ impl Task {
         };
         if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
             let detail = format!(
-                "the surface has more facets or points than the service holds; it was merged on a raster with cells of {cell:.6} mm"
+                "the surface has more facets or points than the service stores; it was merged on a raster with cells of {cell:.6} mm"
             );
             warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
         }
@@ -67,7 +67,7 @@ impl Task {
             // The sides of the rectangle do not depend on the cutter.
             let first = parameters.candidates.first().map(|named| on_rectangle(named, &parameters, &shape));
             if let Some(Err(bounds)) = first {
-                let detail = format_args!("both sides of the rectangle that stands for the surface {bounds} mm");
+                let detail = format_args!("both sides of the surface's equivalent rectangle {bounds} mm");
                 return Err(faults.add(path, RequestFault::SizeOutOfRange, detail));
             }
         }

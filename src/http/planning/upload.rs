@@ -45,7 +45,7 @@ described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used where the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
+        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
         Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))

@@ -116,6 +116,10 @@ impl Sink for ReceivedSurface {
 impl PartedSink for ReceivedSurface {
     type Part = ReceivedPart;
 
+    fn part(&self) -> ReceivedPart {
+        ReceivedPart { sampled: SampledSurface::new(), mesh: self.mesh.part() }
+    }
+
     fn append(&mut self, part: ReceivedPart) {
         self.sampled.merge(&part.sampled);
         self.mesh.append(part.mesh);

@@ -102,8 +102,8 @@ impl CutterSpacing {
         (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
     }
 
-    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 where no spacing keeps
-    /// the scallop height.
+    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 if no spacing keeps the
+    /// scallop height.
     pub(super) fn squared(&self, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
         let ratio_squared = tangent.ratio_squared(cos_alpha);
         let on_plane = match &self.law {
@@ -139,22 +139,24 @@ impl CutterSpacing {
             return on_plane;
         }
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
-        // 1/((R - r)/sin(S) + r), the body's curvature along the level line.
-        let across = tangent.sin / (core + corner * tangent.sin);
-        // Twice the quadratic forms of the body, and of body and surface, along the feed, multiplied by r. The feed's
-        // direction in the tangent plane is (cos(alpha)/cos(S), sin(alpha)); its squared length cancels with the ratio
-        // of d to s, except for cos^2(S).
-        let per_cos = tangent.cos.recip();
-        let up = cos_alpha * per_cos;
-        let body = up * up + corner * across * sin_alpha * sin_alpha;
-        let both = body + corner * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
-        let determinant = (1.0 + corner * steepest) * (across + level) - corner * twist * twist;
+        // n/q = 1/((R - r)/sin(S) + r), the body's curvature along the level line; 1/r for a ball at every slope. All
+        // forms are multiplied by q, which leaves one division for all.
+        let (n, q) = if core > 0.0 { (tangent.sin, core + corner * tangent.sin) } else { (1.0, corner) };
+        // Twice the forms of the body and of body and surface along the feed, times r q, for the feed's direction
+        // lifted into the tangent plane: (cos(alpha)/cos(S), sin(alpha)), whose squared length cancels against the
+        // ratio of d to s but for cos^2(S).
+        let up = cos_alpha * tangent.per_cos;
+        let body = up * up * q + corner * n * sin_alpha * sin_alpha;
+        let both = body + corner * q * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
+        let determinant = (1.0 + corner * steepest) * (n + level * q) - corner * twist * twist * q;
         if !(determinant > 0.0 && both > 0.0 && body > 0.0) {
             return on_plane;
         }
-        let rise = (determinant / both - across / body) * per_cos * per_cos;
-        let curvature = self.eight_heights / on_plane + rise;
-        if curvature > 0.0 { self.eight_heights / curvature } else { self.diameter_squared }
+        // 8 h / (8 h / d^2 + determinant/both - n/body), the rise over cos^2(S), multiplied by d^2 both body.
+        let (heights, product) = (self.eight_heights, both * body);
+        let rise = (determinant * body - n * both) * tangent.per_cos * tangent.per_cos;
+        let curvature = heights * product + rise * on_plane;
+        if curvature > 0.0 { heights * on_plane * product / curvature } else { self.diameter_squared }
     }
 }
 
@@ -325,7 +327,7 @@ mod tests {
 
     fn tangent(slope: f64) -> Tangent {
         let (sin, cos) = slope.to_radians().sin_cos();
-        Tangent { down_hill: [1.0, 0.0], sin, cos, gradient: [-sin / cos, 0.0], curvature: [0.0; 3], place: place_of(sin), is_steep: false }
+        Tangent { down_hill: [1.0, 0.0], sin, cos, per_cos: cos.recip(), curvature: [0.0; 3], place: place_of(sin), is_steep: false }
     }
 
     /// The least and the largest ratio of the interpolated spacing to the model's, for random cutters, heights, slopes

@@ -35,8 +35,8 @@ pub(super) struct Tangent {
     pub(super) down_hill: [f64; 2],
     pub(super) sin: f64,
     pub(super) cos: f64,
-    /// The rise of the facet along X and Y, per length seen from above.
-    pub(super) gradient: [f64; 2],
+    /// 1/cos(S)
+    pub(super) per_cos: f64,
     /// Curvature along the steepest line, the mixed one, and that along the level line, in 1/mm, positive where convex.
     pub(super) curvature: [f64; 3],
     /// The position of the slope in the tables of spacings.
@@ -56,7 +56,7 @@ impl Tangent {
         let level = [-down_hill[1], down_hill[0], 0.0];
         let curvature =
             [facet.curvature_between(steepest, steepest), facet.curvature_between(steepest, level), facet.curvature_between(level, level)];
-        Self { down_hill, sin, cos, gradient: [-x / z, -y / z], curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
+        Self { down_hill, sin, cos, per_cos: length / z, curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
     }
 
     /// cos(alpha) and sin(alpha) of a direction seen from above, alpha counted from the steepest line down the slope.
