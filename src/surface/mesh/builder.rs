@@ -1,11 +1,11 @@
 //! The builder of a mesh from facets or points as they arrive, within a bound on memory.
 
 use super::merge::HeightLattice;
-use super::part::MeshPart;
+use super::part::{MeshPart, in_range};
 use super::thinning::PointCloud;
 use super::weld::Welder;
 use super::{Mesh, MeshError, cross};
-use crate::surface::{Bounds, Facing, LARGEST_COORDINATE, Sink, Unit, triangulation};
+use crate::surface::{Bounds, Facing, Sink, Unit, triangulation};
 
 /// A sink that welds facets into a [`Mesh`], or triangulates single points.
 ///
@@ -290,9 +290,4 @@ impl Sink for MeshBuilder {
     fn turn_over(&mut self) {
         self.turned_over = !self.turned_over;
     }
-}
-
-/// Whether all coordinates are numbers of at most [`LARGEST_COORDINATE`] in magnitude.
-pub(super) fn in_range(point: [f64; 3]) -> bool {
-    point.iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE)
 }

@@ -4,6 +4,7 @@ mod builder;
 mod curvature;
 #[cfg(test)]
 mod curvature_tests;
+mod fans;
 mod finish_facet;
 mod flat_regions;
 mod merge;
@@ -115,7 +116,7 @@ impl MeshBuilder {
     /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number of
     /// a missing point.
     pub fn indexed(&mut self, points: &[[f64; 3]], triangles: &[[u64; 3]]) -> Result<(), MeshError> {
-        if let Some(point) = points.iter().position(|&point| !builder::in_range(point)) {
+        if let Some(point) = points.iter().position(|&point| !part::in_range(point)) {
             return Err(MeshError::PointOutOfRange { point });
         }
         for (number, triangle) in triangles.iter().enumerate() {

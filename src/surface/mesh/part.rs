@@ -1,9 +1,8 @@
 //! A part of a surface that is welded independently, so that several threads can weld parts at the same time.
 
-use super::builder::in_range;
 use super::cross;
 use super::weld::Welder;
-use crate::surface::{Bounds, Sink};
+use crate::surface::{Bounds, LARGEST_COORDINATE, Sink};
 
 /// The facets or points of a part of a surface, for [`MeshBuilder::append`](super::MeshBuilder::append). Corners with
 /// equal coordinates become one point, and facets without area are counted and left out, as in the whole mesh.
@@ -50,4 +49,9 @@ impl Sink for MeshPart {
         let triangle = corners.map(|corner| self.welder.index(corner));
         self.triangles.push(triangle);
     }
+}
+
+/// Whether all coordinates are numbers of at most [`LARGEST_COORDINATE`] in magnitude.
+pub(super) fn in_range(point: [f64; 3]) -> bool {
+    point.iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE)
 }
