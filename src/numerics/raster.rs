@@ -1,5 +1,7 @@
 //! Rasters: values on square cells, and triangles scanned exactly at cell centres.
 
+use super::rounding::{ceil, floor};
+
 /// The position and size of a raster of square cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
@@ -106,8 +108,7 @@ pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut vis
         }
     }
     let [a, b, c] = corners;
-    #[expect(clippy::cast_possible_truncation, reason = "the cast saturates, and is bounded by first and last")]
-    let (low, high) = ((a[1].ceil() as i64).max(first[1]), (c[1].floor() as i64).min(last[1]));
+    let (low, high) = (ceil(a[1]).max(first[1]), floor(c[1]).min(last[1]));
     let crossing = |p: [f64; 3], q: [f64; 3], v: f64| {
         let rise = q[1] - p[1];
         let t = if rise > 0.0 { (v - p[1]) / rise } else { 0.0 };
@@ -119,8 +120,7 @@ pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut vis
         let one = crossing(a, c, v);
         let other = if v < b[1] || (v <= b[1] && a[1] < b[1]) { crossing(a, b, v) } else { crossing(b, c, v) };
         let (left, right) = if one.0 <= other.0 { (one, other) } else { (other, one) };
-        #[expect(clippy::cast_possible_truncation, reason = "as for rows")]
-        let (from, to) = ((left.0.ceil() as i64).max(first[0]), (right.0.floor() as i64).min(last[0]));
+        let (from, to) = (ceil(left.0).max(first[0]), floor(right.0).min(last[0]));
         let slope = if right.0 > left.0 { (right.1 - left.1) / (right.0 - left.0) } else { 0.0 };
         let level_edge = v - a[1] < ON_EDGE && b[1] - a[1] < ON_EDGE || c[1] - v < ON_EDGE && c[1] - b[1] < ON_EDGE;
         for column in from..=to {

@@ -44,7 +44,9 @@ pub trait Sink {
 /// A sink that accepts points and facets in parts, which several threads fill.
 pub trait PartedSink: Sink {
     /// The points and facets of a part of a surface.
-    type Part: Sink + Default + Send;
+    type Part: Sink + Send;
+    /// An empty part for points and facets that follow.
+    fn part(&self) -> Self::Part;
     /// Adds a part, as if its points and facets came after those before it.
     fn append(&mut self, part: Self::Part);
 }

@@ -6,7 +6,7 @@ mod refusals;
 mod searches;
 
 use super::*;
-use crate::milling::{Runout, SurfaceCurvature};
+use crate::milling::{Runout, ScallopHeight, SurfaceCurvature};
 use proptest::prelude::*;
 
 fn mm(value: f64) -> Length {

@@ -73,13 +73,13 @@ impl CutterSpacing {
     pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
 
     /// The spacings and feeds of a cutter for the scallop height `height`. It includes feed marks if `feeds` is given.
-    /// `rows` marks the rows of a table that are needed; `feed_rate` is the machine's, in mm/s.
+    /// `is_needed` marks the rows of a table that are needed; `feed_rate` is the machine's, in mm/s.
     pub(super) fn new(
         cutter: Cutter,
         height: Length,
         model: Model,
         feeds: Option<FeedRange>,
-        rows: &[bool],
+        is_needed: &(dyn Fn(usize) -> bool + Sync),
         feed_rate: f64,
     ) -> (Self, FeedLaw) {
         let h = height.mm();
@@ -96,7 +96,7 @@ impl CutterSpacing {
                 let (step_over, feed) = best.map_or((0.0, range.largest), |best| (best.step_over, best.feed_per_tooth));
                 (Law::Constant { squared: step_over * step_over }, constant_or_table(range, vec![[feed, share(step_over, cutter, h)]]))
             }
-            _ => tabulated(cutter, height, model, feeds, rows, feed_rate),
+            _ => tabulated(cutter, height, model, feeds, is_needed, feed_rate),
         };
         let on_curved = model == Model::Envelope;
         (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
@@ -139,22 +139,24 @@ impl CutterSpacing {
             return on_plane;
         }
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
-        // 1/((R - r)/sin(S) + r), the body's curvature along the level line.
-        let across = tangent.sin / (core + corner * tangent.sin);
-        // Twice the quadratic forms of the body, and of body and surface, along the feed, multiplied by r. The feed's
-        // direction in the tangent plane is (cos(alpha)/cos(S), sin(alpha)); its squared length cancels with the ratio
-        // of d to s, except for cos^2(S).
-        let per_cos = tangent.cos.recip();
-        let up = cos_alpha * per_cos;
-        let body = up * up + corner * across * sin_alpha * sin_alpha;
-        let both = body + corner * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
-        let determinant = (1.0 + corner * steepest) * (across + level) - corner * twist * twist;
+        // n/q = 1/((R - r)/sin(S) + r), the body's curvature along the level line; 1/r for a ball at every slope. All
+        // forms are multiplied by q, which leaves one division for all.
+        let (n, q) = if core > 0.0 { (tangent.sin, core + corner * tangent.sin) } else { (1.0, corner) };
+        // Twice the forms of the body and of body and surface along the feed, times r q, for the feed's direction
+        // lifted into the tangent plane: (cos(alpha)/cos(S), sin(alpha)), whose squared length cancels against the
+        // ratio of d to s but for cos^2(S).
+        let up = cos_alpha * tangent.per_cos;
+        let body = up * up * q + corner * n * sin_alpha * sin_alpha;
+        let both = body + corner * q * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
+        let determinant = (1.0 + corner * steepest) * (n + level * q) - corner * twist * twist * q;
         if !(determinant > 0.0 && both > 0.0 && body > 0.0) {
             return on_plane;
         }
-        let rise = (determinant / both - across / body) * per_cos * per_cos;
-        let curvature = self.eight_heights / on_plane + rise;
-        if curvature > 0.0 { self.eight_heights / curvature } else { self.diameter_squared }
+        // 8 h / (8 h / d^2 + determinant/both - n/body), the rise over cos^2(S), multiplied by d^2 both body.
+        let (heights, product) = (self.eight_heights, both * body);
+        let rise = (determinant * body - n * both) * tangent.per_cos * tangent.per_cos;
+        let curvature = heights * product + rise * on_plane;
+        if curvature > 0.0 { heights * on_plane * product / curvature } else { self.diameter_squared }
     }
 }
 
@@ -181,7 +183,14 @@ impl FeedTable {
 }
 
 /// The tables of spacings and feeds for the rows that are needed.
-fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRange>, rows: &[bool], feed_rate: f64) -> (Law, FeedLaw) {
+fn tabulated(
+    cutter: Cutter,
+    height: Length,
+    model: Model,
+    feeds: Option<FeedRange>,
+    is_needed: &(dyn Fn(usize) -> bool + Sync),
+    feed_rate: f64,
+) -> (Law, FeedLaw) {
     let diameter = 2.0 * cutter.outer_radius().mm();
     let limit = feeds.map(|range| range.largest);
     let row_of = |(row, &sin): (usize, &f64)| -> Vec<([f64; 2], f64)> {
@@ -204,7 +213,7 @@ fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRan
             };
             ([best.feed_per_tooth, share], seen_from_above * seen_from_above)
         };
-        if rows[row] { (0..=COLUMNS).map(node).collect() } else { vec![([limit.unwrap_or(0.0), 0.0], 0.0); COLUMNS + 1] }
+        if is_needed(row) { (0..=COLUMNS).map(node).collect() } else { vec![([limit.unwrap_or(0.0), 0.0], 0.0); COLUMNS + 1] }
     };
     let nodes: Vec<([f64; 2], f64)> = sines().par_iter().enumerate().flat_map_iter(row_of).collect();
     let kept = 1.0 - if feeds.is_some() { CutterSpacing::MARGIN_WITH_FEEDS } else { CutterSpacing::MARGIN };
@@ -318,7 +327,7 @@ mod tests {
 
     fn tangent(slope: f64) -> Tangent {
         let (sin, cos) = slope.to_radians().sin_cos();
-        Tangent { down_hill: [1.0, 0.0], sin, cos, gradient: [-sin / cos, 0.0], curvature: [0.0; 3], place: place_of(sin), is_steep: false }
+        Tangent { down_hill: [1.0, 0.0], sin, cos, per_cos: cos.recip(), curvature: [0.0; 3], place: place_of(sin), is_steep: false }
     }
 
     /// The least and the largest ratio of the interpolated spacing to the model's, for random cutters, heights, slopes
@@ -326,13 +335,12 @@ mod tests {
     fn compared(model: Model, feeds: Option<FeedRange>, slopes: impl Fn(f64) -> f64) -> [f64; 2] {
         let mut state = 7;
         let mut range = [f64::INFINITY, 0.0_f64];
-        let rows = vec![true; sines().len()];
         for _ in 0..10 {
             let diameter = 2.0 + 14.0 * random(&mut state);
             let corner = (0.02 + 0.9 * random(&mut state)) * diameter / 2.0;
             let cutter = Cutter::toroidal(Length::computed(diameter), Length::computed(corner)).unwrap();
             let height = Length::computed(0.002 * 15.0_f64.powf(random(&mut state)));
-            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &rows, 80.0);
+            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &|_| true, 80.0);
             for _ in 0..100 {
                 let (slope, alpha) = (slopes(random(&mut state)), 90.0 * random(&mut state));
                 let contact = Contact::from_degrees(slope, alpha).unwrap();

@@ -1,6 +1,6 @@
 //! The facets of a workpiece, sorted in the order in which the planes of one direction meet them.
 
-use super::workpiece::Workpiece;
+use super::workpiece::{Tangent, Workpiece};
 use crate::quantity::Angle;
 
 /// A direction of passes: e along the passes, q across them to the left, both seen from above.
@@ -54,19 +54,24 @@ pub(super) struct Slice {
     stretch: f64,
 }
 
+/// The positions of three numbers in rising order, indexed by [`order_of`], which is never 3 or 4.
+const ORDERS: [[usize; 3]; 8] = [[2, 1, 0], [2, 0, 1], [1, 2, 0], [0, 1, 2], [2, 1, 0], [0, 2, 1], [1, 0, 2], [0, 1, 2]];
+
+/// The order of three numbers as an index of [`ORDERS`]. Its bits state whether the first number is at most the second,
+/// the second at most the third, and the first at most the third. It has no branches, which would be mispredicted often.
+fn order_of([a, b, c]: [f64; 3]) -> usize {
+    usize::from(a <= b) | usize::from(b <= c) << 1 | usize::from(a <= c) << 2
+}
+
 impl Slice {
-    /// Prepares a facet that rises by `gradient` per length along X and Y.
-    fn new(corners: &[[f64; 3]; 3], gradient: [f64; 2], weight: f64, heading: Heading) -> Self {
-        let mut corners = corners.map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
-        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
-            if corners[i][0] > corners[j][0] {
-                corners.swap(i, j);
-            }
-        }
-        let [low, middle, high] = corners;
+    /// Prepares a facet.
+    fn new(corners: &[[f64; 3]; 3], tangent: &Tangent, weight: f64, heading: Heading) -> Self {
+        let corners = corners.map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
+        let [low, middle, high] = ORDERS[order_of(corners.map(|corner| corner[0]))].map(|corner| corners[corner]);
         // Infinite for an edge along the passes, which no plane intersects.
         let edge = |a: [f64; 3], b: [f64; 3]| (b[1] - a[1]) / (b[0] - a[0]);
-        let rise = [heading.along(gradient[0], gradient[1]), heading.across(gradient[0], gradient[1])];
+        let ((cos_alpha, sin_alpha), tan) = (tangent.alpha(heading.e), tangent.sin * tangent.per_cos);
+        let rise = [-tan * cos_alpha, tan * sin_alpha];
         Self {
             low: low[0],
             middle: middle[0],
@@ -114,14 +119,19 @@ pub(super) struct Sweep {
     covered_bands: Vec<Band>,
 }
 
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 8192;
+
 impl Sweep {
-    pub(super) fn new(workpiece: &Workpiece, direction: Angle) -> Self {
+    /// The facets in the order of this direction. Once `stop` returns true, it ends early with fewer of them.
+    pub(super) fn new(workpiece: &Workpiece, direction: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Self {
         let heading = Heading::new(direction);
         let mut along = [f64::INFINITY, f64::NEG_INFINITY];
         let mut across = [f64::INFINITY, f64::NEG_INFINITY];
         let unordered: Vec<Covered> = (0_u32..)
             .zip(&workpiece.corners)
             .zip(&workpiece.areas)
+            .take_while(|((facet, _), _)| !(*facet as usize).is_multiple_of(TURN) || !stop())
             .map(|((facet, corners), area)| {
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
                 for &[x, y, _] in corners {
@@ -135,12 +145,12 @@ impl Sweep {
                 Covered { low, high, facet, density }
             })
             .collect();
-        let covered = ordered(unordered, across);
+        let covered = if stop() { Vec::new() } else { ordered(unordered, across) };
         let slice = |covered: &Covered| {
             let facet = covered.facet as usize;
-            Slice::new(&workpiece.corners[facet], workpiece.tangents[facet].gradient, workpiece.weights[facet], heading)
+            Slice::new(&workpiece.corners[facet], &workpiece.tangents[facet], workpiece.weights[facet], heading)
         };
-        let slices = covered.iter().map(slice).collect();
+        let slices = covered.chunks(TURN).take_while(|_| !stop()).flatten().map(slice).collect();
         let covered_bands = bands_of(&covered);
         Self { heading, covered, slices, along, covered_bands }
     }
@@ -228,4 +238,22 @@ fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
         }
     }
     sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_numbers_are_ordered_without_branches() {
+        let numbers = [-1.5, 0.0, 2.0];
+        for a in numbers {
+            for b in numbers {
+                for c in numbers {
+                    let ordered = ORDERS[order_of([a, b, c])].map(|position| [a, b, c][position]);
+                    assert!(ordered[0] <= ordered[1] && ordered[1] <= ordered[2], "{a} {b} {c}: {ordered:?}");
+                }
+            }
+        }
+    }
 }

@@ -35,8 +35,8 @@ pub(super) struct Tangent {
     pub(super) down_hill: [f64; 2],
     pub(super) sin: f64,
     pub(super) cos: f64,
-    /// The rise of the facet along X and Y, per length seen from above.
-    pub(super) gradient: [f64; 2],
+    /// 1/cos(S)
+    pub(super) per_cos: f64,
     /// Curvature along the steepest line, the mixed one, and that along the level line, in 1/mm, positive where convex.
     pub(super) curvature: [f64; 3],
     /// The position of the slope in the tables of spacings.
@@ -56,7 +56,7 @@ impl Tangent {
         let level = [-down_hill[1], down_hill[0], 0.0];
         let curvature =
             [facet.curvature_between(steepest, steepest), facet.curvature_between(steepest, level), facet.curvature_between(level, level)];
-        Self { down_hill, sin, cos, gradient: [-x / z, -y / z], curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
+        Self { down_hill, sin, cos, per_cos: length / z, curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
     }
 
     /// cos(alpha) and sin(alpha) of a direction seen from above, alpha counted from the steepest line down the slope.
@@ -73,8 +73,10 @@ impl Tangent {
 }
 
 impl Workpiece {
-    /// Prepares the facets; `cos_of_steepest` is the cosine of the slope up to which they set spacings.
-    pub(super) fn new(facets: &[FinishFacet], cos_of_steepest: f64) -> Self {
+    /// Prepares the facets; `cos_of_steepest` is the cosine of the slope up to which they set spacings. Once `stop`
+    /// returns true, no facets are prepared.
+    pub(super) fn new(facets: &[FinishFacet], cos_of_steepest: f64, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+        let facets = if stop() { &[] } else { facets };
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in facets.iter().flat_map(|facet| &facet.corners) {
             for axis in 0..3 {
@@ -85,9 +87,12 @@ impl Workpiece {
         let origin = [0, 1, 2].map(|axis| if facets.is_empty() { 0.0 } else { f64::midpoint(low[axis], high[axis]) });
         let corners =
             facets.par_iter().with_min_len(4096).map(|facet| facet.corners.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]));
+        let corners: Vec<_> = corners.collect();
+        let facets = if stop() { &[] } else { facets };
+        let corners = if facets.is_empty() { Vec::new() } else { corners };
         let tangents = facets.par_iter().with_min_len(4096).map(|facet| Tangent::of(facet, cos_of_steepest));
         Self {
-            corners: corners.collect(),
+            corners,
             areas: facets.iter().map(|facet| facet.area).collect(),
             tangents: tangents.collect(),
             origin,

@@ -1,10 +1,12 @@
 //! The builder of a mesh from facets or points as they arrive, within a bound on memory.
 
+use super::left_out::LeftOut;
 use super::merge::HeightLattice;
-use super::part::{MeshPart, in_range};
+use super::part::{MeshPart, PartFacets};
 use super::thinning::PointCloud;
 use super::weld::Welder;
 use super::{Mesh, MeshError, cross};
+use crate::cancellation::CancelFlag;
 use crate::surface::{Bounds, Facing, Sink, Unit, triangulation};
 
 /// A sink that welds facets into a [`Mesh`], or triangulates single points.
@@ -31,10 +33,10 @@ pub struct MeshBuilder {
     lattice: Option<HeightLattice>,
     cloud: PointCloud,
     facets: u64,
-    degenerate: u64,
+    left_out: LeftOut,
     bounds: Bounds,
-    out_of_range: bool,
     turned_over: bool,
+    cancel: CancelFlag,
 }
 
 /// The facets and points of a mesh.
@@ -79,11 +81,17 @@ impl MeshBuilder {
             lattice: None,
             cloud: PointCloud::new(limit / 2),
             facets: 0,
-            degenerate: 0,
+            left_out: LeftOut::default(),
             bounds: Bounds::NONE,
-            out_of_range: false,
             turned_over: false,
+            cancel: CancelFlag::default(),
         }
+    }
+
+    /// The same builder, which merges no more facets once `cancel` is set: its mesh has no meaning then.
+    #[must_use]
+    pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
+        Self { cancel: cancel.clone(), ..self }
     }
 
     /// N, the largest number of facets held.
@@ -156,7 +164,7 @@ impl MeshBuilder {
     /// # Errors
     /// As [`MeshBuilder::finish`].
     pub fn finish_until(self, unit: Unit, facing: Facing, stop: &dyn Fn() -> bool) -> Result<Mesh, MeshError> {
-        if self.out_of_range {
+        if self.left_out.is_out_of_range {
             return Err(MeshError::CoordinateOutOfRange);
         }
         let mut merged = None;
@@ -165,8 +173,8 @@ impl MeshBuilder {
             let (points, triangles) = lattice.finish();
             (points, triangles, false)
         } else if self.triangles.is_empty() {
-            if self.degenerate > 0 && self.cloud.is_empty() {
-                return Err(MeshError::OnlyDegenerateFacets { count: self.degenerate });
+            if self.left_out.degenerate > 0 && self.cloud.is_empty() {
+                return Err(MeshError::OnlyDegenerateFacets { count: self.left_out.degenerate });
             }
             let received = self.cloud.received();
             merged = self.cloud.cell().map(|cell| cell * unit.mm());
@@ -207,29 +215,38 @@ impl MeshBuilder {
             // No facet covers a node: all are smaller than the spacing, or walls.
             return Err(MeshError::NothingFromAbove);
         }
-        Ok(Mesh::assembled(points, triangles, self.degenerate, self.facets, merged, from_points))
+        Ok(Mesh::assembled(points, triangles, self.left_out.degenerate, self.facets, merged, from_points))
+    }
+
+    /// An empty part for facets or points that follow.
+    #[must_use]
+    pub fn part(&self) -> MeshPart {
+        if self.lattice.is_some() { MeshPart::of_separate_facets() } else { MeshPart::default() }
     }
 
     /// Adds a part, as if its facets or points had come one by one.
     pub fn append(&mut self, part: MeshPart) {
-        let MeshPart { welder, triangles, degenerate, bounds, out_of_range, points } = part;
-        self.out_of_range |= out_of_range;
-        self.degenerate += degenerate;
+        let MeshPart { facets, left_out, bounds, points } = part;
+        self.left_out.merge(left_out);
         if self.facets == 0 {
             for point in points {
                 self.cloud.add(point);
             }
         }
-        if self.lattice.is_none() && self.triangles.len() + triangles.len() <= self.limit {
-            self.facets += triangles.len() as u64;
-            self.bounds.merge(&bounds);
-            let numbers: Vec<u32> = welder.points().iter().map(|&point| self.welder.index(point)).collect();
-            self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|corner| numbers[corner as usize])));
-            return;
-        }
-        let corners = welder.into_points();
-        for triangle in triangles {
-            self.add(triangle.map(|corner| corners[corner as usize]));
+        match facets {
+            PartFacets::Welded { welder, triangles } if self.lattice.is_none() && self.triangles.len() + triangles.len() <= self.limit => {
+                self.facets += triangles.len() as u64;
+                self.bounds.merge(&bounds);
+                let numbers: Vec<u32> = welder.points().iter().map(|&point| self.welder.index(point)).collect();
+                self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|corner| numbers[corner as usize])));
+            }
+            PartFacets::Welded { welder, triangles } => {
+                let corners = welder.into_points();
+                for triangle in triangles {
+                    self.add(triangle.map(|corner| corners[corner as usize]));
+                }
+            }
+            PartFacets::Separate(facets) => facets.into_iter().for_each(|corners| self.add(corners)),
         }
     }
 
@@ -240,7 +257,10 @@ impl MeshBuilder {
             self.bounds.include(corner);
         }
         if let Some(lattice) = &mut self.lattice {
-            lattice.add(corners);
+            // A facet as large as the part takes a millisecond.
+            if !self.cancel.is_cancelled() {
+                lattice.add(corners);
+            }
         } else if self.triangles.len() == self.limit {
             self.merge().add(corners);
         } else {
@@ -252,11 +272,11 @@ impl MeshBuilder {
     fn merge(&mut self) -> &mut HeightLattice {
         let (welder, triangles) = (std::mem::take(&mut self.welder), std::mem::take(&mut self.triangles));
         let bounds = self.bounds;
-        let limit = self.limit;
+        let (limit, cancel) = (self.limit, &self.cancel);
         self.lattice.get_or_insert_with(|| {
             let mut lattice = HeightLattice::new(limit, &bounds);
             let points = welder.into_points();
-            for triangle in triangles {
+            for triangle in triangles.into_iter().take_while(|_| !cancel.is_cancelled()) {
                 lattice.add(triangle.map(|index| points[index as usize]));
             }
             lattice
@@ -266,25 +286,15 @@ impl MeshBuilder {
 
 impl Sink for MeshBuilder {
     fn point(&mut self, point: [f64; 3]) {
-        if !in_range(point) {
-            self.out_of_range = true;
-        } else if self.facets == 0 {
+        if self.left_out.accepts_point(point) && self.facets == 0 {
             self.cloud.add(point);
         }
     }
 
     fn facet(&mut self, corners: [[f64; 3]; 3]) {
-        if !corners.into_iter().all(in_range) {
-            self.out_of_range = true;
-            return;
+        if self.left_out.accepts_facet(corners) {
+            self.add(corners);
         }
-        let [a, b, c] = corners;
-        let [x, y, z] = cross(a, b, c);
-        if x == 0.0 && y == 0.0 && z == 0.0 {
-            self.degenerate += 1;
-            return;
-        }
-        self.add(corners);
     }
 
     fn turn_over(&mut self) {

@@ -77,8 +77,8 @@ struct Equations {
 impl Mesh {
     /// The curvature tensor at each of the `wanted` facets, as
     /// [`FinishFacet::curvature`](super::FinishFacet::curvature) describes it. Facets seen from behind count as
-    /// turned.
-    pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32]) -> Vec<[f64; 6]> {
+    /// turned. Once `stop` returns true, it ends early with a result that has no meaning.
+    pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32], stop: &(dyn Fn() -> bool + Sync)) -> Vec<[f64; 6]> {
         let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
         let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
             .into_par_iter()
@@ -87,8 +87,11 @@ impl Mesh {
                 (if visibility.is_seen_from_behind(facet) { normal.map(|part| -part) } else { normal }, area)
             })
             .unzip();
+        if stop() {
+            return Vec::new();
+        }
         let fans = Fans::of(self);
-        let areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas);
+        let areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas, stop);
         let sides = Sides { normals, areas };
         let normals = &sides.normals;
         // If all facets around a point are near their mean normal, and so near each other, all corners there have the
@@ -97,6 +100,9 @@ impl Mesh {
         let at_points: Vec<Option<CornerNormal>> = (0..self.points().len())
             .into_par_iter()
             .map(|point| {
+                if stop() {
+                    return None;
+                }
                 let fan = fans.around(point);
                 let mean = self.corner_normal(point, fan.iter(), &sides)?;
                 fan.iter().all(|&facet| dot(normals[facet as usize], mean.normal) >= cos_half).then_some(mean)
@@ -105,6 +111,9 @@ impl Mesh {
         let equations: Vec<Equations> = (0..self.triangles().len())
             .into_par_iter()
             .map(|facet| {
+                if stop() {
+                    return Equations::default();
+                }
                 let own = normals[facet];
                 let corners = self.triangles()[facet].map(|point| {
                     let point = point as usize;
@@ -128,6 +137,9 @@ impl Mesh {
         wanted
             .par_iter()
             .map(|&facet| {
+                if stop() {
+                    return [0.0; 6];
+                }
                 let facet = facet as usize;
                 let own = normals[facet];
                 // If the normals do not turn, the facet is in a plane, whatever its neighbours are.

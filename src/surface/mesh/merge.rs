@@ -2,6 +2,7 @@
 //! bounded for any file.
 
 use crate::numerics::raster::scan;
+use crate::numerics::rounding::{ceil, floor};
 use crate::surface::Bounds;
 
 /// The largest heights at the nodes (i cell, j cell) for whole numbers i and j; cell is a power of two.
@@ -13,6 +14,8 @@ use crate::surface::Bounds;
 pub(super) struct HeightLattice {
     side: i64,
     exponent: i32,
+    /// The reciprocal of the spacing, which is exact for a power of two.
+    by_cell: f64,
     /// The largest height at each node; minus infinity where there is no surface.
     heights: Vec<f64>,
     low: [i64; 2],
@@ -37,9 +40,15 @@ impl HeightLattice {
         #[expect(clippy::cast_possible_truncation, reason = "logarithms of doubles are within 1100")]
         let exponent = spacing.log2().ceil() as i32;
         let side = i64::try_from(side).expect("a square root of a bound of 1e9");
-        let mut lattice = Self { side, exponent, heights: Vec::new(), low: [i64::MAX; 2], high: [i64::MIN; 2], visits: 0 };
+        let mut lattice = Self::empty(side, exponent);
         lattice.heights = vec![f64::NEG_INFINITY; lattice.nodes()];
         lattice
+    }
+
+    /// A lattice whose nodes are not there yet.
+    fn empty(side: i64, exponent: i32) -> Self {
+        let by_cell = 2.0_f64.powi(-exponent);
+        Self { side, exponent, by_cell, heights: Vec::new(), low: [i64::MAX; 2], high: [i64::MIN; 2], visits: 0 }
     }
 
     /// The spacing, in the unit of the coordinates.
@@ -62,9 +71,7 @@ impl HeightLattice {
 
     pub(super) fn add(&mut self, corners: [[f64; 3]; 3]) {
         loop {
-            // Exact, and equal to a division by the spacing, because both are powers of two.
-            let by_cell = self.cell().recip();
-            let corners = corners.map(|[x, y, z]| [x * by_cell, y * by_cell, z]);
+            let corners = corners.map(|[x, y, z]| [x * self.by_cell, y * self.by_cell, z]);
             let mut bounds = Bounds::NONE;
             for corner in corners {
                 bounds.include(corner);
@@ -97,8 +104,7 @@ impl HeightLattice {
     }
 
     fn double(&mut self) {
-        let mut coarse =
-            Self { side: self.side, exponent: self.exponent + 1, heights: Vec::new(), low: [i64::MAX; 2], high: [i64::MIN; 2], visits: 0 };
+        let mut coarse = Self::empty(self.side, self.exponent + 1);
         coarse.heights = vec![f64::NEG_INFINITY; self.nodes()];
         if self.low[0] <= self.high[0] {
             coarse.low = self.low.map(|i| -((-i).div_euclid(2)));
@@ -153,31 +159,5 @@ impl HeightLattice {
             below = here;
         }
         (points, triangles)
-    }
-}
-
-/// The smallest whole number that is not below `value`. Casts saturate far beyond the range of the lattice. The
-/// standard library's functions are slow calls unless SSE4.1 is assumed.
-#[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "numbers beyond 2^52 are whole")]
-fn ceil(value: f64) -> i64 {
-    let truncated = value as i64;
-    truncated.saturating_add(i64::from((truncated as f64) < value))
-}
-
-/// The largest whole number that is not above `value`, likewise.
-fn floor(value: f64) -> i64 {
-    ceil(-value).saturating_neg()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    #[expect(clippy::cast_possible_truncation, reason = "as in the lattice")]
-    fn whole_numbers_on_both_sides_are_those_of_the_library() {
-        for value in [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.5, -2.5, 1e12, -1e12, 4_503_599_627_370_495.5, 1e300, -1e300, 1e-300] {
-            assert_eq!((ceil(value), floor(value)), (value.ceil() as i64, (value.floor() as i64).max(-i64::MAX)), "{value}");
-        }
     }
 }

@@ -7,6 +7,7 @@ mod curvature_tests;
 mod fans;
 mod finish_facet;
 mod flat_regions;
+mod left_out;
 mod merge;
 mod part;
 mod pieces;
@@ -116,7 +117,7 @@ impl MeshBuilder {
     /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number of
     /// a missing point.
     pub fn indexed(&mut self, points: &[[f64; 3]], triangles: &[[u64; 3]]) -> Result<(), MeshError> {
-        if let Some(point) = points.iter().position(|&point| !part::in_range(point)) {
+        if let Some(point) = points.iter().position(|&point| !left_out::in_range(point)) {
             return Err(MeshError::PointOutOfRange { point });
         }
         for (number, triangle) in triangles.iter().enumerate() {

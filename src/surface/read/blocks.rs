@@ -8,7 +8,7 @@
 use super::fault::Fault;
 use super::{Body, Sink, mesh, obj, ply, stl_ascii, stl_binary, text};
 use crate::surface::PartedSink;
-use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::borrow::Cow;
 
 /// The next piece of a file.
@@ -89,21 +89,20 @@ pub(super) fn read<S: PartedSink>(body: &mut Body, blocks: Vec<Block>, sink: &mu
                 serial = Some(bytes);
                 break;
             };
-            linked.push((run, bytes));
+            linked.push((run, bytes, sink.part()));
         }
         let read: &Body = body;
-        let emit = |(run, bytes): &(Run, Vec<u8>)| {
-            let mut part = S::Part::default();
-            let emitted = read.emit(run, bytes, &mut part);
+        let emit = |(run, bytes, mut part): (Run, Vec<u8>, S::Part)| {
+            let emitted = read.emit(&run, &bytes, &mut part);
             (part, emitted)
         };
-        let parts: Vec<(S::Part, Emitted)> = linked.par_iter().map(emit).collect();
+        let parts: Vec<(S::Part, Emitted)> = linked.into_par_iter().map(emit).collect();
         for (part, emitted) in parts {
             sink.append(part);
             body.count(emitted);
         }
         let Some(bytes) = serial else { return Ok(()) };
-        let mut part = S::Part::default();
+        let mut part = sink.part();
         let result = body.push(&bytes, &mut part);
         sink.append(part);
         result?;

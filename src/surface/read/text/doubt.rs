@@ -13,7 +13,7 @@ pub(super) struct Doubt {
     first: String,
     /// The smallest and the largest number of fields of a line; `None` once a line cannot have decimal commas.
     commas: Option<(usize, usize)>,
-    /// The statistics of the columns; `None` once a line has another number of columns, or not more than three numbers.
+    /// The statistics of the columns; `None` once a line has another number of columns, or fewer than three numbers.
     columns: Option<Box<Evidence>>,
 }
 
@@ -80,6 +80,8 @@ impl Doubt {
         let width = columns.width();
         let found = if columns.is_numbered() {
             format!("{points} lines of {width} numbers, the first of which counts up: either x, or a number before x, y and z")
+        } else if columns.can_be_matrix(points) && width == 3 {
+            format!("{points} lines of three nearly equal numbers: either a matrix of heights, or points along x = y = z; {AS_POINTS}")
         } else if columns.can_be_matrix(points) {
             format!("{points} lines of {width} numbers: either a matrix of heights, or points and their properties; {AS_POINTS}")
         } else {

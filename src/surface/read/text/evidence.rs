@@ -7,17 +7,24 @@ use super::layout::Separator;
 /// The most columns that a point with properties has: position, normal, colour with opacity, intensity and time.
 pub(super) const WIDEST_POINT: usize = 12;
 
+/// The number of columns of a table that usually has points.
+const POINT: usize = 3;
+
 /// The largest number of lines that are examined. The limit saves time, because an examined line is parsed twice.
 const MOST_LINES: u64 = 10_000;
 
 /// The smallest number of lines from which anything is concluded; fewer points are no surface.
 const FEWEST_LINES: u64 = 3;
 
-/// A matrix of heights has at most this many rows for each column. A longer table can be one only if its columns have
-/// similar ranges.
+/// The most rows of a matrix of heights for each column. A table with more than three columns is taken for a longer
+/// matrix where its columns are alike.
 const LONGEST_MATRIX: u64 = 50;
 
-/// The statistics of a table in which every line examined has the same number of columns, more than three, and only
+/// Three columns can be a matrix of heights where the numbers in each line differ by less than this share of the range
+/// of all numbers. As points they would lie along the line x = y = z and nowhere else.
+const LARGEST_DIFFERENCE: f64 = 0.25;
+
+/// The statistics of a table in which every line examined has the same number of columns, at least three, and only
 /// numbers.
 #[derive(Debug)]
 pub(super) struct Evidence {
@@ -26,6 +33,8 @@ pub(super) struct Evidence {
     lines: u64,
     /// For each column after the third: whether it and the next two are a unit vector in every line.
     unit_vectors: Vec<bool>,
+    /// The largest difference between two numbers of a line.
+    largest_difference: f64,
     /// The difference of the first column from line to line, as long as it is constant.
     step: Option<f64>,
 }
@@ -40,14 +49,14 @@ struct Column {
 }
 
 impl Evidence {
-    /// The statistics of a table that begins with `line`; `None` if the line has at most three columns or a field that
+    /// The statistics of a table that begins with `line`; `None` if the line has fewer than three columns or a field that
     /// is not a number.
     pub(super) fn of(line: &[u8], separator: Separator) -> Option<Self> {
         let numbers = numbers(line, separator)?;
         let columns = numbers.map(|(value, is_whole)| Column { last: value, least: value, most: value, is_whole });
         let columns: Vec<Column> = columns.collect();
-        let unit_vectors = vec![true; columns.len().checked_sub(3).filter(|further| *further > 0)?];
-        let mut evidence = Self { separator, columns, lines: 0, unit_vectors, step: None };
+        let unit_vectors = vec![true; columns.len().checked_sub(POINT)?];
+        let mut evidence = Self { separator, columns, lines: 0, unit_vectors, largest_difference: 0.0, step: None };
         evidence.count();
         Some(evidence)
     }
@@ -57,14 +66,19 @@ impl Evidence {
         self.columns.len()
     }
 
+    /// The number of lines that are examined. Three columns are a matrix in a short table only.
+    fn most_lines(&self) -> u64 {
+        if self.width() == POINT { POINT as u64 * LONGEST_MATRIX + 1 } else { MOST_LINES }
+    }
+
     /// Whether enough lines have been examined.
     pub(super) fn is_complete(&self) -> bool {
-        self.lines == MOST_LINES
+        self.lines == self.most_lines()
     }
 
     /// Adds the next line; returns false if it has another number of columns.
     pub(super) fn look_at(&mut self, line: &[u8]) -> bool {
-        if self.lines == MOST_LINES {
+        if self.is_complete() {
             return true;
         }
         let before = self.columns[0];
@@ -85,23 +99,44 @@ impl Evidence {
     fn count(&mut self) {
         self.lines += 1;
         for (index, is_unit) in self.unit_vectors.iter_mut().enumerate() {
-            let square: f64 = self.columns[index + 3..].iter().take(3).map(|column| column.last * column.last).sum();
-            *is_unit &= index + 6 <= self.columns.len() && (square.sqrt() - 1.0).abs() < 0.01;
+            let square: f64 = self.columns[index + POINT..].iter().take(3).map(|column| column.last * column.last).sum();
+            *is_unit &= index + POINT + 3 <= self.columns.len() && (square.sqrt() - 1.0).abs() < 0.01;
+        }
+        let (least, most) = range(self.columns.iter().map(|column| [column.last; 2]));
+        self.largest_difference = self.largest_difference.max(most - least);
+    }
+
+    /// Whether the first column can number the lines: whole numbers that rise by the same amount, beside three
+    /// coordinates.
+    pub(super) fn is_numbered(&self) -> bool {
+        self.width() > POINT && self.lines >= FEWEST_LINES && self.columns[0].is_whole && self.step.is_some_and(|step| step > 0.0)
+    }
+
+    /// Whether a table of `lines` lines can be a matrix of heights.
+    pub(super) fn can_be_matrix(&self, lines: u64) -> bool {
+        if lines < FEWEST_LINES {
+            false
+        } else if self.width() == POINT {
+            self.can_be_narrow_matrix(lines)
+        } else {
+            self.can_be_wide_matrix(lines)
         }
     }
 
-    /// Whether the first column can number the lines: whole numbers that rise by the same amount.
-    pub(super) fn is_numbered(&self) -> bool {
-        self.lines >= FEWEST_LINES && self.columns[0].is_whole && self.step.is_some_and(|step| step > 0.0)
+    /// Whether three columns can be a matrix of heights. They are nearly always points, so evidence against points is
+    /// required: numbers that are nearly equal in each line.
+    fn can_be_narrow_matrix(&self, lines: u64) -> bool {
+        let (least, most) = range(self.columns.iter().map(|column| [column.least, column.most]));
+        lines <= POINT as u64 * LONGEST_MATRIX && self.largest_difference < LARGEST_DIFFERENCE * (most - least)
     }
 
-    /// Whether a table of `lines` lines can be a matrix of heights. It has points if a normal, a colour or whole
-    /// numbers follow coordinates with decimals. It also has points if it is far longer than wide, unless adjacent
-    /// columns have similar ranges.
-    pub(super) fn can_be_matrix(&self, lines: u64) -> bool {
-        let further = &self.columns[3..];
+    /// Whether more than three columns can be a matrix of heights. They are points if a normal, a colour or whole
+    /// numbers follow coordinates with decimals. They are also points if the table is far longer than wide, unless
+    /// adjacent columns have similar ranges.
+    fn can_be_wide_matrix(&self, lines: u64) -> bool {
+        let (coordinates, further) = self.columns.split_at(POINT);
         let has_normal = self.unit_vectors.contains(&true);
-        let has_decimals = !self.columns[..3].iter().all(|column| column.is_whole);
+        let has_decimals = !coordinates.iter().all(|column| column.is_whole);
         let is_colour = |columns: &[Column]| {
             let is_channel = |column: &Column| column.is_whole && column.least >= 0.0 && column.most <= 255.0;
             columns.iter().all(is_channel) && columns.iter().any(|column| column.most > 0.0)
@@ -109,9 +144,14 @@ impl Evidence {
         let has_colour = further.windows(3).any(is_colour);
         let has_whole_numbers = further.iter().any(|column| column.is_whole && column.least < column.most);
         let has_properties = has_normal || (has_decimals && (has_colour || has_whole_numbers));
-        let is_long = lines > LONGEST_MATRIX * self.columns.len() as u64;
-        lines >= FEWEST_LINES && !has_properties && (!is_long || self.columns.windows(2).all(|pair| are_alike(pair[0], pair[1])))
+        let is_long = lines > LONGEST_MATRIX * self.width() as u64;
+        !has_properties && (!is_long || self.columns.windows(2).all(|pair| are_alike(pair[0], pair[1])))
     }
+}
+
+/// The least and the largest number of these ranges.
+fn range(ranges: impl Iterator<Item = [f64; 2]>) -> (f64, f64) {
+    ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), [low, high]| (least.min(low), most.max(high)))
 }
 
 /// Whether the ranges of two columns share at least half of the wider one.
