@@ -1,15 +1,15 @@
-//! The cutter's section at a height as it is seen from the contact, as a polygon: coarse, but without other lobes of
-//! the section.
+//! The outline of the cutter's section at a height, as a polygon: the part of the section that is visible from the
+//! contact. The polygon is coarse, but never includes another lobe of the section.
 //!
-//! On a concave surface {H <= p} need not be convex, and it can have several parts. The part that matters is the one
-//! **visible from the contact**: a place belongs to it where H stays under p on the whole line from the contact to the
-//! place. That part never shrinks when p rises, and it changes continuously with every input, because the greatest H on
-//! a line does; where a ridge beside the contact is passed, it grows at once, so that step-overs jump there and heights
-//! do not. On planes and convex surfaces it is the whole section.
+//! On a concave surface {H <= p} need not be convex, and it can have several parts. The part that counts is the one
+//! **visible from the contact**: a point belongs to it if H stays below p on the whole line from the contact to the
+//! point. This part never shrinks when p rises. It changes continuously with every input, because the greatest H on a
+//! line does, except when p passes a ridge of H beside the contact: there it grows suddenly, so that the step-over
+//! jumps and the height does not. On planes and convex surfaces it is the whole section.
 //!
-//! A pass clears the offset t down to p where the row of that part at t holds an interval as long as the marks are
-//! apart, whatever else the row holds; and the height for a step-over s is the least p at which such offsets fill an
-//! interval as wide as s.
+//! A row is the set of points of this part at one offset t. A pass clears the offset t down to p if its row contains an
+//! interval as long as the distance of the marks. The height for a step-over s is the least p at which the cleared
+//! offsets fill an interval as wide as s.
 
 use super::body::Body;
 use super::section::Pattern;
@@ -20,13 +20,13 @@ const LINES: usize = 42;
 const FIRST_LINES: usize = 14;
 const EVEN_LINES: usize = 32;
 
-/// Steps that narrow an edge down to [`CLOSE`].
+/// The largest number of steps of the search for a corner, more than [`CLOSE`] needs.
 const MOST_STEPS: usize = 40;
 
 /// How near to the edge a corner of the polygon is, as a share of its distance from the contact.
 const CLOSE: f64 = 1e-3;
 
-/// The directions of the lines, chosen for the section at one height and used for all.
+/// The directions of the lines, which are chosen at one height and used at all heights.
 #[derive(Debug)]
 pub(super) struct Outlook<'a> {
     body: &'a Body,
@@ -36,7 +36,7 @@ pub(super) struct Outlook<'a> {
     first: Outline,
 }
 
-/// The section at a height, its corners as places (x, t), the furthest seen in each direction.
+/// The outline at a height: the furthest visible point (x, t) in each direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outline {
     corners: [[f64; 2]; LINES],
@@ -145,7 +145,7 @@ impl<'a> Outlook<'a> {
         &self.first
     }
 
-    /// The outline at the height p; `near` is one at another height, to start from.
+    /// The outline at the height p. The search starts from `near`, an outline at another height.
     pub(super) fn at(&self, p: f64, near: &Outline) -> Outline {
         let corners = std::array::from_fn(|i| {
             let reached = self.exit(self.directions[i], p, distance_of(near.corners[i]));
@@ -154,7 +154,7 @@ impl<'a> Outlook<'a> {
         Outline { corners }
     }
 
-    /// The extent of the section from the contact in a direction, up to the first point outside.
+    /// The distance from the contact to the first point outside the section in a direction.
     ///
     /// Along a line H rises up to where it can turn, on or beside the flat, and beyond that place it falls and then
     /// rises, so that on either side of the place the line crosses the edge at most once.
@@ -225,7 +225,7 @@ impl Row {
 }
 
 impl Outline {
-    /// The row at the offset t. More than four intervals need not be kept.
+    /// The row at the offset t. At most four intervals are stored.
     fn row(&self, t: f64) -> Row {
         let mut row = Row { ends: [0.0; 8], count: 0 };
         let mut from = self.corners[LINES - 1];
