@@ -168,7 +168,7 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
     // The offsets of near chords that lie, with the far one, on the left and on the right of the deepest chord, with the
     // distance there and its slope.
     let (mut on_left, mut on_right) = (None::<[f64; 3]>, None::<[f64; 3]>);
-    let most_steps = if body.is_concave() { MOST_STEPS } else { MOST_STEPS_CONVEX };
+    let most_steps = if body.is_concave() || matches!(sought, Sought::Level) { MOST_STEPS } else { MOST_STEPS_CONVEX };
     let (mut last_size, mut last_near) = (f64::INFINITY, f64::INFINITY);
     for step in 0..most_steps {
         let Lengths { level, step_over, mark_spacing } = lengths;
