@@ -15,13 +15,10 @@ pub enum Model {
 
 /// A pass with the model that evaluates it.
 #[derive(Debug, Clone, Copy)]
-pub struct EvaluatedPass {
-    pass: Pass,
-    evaluate: Judge,
-}
+pub struct EvaluatedPass(Evaluation);
 
 #[derive(Debug, Clone, Copy)]
-enum Judge {
+enum Evaluation {
     Analytic(Analytic),
     Envelope(Envelope),
 }
@@ -31,26 +28,29 @@ impl EvaluatedPass {
     ///
     /// # Errors
     /// Those of [`Analytic::new`] and [`Envelope::new`].
+    #[inline]
     pub fn new(model: Model, pass: Pass) -> Result<Self, NoAnswer> {
-        let evaluate = match model {
-            Model::Analytic => Judge::Analytic(Analytic::new(pass)?),
-            Model::Envelope => Judge::Envelope(Envelope::new(pass)?),
-        };
-        Ok(Self { pass, evaluate })
+        Ok(Self(match model {
+            Model::Analytic => Evaluation::Analytic(Analytic::new(pass)?),
+            Model::Envelope => Evaluation::Envelope(Envelope::new(pass)?),
+        }))
     }
 
     /// The pass itself.
     #[must_use]
     pub fn pass(&self) -> &Pass {
-        &self.pass
+        match &self.0 {
+            Evaluation::Analytic(model) => model.pass(),
+            Evaluation::Envelope(model) => model.pass(),
+        }
     }
 
     /// The model.
     #[must_use]
     pub fn model(&self) -> Model {
-        match self.evaluate {
-            Judge::Analytic(_) => Model::Analytic,
-            Judge::Envelope(_) => Model::Envelope,
+        match self.0 {
+            Evaluation::Analytic(_) => Model::Analytic,
+            Evaluation::Envelope(_) => Model::Envelope,
         }
     }
 
@@ -58,9 +58,9 @@ impl EvaluatedPass {
     /// where the cutter gouges.
     #[must_use]
     pub fn relative_curvature(&self) -> f64 {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.relative_curvature(),
-            Judge::Envelope(model) => model.relative_curvature(),
+        match &self.0 {
+            Evaluation::Analytic(model) => model.relative_curvature(),
+            Evaluation::Envelope(model) => model.relative_curvature(),
         }
     }
 
@@ -69,18 +69,20 @@ impl EvaluatedPass {
     /// under model `analytic`, infinite for a flat-end cutter where the surface's normal turns.
     #[must_use]
     pub fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        match &self.evaluate {
-            Judge::Analytic(_) => 0.0,
-            Judge::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
+        match &self.0 {
+            Evaluation::Analytic(_) => 0.0,
+            Evaluation::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
         }
     }
 
     /// The effective radius across the feed, radial runout included; `None` where it is infinite.
     #[must_use]
     pub fn effective_radius(&self) -> Option<Length> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.across_feed(),
-            Judge::Envelope(_) => EffectiveRadius::across_feed(self.pass.cutter.widened(self.pass.runout.radial()), self.pass.contact),
+        match &self.0 {
+            Evaluation::Analytic(model) => model.across_feed(),
+            Evaluation::Envelope(_) => {
+                EffectiveRadius::across_feed(self.pass().cutter.widened(self.pass().runout.radial()), self.pass().contact)
+            }
         }
         .finite()
     }
@@ -88,9 +90,9 @@ impl EvaluatedPass {
     /// The effective radius along the feed; `None` where it is infinite.
     #[must_use]
     pub fn transverse_effective_radius(&self) -> Option<Length> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.along_feed(),
-            Judge::Envelope(_) => EffectiveRadius::along_feed(self.pass.cutter, self.pass.contact),
+        match &self.0 {
+            Evaluation::Analytic(model) => model.along_feed(),
+            Evaluation::Envelope(_) => EffectiveRadius::along_feed(self.pass().cutter, self.pass().contact),
         }
         .finite()
     }
@@ -100,9 +102,60 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::scallop_height`] and [`Envelope::scallop_height`].
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
-            Judge::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
+        match &self.0 {
+            Evaluation::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
+            Evaluation::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
+        }
+    }
+
+    /// h1, the height that a step-over along the surface alone leaves.
+    ///
+    /// # Errors
+    /// Those of [`EvaluatedPass::scallop_height`] without marks.
+    pub fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
+        match &self.0 {
+            Evaluation::Analytic(model) => model.step_over_height(step_over),
+            Evaluation::Envelope(model) => model.step_over_height(step_over),
+        }
+    }
+
+    /// The total of [`EvaluatedPass::scallop_height`], without its parts where these take searches of their own.
+    pub(crate) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        match &self.0 {
+            Evaluation::Envelope(model) if self.pass().surface.is_plane() => model.total_height(step_over, feed_per_tooth),
+            _ => self.scallop_height(step_over, feed_per_tooth).map(ScallopHeight::total),
+        }
+    }
+
+    /// [`EvaluatedPass::scallop_height`] for a step-over that alone leaves `step_over_height`.
+    pub(crate) fn height_above(
+        &self,
+        step_over_height: Length,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+    ) -> Result<ScallopHeight, NoAnswer> {
+        match &self.0 {
+            Evaluation::Analytic(model) => model.height_above(step_over_height, feed_per_tooth),
+            Evaluation::Envelope(model) => model.height_above(step_over_height, step_over, feed_per_tooth),
+        }
+    }
+
+    /// Whether there certainly is a height at every step-over and feed per tooth that the inverses find. Under model
+    /// `envelope` on planes these are within the borders of where passes and marks overlap.
+    pub(crate) fn inverses_have_heights(&self) -> bool {
+        self.model() == Model::Envelope && self.pass().surface.is_plane()
+    }
+
+    /// [`EvaluatedPass::max_feed_per_tooth`] for a step-over that alone leaves `step_over_height`.
+    pub(crate) fn max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
+        match &self.0 {
+            Evaluation::Analytic(model) => model.max_feed_per_tooth_above(step_over_height, tolerance),
+            Evaluation::Envelope(model) => model.max_feed_per_tooth_above(step_over_height, tolerance, step_over),
         }
     }
 
@@ -111,9 +164,9 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::max_feed_per_tooth`] and [`Envelope::max_feed_per_tooth`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.max_feed_per_tooth(tolerance, step_over),
-            Judge::Envelope(model) => model.max_feed_per_tooth(tolerance, step_over),
+        match &self.0 {
+            Evaluation::Analytic(model) => model.max_feed_per_tooth(tolerance, step_over),
+            Evaluation::Envelope(model) => model.max_feed_per_tooth(tolerance, step_over),
         }
     }
 
@@ -122,9 +175,9 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::max_step_over`] and [`Envelope::max_step_over`].
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
-            Judge::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
+        match &self.0 {
+            Evaluation::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
+            Evaluation::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
         }
     }
 }

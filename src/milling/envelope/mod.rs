@@ -31,7 +31,7 @@ mod sharp_edge;
 use super::gouging;
 use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
 use crate::numerics::bracketed_root;
-use crate::quantity::{Angle, Length};
+use crate::quantity::{Direction, Length};
 use body::Body;
 use newton::{Lengths, Sought};
 use section::{Pattern, Section};
@@ -59,7 +59,7 @@ pub struct Envelope {
     pass: Pass,
     cutter: Cutter,
     body: Body,
-    climb: Angle,
+    climb: Direction,
     /// delta, by how much the shallowest tooth reaches less deep than the deepest.
     drop: f64,
     relative_curvature: f64,
@@ -79,6 +79,10 @@ impl Envelope {
         let drop = pass.runout.depth(pass.contact.slope());
         let groove_curvature = body.relative_radii().across.recip();
         Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature })
+    }
+
+    pub(super) fn pass(&self) -> &Pass {
+        &self.pass
     }
 
     /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own.
@@ -109,14 +113,31 @@ impl Envelope {
     /// # Errors
     /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0))?;
-        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(step_over.mm(), self.pattern(feed.mm())))?;
-        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds
-        // for both.
-        let step_over_height = step_over_height.min(total);
-        // h is never under h1; where marks leave next to nothing, rounding may put it there.
-        let feed = (total - step_over_height).max(0.0);
-        Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
+        self.height_above(self.step_over_height(step_over)?, step_over, feed_per_tooth)
+    }
+
+    /// h1, the height that passes alone leave.
+    pub(super) fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
+        self.height(step_over.mm(), Pattern::even(0.0)).map(Length::computed)
+    }
+
+    /// h, the height that passes and marks leave.
+    pub(super) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
+        self.height(step_over.mm(), pattern).map(Length::computed)
+    }
+
+    /// h and h1, where `step_over_height` is known as h1.
+    pub(super) fn height_above(
+        &self,
+        step_over_height: Length,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+    ) -> Result<ScallopHeight, NoAnswer> {
+        let total = if feed_per_tooth.is_some() { self.total_height(step_over, feed_per_tooth)? } else { step_over_height };
+        // Without marks no more is left than with them; where each comes from a polygon of its own, or is rounded, the
+        // lower one holds for both.
+        Ok(ScallopHeight::of_total(step_over_height, total))
     }
 
     /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
@@ -125,8 +146,17 @@ impl Envelope {
     /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
     /// step-over in [`Envelope::scallop_height`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over)
+    }
+
+    /// The same for a step-over that alone leaves `step_over_height`.
+    pub(super) fn max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
-        let step_over_height = Length::computed(self.height(s, Pattern::even(0.0))?);
         let used_up = || {
             let max_step_over = self.max_step_over(tolerance, None)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
