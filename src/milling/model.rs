@@ -15,10 +15,12 @@ pub enum Model {
 
 /// A pass with the model that evaluates it.
 #[derive(Debug, Clone, Copy)]
-pub struct EvaluatedPass(Evaluation);
+pub struct EvaluatedPass {
+    prepared: PreparedModel,
+}
 
 #[derive(Debug, Clone, Copy)]
-enum Evaluation {
+enum PreparedModel {
     Analytic(Analytic),
     Envelope(Envelope),
 }
@@ -30,69 +32,71 @@ impl EvaluatedPass {
     /// Those of [`Analytic::new`] and [`Envelope::new`].
     #[inline]
     pub fn new(model: Model, pass: Pass) -> Result<Self, NoAnswer> {
-        Ok(Self(match model {
-            Model::Analytic => Evaluation::Analytic(Analytic::new(pass)?),
-            Model::Envelope => Evaluation::Envelope(Envelope::new(pass)?),
-        }))
+        let prepared = match model {
+            Model::Analytic => PreparedModel::Analytic(Analytic::new(pass)?),
+            Model::Envelope => PreparedModel::Envelope(Envelope::new(pass)?),
+        };
+        Ok(Self { prepared })
     }
 
     /// The pass itself.
     #[must_use]
     pub fn pass(&self) -> &Pass {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.pass(),
-            Evaluation::Envelope(model) => model.pass(),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.pass(),
+            PreparedModel::Envelope(model) => model.pass(),
         }
     }
 
     /// The model.
     #[must_use]
     pub fn model(&self) -> Model {
-        match self.0 {
-            Evaluation::Analytic(_) => Model::Analytic,
-            Evaluation::Envelope(_) => Model::Envelope,
+        match self.prepared {
+            PreparedModel::Analytic(_) => Model::Analytic,
+            PreparedModel::Envelope(_) => Model::Envelope,
         }
     }
 
-    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0
-    /// where the cutter gouges.
+    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0 if
+    /// the cutter gouges.
     #[must_use]
     pub fn relative_curvature(&self) -> f64 {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.relative_curvature(),
-            Evaluation::Envelope(model) => model.relative_curvature(),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.relative_curvature(),
+            PreparedModel::Envelope(model) => model.relative_curvature(),
         }
     }
 
-    /// How much the third order of a curved surface, which model `envelope` leaves out, changes the marks at the ridge,
-    /// as a share of the ridge's height: an estimate. The height itself changes with the square of it. 0 on a plane and
-    /// under model `analytic`, infinite for a flat-end cutter where the surface's normal turns.
+    /// An estimate of how much the third order of a curved surface, which model `envelope` leaves out, changes the
+    /// height of the marks at the ridge, as a share of the ridge's height. The scallop height changes with the square
+    /// of this share. It is 0 on a plane and for model `analytic`, and infinite for a flat-end cutter if the surface's
+    /// normal turns.
     #[must_use]
     pub fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        match &self.0 {
-            Evaluation::Analytic(_) => 0.0,
-            Evaluation::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
+        match &self.prepared {
+            PreparedModel::Analytic(_) => 0.0,
+            PreparedModel::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
         }
     }
 
-    /// The effective radius across the feed, radial runout included; `None` where it is infinite.
+    /// The effective radius across the feed, radial runout included; `None` if it is infinite.
     #[must_use]
     pub fn effective_radius(&self) -> Option<Length> {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.across_feed(),
-            Evaluation::Envelope(_) => {
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.across_feed(),
+            PreparedModel::Envelope(_) => {
                 EffectiveRadius::across_feed(self.pass().cutter.widened(self.pass().runout.radial()), self.pass().contact)
             }
         }
         .finite()
     }
 
-    /// The effective radius along the feed; `None` where it is infinite.
+    /// The effective radius along the feed; `None` if it is infinite.
     #[must_use]
     pub fn transverse_effective_radius(&self) -> Option<Length> {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.along_feed(),
-            Evaluation::Envelope(_) => EffectiveRadius::along_feed(self.pass().cutter, self.pass().contact),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.along_feed(),
+            PreparedModel::Envelope(_) => EffectiveRadius::along_feed(self.pass().cutter, self.pass().contact),
         }
         .finite()
     }
@@ -102,9 +106,9 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::scallop_height`] and [`Envelope::scallop_height`].
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
-            Evaluation::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
         }
     }
 
@@ -113,16 +117,16 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`EvaluatedPass::scallop_height`] without marks.
     pub fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.step_over_height(step_over),
-            Evaluation::Envelope(model) => model.step_over_height(step_over),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.step_over_height(step_over),
+            PreparedModel::Envelope(model) => model.step_over_height(step_over),
         }
     }
 
     /// The total of [`EvaluatedPass::scallop_height`], without its parts where these take searches of their own.
     pub(crate) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        match &self.0 {
-            Evaluation::Envelope(model) if self.pass().surface.is_plane() => model.total_height(step_over, feed_per_tooth),
+        match &self.prepared {
+            PreparedModel::Envelope(model) if self.pass().surface.is_plane() => model.total_height(step_over, feed_per_tooth),
             _ => self.scallop_height(step_over, feed_per_tooth).map(ScallopHeight::total),
         }
     }
@@ -134,9 +138,9 @@ impl EvaluatedPass {
         step_over: Length,
         feed_per_tooth: Option<Length>,
     ) -> Result<ScallopHeight, NoAnswer> {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.height_above(step_over_height, feed_per_tooth),
-            Evaluation::Envelope(model) => model.height_above(step_over_height, step_over, feed_per_tooth),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.height_above(step_over_height, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.height_above(step_over_height, step_over, feed_per_tooth),
         }
     }
 
@@ -153,9 +157,9 @@ impl EvaluatedPass {
         tolerance: Length,
         step_over: Length,
     ) -> Result<Length, NoAnswer> {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.max_feed_per_tooth_above(step_over_height, tolerance),
-            Evaluation::Envelope(model) => model.max_feed_per_tooth_above(step_over_height, tolerance, step_over),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.max_feed_per_tooth_above(step_over_height, tolerance),
+            PreparedModel::Envelope(model) => model.max_feed_per_tooth_above(step_over_height, tolerance, step_over),
         }
     }
 
@@ -164,9 +168,9 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::max_feed_per_tooth`] and [`Envelope::max_feed_per_tooth`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.max_feed_per_tooth(tolerance, step_over),
-            Evaluation::Envelope(model) => model.max_feed_per_tooth(tolerance, step_over),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.max_feed_per_tooth(tolerance, step_over),
+            PreparedModel::Envelope(model) => model.max_feed_per_tooth(tolerance, step_over),
         }
     }
 
@@ -175,9 +179,9 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::max_step_over`] and [`Envelope::max_step_over`].
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        match &self.0 {
-            Evaluation::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
-            Evaluation::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
         }
     }
 }

@@ -4,8 +4,8 @@ use crate::http::reading::{Faulted, Faults, JsonPath, items};
 use crate::http::wire::{BatchContact, ContactColumns, ContactParameters, StatedParameters};
 use serde_json::value::RawValue;
 
-/// The largest number of contacts in a request. A body of the largest size could hold some ten million. With this
-/// limit, the answer stays under some 100 MB.
+/// The largest number of contacts in a request. Without this limit, a body of the largest size could hold some ten
+/// million. With it, an answer stays below about 100 MB.
 pub(super) const MOST_CONTACTS: usize = 250_000;
 
 /// Contacts that are not read yet.

@@ -1,4 +1,4 @@
-//! The fast reader of arrays of numbers and nulls, on all cores. The syntax need not have been checked.
+//! The fast reader of arrays of numbers and nulls. It uses all cores; the syntax need not have been checked.
 
 use super::plain::{PlainJson, Unusual};
 use memchr::{memchr, memchr_iter};
@@ -33,7 +33,7 @@ pub(super) fn read_numbers(items: &[u8], most: usize) -> Option<Vec<f64>> {
     Some(values)
 }
 
-/// Divides `items` into pieces that end between items.
+/// Divides `items` into blocks that end between items.
 fn blocks(items: &[u8]) -> Vec<&[u8]> {
     let mut blocks = Vec::with_capacity(items.len() / BLOCK + 1);
     let mut rest = items;

@@ -28,7 +28,7 @@ pub(crate) struct Figures {
     pub(crate) limited_by: Option<&'static str>,
     /// The words for the limits that bind, followed by `None`.
     pub(crate) binding_limits: [Option<&'static str>; MOST_WORDS],
-    /// The comparison with the envelope's height, where requested.
+    /// The comparison with the envelope's height, if requested.
     pub(crate) check: Option<Check>,
     effective_radius: Option<Length>,
     transverse_effective_radius: Option<Length>,
@@ -95,7 +95,7 @@ pub(crate) struct Figure {
     get: Get,
 }
 
-/// The function that gives a figure's value; `None` where it has none.
+/// The function that gives a figure's value; `None` if it has none.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Get {
     Number(fn(&Figures) -> Option<f64>),
@@ -117,7 +117,7 @@ enum FigureKind {
     Words(fn(&str, &mut Components) -> RefOr<Schema>),
 }
 
-/// How a single answer shows a figure without a value. A batch has null in its column, as for a contact without an
+/// How a single answer represents a figure without a value. The column of a batch has null, as for a contact without an
 /// answer.
 #[derive(Debug, Clone, Copy)]
 enum Presence {
@@ -165,35 +165,35 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
         figures.parts.and_then(ScallopHeight::feed_share)
     })
     .from(Heights::Parts)
-    .or_absent("where the height is 0"),
+    .or_absent("if the height is 0"),
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
         figures.effective_radius.map(Length::mm)
     })
-    .or_null("where infinite"),
+    .or_null("if infinite"),
     Figure::number("transverse_effective_radius_mm", "TR_eff, the mark's radius of curvature along the feed", |figures| {
         figures.transverse_effective_radius.map(Length::mm)
     })
-    .or_null("where infinite"),
+    .or_null("if infinite"),
     Figure::number("step_over_mm", "s, the step-over along the surface", |figures| Some(figures.step_over.mm())),
     Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| Some(figures.step_over.mm() * figures.spacing_ratio)),
 ];
 
-/// The figures of a batch that are computed only where the request names their columns.
+/// The figures of a batch that are computed only if the request names their columns.
 pub(crate) const CHECK_FIGURES: &[Figure] = &[
     Figure::number("envelope_scallop_height_mm", "the height by the cutter's exact shape (model envelope)", |figures| {
         figures.check.map(|check| check.envelope_scallop_height_mm)
     })
     .from(Heights::Total)
-    .only("where it is named in columns"),
+    .only("if columns names it"),
     Figure {
         kind: FigureKind::Deviation,
         ..Figure::number(
             "deviation",
-            "(height - envelope) / envelope: negative where the model's height is less than the cutter leaves",
+            "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
             |figures| figures.check.and_then(|check| check.deviation),
         )
         .from(Heights::Total)
-        .only("where it is named in columns")
+        .only("if columns names it")
     },
 ];
 
@@ -256,7 +256,7 @@ impl Figure {
         self.get
     }
 
-    /// The figure's value; `None` where it has none.
+    /// The figure's value; `None` if it has none.
     pub(crate) fn value(&self, figures: &Figures) -> Option<FigureValue> {
         match self.get {
             Get::Number(get) => get(figures).map(FigureValue::Number),

@@ -1,4 +1,5 @@
-//! The check of a plan against the envelope with the surface's own curvature, and the spacing that follows from it.
+//! The check of a plan: scallop heights at sampled facets by model `envelope` with the curvature of each facet, and the
+//! correction of the spacing by these heights.
 
 use super::contacts::{FacetContact, NoContact};
 use super::march::{BINDING, NoPlanes, Plane, Spaced};
@@ -23,55 +24,60 @@ pub struct ScallopFigures {
     pub p99: Length,
     /// The largest of all heights that were calculated.
     pub max: Length,
-    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, to which
-    /// spacings are found.
+    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, the accuracy
+    /// of the spacing.
     pub over_tolerance_share: f64,
     /// The share of the area whose height exceeds the scallop height by more than 3 %.
     pub far_over_share: f64,
     /// The share of the area where the cutter gouges the surface beside the contact, or leaves uncut material between
-    /// the passes: it has no height and is not in the percentiles. Facets that are too steep to set a spacing are in
-    /// none of these shares.
+    /// the passes. This area has no height and is not in the percentiles. Facets that are too steep to set a spacing
+    /// count in none of these shares.
     pub without_height_share: f64,
     /// The number of points at which the height was calculated.
     pub places: usize,
 }
 
-/// The number of points drawn by area.
+/// The number of points sampled in proportion to area.
 const DRAWN: usize = 400;
 
-/// The number of further points chosen from all strips: those that bind the strips, and those with the largest error of
-/// the spacing.
+/// The number of further points chosen from all strips: those that bind the spacing of a strip, and those with the
+/// largest error of the spacing.
 const CHOSEN: usize = 1600;
 
-/// The largest number of strips with chosen points; of more strips, this many are taken at even distances.
+/// The largest number of strips with chosen points. If there are more strips, this many are taken at even distances.
 const STRIPS: usize = 400;
 
-/// The largest number of points chosen from a strip, half of them because they bind it.
+/// The largest number of points chosen from a strip. Half of them are those that bind it.
 const MOST_OF_STRIP: usize = 6;
 
 /// The largest number of rounds in which a check corrects the spacing.
 const ROUNDS: usize = 4;
 
-/// Heights from this share of the tolerance on count as tight, and over this one as too high; spacings are set to
-/// `AIM` of it.
+/// The number of facets and strips between two checks for cancellation.
+const TURN: usize = 16_384;
+
+/// Shares of the tolerance: heights of at least `TIGHT` use the tolerance fully, heights above `OVER` are too high, and
+/// spacings are corrected so that the height is `AIM`.
 const TIGHT: f64 = 0.97;
 const AIM: f64 = 0.995;
 const OVER: f64 = 1.0033;
 
-/// Heights over this share of the tolerance are more than a plan may have on a thousandth of the area.
+/// A plan whose heights exceed this share of the tolerance on more than a thousandth of the area loses confidence.
 const FAR_OVER: f64 = 1.03;
 
-/// The largest part of a facet's risk that is due to its curvature against that of the cutter's body.
+/// The upper limit of the curvature's factor in a facet's risk.
 const LARGEST_CURVATURE: f64 = 10.0;
 
 /// The data for the check of a plan.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub(super) struct Inspector<'a> {
     pub(super) facets: &'a [FinishFacet],
     pub(super) cutter: Cutter,
     pub(super) tolerance: f64,
     pub(super) feeds: &'a FeedLaw,
     pub(super) teeth_per_second: Option<f64>,
+    /// Once it returns true, the check ends early with a result that has no meaning.
+    stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// A height at a point, and its strip.
@@ -82,13 +88,13 @@ struct Evaluated {
     height: Option<f64>,
 }
 
-/// Simulates with the model's spacings, or, if `follows` is set, with spacings that are corrected by the check of each
-/// strip.
+/// Simulates with the model's spacings. If `follows` is set, the spacing of each strip is then corrected by the check.
 ///
-/// In each round the heights at the facets that bind the strips, at those where the spacing errs most, and at places
-/// drawn by area give each strip's highest; where that is over the tolerance, the strip's spacing becomes the one
-/// that keeps [`AIM`] of the tolerance at that place. In the first two rounds strips under [`TIGHT`] of it widen in
-/// the same way, by a fifth at most; afterwards they only narrow. There are [`ROUNDS`] rounds at most.
+/// Each round evaluates the heights at three groups of facets: those that bind the strips, those where the spacing errs
+/// most, and those sampled by area. If the highest of a strip exceeds the tolerance, the strip's spacing becomes the
+/// one with [`AIM`] of the tolerance at that facet. In the first two rounds, strips below [`TIGHT`] of the tolerance
+/// are widened in the same way, by a fifth at most; in later rounds strips only become narrower. There are at most
+/// [`ROUNDS`] rounds.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -118,13 +124,19 @@ pub(super) fn checked(
 }
 
 impl<'a> Inspector<'a> {
-    pub(super) fn new(facets: &'a [FinishFacet], prepared: &'a Prepared, settings: &ZigzagSettings) -> Self {
+    pub(super) fn new(
+        facets: &'a [FinishFacet],
+        prepared: &'a Prepared,
+        settings: &ZigzagSettings,
+        stop: &'a (dyn Fn() -> bool + Sync),
+    ) -> Self {
         Self {
             facets,
             cutter: prepared.candidate.cutter,
             tolerance: settings.scallop_height.mm(),
             feeds: &prepared.feeds,
             teeth_per_second: prepared.range.map(|range| range.teeth_per_second),
+            stop,
         }
     }
 
@@ -133,7 +145,7 @@ impl<'a> Inspector<'a> {
         self.evaluate_all(spaced, planes, &Self::by_strip(spaced, planes, facets)).into_iter().map(|evaluated| evaluated.height).collect()
     }
 
-    /// The heights at the drawn facets and at those that are chosen from the strips, in this order.
+    /// The heights at the sampled facets, followed by those at the facets chosen from the strips.
     fn evaluate(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Evaluated> {
         let stride = planes.len().div_ceil(STRIPS).max(1);
         let of_strip = (CHOSEN * stride / planes.len().max(1)).clamp(2, MOST_OF_STRIP) / 2;
@@ -150,16 +162,23 @@ impl<'a> Inspector<'a> {
         self.evaluate_all(spaced, planes, &places)
     }
 
-    /// The facets of each strip where the height may exceed the tolerance most, the riskiest first.
+    /// The facets of each strip at which the height may exceed the tolerance most, in falling order of risk.
     ///
-    /// Spacings are found by second-order curvatures at the contact. They err where the surface's curvature is not
-    /// small against that of the cutter's body there, 1/((R - r)/sin(S) + r): near the floor. A facet's risk is the
-    /// share of its allowed height that the spacing takes, raised by that ratio.
+    /// Spacings come from second-order curvatures at the contact. Their error is large if the surface's curvature is
+    /// not small compared with that of the cutter's body, 1/((R - r)/sin(S) + r), which is the case near a floor. A
+    /// facet's risk is the share of its allowed height that the spacing uses, multiplied by one plus that ratio.
     fn riskiest(&self, spaced: &Spaced, planes: &[Plane], stride: usize) -> Vec<[(f64, u32); BINDING]> {
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         let mut riskiest = vec![[(0.0, 0_u32); BINDING]; planes.len()];
-        let mut first = 0;
+        let (mut first, mut examined) = (0, 0);
         for (covered, &allowed) in spaced.sweep.covered.iter().zip(&spaced.allowed) {
+            examined += 1;
+            if examined >= TURN {
+                examined = 0;
+                if (self.stop)() {
+                    break;
+                }
+            }
             while planes.get(first + 1).is_some_and(|next| next.at <= covered.low) {
                 first += 1;
             }
@@ -174,6 +193,7 @@ impl<'a> Inspector<'a> {
             for (strip, plane) in
                 planes.iter().enumerate().skip(first).take_while(|(strip, plane)| *strip == first || plane.at < covered.high)
             {
+                examined += 1;
                 if strip % stride != 0 {
                     continue;
                 }
@@ -189,7 +209,7 @@ impl<'a> Inspector<'a> {
         riskiest
     }
 
-    /// Each facet with the strip in which its middle lies.
+    /// Pairs each facet with the strip that contains its centroid.
     fn by_strip(spaced: &Spaced, planes: &[Plane], facets: &[u32]) -> Vec<(usize, u32)> {
         let heading = spaced.sweep.heading;
         let middle = |facet: u32| {
@@ -202,12 +222,13 @@ impl<'a> Inspector<'a> {
     fn evaluate_all(&self, spaced: &Spaced, planes: &[Plane], places: &[(usize, u32)]) -> Vec<Evaluated> {
         let evaluate = |&(strip, facet): &(usize, u32)| {
             let spacing = planes[strip].after;
-            Evaluated { strip, facet, height: self.height(spaced, facet, spacing) }
+            let height = if (self.stop)() { None } else { self.height(spaced, facet, spacing) };
+            Evaluated { strip, facet, height }
         };
         places.par_iter().with_min_len(64).map(evaluate).collect()
     }
 
-    /// The height at a facet; `None` where there is none, and infinite where uncut material stands between the passes.
+    /// The height at a facet; `None` if the model has none, infinite if material stays uncut between the passes.
     fn height(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
         let index = facet as usize;
         let tangent = &spaced.workpiece.tangents[index];
@@ -232,7 +253,7 @@ impl<'a> Inspector<'a> {
         self.teeth_per_second.map(|teeth| self.feeds.rate(tangent, cos_alpha, taken) / teeth)
     }
 
-    /// The widest spacing that keeps [`AIM`] of the tolerance at a facet, with the feed that belongs to `spacing`.
+    /// The widest spacing at which a facet's height is [`AIM`] of the tolerance, at the feed that belongs to `spacing`.
     fn widest(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
         let index = facet as usize;
         let contact = FacetContact::new(&self.facets[index], spaced.sweep.heading.e).ok()?;
@@ -247,13 +268,13 @@ impl<'a> Inspector<'a> {
     }
 }
 
-/// The strip in which a place across the passes lies: that after the last plane before it, the first one's before the
-/// first plane.
+/// The index of the strip that contains a coordinate across the passes. Strip i begins at plane i; coordinates before
+/// the first plane belong to strip 0.
 fn strip_of(planes: &[Plane], at: f64) -> usize {
     planes.partition_point(|plane| plane.at <= at).saturating_sub(1)
 }
 
-/// The factors of the next round; `None` when the spacing may stay.
+/// The factors of the next round; `None` if no strip needs a correction.
 fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspector: &Inspector, widens: bool) -> Option<Vec<(f64, f64)>> {
     let tolerance = inspector.tolerance;
     let mut highest: Vec<Option<(f64, u32)>> = vec![None; planes.len()];
@@ -266,8 +287,11 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
     }
     let correction = |(strip, highest): (usize, &Option<(f64, u32)>)| {
         let &(height, facet) = highest.as_ref()?;
+        if (inspector.stop)() {
+            return None;
+        }
         let is_over = height > OVER * tolerance;
-        // The last strip of a band is as wide as the band leaves it.
+        // The band's end determines the width of its last strip.
         let is_loose = widens && height < TIGHT * tolerance && strip + 1 < planes.len();
         if !is_over && !is_loose {
             return Some(1.0);
@@ -276,7 +300,7 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
         let by_inverse = inspector.widest(spaced, facet, spacing).map(|widest| widest / spacing);
         // Heights are about proportional to the square of the spacing.
         let correction = by_inverse.unwrap_or_else(|| if height.is_finite() { (AIM * tolerance / height).sqrt() } else { 0.5 });
-        // A factor that would make the spacing wider than the cutter would leave later corrections without effect.
+        // The factor is limited: with a spacing wider than the cutter, later corrections would have no effect.
         let widest = (spaced.widest / spacing).clamp(1.0, 1.2);
         Some(if is_over { correction.clamp(0.5, AIM) } else { correction.clamp(1.0, widest) })
     };
@@ -286,7 +310,7 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
     let mut last = None;
     let factors = planes.iter().zip(corrections).map(|(plane, correction)| {
         let own = spaced.factor(plane.at);
-        // Strips without a height take the factor of their neighbour.
+        // Strips without a height use their neighbour's factor.
         let factor = correction.map_or_else(|| last.unwrap_or(own), |correction| own * correction);
         last = Some(factor);
         (plane.at, factor)
@@ -317,8 +341,8 @@ fn figures(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, toleran
     }
 }
 
-/// The share of the area whose height exceeds a limit. The chosen facets stand for themselves, those drawn by area
-/// for the rest.
+/// The share of the area whose height exceeds a limit. A chosen facet counts with its own area; the sampled facets
+/// represent the rest.
 fn share_over(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, limit: f64) -> f64 {
     let is_over = |place: &Evaluated| place.height.is_some_and(|height| height.is_finite() && height > limit);
     let (by_area, chosen) = evaluated.split_at(drawn);
@@ -338,8 +362,8 @@ fn share_over(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, limi
     if whole > 0.0 { ((over + of_rest) / whole).min(1.0) } else { 0.0 }
 }
 
-/// About `count` facets, each of which stands for the same area, or all of them where they are fewer; none that are
-/// too steep to set a spacing.
+/// About `count` facets, each of which represents the same area, or all facets if they are fewer. Facets that are too
+/// steep to set a spacing are left out.
 fn drawn_by_area(workpiece: &Workpiece, count: usize) -> Vec<u32> {
     let facets = || (0_u32..).zip(workpiece.areas.iter().zip(&workpiece.tangents)).filter(|(_, (_, tangent))| !tangent.is_steep);
     let area: f64 = facets().map(|(_, (area, _))| area).sum();
@@ -350,7 +374,7 @@ fn drawn_by_area(workpiece: &Workpiece, count: usize) -> Vec<u32> {
     let mut drawn = Vec::with_capacity(count);
     for (index, (area, _)) in facets() {
         passed += area;
-        // A large facet is drawn as often as its area is due.
+        // A facet larger than the represented area is drawn several times.
         while passed >= due && drawn.len() < count {
             drawn.push(index);
             due += share;

@@ -13,11 +13,11 @@ pub(super) enum NoContact {
     Model(NoAnswer),
 }
 
-/// A facet passed in a direction seen from above.
+/// The contact at a facet for one direction of passes, with the facet's curvature in the axes of the feed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FacetContact {
     pub(super) contact: Contact,
-    /// Curvature along the feed, across it and between both, in 1/mm.
+    /// Curvature along the feed, across it and the mixed one, in 1/mm.
     pub(super) curvature: [f64; 3],
 }
 
