@@ -105,7 +105,7 @@ fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Res
         Large::Rows(runs) => batch.compute_runs(&runs, path, cancel)?,
         Large::Columns(columns) => {
             let columns = ContactColumns::read_plain(columns, C::STATED, MOST_CONTACTS)?;
-            let contacts = Contacts::Columns(columns);
+            let contacts = Contacts::Columns(Box::new(columns));
             (batch.compute_contacts(&contacts, path, cancel), contacts.count())
         }
     };
@@ -182,9 +182,8 @@ impl<C: Calculation> Batch<C> {
             let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
             let path = JsonPath::Root;
             let contact = BatchContact::read_next(&mut json, C::STATED, &self.defaults, path, &mut faults)?;
-            let result = contact.and_then(|contact| self.compute_contact(contact, path, &mut faults));
             let index = part.count;
-            self.take_in(&mut part, index, result, faults);
+            self.take_in(&mut part, index, contact, path, faults);
             if json.is_at_end() {
                 break;
             }
@@ -204,32 +203,32 @@ impl<C: Calculation> Batch<C> {
                 let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, C::STATED, &self.defaults, path, &mut faults);
-                let result = contact.and_then(|contact| self.compute_contact(contact, path, &mut faults));
-                self.take_in(&mut part, index, result, faults);
+                self.take_in(&mut part, index, contact, path, faults);
             }
             parts.insert(chunk, part);
         });
         self.joined(parts, None)
     }
 
-    /// Adds the contact `index` to a part.
+    /// Adds the contact `index` to a part: its figures, or its faults if it has no answer.
     #[inline]
-    fn take_in(&self, part: &mut Part, index: usize, result: Result<(Figures, EvaluatedPass), Faulted>, faults: Faults) {
+    fn take_in(&self, part: &mut Part, index: usize, contact: Result<BatchContact, Faulted>, path: JsonPath<'_>, mut faults: Faults) {
         part.count += 1;
-        match result {
-            Ok((mut figures, pass)) => {
-                if self.is_compared {
-                    let check = single::compare(&pass, &figures);
-                    part.outside_range += usize::from(single::is_outside_range(&check));
-                    figures.check = check.ok();
-                }
-                part.add(index, &figures, &pass, &self.selection);
-            }
-            Err(Faulted) => part.fail(index, faults),
+        if contact.and_then(|contact| self.compute_contact(part, index, contact, path, &mut faults)).is_err() {
+            part.fail(index, faults);
         }
     }
 
-    fn compute_contact(&self, contact: BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Figures, EvaluatedPass), Faulted> {
+    /// Computes a contact and adds its figures to a part.
+    #[inline]
+    fn compute_contact(
+        &self,
+        part: &mut Part,
+        index: usize,
+        contact: BatchContact,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<(), Faulted> {
         let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(C::STATED, &path, faults)?;
         let member = self.calculation.step_over_member(&parameters);
@@ -237,8 +236,15 @@ impl<C: Calculation> Batch<C> {
         let mut fail =
             |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
         let pass = single::evaluate(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
-        let figures = single::compute(&self.calculation, &self.shared, &pass, step_over, &parameters, self.heights)?.map_err(fail)?;
-        Ok((figures, pass))
+        let figures = single::compute(&self.calculation, &self.shared, &pass, step_over, &parameters, self.heights)?;
+        let mut figures = figures.map_err(fail)?;
+        if self.is_compared {
+            let check = single::compare(&pass, &figures);
+            part.outside_range += usize::from(single::is_outside_range(&check));
+            figures.check = check.ok();
+        }
+        part.add(index, &figures, &pass, &self.selection);
+        Ok(())
     }
 
     /// A part without contacts, and room for about `count`.
@@ -282,8 +288,8 @@ impl Part {
         for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
             match figure.getter() {
                 Get::Number(get) => column.push_number(index, get(figures).map(|number| selection.rounded(number))),
-                Get::Word(get) => column.push(get(figures)),
-                Get::Words(_) => column.push(figure.value(figures)),
+                Get::Word(get) => column.push(get(figures).as_ref()),
+                Get::Words(_) => column.push(figure.value(figures).as_ref()),
             }
         }
         for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {

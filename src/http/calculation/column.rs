@@ -43,7 +43,7 @@ impl Column {
     }
 
     /// Adds a row that is no number; `None` is written as null.
-    pub(crate) fn push(&mut self, value: Option<impl Serialize>) {
+    pub(crate) fn push(&mut self, value: Option<&impl Serialize>) {
         self.has_value |= value.is_some();
         write(self.next_row(), &value);
     }

@@ -13,7 +13,7 @@ pub(super) enum Contacts<'a> {
     /// An array of objects.
     Rows(Vec<&'a RawValue>),
     /// An object of arrays.
-    Columns(ContactColumns),
+    Columns(Box<ContactColumns>),
 }
 
 impl<'a> Contacts<'a> {
@@ -26,7 +26,7 @@ impl<'a> Contacts<'a> {
         let mut of_columns = faults.cancel_flag().map_or_else(Faults::default, |cancel| Faults::until(&cancel));
         let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, &mut of_columns);
         faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
-        columns.map(Self::Columns)
+        columns.map(|columns| Self::Columns(Box::new(columns)))
     }
 
     pub(super) fn count(&self) -> usize {

@@ -136,6 +136,7 @@ impl<C: Calculation> Request<C> {
 
 /// Evaluates a contact by the request's model. The outer error is a fault that is already recorded; the inner error is
 /// not recorded yet.
+#[inline]
 pub(super) fn evaluate(
     shared: &SharedParameters,
     contact: StatedContact,

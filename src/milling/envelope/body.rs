@@ -254,8 +254,8 @@ impl Body {
         self.distance_over::<false>(x, y, p)
     }
 
-    /// The distance over a surface that is a plane or not. Without the terms of the curvature it takes two thirds of the
-    /// time.
+    /// The distance over a surface that is a plane or not: most contacts are on planes, where the terms of the curvature
+    /// are 0.
     #[inline]
     fn distance_over<const PLANE: bool>(&self, x: f64, y: f64, p: f64) -> Distance {
         let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
