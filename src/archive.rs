@@ -156,7 +156,7 @@ impl<'a> Archive<'a> {
     /// The whole content of a file.
     ///
     /// # Errors
-    /// As [`Archive::read`], and where the file exceeds the limit or its checksum differs.
+    /// As [`Archive::read`]; also if the file exceeds the limit or its checksum differs.
     pub(crate) fn content(&self, entry: &ArchiveEntry) -> Result<Vec<u8>, ArchiveFault> {
         let mut content = Vec::new();
         self.read(entry)?.read_to_end(&mut content).map_err(|error| self.fault(&error))?;

@@ -195,6 +195,29 @@ impl Reservation {
         Ok(())
     }
 
+    /// Begins the wait of a request for its work, during which the reservation is that of an input.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded::Now`] if the other inputs hold more than a quarter of the budget.
+    pub fn begin_wait(&mut self) -> Result<(), BudgetExceeded> {
+        if self.is_input {
+            return Ok(());
+        }
+        let Shared { total, inputs, .. } = &*self.budget.0;
+        let add = |inputs: u64| (inputs <= total / 4).then(|| inputs.saturating_add(self.bytes));
+        let added = inputs.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
+        added.map_err(|_| self.budget.refuse(BudgetExceeded::Now))?;
+        self.is_input = true;
+        Ok(())
+    }
+
+    /// The bytes that the reservation could have now. Others may reserve them before it does.
+    #[must_use]
+    pub fn attainable(&self) -> u64 {
+        let free = self.budget.0.total.saturating_sub(self.budget.reserved());
+        self.bytes.saturating_add(free).min(self.budget.largest())
+    }
+
     /// Records that the input's request has the memory for its work, so that the input no longer counts among the
     /// waiting inputs.
     pub fn begin_work(&mut self) {
@@ -279,6 +302,26 @@ mod tests {
         let mut third = budget.open_for_input();
         third.grow(60).unwrap();
         assert_eq!(budget.reserved(), 100);
+    }
+
+    #[test]
+    fn requests_that_wait_for_their_work_leave_memory_for_one_of_them() {
+        let budget = MemoryBudget::new(100);
+        let (mut first, mut second, mut third) = (budget.reserve(25).unwrap(), budget.reserve(25).unwrap(), budget.reserve(25).unwrap());
+        assert_eq!([&first, &second].map(Reservation::attainable), [50, 50]);
+        first.begin_wait().unwrap();
+        first.begin_wait().unwrap();
+        second.begin_wait().unwrap();
+        assert_eq!(third.begin_wait(), Err(BudgetExceeded::Now));
+        drop(third);
+        assert_eq!(first.attainable(), 75);
+        first.grow(50).unwrap();
+        first.begin_work();
+        drop(first);
+        second.grow(50).unwrap();
+        drop(second);
+        assert_eq!((budget.reserved(), budget.refusals()), (0, 1));
+        budget.open_for_input().grow(75).unwrap();
     }
 
     #[tokio::test]

@@ -222,12 +222,16 @@ impl Work {
             // Registered before the attempt, so that bytes returned after it are not missed.
             let returned = self.budget.returned();
             let left = || deadline.saturating_duration_since(Instant::now());
-            let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
-            let permit = self.workers.admit(left()).await?;
-            match memory.try_grow(bytes) {
-                Ok(()) => break (permit, plan),
-                Err(BudgetExceeded::Always) => return Err(self.budget.refuse(BudgetExceeded::Always).into()),
-                Err(BudgetExceeded::Now) => drop((permit, plan)),
+            // Dozens of requests may wait, and bytes return thousands of times a second: only those that fit ask for a
+            // permit.
+            if memory.attainable() >= memory.bytes().saturating_add(bytes) || memory.bytes().saturating_add(bytes) > self.budget.largest() {
+                let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
+                let permit = self.workers.admit(left()).await?;
+                match memory.try_grow(bytes) {
+                    Ok(()) => break (permit, plan),
+                    Err(BudgetExceeded::Always) => return Err(self.budget.refuse(BudgetExceeded::Always).into()),
+                    Err(BudgetExceeded::Now) => drop((permit, plan)),
+                }
             }
             if timeout_at(deadline, returned).await.is_err() {
                 return Err(self.budget.refuse(BudgetExceeded::Now).into());

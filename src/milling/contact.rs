@@ -49,7 +49,7 @@ impl fmt::Display for ContactError {
             Self::FeedAngle(_) => f.write_str("the feed angle must be a finite number of degrees"),
             Self::NormalWithoutDirection => f.write_str("the normal must have a length; it points out of the part"),
             Self::NormalPointsDown => f.write_str(
-                "the normal points away from the tool axis (normal . tool_axis < 0, the axis being +Z unless stated), where the cutter cannot touch; give the normal that points out of the part",
+                "the normal points away from the tool axis (normal . tool_axis < 0, the axis being +Z unless stated), so the cutter cannot touch the surface there; give the normal that points out of the part",
             ),
             Self::ToolAxisWithoutDirection => f.write_str("the tool axis must have a length; it points from the tip to the spindle"),
             Self::FeedWithoutDirection => f.write_str("the feed vector must have a length"),

@@ -37,7 +37,7 @@ impl fmt::Display for CornerTooLarge {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the corner radius of a toroidal cutter must be under half its diameter, {} mm; where both are equal the cutter is a ball-end",
+            "the corner radius of a toroidal cutter must be under half its diameter, {} mm; if both are equal, the cutter is a ball-end",
             self.outer_radius.mm()
         )
     }

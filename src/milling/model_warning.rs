@@ -34,15 +34,14 @@ pub enum ModelWarning {
     },
     /// A flat-end cutter's corner leaves sharp marks, and wears.
     SharpMarks,
-    /// On a curved surface the slope and feed direction change so much from mark to mark that terms of the third order,
-    /// which the model leaves out, are not negligible. This is so at every slope under 10 deg; if
-    /// [`EvaluatedPass::third_order_share`] exceeds 0.03; and near walls, if the normal turns by more than a fifth of
-    /// the remaining angle to 90 deg between two marks.
+    /// On a curved surface the slope and feed direction change so much from mark to mark that the height is only
+    /// approximate. This is so at every slope under 10 deg; if [`EvaluatedPass::largest_turn`] exceeds 0.1; and near
+    /// walls, if the normal turns by more than a fifth of the remaining angle to 90 deg between two marks.
     CurvatureApproximate,
     /// The cutter fits closely into the concave surface, so that the second order of the surface is not accurate
     /// enough.
     NearGouging {
-        /// The smallest relative curvature as a share of the cutter's own: 1 on a plane, 0 where the cutter gouges.
+        /// The smallest relative curvature as a share of the cutter's own: 1 on a plane, 0 if the cutter gouges.
         lambda: f64,
     },
 }
@@ -53,23 +52,23 @@ impl fmt::Display for ModelWarning {
             Self::RunoutNotSmall { ratio } => {
                 write!(
                     f,
-                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the feed's share is then no bound",
+                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the height due to the feed is then not an upper bound",
                     ratio * 100.0
                 )
             }
             Self::StepOverWide { ratio } => write!(
                 f,
-                "the step-over is {:.1} % of the effective diameter; the circle that replaces the cutter fits it near the contact only",
+                "the step-over is {:.1} % of the effective diameter; the circle that replaces the cutter fits it only near the contact",
                 ratio * 100.0
             ),
             Self::FeedPerToothLong { ratio } => write!(
                 f,
-                "the feed per tooth is {:.1} % of the transverse effective diameter; the circle that replaces the cutter fits it near the contact only",
+                "the feed per tooth is {:.1} % of the transverse effective diameter; the circle that replaces the cutter fits it only near the contact",
                 ratio * 100.0
             ),
             Self::EffectiveRadiusBeyondCutter { effective_radius: Some(radius), diameter } => write!(
                 f,
-                "the effective radius, {:.3} mm, exceeds the cutter's diameter, {:.3} mm: the groove is flatter than the cutter is wide, and the scallop can be far higher than computed",
+                "the effective radius, {:.3} mm, exceeds the cutter's diameter, {:.3} mm: the groove's circle is wider than the cutter, and the scallop can be far higher than computed",
                 radius.mm(),
                 diameter.mm()
             ),
@@ -78,11 +77,11 @@ impl fmt::Display for ModelWarning {
                 f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
             }
             Self::CurvatureApproximate => f.write_str(
-                "the surface is curved, and its normal turns so much between the marks that this counts, which the model leaves out (always under a slope of 10 deg); the height can be exceeded by a few percent",
+                "the normal of the curved surface turns between the marks by an angle that is not negligible (as at every slope under 10 deg); the height is approximate, and can be exceeded by a few percent",
             ),
             Self::NearGouging { lambda } => write!(
                 f,
-                "the cutter fits closely into the concave surface: the relative curvature is {lambda:.3} of the cutter's own, and under {NEAR_GOUGING} the height can be exceeded"
+                "the cutter fits closely into the concave surface: the relative curvature is {lambda:.3} of the cutter's own, and below {NEAR_GOUGING} the height can be exceeded"
             ),
         }
     }
@@ -93,19 +92,19 @@ impl fmt::Display for ModelWarning {
 /// neglecting the next order.
 const A_FIFTH: f64 = 0.2;
 
-/// The largest share by which the third order may change the marks at the ridge without a warning. Of 7,185 simulated
-/// configurations below it, with slopes of at least 10 deg and lambda over 0.6, none exceeds the height by more than 1
-/// %; `docs/envelope-on-curved-surfaces.md` has the figures.
-const THIRD_ORDER_SMALL: f64 = 0.03;
+/// The largest turn of the normal between the stated contact and a mark that gives no warning. Simulated heights with
+/// larger turns exceed the model's by up to some percent on strongly curved surfaces;
+/// `docs/envelope-on-curved-surfaces.md` has the figures.
+const SMALL_TURN: f64 = 0.1;
 
-/// The slope in degrees below which the third order of a curved surface is not negligible in model `envelope`.
+/// The slope in degrees below which heights on curved surfaces are approximate in model `envelope`.
 const STEEP_ENOUGH_DEG: f64 = 10.0;
 
 impl EvaluatedPass {
     /// All warnings about this pass at a step-over along the surface and a feed per tooth; `None` leaves no marks.
     ///
-    /// The limits of the circle and of the published runout concern model `analytic`, the third order of the curvature
-    /// model `envelope`.
+    /// The limits of the circle and of the published runout concern model `analytic`, the turning of the normal model
+    /// `envelope`.
     pub fn warnings(&self, step_over: Length, feed_per_tooth: Option<Length>) -> impl Iterator<Item = ModelWarning> + use<> {
         let pass = self.pass();
         let circle = match self.model() {
@@ -115,7 +114,7 @@ impl EvaluatedPass {
         let sharp = (pass.cutter.kind() == CutterKind::FlatEnd).then_some(ModelWarning::SharpMarks);
         let counts = || {
             pass.contact.slope().degrees() < STEEP_ENOUGH_DEG
-                || self.third_order_share(step_over, feed_per_tooth) > THIRD_ORDER_SMALL
+                || self.largest_turn(step_over, feed_per_tooth) > SMALL_TURN
                 || turns_towards_wall(pass, step_over, feed_per_tooth)
         };
         let third_order = self.model() == Model::Envelope && !pass.surface.is_plane() && counts();

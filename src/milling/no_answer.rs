@@ -81,7 +81,7 @@ impl fmt::Display for NoAnswer {
                 "in this feed direction a flat-end cutter's sharp edge makes the cut, and the analytic model has no circle to put in its place; model \"envelope\" has an answer",
             ),
             Self::PassesCoincideFromAbove => {
-                f.write_str("the feed runs along a vertical wall, where passes lie above each other and cannot be spaced by vertical planes; give the step-over along the surface")
+                f.write_str("the feed runs along a vertical wall, on which vertical planes cannot space the passes; give the step-over along the surface")
             }
             Self::StepOverUsesUpTolerance { step_over_height, max_step_over } => write!(
                 f,

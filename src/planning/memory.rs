@@ -98,13 +98,19 @@ pub fn bytes_prepared(facets: usize) -> usize {
     facets * (CLASSES + size_of::<FinishFacet>()) + TRIAL_SIDE * TRIAL_SIDE * VIEW_CELL
 }
 
+/// The memory in bytes to compute the reach of cutters on so many threads.
+#[must_use]
+pub fn bytes_to_try(threads: usize) -> usize {
+    threads * TRIAL
+}
+
 /// The memory in bytes of a ranking, in addition to the mesh.
 #[must_use]
 pub fn bytes_to_rank(size: RankingSize, parallelism: Parallelism, room: PlanRoom) -> usize {
     let RankingSize { facets, candidates, diameters } = size;
     let sampled = facets.min(SAMPLED);
     let plan = room.planes * PLANE + room.runs * RUN + diameters.saturating_add(2).min(MOST_CELLS) * CELL;
-    let trial = parallelism.threads.min(candidates) * TRIAL;
+    let trial = bytes_to_try(parallelism.threads.min(candidates));
     let search = (sampled + sampled / 2) * SAMPLED_FACET + parallelism.threads * (sampled * ORDERED_FACET + plan);
     let plans = parallelism.candidates.min(candidates) * (facets * ORDERED_FACET + plan);
     let held = facets * (CLASSES + PLANNED_FACET) + candidates * CANDIDATE + TRIAL_SIDE * TRIAL_SIDE * TRIAL_CELL;

@@ -75,7 +75,7 @@ impl fmt::Display for Reason {
             Self::Address => write!(f, "is not an IP address with a port, such as 0.0.0.0:8080 or [::1]:8080"),
             Self::WholeNumber { minimum, maximum } => write!(f, "is not a whole number from {minimum} to {maximum}"),
             Self::Word(words) => write!(f, "is not one of {words}"),
-            Self::Origin(item) => write!(f, "holds {item:?}, which is not an origin such as https://panel.example:8443"),
+            Self::Origin(item) => write!(f, "contains {item:?}, which is not an origin such as https://panel.example:8443"),
             Self::Collector => write!(f, "is not an address such as http://collector:4318 (http only: TLS belongs to a local collector)"),
             Self::NotBuiltIn => write!(f, "needs a build with the feature `otlp`"),
         }

@@ -95,6 +95,14 @@ impl Bezier {
     /// # Errors
     /// [`OutOfRange`] for another number of samples.
     pub fn sampled(&self, samples: usize) -> Result<SampledSurface, OutOfRange> {
+        self.sampled_until(samples, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, the other samples are left out.
+    ///
+    /// # Errors
+    /// As [`Bezier::sampled`].
+    pub fn sampled_until(&self, samples: usize, stop: &dyn Fn() -> bool) -> Result<SampledSurface, OutOfRange> {
         count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
         #[allow(clippy::cast_precision_loss)] // up to 1000
         let step = (samples as f64).recip();
@@ -102,7 +110,7 @@ impl Bezier {
         let centre = |index: usize| (index as f64 + 0.5) * step;
         let across: Vec<_> = (0..samples).map(|j| weights(self.columns, centre(j))).collect();
         let mut surface = SampledSurface::new();
-        for i in 0..samples {
+        for i in (0..samples).take_while(|_| !stop()) {
             let (along, along_slope) = weights(self.rows, centre(i));
             let (curve, curve_u) = (self.curve(&along), self.curve(&along_slope));
             for (weights, slopes) in &across {
@@ -123,6 +131,17 @@ impl Bezier {
     /// # Panics
     /// Never: the grid receives rows times columns points.
     pub fn tessellate<S: Sink>(&self, samples: usize, sink: S) -> Result<S, OutOfRange> {
+        self.tessellate_until(samples, sink, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, the facets of the other cells are left out.
+    ///
+    /// # Errors
+    /// As [`Bezier::tessellate`].
+    ///
+    /// # Panics
+    /// Never, as [`Bezier::tessellate`].
+    pub fn tessellate_until<S: Sink>(&self, samples: usize, sink: S, stop: &dyn Fn() -> bool) -> Result<S, OutOfRange> {
         count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
         #[expect(clippy::cast_precision_loss, reason = "up to 1000")]
         let corner = |index: usize| index as f64 / samples as f64;
@@ -130,6 +149,9 @@ impl Bezier {
         let mut grid = Grid::into_sink(samples + 1, samples + 1, sink).expect("at least 3 rows and columns");
         for i in 0..=samples {
             let curve = self.curve(&weights(self.rows, corner(i)).0);
+            if stop() {
+                return Ok(grid.unfinished());
+            }
             for weights in &across {
                 grid.point(blend(&curve, weights));
             }

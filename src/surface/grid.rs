@@ -71,6 +71,11 @@ impl<S: Sink> Grid<S> {
         Ok(Self { rows, columns, sink, received: 0, row: Vec::new(), corner: [0.0; 3], seen_from_above: 0.0 })
     }
 
+    /// The sink with the facets so far.
+    pub(super) fn unfinished(self) -> S {
+        self.sink
+    }
+
     /// Adds the next point. Points beyond the last are only counted.
     pub fn point(&mut self, point: [f64; 3]) {
         let (row, column) = (self.received / self.columns, self.received % self.columns);

@@ -9,6 +9,9 @@ pub const LONG_EDGE: f64 = 4.0;
 /// The number of points inserted between two checks for cancellation: about a millisecond.
 const INSERTED_AT_ONCE: usize = 1024;
 
+/// How many edges or triangles are listed between two checks: about a millisecond.
+const LISTED_AT_ONCE: usize = 16_384;
+
 /// A point of the plane with its index.
 struct Site {
     at: Point2<f64>,
@@ -62,10 +65,9 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Ve
             return (points, Vec::new());
         }
     }
-    let spacing = spacing(&delaunay, points.len());
-    if stop() {
+    let Some(spacing) = spacing(&delaunay, points.len(), stop) else {
         return (points, Vec::new());
-    }
+    };
     let length = |a: u32, b: u32| {
         let (a, b) = (points[a as usize], points[b as usize]);
         (a[0] - b[0]).hypot(a[1] - b[1])
@@ -79,18 +81,27 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Ve
         let local = spacing[a as usize].min(spacing[b as usize]);
         length(a, b) <= LONG_EDGE * local.max(median / 2.0)
     };
-    let triangles = delaunay
-        .inner_faces()
-        .map(|face| face.vertices().map(|vertex| vertex.data().index))
-        .filter(|&[a, b, c]| short(a, b) && short(b, c) && short(c, a))
-        .collect();
+    let mut triangles = Vec::new();
+    for (count, face) in delaunay.inner_faces().enumerate() {
+        if count.is_multiple_of(LISTED_AT_ONCE) && stop() {
+            return (points, Vec::new());
+        }
+        let [a, b, c] = face.vertices().map(|vertex| vertex.data().index);
+        if short(a, b) && short(b, c) && short(c, a) {
+            triangles.push([a, b, c]);
+        }
+    }
     (points, triangles)
 }
 
-/// The length of the third shortest edge of each point, or of the longest if it has fewer.
-fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
+/// The length of the third shortest edge of each point, or of the longest if it has fewer; `None` where `stop` returns
+/// true.
+fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize, stop: &dyn Fn() -> bool) -> Option<Vec<f64>> {
     let mut shortest = vec![[f64::INFINITY; 3]; count];
-    for edge in delaunay.undirected_edges() {
+    for (count, edge) in delaunay.undirected_edges().enumerate() {
+        if count.is_multiple_of(LISTED_AT_ONCE) && stop() {
+            return None;
+        }
         let [a, b] = edge.vertices();
         let (p, q) = (a.position(), b.position());
         let length = (p.x - q.x).hypot(p.y - q.y);
@@ -102,7 +113,8 @@ fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
             }
         }
     }
-    shortest.into_iter().map(|three| three.into_iter().rev().find(|length| length.is_finite()).unwrap_or(0.0)).collect()
+    let third = |three: [f64; 3]| three.into_iter().rev().find(|length| length.is_finite()).unwrap_or(0.0);
+    Some(shortest.into_iter().map(third).collect())
 }
 
 /// The order in which points are inserted; `None` if all lie on one line or `stop` returns true. `points` must be

@@ -10,6 +10,7 @@ use super::fault::{Flaw, Flaws, LibraryFault};
 use super::scalar::Scalar;
 use super::shape::Shape;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
+use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
 use crate::quantity::Length;
 use serde::Deserialize;
@@ -17,15 +18,15 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 use std::fmt;
 
-/// Adds the tools of a library file.
+/// Adds the tools of a library file. Once `cancel` is set, the other tools are skipped.
 ///
 /// # Errors
 /// The text is not JSON with tools in `data`, or the library is full.
-pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFault> {
     let malformed = |error| Flaw::json("a tool library of Fusion in JSON", &error).in_file(file);
     let LibraryFile { data } = serde_json::from_str(text).map_err(malformed)?;
     // The syntax has been checked, so a failure means that `data` is not an array.
-    let tools = serde_json::Deserializer::from_str(data.get()).deserialize_seq(Tools { file, library });
+    let tools = serde_json::Deserializer::from_str(data.get()).deserialize_seq(Tools { file, library, cancel });
     tools.map_err(|_| Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?
 }
 
@@ -40,6 +41,7 @@ struct LibraryFile<'a> {
 struct Tools<'a> {
     file: &'a str,
     library: &'a mut ToolLibrary,
+    cancel: &'a CancelFlag,
 }
 
 impl<'de> Visitor<'de> for Tools<'_> {
@@ -50,13 +52,13 @@ impl<'de> Visitor<'de> for Tools<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
-        let Self { file, library } = self;
+        let Self { file, library, cancel } = self;
         let mut result = Ok(());
         let mut position = 0;
         // Once the library is full, the rest is skipped, so that the array ends.
         while let Some(item) = items.next_element::<&RawValue>()? {
             position += 1;
-            if result.is_ok() {
+            if result.is_ok() && !cancel.is_cancelled() {
                 result = add(item, position, file, library);
             }
         }

@@ -20,6 +20,7 @@ mod shape;
 
 pub use fault::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults};
 
+use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
 use crate::quantity::Length;
 use fault::{Flaw, Flaws};
@@ -89,8 +90,16 @@ impl ToolLibrary {
     /// # Errors
     /// [`LibraryFaults`] if a file cannot be read as a library: its faults, and those of the tools that were read.
     pub fn read(bytes: &[u8], file_name: Option<&str>) -> Result<Self, LibraryFaults> {
+        Self::read_until(bytes, file_name, &CancelFlag::default())
+    }
+
+    /// The same. Once `cancel` is set, it ends early with a result that has no meaning.
+    ///
+    /// # Errors
+    /// As [`ToolLibrary::read`].
+    pub fn read_until(bytes: &[u8], file_name: Option<&str>, cancel: &CancelFlag) -> Result<Self, LibraryFaults> {
         let mut library = Self::default();
-        match container::read(bytes, file_name.unwrap_or("the library"), &mut library) {
+        match container::read(bytes, file_name.unwrap_or("the library"), &mut library, cancel) {
             Ok(()) => Ok(library),
             Err(faults) => Err(faults.and(library.faulty)),
         }
@@ -210,7 +219,7 @@ struct ToolParts {
 }
 
 impl ToolParts {
-    /// The tool, where `position` counts the tools of the file from 1.
+    /// The tool with these values. `position` counts the tools of the file from 1.
     fn with(self, cutter: Cutter, position: usize) -> LibraryTool {
         LibraryTool {
             name: self.name.map_or_else(|| format!("tool {}", self.number.map_or(position as u64, u64::from)), |name| shortened(&name)),

@@ -70,7 +70,7 @@ const FIGURES: &[Figure] = &[
     Figure::number("area_rate_mm2_min", "the area finished per minute, the step-over along the surface times the feed rate", |figures| {
         figures.feed_rate_mm_min.map(|rate| FigureValue::Number(rate * figures.step_over.mm()))
     })
-    .only("where the cutter's teeth and the spindle speed are given"),
+    .only("if the cutter's teeth and the spindle speed are given"),
 ];
 
 /// Two limits on the feed within this ratio count as equal, as in the limits that the calculation finds.
@@ -147,7 +147,7 @@ described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParamet
 /// The fastest step-over and feed at one contact
 ///
 /// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance,
-/// within the limits of cutter, machine and step-over where these are stated.
+/// within the limits of cutter, machine and step-over if these are stated.
 #[utoipa::path(
     post, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters",
     request_body = CuttingParametersRequest,

@@ -29,7 +29,7 @@ pub(super) const FEED_PER_TOOTH: Figure = Figure::number("feed_per_tooth_mm", "t
 
 pub(super) const FEED_RATE: Figure =
     Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min.map(FigureValue::Number))
-        .only("where the cutter's teeth and the spindle speed are given");
+        .only("if the cutter's teeth and the spindle speed are given");
 
 /// The limits on the feed that a request states.
 pub(super) struct FeedLimits {

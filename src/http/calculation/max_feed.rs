@@ -114,7 +114,7 @@ described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
 /// The largest feed at one contact
 ///
 /// The largest feed per tooth, and feed rate, that keep the scallop height within a tolerance at a given step-over, and
-/// within the limits of cutter and machine where these are stated.
+/// within the limits of cutter and machine if these are stated.
 #[utoipa::path(
     post, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed",
     request_body = MaxFeedRequest,

@@ -90,7 +90,7 @@ pub(super) fn model(model: Model) -> &'static str {
 pub(super) struct RecommendedCutter {
     /// The position of the cutter in the request, from 0; cutters of libraries follow.
     cutter: usize,
-    /// The cutter's name, where it has one.
+    /// The cutter's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     name: Option<String>,
@@ -98,7 +98,7 @@ pub(super) struct RecommendedCutter {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     preset: Option<String>,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
     /// the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
@@ -119,7 +119,7 @@ pub(super) struct RecommendedCutter {
 pub(super) struct RankedCandidate {
     /// The position of the cutter in the request, from 0; cutters of libraries follow.
     cutter: usize,
-    /// The cutter's name, where it has one.
+    /// The cutter's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     name: Option<String>,
@@ -130,7 +130,7 @@ pub(super) struct RankedCandidate {
     /// The kind of cutter.
     #[serde(rename = "type")]
     kind: CutterKindName,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
     /// the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
@@ -186,7 +186,7 @@ struct SimulatedFigures {
     /// The times of the directions that were tried and have a plan.
     #[schema(required = false)]
     by_direction: ByDirection,
-    /// The same cutter by the published method, where that has an answer.
+    /// The same cutter by the published method, if that has an answer.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     rectangle: Option<OnRectangle>,

@@ -49,15 +49,15 @@ members! {
 /// The slope at which both cutters finish an inclined rectangle in the same time.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct CriticalSlopeAnswer {
-    /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 where the toroidal cutter is
-    /// faster on every slope, 0 where the ball-end cutter is; `always_faster` names it then.
+    /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 if the toroidal cutter is faster
+    /// on every slope, 0 if the ball-end cutter is; `always_faster` then names that cutter.
     #[schema(minimum = 0, maximum = 90)]
     critical_slope_deg: f64,
     /// The cutter that is faster on every slope; absent if there is a critical slope.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     always_faster: Option<ComparedCutter>,
-    /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 where the ball-end
+    /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 if the ball-end
     /// cutter is faster even on a square. Only with `slope_deg`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 1)]

@@ -3,7 +3,7 @@
 use crate::http::wire::ReceivedSurface;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
-use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, fitting};
+use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, bytes_to_rank, fitting};
 use crate::planning::zigzag::PlanRoom;
 use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
@@ -15,6 +15,8 @@ pub(super) struct Resources {
     pub(super) memory: Reservation,
     pub(super) parallelism: Parallelism,
     pub(super) room: PlanRoom,
+    /// The threads of a permit.
+    threads: usize,
     /// The longest wait for more memory.
     longest_wait: Duration,
     /// The largest memory of one request, in bytes.
@@ -28,6 +30,7 @@ impl Resources {
             memory: work.budget().open(),
             parallelism: Parallelism { threads: work.threads(), candidates: work.threads() },
             room: PlanRoom::USUAL,
+            threads: work.threads(),
             longest_wait,
             largest: usize::try_from(work.budget().largest()).unwrap_or(usize::MAX),
         }
@@ -39,20 +42,39 @@ impl Resources {
     }
 
     /// The memory in bytes of a ranking on a mesh of this size, and its use of threads: as many threads and candidates
-    /// at once as fit the memory of one request.
-    pub(super) fn needed(&self, mesh: MeshSize, size: RankingSize) -> (u64, Parallelism) {
+    /// at once as `most` bytes allow; one of each if none fits.
+    fn within(&self, mesh: MeshSize, size: RankingSize, most: usize) -> (u64, Parallelism) {
         let mesh = bytes_of_mesh(mesh);
-        let (parallelism, bytes) = fitting(size, self.parallelism.threads, self.room, self.largest.saturating_sub(mesh));
+        let (parallelism, bytes) = fitting(size, self.threads, self.room, most.saturating_sub(mesh));
         ((mesh + bytes) as u64, parallelism)
     }
 
-    /// Reserves the memory for a ranking. Blocks, so it must be called on a worker thread.
+    /// The most memory in bytes of a ranking on a mesh of this size: as much as one request may use.
+    pub(super) fn most(&self, mesh: MeshSize, size: RankingSize) -> u64 {
+        self.within(mesh, size, self.largest).0
+    }
+
+    /// The least memory in bytes of a ranking on a mesh of this size.
+    pub(super) fn least(&self, mesh: MeshSize, size: RankingSize) -> u64 {
+        self.within(mesh, size, 0).0
+    }
+
+    /// Reserves the memory for a ranking: as much as it can use of what is free, but at least what it needs. Blocks, so
+    /// it must be called on a worker thread.
     pub(super) fn provide(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
-        let (bytes, parallelism) = self.needed(mesh, size);
+        let attainable = usize::try_from(self.memory.attainable()).unwrap_or(usize::MAX);
+        let (bytes, parallelism) = self.within(mesh, size, self.largest.min(attainable));
         self.memory.shrink_to(bytes);
         self.add(bytes - self.memory.bytes(), stop)?;
         self.parallelism = parallelism;
         Ok(())
+    }
+
+    /// Returns what only the ranking took: the memory of one plan is kept, with which passes and map are computed.
+    pub(super) fn keep_one_plan(&mut self, mesh: MeshSize, size: RankingSize) {
+        let parallelism = Parallelism { candidates: 1, ..self.parallelism };
+        let plan = bytes_to_rank(RankingSize { candidates: 1, ..size }, parallelism, PlanRoom::LARGEST);
+        self.memory.shrink_to((bytes_of_mesh(mesh) + plan) as u64);
     }
 
     /// Reserves `bytes` more. Blocks, so it must be called on a worker thread.

@@ -189,8 +189,8 @@ fn read_head(lines: &[u8]) -> Result<Head, Problem> {
     Ok(head)
 }
 
-/// The parameter `name` of a header's value: `...; name=token` or `...; name="quoted"`, where a backslash escapes the
-/// next character.
+/// The parameter `name` of a header's value: `...; name=token` or `...; name="quoted"`. In quotation marks, a backslash
+/// escapes the next character.
 fn parameter(value: &str, name: &str) -> Option<String> {
     let (_, mut rest) = value.split_once(';')?;
     loop {

@@ -53,7 +53,7 @@ members! {
             "the scallop height that must not be exceeded: by step-over and tooth marks for cutters with teeth and spindle speed, by the step-over alone for others"),
         machine: required MACHINE: Machine,
         pattern: optional PATTERN: Choice<Pattern> = ("pattern", Choice { name: Some("Pattern"), words: &[("zigzag", Pattern::Zigzag), ("one_way", Pattern::OneWay)] },
-            "zigzag (default): passes alternate in sense; one_way: all passes have the same sense, and the cutter returns at the rapid rate over the clearance height"),
+            "zigzag (default): passes alternate in direction; one_way: all passes have the same direction, and the cutter returns at the rapid rate at the clearance height"),
         max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::new(slope, DEFAULT_MAX_SLOPE),
             "the largest slope of facets that limit the step-over; steeper facets count as steep; absent = 85"),
         method: optional METHOD: Choice<Method> = ("method", Choice { name: Some("Method"), words: &[("surface", Method::Surface), ("rectangle", Method::Rectangle)] },

@@ -1,6 +1,6 @@
 //! The passes of an answer, point by point.
 
-use super::simulation::{Simulation, Workpiece};
+use super::simulation::{Simulation, Stop, Workpiece};
 use crate::planning::reach::RestingHeights;
 use crate::planning::zigzag::{self, TooManyPoints};
 use crate::quantity::Length;
@@ -68,13 +68,14 @@ impl PassesAnswer {
         plan.map_or(0, |plan| VIEW + zigzag::bytes_of_passes(plan, &workpiece.facets, MOST_POINTS)) as u64
     }
 
-    /// The passes of the fastest plan; `None` without a plan.
-    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation) -> Option<Result<Self, TooManyPoints>> {
+    /// The passes of the fastest plan; `None` without a plan. Once `stop` returns true, the result has no meaning.
+    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation, stop: Stop) -> Option<Result<Self, TooManyPoints>> {
         let plan = simulation.ranking.plans.first()?;
         let candidate = &simulation.candidates[plan.candidate];
-        let resting = RestingHeights::new(&workpiece.mesh.seen_from_above(SIDE));
+        let resting = RestingHeights::new(&workpiece.mesh.seen_from_above_until(SIDE, stop));
         let raised = |tip: [f64; 3]| resting.raised(candidate.cutter, tip);
-        Some(zigzag::passes(plan, &workpiece.facets, candidate, &simulation.settings, &raised, MOST_POINTS).map(Self::of))
+        let passes = zigzag::passes_until(plan, &workpiece.facets, candidate, &simulation.settings, &raised, MOST_POINTS, stop);
+        Some(passes.map(Self::of))
     }
 
     fn of(passes: zigzag::Passes) -> Self {

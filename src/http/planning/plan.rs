@@ -9,7 +9,7 @@ use super::memory::{BYTES_OF_A_MAP, Resources};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
-use super::simulation::{Simulation, Workpiece, ranking_size};
+use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -41,7 +41,7 @@ impl Task {
         sourced: SurfaceWithSource,
         path: &JsonPath<'_>,
         faults: &mut Faults,
-        stop: &dyn Fn() -> bool,
+        stop: Stop,
     ) -> Result<Self, Faulted> {
         let unit = sourced.unit_of(parameters.unit, path, faults)?;
         let shape = sourced.surface.sampled.shape(unit, parameters.facing);
@@ -59,7 +59,7 @@ impl Task {
         };
         if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
             let detail = format!(
-                "the surface has more facets or points than the service holds; it was merged on a raster with cells of {cell:.6} mm"
+                "the surface has more facets or points than the service stores; it was merged on a raster with cells of {cell:.6} mm"
             );
             warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
         }
@@ -67,7 +67,7 @@ impl Task {
             // The sides of the rectangle do not depend on the cutter.
             let first = parameters.candidates.first().map(|named| on_rectangle(named, &parameters, &shape));
             if let Some(Err(bounds)) = first {
-                let detail = format_args!("both sides of the rectangle that stands for the surface {bounds} mm");
+                let detail = format_args!("both sides of the surface's equivalent rectangle {bounds} mm");
                 return Err(faults.add(path, RequestFault::SizeOutOfRange, detail));
             }
         }
@@ -87,23 +87,19 @@ impl Task {
     }
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer must be discarded.
-    pub(super) fn answer(mut self, resources: &mut Resources, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
+    pub(super) fn answer(mut self, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.workpiece.take()) {
             (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, resources, stop),
             (_, workpiece) => self.on_rectangle(workpiece.as_ref(), resources, stop),
         }
     }
 
-    fn on_surface(
-        mut self,
-        workpiece: &Workpiece,
-        resources: &mut Resources,
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<RecommendationAnswer, Problem> {
+    fn on_surface(mut self, workpiece: &Workpiece, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, resources, stop)? else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
+        resources.keep_one_plan(workpiece.mesh.size(), ranking_size(&workpiece.mesh, &simulation.candidates));
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
         let mut not_ranked: Vec<NotRanked> =
@@ -118,7 +114,7 @@ impl Task {
         let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, resources, stop)? } else { None };
         let map = if self.parameters.includes(Part::Map) {
             resources.add(BYTES_OF_A_MAP, stop)?;
-            MapAnswer::new(workpiece, &simulation)
+            MapAnswer::new(workpiece, &simulation, stop)
         } else {
             None
         };
@@ -146,12 +142,12 @@ impl Task {
         workpiece: &Workpiece,
         simulation: &Simulation,
         resources: &mut Resources,
-        stop: &(dyn Fn() -> bool + Sync),
+        stop: Stop,
     ) -> Result<Option<PassesAnswer>, Problem> {
         let passes = match resources.add(PassesAnswer::bytes(workpiece, simulation), stop) {
             Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
             Err(BudgetExceeded::Always) => Err("the passes need more memory than one request may use".to_owned()),
-            Ok(()) => PassesAnswer::new(workpiece, simulation).transpose().map_err(|error| error.to_string()),
+            Ok(()) => PassesAnswer::new(workpiece, simulation, stop).transpose().map_err(|error| error.to_string()),
         };
         Ok(passes.unwrap_or_else(|reason| {
             self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out")));
@@ -163,13 +159,13 @@ impl Task {
         mut self,
         workpiece: Option<&Workpiece>,
         resources: &mut Resources,
-        stop: &(dyn Fn() -> bool + Sync),
+        stop: Stop,
     ) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
         let feed_rate = self.parameters.machine.limits.feed_rate;
         let slope = if self.shape.steepest_direction.is_some() { self.shape.slope } else { Angle::ZERO };
         let (mut candidates, mut not_ranked) = (Vec::new(), Vec::new());
-        for (index, cutter) in named.iter().enumerate() {
+        for (index, cutter) in named.iter().enumerate().take_while(|_| !stop()) {
             match on_rectangle(cutter, &self.parameters, &self.shape) {
                 Ok(Some(plan)) => candidates.push(RankedCandidate::on_rectangle(index, &plan, slope, feed_rate, named)),
                 _ => not_ranked.push(self.not_ranked(index, NotRankedReason::NoStepOver)),
@@ -210,7 +206,7 @@ impl Task {
         candidates: &[RankedCandidate],
         workpiece: Option<&Workpiece>,
         resources: &mut Resources,
-        stop: &(dyn Fn() -> bool + Sync),
+        stop: Stop,
     ) -> Result<ConfidenceAnswer, Problem> {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);

@@ -48,7 +48,10 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
         Attempt::Answered(answer) => Ok(answer),
         Attempt::NeedsMemory(task, mut resources, bytes) => {
             let memory = std::mem::replace(&mut resources.memory, work.budget().open());
-            let again = move |memory, cancelled: &CancelFlag| answer_to(*task, resources.with(memory), cancelled);
+            let again = move |mut memory: Reservation, cancelled: &CancelFlag| {
+                memory.begin_work();
+                answer_to(*task, resources.with(memory), cancelled)
+            };
             work.run_with_memory(memory, bytes, LONGEST_WAIT, again).await?
         }
     }
@@ -61,17 +64,18 @@ enum Attempt {
     NeedsMemory(Box<Task>, Resources, u64),
 }
 
-/// Computes the answer if the memory for it is free. Otherwise returns the reserved memory, except that of the task.
+/// Computes the answer if the memory for it is free. Otherwise returns the reserved memory, except that of the task. Few
+/// tasks may wait at once, because together they could hold so much that none gets the rest.
 fn attempt(task: Task, mut resources: Resources, cancelled: &CancelFlag) -> Result<Attempt, Problem> {
     let (mesh, ranking) = task.size();
-    let (needed, _) = resources.needed(mesh, ranking);
-    resources.memory.shrink_to(needed);
-    let more = needed - resources.memory.bytes();
-    match resources.memory.try_grow(more) {
+    resources.memory.shrink_to(resources.most(mesh, ranking));
+    let least = resources.least(mesh, ranking);
+    match resources.memory.try_grow(least.saturating_sub(resources.memory.bytes())) {
         Err(BudgetExceeded::Now) => {
             let held = (bytes_of_mesh(mesh) + bytes_prepared(mesh.facets)) as u64;
             resources.memory.shrink_to(held);
-            let more = needed - resources.memory.bytes();
+            resources.memory.begin_wait()?;
+            let more = least.saturating_sub(resources.memory.bytes());
             Ok(Attempt::NeedsMemory(Box::new(task), resources, more))
         }
         _ => answer_to(task, resources, cancelled).map(Attempt::Answered),

@@ -17,6 +17,9 @@ use axum::http::StatusCode;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
+/// Whether the work is cancelled.
+pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// The cells along each side of the raster for the reach of cutters and for maps.
 const SIDE: usize = TRIAL_SIDE;
 
@@ -73,17 +76,18 @@ impl NoWorkpiece {
 impl Workpiece {
     /// Prepares the facets of a surface.
     ///
-    /// Once `stop` returns true, work ends after the current step, and the result must be discarded.
-    pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters, stop: &dyn Fn() -> bool) -> Result<Self, NoWorkpiece> {
+    /// Once `stop` returns true, work ends early, and the result must be discarded.
+    pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters, stop: Stop) -> Result<Self, NoWorkpiece> {
         let go_on = || if stop() { Err(NoWorkpiece::NothingToMachine) } else { Ok(()) };
         let mesh = mesh.finish_until(unit, parameters.facing, stop).map_err(NoWorkpiece::Mesh)?;
         go_on()?;
-        let pieces = mesh.pieces();
+        let pieces = mesh.pieces_until(stop);
+        go_on()?;
         let selected = mesh.selected(&parameters.selection, &pieces).map_err(NoWorkpiece::Selection)?;
         go_on()?;
-        let visibility = mesh.visibility(parameters.max_slope);
+        let visibility = mesh.visibility_until(parameters.max_slope, stop);
         go_on()?;
-        let facets = mesh.facets_for_finishing(&visibility, &selected);
+        let facets = mesh.facets_for_finishing_until(&visibility, &selected, stop);
         go_on()?;
         let mut next = 0;
         let mut machined = Vec::with_capacity(selected.len());
@@ -99,7 +103,7 @@ impl Workpiece {
         }
         let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
         let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
-        let view = mesh.seen_from_above(SIDE);
+        let view = mesh.seen_from_above_until(SIDE, stop);
         Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
     }
 
@@ -141,7 +145,7 @@ impl Simulation {
         shape: &Shape,
         model: Model,
         resources: &mut Resources,
-        stop: &(dyn Fn() -> bool + Sync),
+        stop: Stop,
     ) -> Result<Option<Self>, Problem> {
         let mut settings = parameters.settings(shape, model);
         let reach = ReachMap::new(&workpiece.mesh, &workpiece.view, &workpiece.machined);
@@ -153,6 +157,9 @@ impl Simulation {
             // The map of a cutter takes half a MB, so only the figures are kept.
             let tried = places.par_iter().map(|&place| {
                 let candidate = parameters.candidates[place].candidate;
+                if stop() {
+                    return candidate;
+                }
                 let reach = Some((&reach.uncut(candidate.cutter, parameters.scallop_height)).into());
                 CandidateCutter { reach, ..candidate }
             });

@@ -45,7 +45,7 @@ described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used where the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
+        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
         Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))
@@ -113,7 +113,10 @@ impl Received {
     async fn read_library(&mut self, form: &mut Form, file_name: Option<String>, work: &Work) -> Result<(), Problem> {
         let mut memory = work.reserve(0)?;
         let bytes = read_small(form, LIBRARY, LARGEST_LIBRARY, &mut memory).await?;
-        self.libraries.push(work.run_piece(move || ToolLibrary::read(&bytes, file_name.as_deref())).await);
+        let cancel = CancelOnDrop::default();
+        let cancelled = CancelFlag::clone(&cancel);
+        let library = work.run_piece(move || ToolLibrary::read_until(&bytes, file_name.as_deref(), &cancelled)).await;
+        self.libraries.push(library);
         // A library has at most ten thousand tools, each with a name and figures.
         memory.shrink_to(MEMORY_OF_A_LIBRARY);
         self.memory.push(memory);
@@ -130,8 +133,8 @@ impl Received {
         let mesh = &surface.surface.mesh;
         let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / SHORTEST_CANDIDATE);
         let candidates = if self.libraries.is_empty() { stated.min(MOST_CUTTERS) } else { MOST_CUTTERS };
-        let (plan, _) = resources.needed(mesh.size(), RankingSize { facets: mesh.size().facets, candidates, diameters: DIAMETERS });
-        plan.max(bytes_of_workpiece(mesh))
+        let size = RankingSize { facets: mesh.size().facets, candidates, diameters: DIAMETERS };
+        resources.least(mesh.size(), size).max(bytes_of_workpiece(mesh))
     }
 
     fn refuse_part(&mut self, name: Option<&str>) {
@@ -221,11 +224,11 @@ struct File {
 }
 
 impl File {
-    /// A file to read. Reading a 3MF package ends early once `cancel` is set.
+    /// A file to read. Reading ends early once `cancel` is set.
     fn new(hint: FormatHint, memory: Reservation, cancel: &CancelFlag) -> Self {
         let reader = Reader::new(hint).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE).with_archive_limit(LARGEST_ARCHIVE);
         let reader = reader.with_cancel_flag(cancel);
-        Self { reader, surface: ReceivedSurface::new(), memory }
+        Self { reader, surface: ReceivedSurface::until(cancel), memory }
     }
 
     /// Reads a block. Meanwhile the largest memory that it can take is reserved, and afterwards the memory in use.
@@ -234,7 +237,8 @@ impl File {
         let held = self.reader.held_bytes();
         // A package is collected in one vector, which doubles when it grows.
         let collected = if self.reader.is_archive() { 2 * (held + bytes) } else { 0 };
-        self.memory.grow(self.surface.bytes_to_take(bytes, held / size_of::<[f64; 3]>()) + collected as u64)?;
+        let push = self.reader.most_of_push(bytes);
+        self.memory.grow(self.surface.bytes_to_take(push, held / size_of::<[f64; 3]>()) + collected as u64)?;
         let pushed = block.read(&mut self.reader, &mut self.surface);
         self.memory.resize(self.reader.held_bytes() as u64 + self.surface.held_bytes())?;
         Ok(pushed)

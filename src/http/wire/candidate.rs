@@ -54,7 +54,7 @@ members! {
         spindle_speed: optional SPINDLE_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
             "n, the spindle speed; with teeth, the scallop height includes the tooth marks, and step-over and feed are chosen together"),
         max_feed_per_tooth: optional MAX_FEED_PER_TOOTH: Quantity<Length> = ("max_feed_per_tooth_mm", Quantity::length(0.12),
-            "the manufacturer's limit on the feed per tooth; used where teeth and spindle_speed_rpm are given"),
+            "the manufacturer's limit on the feed per tooth; used if teeth and spindle_speed_rpm are given"),
         flute_length: optional FLUTE_LENGTH: Quantity<Length> = ("flute_length_mm", Quantity::length(22.0),
             "the length of the flutes; a surface that is deeper raises a warning"),
     }

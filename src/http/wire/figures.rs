@@ -135,15 +135,15 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
     Figure::share("feed_share", "the share of the feed height in the scallop height", |figures| {
         figures.height.feed_share().map(FigureValue::Number)
     })
-    .or_absent("where the height is 0"),
+    .or_absent("if the height is 0"),
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
         figures.effective_radius.map(mm)
     })
-    .or_null("where infinite"),
+    .or_null("if infinite"),
     Figure::number("transverse_effective_radius_mm", "TR_eff, the mark's radius of curvature along the feed", |figures| {
         figures.transverse_effective_radius.map(mm)
     })
-    .or_null("where infinite"),
+    .or_null("if infinite"),
     Figure::number("step_over_mm", "s, the step-over along the surface", |figures| Some(mm(figures.step_over))),
     Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| {
         Some(FigureValue::Number(figures.step_over.mm() * figures.spacing_ratio))
@@ -155,15 +155,15 @@ pub(crate) const CHECK_FIGURES: &[Figure] = &[
     Figure::number("envelope_scallop_height_mm", "the height by the cutter's exact shape (model envelope)", |figures| {
         figures.check.map(|check| FigureValue::Number(check.envelope_scallop_height_mm))
     })
-    .only("where it is named in columns"),
+    .only("if columns names it"),
     Figure {
         kind: FigureKind::Deviation,
         ..Figure::number(
             "deviation",
-            "(height - envelope) / envelope: negative where the model's height is less than the cutter leaves",
+            "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
             |figures| figures.check.and_then(|check| check.deviation).map(FigureValue::Number),
         )
-        .only("where it is named in columns")
+        .only("if columns names it")
     },
 ];
 

@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 pub(crate) struct NotRanked {
     /// The position of the cutter in the request, from 0; cutters of libraries follow, and then their faulty tools.
     pub(crate) cutter: usize,
-    /// The cutter's name, where it has one.
+    /// The cutter's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(crate) name: Option<String>,

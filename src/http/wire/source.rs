@@ -2,9 +2,10 @@
 
 use super::Warning;
 use super::unit::unit_name;
+use crate::cancellation::CancelFlag;
 use crate::http::codes::{FileFault, RequestFault, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::surface::read::{Format, Notes, Summary};
+use crate::surface::read::{Format, MostOfPush, Notes, Summary};
 use crate::surface::{Basis, MeshBuilder, MeshPart, PartedSink, SampledSurface, Shape, Sink, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -61,11 +62,6 @@ impl From<Format> for Source {
 /// The largest number of facets of a surface; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
 
-/// The memory in bytes that a byte of a block takes while it is read, in vectors that double when they grow: the byte
-/// itself; the index of a vertex at a corner, 4 bytes for each 2; and for each facet, which has at least 4 bytes in
-/// binary PLY, 12 bytes for its corners and 36 for its own points and their table.
-const BYTES_OF_A_BYTE_OF_A_BLOCK: usize = 40;
-
 /// A surface that is being received: the sums for its shape, and its facets.
 #[derive(Debug)]
 pub(crate) struct ReceivedSurface {
@@ -78,16 +74,20 @@ impl ReceivedSurface {
         Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS) }
     }
 
+    /// The same, which ends early with any surface once `cancel` is set.
+    pub(crate) fn until(cancel: &CancelFlag) -> Self {
+        let Self { sampled, mesh } = Self::new();
+        Self { sampled, mesh: mesh.with_cancel_flag(cancel) }
+    }
+
     /// The memory of the facets, in bytes.
     pub(crate) fn held_bytes(&self) -> u64 {
         self.mesh.held_bytes() as u64
     }
 
-    /// The additional memory in bytes to read `bytes` of a file whose reader stores `vertices` vertices. In every
-    /// format a facet takes at least 4 bytes and a vertex at least 6. Blocks are stored together with the data read
-    /// from them.
-    pub(crate) fn bytes_to_take(&self, bytes: usize, vertices: usize) -> u64 {
-        (self.mesh.bytes_to_take(bytes / 4, bytes / 6 + vertices) + BYTES_OF_A_BYTE_OF_A_BLOCK * bytes) as u64
+    /// The additional memory in bytes to read at most `push` of a file whose reader stores `vertices` vertices.
+    pub(crate) fn bytes_to_take(&self, push: MostOfPush, vertices: usize) -> u64 {
+        (self.mesh.bytes_to_take(push.facets, push.corners + vertices) + push.held) as u64
     }
 
     /// The additional memory in bytes to read a 3MF package, whatever it contains.

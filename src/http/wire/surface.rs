@@ -2,6 +2,7 @@
 
 use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
 use super::source::{ReceivedSurface, Source, SurfaceWithSource};
+use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
     AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
@@ -46,7 +47,7 @@ impl Kind for StatedSurface {
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         // Nearly all large bodies have only points. They are read without a first pass that finds the members.
-        let mut surface = ReceivedSurface::new();
+        let mut surface = received(faults);
         if let Some(points) = sole_member(raw.get(), POINTS.name)
             && receive_points(points, faults, &mut surface).is_some()
         {
@@ -92,10 +93,15 @@ impl Kind for StatedSurface {
     }
 }
 
+/// An empty surface for the body that `faults` belongs to.
+fn received(faults: &Faults) -> ReceivedSurface {
+    faults.cancel_flag().map_or_else(ReceivedSurface::new, |cancel| ReceivedSurface::until(&cancel))
+}
+
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
-    let mut surface = ReceivedSurface::new();
+    let mut surface = received(faults);
     if receive_points(raw.get(), faults, &mut surface).is_none() {
         find_faults(raw, path.member(POINTS.name), faults)?;
     }
@@ -113,10 +119,17 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
-    let mesh = patch.tessellate(samples, ReceivedSurface::new().mesh);
-    let surface = patch.sampled(samples).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
-        faults.add(&object.path().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
-    })?;
+    let cancel = faults.cancel_flag();
+    let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
+    let mesh = patch.tessellate_until(samples, received(faults).mesh, &stop);
+    let surface =
+        patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
+            faults.add(
+                &object.path().member(SAMPLES.name),
+                RequestFault::OutOfRange,
+                format_args!("the number of samples each way {bounds}"),
+            )
+        })?;
     Ok(SurfaceWithSource::stated(surface, Source::Bezier))
 }
 
@@ -146,8 +159,7 @@ impl Kind for GridKind {
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = object.path();
-    let mut grid =
-        Grid::into_sink(rows, columns, ReceivedSurface::new()).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
+    let mut grid = Grid::into_sink(rows, columns, received(faults)).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let Some(raw) = object.take(GRID_POINTS.name, faults) else {
         return object.required(&GRID_POINTS, faults).and(Err(Faulted));
     };
@@ -189,11 +201,18 @@ fn most_items(raw: &RawValue) -> usize {
     memchr::memchr_iter(b'[', text).count().min(text.len() / 8)
 }
 
+/// The number of triangles between two checks for cancellation.
+const TRIANGLES_AT_ONCE: usize = 4096;
+
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = path.member(TRIANGLES.name);
-    let mut surface = ReceivedSurface::new();
+    let mut surface = received(faults);
     let mut result = Ok(());
+    let cancel = faults.cancel_flag();
     for (number, triangle) in triangles.iter().enumerate() {
+        if number.is_multiple_of(TRIANGLES_AT_ONCE) && cancel.as_ref().is_some_and(CancelFlag::is_cancelled) {
+            break;
+        }
         let at = |corner: usize| points.get(triangle[corner] as usize).copied().ok_or(corner);
         match (at(0), at(1), at(2)) {
             (Ok(a), Ok(b), Ok(c)) => surface.facet([a, b, c]),

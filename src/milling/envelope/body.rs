@@ -124,30 +124,29 @@ impl Body {
         RelativeRadii { across: (across + det * k_f) / whole, skew: (skew - det * k_ft) / whole }
     }
 
-    /// The change of a mark's height due to the turning of the surface's normal, at half a step-over s to the side and
-    /// half a mark spacing f ahead.
-    pub(super) fn third_order(&self, s: f64, f: f64) -> f64 {
-        let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
-        let radii = self.relative_radii();
-        let level_curvature = sin / (self.core + r * sin);
-        let height = |x: f64, y: f64| {
-            let surface = &self.surface;
-            let (by_feed, by_side) =
-                (surface.along_per_mm() * x + surface.twist_per_mm() * y, surface.twist_per_mm() * x + surface.across_per_mm() * y);
-            let in_slope =
-                |x: f64, y: f64| (x * self.along_steepest - y * self.along_level, x * self.along_level + y * self.along_steepest);
-            let ((steep, level), (tilt, turn)) = (in_slope(x, y), in_slope(by_feed, by_side));
-            let turned = (r.recip() - level_curvature) * turn * (cos / sin) * steep * level;
-            let tilted = self.core * cos / (self.core + r * sin).powi(2) * tilt * level * level / 2.0;
-            (turned + tilted).abs()
-        };
-        let ahead = radii.skew / radii.across * s / 2.0;
-        height(ahead + f / 2.0, s / 2.0).max(height(ahead - f / 2.0, s / 2.0))
-    }
-
     /// An upper bound of the distance from the contact to any point of the cutter's lower body.
     pub(super) fn reach(&self) -> f64 {
         2.0 * (self.core + self.corner)
+    }
+
+    /// a = R - r, the radius of the flat.
+    pub(super) fn core(&self) -> f64 {
+        self.core
+    }
+
+    /// r, the corner's radius.
+    pub(super) fn corner(&self) -> f64 {
+        self.corner
+    }
+
+    /// The slope at the contact.
+    pub(super) fn slope(&self) -> Angle {
+        self.slope
+    }
+
+    /// The curvature of the surface in the axes of the feed, mirrored if the feed was.
+    pub(super) fn surface(&self) -> SurfaceCurvature {
+        self.surface
     }
 
     /// Whether the surface has a concave direction, so that the section need not be convex; on a wall that the cutter

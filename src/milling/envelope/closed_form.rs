@@ -8,7 +8,7 @@ use crate::numerics::bracketed_root;
 use std::convert::Infallible;
 
 impl Envelope {
-    /// h on a plane for marks of equal depth, where it has a closed form.
+    /// h on a plane for marks of equal depth; `None` if it has no closed form.
     pub(super) fn closed_form(&self, s: f64, f: f64) -> Option<f64> {
         // Only the cylindrical side touches a wall. On a floor, the corners of the rectangle between two teeth of two
         // passes lie on the flat or on the corner's round.

@@ -1,5 +1,5 @@
-//! The model on concave surfaces, where the section at a height need not be convex. Results of the other searches are
-//! compared with the section's outline; if they differ, the search is repeated from the outline.
+//! The model on concave surfaces, on which the section at a height need not be convex. Results of the other searches
+//! are compared with the section's outline; if they differ, the search is repeated from the outline.
 
 use super::Envelope;
 use super::clearing::Clearing;

@@ -27,9 +27,11 @@ mod outline;
 mod runout;
 mod section;
 mod sharp_edge;
+mod third_order;
+mod turning_marks;
 
 use super::gouging;
-use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
+use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Angle, Length};
 use body::Body;
@@ -87,48 +89,12 @@ impl Envelope {
         self.relative_curvature
     }
 
-    /// An estimate, by the curvature at the contact, of how much the third order of the surface changes a mark's height
-    /// at the ridge between passes s apart with marks f apart, as a share of the ridge's height.
-    ///
-    /// From the contact to a mark beside the ridge the normal turns by K u. The cutter's line of steepest slope then
-    /// turns by (K u)_level / tan(S) in the tangent plane, and the slope changes by (K u)_steepest. Both change C^-1 =
-    /// diag(1/r, 1/q), q = (R - r)/sin(S) + r, and with it the mark's height by 1/2 u' (change of C^-1) u. The changes
-    /// of the two passes' marks have opposite signs, so that h changes with the square of this share.
-    pub(super) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        if self.pass.surface.is_plane() {
-            return 0.0;
-        }
-        let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
-        let share = self.body.third_order(s, f) * 8.0 / (s * s * self.groove_curvature);
-        // On an exact floor and for a sharp edge the product can be 0 times infinity, which counts as infinite.
-        if share.is_nan() { f64::INFINITY } else { share }
-    }
-
-    /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
-    ///
-    /// # Errors
-    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
-    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0))?;
-        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(step_over.mm(), self.pattern(feed.mm())))?;
-        // Without marks, no more is left than with them. Each height may come from a polygon of its own, so the lower
-        // one is used for both.
-        let step_over_height = step_over_height.min(total);
-        // h is never less than h1, except by rounding if the marks leave almost nothing.
-        let feed = (total - step_over_height).max(0.0);
-        Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
-    }
-
-    /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
-    ///
-    /// # Errors
-    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
-    /// step-over in [`Envelope::scallop_height`].
-    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+    /// [`Envelope::max_feed_per_tooth`] to second order.
+    fn second_order_max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
         let step_over_height = Length::computed(self.height(s, Pattern::even(0.0))?);
         let used_up = || {
-            let max_step_over = self.max_step_over(tolerance, None)?;
+            let max_step_over = self.second_order_max_step_over(tolerance, None)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
         };
         if step_over_height >= tolerance {
@@ -203,13 +169,8 @@ impl Envelope {
         Some(logarithm.exp())
     }
 
-    /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
-    ///
-    /// # Errors
-    /// - [`NoAnswer::FeedUsesUpTolerance`] if even passes [`Length::SMALLEST`] apart reach the tolerance;
-    /// - [`NoAnswer::MarksDoNotOverlap`];
-    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one reaches the tolerance.
-    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+    /// [`Envelope::max_step_over`] to second order.
+    fn second_order_max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
         let largest = self.largest_step_over(pattern.spacing);
         if largest < Length::SMALLEST {
@@ -353,13 +314,7 @@ impl Envelope {
     /// from far above they would overshoot.
     fn guess(&self, s: f64, pattern: Pattern) -> f64 {
         let outer = self.cutter.outer_radius().mm();
-        let f = if pattern.is_even() {
-            pattern.spacing
-        } else {
-            // Circles of radius P, f apart and with every second one raised by delta, meet as if they were f + 2 P
-            // delta / f apart.
-            pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
-        };
+        let f = self.even_spacing(&pattern);
         // Above the whole cutter there is no section.
         let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
         // Near the floor, the rectangle between four marks lies on the flat, whose height at the furthest corner
@@ -370,6 +325,15 @@ impl Envelope {
         let on_flat = slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE));
         let guess = if self.pass.surface.is_plane() { parabola.min(on_flat) } else { parabola };
         guess.min(outer / 4.0)
+    }
+
+    /// An approximation of the distance at which marks of equal depth leave the same height. Circles of radius P, f apart
+    /// and with every second one raised by delta, meet as if they were f + 2 P delta / f apart.
+    fn even_spacing(&self, pattern: &Pattern) -> f64 {
+        if pattern.is_even() {
+            return pattern.spacing;
+        }
+        pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
     }
 
     /// An approximation of the largest feed per tooth near a plane floor, if the tolerance p exceeds the height of the

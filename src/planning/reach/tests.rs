@@ -10,8 +10,8 @@ fn mm(value: f64) -> Length {
     Length::from_mm(value).unwrap()
 }
 
-/// A mesh of the heights over the box from 0 to (w, l), on a grid of `columns` x `rows` points, and where it is
-/// machined.
+/// A mesh of the heights over the box from 0 to (w, l), on a grid of `columns` x `rows` points, and whether each facet
+/// is machined.
 fn surface(w: f64, l: f64, columns: u32, rows: u32, z: impl Fn(f64, f64) -> f64) -> (Mesh, Vec<bool>) {
     let mut grid = Grid::into_sink(rows as usize, columns as usize, MeshBuilder::new()).unwrap();
     for row in 0..rows {

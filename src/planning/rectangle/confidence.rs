@@ -104,7 +104,7 @@ impl fmt::Display for Reason {
         match self.weakness {
             Weakness::DirectionsNotPerpendicular => write!(
                 f,
-                "steepest and principal direction are {figure:.1} deg apart; the method takes them for perpendicular, and is sound from {threshold} deg on"
+                "steepest and principal direction are {figure:.1} deg apart; the method assumes that they are perpendicular, and is accurate from {threshold} deg on"
             ),
             Weakness::FormFactorNearOne => {
                 write!(f, "the form factor, {figure:.4}, is under {threshold}, so the principal direction is uncertain")
@@ -112,20 +112,20 @@ impl fmt::Display for Reason {
             Weakness::NoPrincipalDirection => {
                 write!(
                     f,
-                    "the surface has no principal direction seen from above (form factor {figure:.4}), so the ball-end cutter's is free"
+                    "the surface has no principal direction seen from above (form factor {figure:.4}), so the ball-end cutter's direction is free"
                 )
             }
             Weakness::SlopeNearZero => {
-                write!(f, "the slope, {figure:.4} deg, is under {threshold} deg, where a surface has hardly a steepest direction")
+                write!(f, "the slope, {figure:.4} deg, is under {threshold} deg, so the steepest direction is uncertain")
             }
             Weakness::NotFlat => write!(
                 f,
-                "the flatness figure, {figure:.3}, exceeds {threshold}: the surface's normals vary much, and a plane stands for it badly"
+                "the flatness figure, {figure:.3}, exceeds {threshold}: the surface's normals vary much, and a plane is a poor approximation of it"
             ),
             Weakness::SlopeNearCritical => {
                 write!(
                     f,
-                    "the slope is {figure:.2} deg from the critical slope, nearer than the {threshold} deg by which that may be wrong"
+                    "the slope is {figure:.2} deg from the critical slope, less than the error of the critical slope, {threshold} deg"
                 )
             }
             Weakness::TimesNearlyEqual => write!(
@@ -136,14 +136,17 @@ impl fmt::Display for Reason {
             ),
             Weakness::MeanSlopeDisagrees => write!(
                 f,
-                "the mean slope, {figure:.2} deg, lies on the other side of the critical slope, {threshold:.2} deg, than the slope of the plane that fits best"
+                "the mean slope, {figure:.2} deg, and the slope of the best-fit plane are on opposite sides of the critical slope, {threshold:.2} deg"
             ),
             Weakness::ShortPasses => {
-                write!(f, "a pass up the slope is {figure:.3} mm long and does not reach the feed rate, which takes {threshold:.3} mm")
+                write!(
+                    f,
+                    "a pass up the slope is {figure:.3} mm long and does not reach the feed rate, for which it must be {threshold:.3} mm long"
+                )
             }
             Weakness::LongSteps => write!(
                 f,
-                "the larger step-over, {figure:.3} mm, is long enough to reach the feed rate or the acceleration, from {threshold:.3} mm on"
+                "the larger step-over, {figure:.3} mm, is long enough to reach the feed rate or the acceleration, as steps from {threshold:.3} mm on are"
             ),
             Weakness::SmallSurface => write!(f, "the characteristic size, {figure:.3} mm2, is under {threshold} mm2"),
             Weakness::FewPasses => {
@@ -155,7 +158,7 @@ impl fmt::Display for Reason {
             ),
             Weakness::MeanSlopeFarFromPlane => write!(
                 f,
-                "the mean slope differs by {figure:.2} deg from that of the plane that fits best, more than {threshold} deg; step-overs follow the slope"
+                "the mean slope differs by {figure:.2} deg from that of the best-fit plane, more than {threshold} deg; step-overs depend on the slope"
             ),
             Weakness::AreaFarFromSize => write!(
                 f,
@@ -163,7 +166,7 @@ impl fmt::Display for Reason {
                 100.0 * figure,
                 100.0 * threshold
             ),
-            Weakness::SeveralPieces => write!(f, "the surface is in {figure:.0} pieces; one rectangle stands for all of them"),
+            Weakness::SeveralPieces => write!(f, "the surface has {figure:.0} pieces, which one rectangle represents together"),
             Weakness::SimulationDisagrees => write!(
                 f,
                 "the time differs by {:.1} % from that of passes simulated on the surface, more than {:.0} %",

@@ -75,7 +75,7 @@ pub enum PlanError {
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Size(bounds) => write!(f, "both sides of the rectangle that stands for the surface {bounds} mm"),
+            Self::Size(bounds) => write!(f, "both sides of the surface's equivalent rectangle {bounds} mm"),
             Self::Toroidal(no_answer) => write!(f, "the toroidal cutter up the slope: {no_answer}"),
         }
     }
@@ -167,7 +167,7 @@ mod tests {
             let rectangle = InclinedRectangle::from_form(FormFactor::new(mu).unwrap(), Area::from_mm2(chi).unwrap());
             let Ok(rectangle) = rectangle else { return Err(TestCaseError::reject("sides")) };
             let slope = Angle::from_degrees(slope).unwrap();
-            // Quantities are checked to be finite where they come into being, in debug builds.
+            // In debug builds, the constructors of quantities check that these are finite.
             let plan = plan(&job, rectangle, slope);
             if slope.sin() < 1e-290 {
                 prop_assert!(plan.is_ok() || plan == Err(NoAnswer::FlatFloor));

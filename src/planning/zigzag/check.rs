@@ -53,6 +53,9 @@ const MOST_OF_STRIP: usize = 6;
 /// The largest number of rounds in which a check corrects the spacing.
 const ROUNDS: usize = 4;
 
+/// The number of facets and strips between two checks for cancellation.
+const TURN: usize = 16_384;
+
 /// Shares of the tolerance: heights of at least `TIGHT` use the tolerance fully, heights above `OVER` are too high, and
 /// spacings are corrected so that the height is `AIM`.
 const TIGHT: f64 = 0.97;
@@ -66,13 +69,15 @@ const FAR_OVER: f64 = 1.03;
 const LARGEST_CURVATURE: f64 = 10.0;
 
 /// The data for the check of a plan.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub(super) struct Inspector<'a> {
     pub(super) facets: &'a [FinishFacet],
     pub(super) cutter: Cutter,
     pub(super) tolerance: f64,
     pub(super) feeds: &'a FeedLaw,
     pub(super) teeth_per_second: Option<f64>,
+    /// Once it returns true, the check ends early with a result that has no meaning.
+    stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// A height at a point, and its strip.
@@ -119,13 +124,19 @@ pub(super) fn checked(
 }
 
 impl<'a> Inspector<'a> {
-    pub(super) fn new(facets: &'a [FinishFacet], prepared: &'a Prepared, settings: &ZigzagSettings) -> Self {
+    pub(super) fn new(
+        facets: &'a [FinishFacet],
+        prepared: &'a Prepared,
+        settings: &ZigzagSettings,
+        stop: &'a (dyn Fn() -> bool + Sync),
+    ) -> Self {
         Self {
             facets,
             cutter: prepared.candidate.cutter,
             tolerance: settings.scallop_height.mm(),
             feeds: &prepared.feeds,
             teeth_per_second: prepared.range.map(|range| range.teeth_per_second),
+            stop,
         }
     }
 
@@ -159,8 +170,15 @@ impl<'a> Inspector<'a> {
     fn riskiest(&self, spaced: &Spaced, planes: &[Plane], stride: usize) -> Vec<[(f64, u32); BINDING]> {
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         let mut riskiest = vec![[(0.0, 0_u32); BINDING]; planes.len()];
-        let mut first = 0;
+        let (mut first, mut examined) = (0, 0);
         for (covered, &allowed) in spaced.sweep.covered.iter().zip(&spaced.allowed) {
+            examined += 1;
+            if examined >= TURN {
+                examined = 0;
+                if (self.stop)() {
+                    break;
+                }
+            }
             while planes.get(first + 1).is_some_and(|next| next.at <= covered.low) {
                 first += 1;
             }
@@ -175,6 +193,7 @@ impl<'a> Inspector<'a> {
             for (strip, plane) in
                 planes.iter().enumerate().skip(first).take_while(|(strip, plane)| *strip == first || plane.at < covered.high)
             {
+                examined += 1;
                 if strip % stride != 0 {
                     continue;
                 }
@@ -203,7 +222,8 @@ impl<'a> Inspector<'a> {
     fn evaluate_all(&self, spaced: &Spaced, planes: &[Plane], places: &[(usize, u32)]) -> Vec<Evaluated> {
         let evaluate = |&(strip, facet): &(usize, u32)| {
             let spacing = planes[strip].after;
-            Evaluated { strip, facet, height: self.height(spaced, facet, spacing) }
+            let height = if (self.stop)() { None } else { self.height(spaced, facet, spacing) };
+            Evaluated { strip, facet, height }
         };
         places.par_iter().with_min_len(64).map(evaluate).collect()
     }
@@ -267,6 +287,9 @@ fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspect
     }
     let correction = |(strip, highest): (usize, &Option<(f64, u32)>)| {
         let &(height, facet) = highest.as_ref()?;
+        if (inspector.stop)() {
+            return None;
+        }
         let is_over = height > OVER * tolerance;
         // The band's end determines the width of its last strip.
         let is_loose = widens && height < TIGHT * tolerance && strip + 1 < planes.len();

@@ -1,5 +1,6 @@
 //! Placement of the planes of passes, as far apart as the worst point of each strip allows.
 
+use super::prepared::Prepared;
 use super::spacing::CutterSpacing;
 use super::sweep::{Covered, Sweep};
 use super::workpiece::{Tangent, Workpiece};
@@ -27,14 +28,26 @@ pub(super) struct Spaced<'a> {
     pub(super) factors: Vec<(f64, f64)>,
 }
 
+/// The number of facets between two checks for cancellation while their spacings are computed.
+const FACETS_AT_ONCE: usize = 8192;
+
 impl<'a> Spaced<'a> {
-    pub(super) fn new(workpiece: &'a Workpiece, sweep: &'a Sweep, spacing: &'a CutterSpacing, widest: f64, left_out: f64) -> Self {
+    /// The facets with their spacings for the cutter of `prepared`; `left_out` is the share of a strip's area that may
+    /// allow less. Once `stop` returns true, it ends early with fewer spacings.
+    pub(super) fn new(
+        workpiece: &'a Workpiece,
+        sweep: &'a Sweep,
+        prepared: &'a Prepared,
+        left_out: f64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
+        let (spacing, widest) = (&prepared.spacing, prepared.diameter());
         let allowed = |covered: &Covered| {
             #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
             let allowed = squared_spacing(&workpiece.tangents[covered.facet as usize], sweep, spacing).sqrt() as f32;
             allowed
         };
-        let allowed = sweep.covered.iter().map(allowed).collect();
+        let allowed = sweep.covered.chunks(FACETS_AT_ONCE).take_while(|_| !stop()).flatten().map(allowed).collect();
         Self { workpiece, sweep, spacing, allowed, widest, left_out, factors: Vec::new() }
     }
 
@@ -102,14 +115,16 @@ pub(super) enum NoPlanes {
     NoSpacing,
     /// There would be more than [`MOST_PLANES`].
     TooManyPlanes,
-    /// There would be more than [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them.
+    /// There would be more than [`MOST_RUNS`](super::room::MOST_RUNS) runs in them.
     TooManyRuns,
     /// The strips would contain facets more than [`MOST_MET`] times, counted once for each strip.
     TooManyMet,
 }
 
-/// The number of planes between two checks for cancellation.
-const PLANES_AT_ONCE: usize = 32;
+/// The number of facets that planes meet between two checks for cancellation, about a millisecond; each plane counts
+/// as [`FACETS_OF_A_PLANE`] more.
+const MET_AT_ONCE: usize = 65_536;
+const FACETS_OF_A_PLANE: usize = 2_048;
 
 /// The largest number of facets in strips, counted once for each strip: about 0.2 s of work. An ordinary mesh of a
 /// million facets has 5e6. Half a million facets that each cover the whole part would all be in every strip.
@@ -125,7 +140,11 @@ pub(super) fn march(
     stop: &(dyn Fn() -> bool + Sync),
     mut visit: impl FnMut(Plane, &mut Vec<Reached>) -> Result<(), NoPlanes>,
 ) -> Result<(), NoPlanes> {
-    let (mut planes, mut met) = (0_usize, 0_usize);
+    let (mut planes, mut met, mut met_at_check) = (0_usize, 0_usize, 0_usize);
+    if stop() {
+        // Facets and spacings may be missing.
+        return Err(NoPlanes::Cancelled);
+    }
     for band in spaced.sweep.bands(spaced.widest) {
         let mut walk = Walk {
             spaced,
@@ -154,8 +173,11 @@ pub(super) fn march(
             if met > MOST_MET {
                 return Err(NoPlanes::TooManyMet);
             }
-            if planes.is_multiple_of(PLANES_AT_ONCE) && stop() {
-                return Err(NoPlanes::Cancelled);
+            if met + planes * FACETS_OF_A_PLANE - met_at_check >= MET_AT_ONCE {
+                met_at_check = met + planes * FACETS_OF_A_PLANE;
+                if stop() {
+                    return Err(NoPlanes::Cancelled);
+                }
             }
             let rest = band.high - plane.at;
             let widest = if is_last { plane.before } else { walk.widest_from(plane.at)? };

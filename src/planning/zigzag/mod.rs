@@ -40,7 +40,7 @@ pub use candidate::{CandidateCutter, Drive, ReachFigures};
 pub use check::ScallopFigures;
 pub use confidence::{SurfaceConfidence, SurfaceEvidence, SurfaceReason, SurfaceWeakness};
 pub use heights::heights;
-pub use passes::{PassPoint, Passes, TooManyPoints, bytes_of_passes, passes};
+pub use passes::{PassPoint, Passes, TooManyPoints, bytes_of_passes, passes, passes_until};
 pub use plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};
 pub use ranking::{NoRanking, Ranking, rank, rank_within};
 pub use room::PlanRoom;

@@ -117,16 +117,35 @@ pub fn passes(
     raised: &(dyn Fn([f64; 3]) -> f64 + Sync),
     limit: usize,
 ) -> Result<Passes, TooManyPoints> {
-    let workpiece = Workpiece::new(facets, settings.max_slope.cos());
-    let sweep = Sweep::new(&workpiece, plan.direction);
-    let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece));
-    let spaced = Spaced::new(&workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+    passes_until(plan, facets, candidate, settings, raised, limit, &|| false)
+}
+
+/// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+///
+/// # Errors
+/// [`TooManyPoints`]
+pub fn passes_until(
+    plan: &ZigzagPlan,
+    facets: &[FinishFacet],
+    candidate: &CandidateCutter,
+    settings: &ZigzagSettings,
+    raised: &(dyn Fn([f64; 3]) -> f64 + Sync),
+    limit: usize,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Passes, TooManyPoints> {
+    let workpiece = Workpiece::new(facets, settings.max_slope.cos(), stop);
+    let sweep = Sweep::new(&workpiece, plan.direction, stop);
+    let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece), stop);
+    let spaced = Spaced::new(&workpiece, &sweep, &prepared, settings.left_out_share, stop);
+    if stop() {
+        return Err(TooManyPoints { limit });
+    }
     // The plan exists, so it fits the largest room.
     let room = Room::new(PlanRoom::LARGEST);
-    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings, &room), candidate.cutter);
+    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings, &room), candidate.cutter, stop);
     let mut chord = CHORD_SHARE * settings.scallop_height.mm();
     let kept = (0..=DOUBLINGS).find_map(|_| {
-        let kept: Vec<Vec<usize>> = runs.par_iter().map(|run| thinned(&run.places, chord)).collect();
+        let kept: Vec<Vec<usize>> = runs.par_iter().map(|run| thinned(&run.places, chord, stop)).collect();
         let fits = kept.iter().map(Vec::len).sum::<usize>() <= limit;
         if !fits {
             chord *= 2.0;
@@ -138,7 +157,7 @@ pub fn passes(
     let points: Vec<Vec<PassPoint>> = runs
         .par_iter()
         .zip(&kept)
-        .map(|(run, kept)| kept.iter().map(|&index| pointing.point(&run.plane, run.places[index])).collect())
+        .map(|(run, kept)| kept.iter().take_while(|_| !stop()).map(|&index| pointing.point(&run.plane, run.places[index])).collect())
         .collect();
     let time = time_of_tips(&runs, &points, &spaced, prepared.operation(settings, &room));
     let mut run_starts = Vec::with_capacity(points.len());
@@ -178,8 +197,15 @@ const BYTES_OF_A_PLANE: usize = 512;
 const BYTES_OF_A_POINT: usize = 1000;
 
 /// The runs of all planes with their places, in the order and direction of cutting.
-fn runs_in_order(plan: &ZigzagPlan, facets: &[FinishFacet], spaced: &Spaced, operation: Operation, cutter: Cutter) -> Vec<OrderedRun> {
-    let by_plane = cuts_by_plane(&plan.passes, spaced);
+fn runs_in_order(
+    plan: &ZigzagPlan,
+    facets: &[FinishFacet],
+    spaced: &Spaced,
+    operation: Operation,
+    cutter: Cutter,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Vec<OrderedRun> {
+    let by_plane = cuts_by_plane(&plan.passes, spaced, stop);
     let of_plane = |(number, (plane, cuts)): (usize, (&Plane, Vec<Cut>))| runs_of(number, plane.at, cuts, facets, spaced, cutter);
     let runs: Vec<(Stretch, Vec<Place>)> = plan.passes.par_iter().zip(by_plane).enumerate().flat_map_iter(of_plane).collect();
     let stretches: Vec<Stretch> = runs.iter().map(|&(stretch, _)| stretch).collect();
@@ -232,15 +258,27 @@ struct Cut {
     ends: [[f64; 2]; 2],
 }
 
-/// The cuts of each plane.
-fn cuts_by_plane(planes: &[Plane], spaced: &Spaced) -> Vec<Vec<Cut>> {
+/// The number of facets and cuts between two checks for cancellation.
+const TURN: usize = 16_384;
+
+/// The cuts of each plane; none once `stop` returns true.
+fn cuts_by_plane(planes: &[Plane], spaced: &Spaced, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Cut>> {
     let mut by_plane = vec![Vec::new(); planes.len()];
+    let mut examined = 0;
     for (covered, slice) in spaced.sweep.covered.iter().zip(&spaced.sweep.slices) {
+        examined += 1;
+        if examined >= TURN {
+            examined = 0;
+            if stop() {
+                return vec![Vec::new(); planes.len()];
+            }
+        }
         let first = planes.partition_point(|plane| plane.at < covered.low);
         for (plane, cuts) in planes[first..].iter().zip(&mut by_plane[first..]) {
             if plane.at >= covered.high {
                 break;
             }
+            examined += 1;
             let [from, to] = slice.cut(plane.at);
             if to > from {
                 let ends = [[from, slice.height(from, plane.at)], [to, slice.height(to, plane.at)]];
@@ -296,13 +334,13 @@ fn runs_of(
 
 /// The indices of the places to keep, so that contact and tip of each omitted one are at most `chord` from the lines
 /// between its kept neighbours. The algorithm of Douglas and Peucker: it keeps the two ends, then repeatedly the
-/// farthest place.
-fn thinned(places: &[Place], chord: f64) -> Vec<usize> {
+/// farthest place. Once `stop` returns true, it ends early.
+fn thinned(places: &[Place], chord: f64, stop: &(dyn Fn() -> bool + Sync)) -> Vec<usize> {
     let mut keep = vec![false; places.len()];
     let Some(last) = places.len().checked_sub(1) else { return Vec::new() };
     (keep[0], keep[last]) = (true, true);
     let mut open = vec![(0, last)];
-    while let Some((from, to)) = open.pop() {
+    while let Some((from, to)) = open.pop().filter(|_| !stop()) {
         let far = |index: usize| {
             let contact = distance(places[index].contact, places[from].contact, places[to].contact);
             contact.max(distance(places[index].tip, places[from].tip, places[to].tip))

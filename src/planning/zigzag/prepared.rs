@@ -21,10 +21,19 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    pub(super) fn new(index: usize, candidate: &CandidateCutter, settings: &ZigzagSettings, rows: &[bool]) -> Self {
+    /// The candidate with spacings at the rows of slopes that `rows` marks. Once `stop` returns true, it ends early with
+    /// spacings that have no meaning.
+    pub(super) fn new(
+        index: usize,
+        candidate: &CandidateCutter,
+        settings: &ZigzagSettings,
+        rows: &[bool],
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
         let feed_rate = settings.machine.limits.feed_rate.mm_s();
         let range = candidate.drive.map(|drive| FeedRange::of(drive, &settings.machine));
-        let (spacing, feeds) = CutterSpacing::new(candidate.cutter, settings.scallop_height, settings.model, range, rows, feed_rate);
+        let (height, model) = (settings.scallop_height, settings.model);
+        let (spacing, feeds) = CutterSpacing::new(candidate.cutter, height, model, range, &|row| rows[row] && !stop(), feed_rate);
         let link_rate = range.map_or(feed_rate, |range| range.rate(range.largest));
         Self { index, candidate: *candidate, spacing, feeds, range, link_rate }
     }

@@ -38,8 +38,7 @@ const LARGEST_SHARE_WITHOUT_HEIGHT: f64 = 0.5;
 /// Plans zigzag passes for each candidate over the facets and ranks them by time.
 ///
 /// The facets must be visible from above, with n_z > 0; `evidence` has the properties of the mesh that the facets do
-/// not show. `stop` is called before each candidate and direction and every 32 planes. If it returns true, the result
-/// is `None`.
+/// not show. `stop` is called about every millisecond, by all threads. The result is `None` soon after it returns true.
 #[must_use]
 pub fn rank(
     facets: &[FinishFacet],
@@ -86,7 +85,7 @@ fn ranked(
     room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Ranking> {
-    let workpiece = Workpiece::new(facets, settings.max_slope.cos());
+    let workpiece = Workpiece::new(facets, settings.max_slope.cos(), stop);
     let surface = workpiece.figures();
     let mut not_ranked = Vec::new();
     let mut reaching = Vec::new();
@@ -97,7 +96,7 @@ fn ranked(
         }
     }
     let rows = rows_of(&workpiece);
-    let prepare = |&index: &usize| (!stop()).then(|| Prepared::new(index, &candidates[index], settings, &rows));
+    let prepare = |&index: &usize| (!stop()).then(|| Prepared::new(index, &candidates[index], settings, &rows, stop));
     let prepared: Vec<Prepared> = reaching.par_iter().map(prepare).collect::<Option<_>>()?;
     let times = times_by_direction(&workpiece, &prepared, settings, room, stop)?;
     let work: Vec<_> = prepared.iter().zip(times).collect();
@@ -164,7 +163,7 @@ fn fastest_checked(
     room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<(CheckedPlan, Vec<TimeOfDirection>), NotRankedReason> {
-    let inspector = Inspector::new(facets, prepared, settings);
+    let inspector = Inspector::new(facets, prepared, settings, stop);
     // With model `analytic` the spacing is the published one: it is checked, but not corrected.
     let follows = settings.model == Model::Envelope;
     let mut best: Option<CheckedPlan> = None;
@@ -179,8 +178,8 @@ fn fastest_checked(
         if best.as_ref().zip(next.seconds.ok()).is_some_and(|(best, seconds)| seconds >= best.simulated.figures.seconds) {
             break;
         }
-        let sweep = Sweep::new(workpiece, next.direction);
-        let spaced = Spaced::new(workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+        let sweep = Sweep::new(workpiece, next.direction, stop);
+        let spaced = Spaced::new(workpiece, &sweep, prepared, settings.left_out_share, stop);
         let seconds = match checked(spaced, prepared.operation(settings, room), inspector, follows, stop) {
             Ok((simulated, scallop_height)) if simulated.figures.runs > 0 => {
                 let seconds = simulated.figures.seconds;

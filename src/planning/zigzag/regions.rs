@@ -7,6 +7,7 @@
 
 use super::links::{End, Links};
 use super::settings::Pattern;
+use std::collections::VecDeque;
 
 /// The position of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,15 +47,16 @@ pub(super) fn in_order(runs: &[Stretch], pattern: Pattern, links: &Links) -> Vec
     if pattern == Pattern::OneWay {
         return (0..runs.len()).map(|run| Leg { run, forward: true }).collect();
     }
-    let mut regions = regions(runs, links.longest);
+    // Those that are compared are the first ones, so that the removal of one moves few.
+    let mut regions = VecDeque::from(regions(runs, links.longest));
     let mut legs: Vec<Leg> = Vec::with_capacity(runs.len());
     let compared = (MOST_COMPARED / regions.len().max(1)).clamp(1, 64);
     while !regions.is_empty() {
         let (index, from_last, forward) = match legs.last() {
             None => (0, false, true),
-            Some(last) => quickest(&regions[..compared.min(regions.len())], runs, runs[last.run].end(usize::from(last.forward)), links),
+            Some(last) => quickest(regions.iter().take(compared), runs, runs[last.run].end(usize::from(last.forward)), links),
         };
-        let region = regions.remove(index);
+        let Some(region) = regions.remove(index) else { break };
         let mut forward = forward;
         let mut add = |run: usize| {
             legs.push(Leg { run, forward });
@@ -67,9 +69,9 @@ pub(super) fn in_order(runs: &[Stretch], pattern: Pattern, links: &Links) -> Vec
 
 /// The region with the quickest link from `end`; whether it is entered at its last plane; and whether its first run is
 /// cut in the direction of the passes.
-fn quickest(regions: &[Vec<usize>], runs: &[Stretch], end: End, links: &Links) -> (usize, bool, bool) {
+fn quickest<'a>(regions: impl Iterator<Item = &'a Vec<usize>>, runs: &[Stretch], end: End, links: &Links) -> (usize, bool, bool) {
     let mut best = (f64::INFINITY, (0, false, true));
-    for (index, region) in regions.iter().enumerate() {
+    for (index, region) in regions.enumerate() {
         for from_last in [false, true] {
             let first = if from_last { region.last() } else { region.first() };
             for forward in [true, false] {

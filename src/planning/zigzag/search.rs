@@ -153,10 +153,10 @@ fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found:
                 return Vec::new();
             }
             let direction = of_direction[0].1;
-            let sweep = Sweep::new(facets, direction);
+            let sweep = Sweep::new(facets, direction, stop);
             let time = |&(contender, _): &(usize, Angle)| {
                 let prepared = &contenders[contender];
-                let spaced = Spaced::new(facets, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+                let spaced = Spaced::new(facets, &sweep, prepared, settings.left_out_share, stop);
                 let seconds = simulate(&spaced, prepared.operation(settings, room), stop).map(|simulated| simulated.figures.seconds);
                 (contender, TimeOfDirection { direction, seconds, is_rough })
             };

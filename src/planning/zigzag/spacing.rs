@@ -73,13 +73,13 @@ impl CutterSpacing {
     pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
 
     /// The spacings and feeds of a cutter for the scallop height `height`. It includes feed marks if `feeds` is given.
-    /// `rows` marks the rows of a table that are needed; `feed_rate` is the machine's, in mm/s.
+    /// `is_needed` marks the rows of a table that are needed; `feed_rate` is the machine's, in mm/s.
     pub(super) fn new(
         cutter: Cutter,
         height: Length,
         model: Model,
         feeds: Option<FeedRange>,
-        rows: &[bool],
+        is_needed: &(dyn Fn(usize) -> bool + Sync),
         feed_rate: f64,
     ) -> (Self, FeedLaw) {
         let h = height.mm();
@@ -96,14 +96,14 @@ impl CutterSpacing {
                 let (step_over, feed) = best.map_or((0.0, range.largest), |best| (best.step_over, best.feed_per_tooth));
                 (Law::Constant { squared: step_over * step_over }, constant_or_table(range, vec![[feed, share(step_over, cutter, h)]]))
             }
-            _ => tabulated(cutter, height, model, feeds, rows, feed_rate),
+            _ => tabulated(cutter, height, model, feeds, is_needed, feed_rate),
         };
         let on_curved = model == Model::Envelope;
         (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
     }
 
-    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 where no spacing keeps
-    /// the scallop height.
+    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 if no spacing keeps the
+    /// scallop height.
     pub(super) fn squared(&self, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
         let ratio_squared = tangent.ratio_squared(cos_alpha);
         let on_plane = match &self.law {
@@ -183,7 +183,14 @@ impl FeedTable {
 }
 
 /// The tables of spacings and feeds for the rows that are needed.
-fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRange>, rows: &[bool], feed_rate: f64) -> (Law, FeedLaw) {
+fn tabulated(
+    cutter: Cutter,
+    height: Length,
+    model: Model,
+    feeds: Option<FeedRange>,
+    is_needed: &(dyn Fn(usize) -> bool + Sync),
+    feed_rate: f64,
+) -> (Law, FeedLaw) {
     let diameter = 2.0 * cutter.outer_radius().mm();
     let limit = feeds.map(|range| range.largest);
     let row_of = |(row, &sin): (usize, &f64)| -> Vec<([f64; 2], f64)> {
@@ -206,7 +213,7 @@ fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRan
             };
             ([best.feed_per_tooth, share], seen_from_above * seen_from_above)
         };
-        if rows[row] { (0..=COLUMNS).map(node).collect() } else { vec![([limit.unwrap_or(0.0), 0.0], 0.0); COLUMNS + 1] }
+        if is_needed(row) { (0..=COLUMNS).map(node).collect() } else { vec![([limit.unwrap_or(0.0), 0.0], 0.0); COLUMNS + 1] }
     };
     let nodes: Vec<([f64; 2], f64)> = sines().par_iter().enumerate().flat_map_iter(row_of).collect();
     let kept = 1.0 - if feeds.is_some() { CutterSpacing::MARGIN_WITH_FEEDS } else { CutterSpacing::MARGIN };
@@ -328,13 +335,12 @@ mod tests {
     fn compared(model: Model, feeds: Option<FeedRange>, slopes: impl Fn(f64) -> f64) -> [f64; 2] {
         let mut state = 7;
         let mut range = [f64::INFINITY, 0.0_f64];
-        let rows = vec![true; sines().len()];
         for _ in 0..10 {
             let diameter = 2.0 + 14.0 * random(&mut state);
             let corner = (0.02 + 0.9 * random(&mut state)) * diameter / 2.0;
             let cutter = Cutter::toroidal(Length::computed(diameter), Length::computed(corner)).unwrap();
             let height = Length::computed(0.002 * 15.0_f64.powf(random(&mut state)));
-            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &rows, 80.0);
+            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &|_| true, 80.0);
             for _ in 0..100 {
                 let (slope, alpha) = (slopes(random(&mut state)), 90.0 * random(&mut state));
                 let contact = Contact::from_degrees(slope, alpha).unwrap();

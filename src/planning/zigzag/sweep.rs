@@ -115,14 +115,19 @@ pub(super) struct Sweep {
     covered_bands: Vec<Band>,
 }
 
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 8192;
+
 impl Sweep {
-    pub(super) fn new(workpiece: &Workpiece, direction: Angle) -> Self {
+    /// The facets in the order of this direction. Once `stop` returns true, it ends early with fewer of them.
+    pub(super) fn new(workpiece: &Workpiece, direction: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Self {
         let heading = Heading::new(direction);
         let mut along = [f64::INFINITY, f64::NEG_INFINITY];
         let mut across = [f64::INFINITY, f64::NEG_INFINITY];
         let unordered: Vec<Covered> = (0_u32..)
             .zip(&workpiece.corners)
             .zip(&workpiece.areas)
+            .take_while(|((facet, _), _)| !(*facet as usize).is_multiple_of(TURN) || !stop())
             .map(|((facet, corners), area)| {
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
                 for &[x, y, _] in corners {
@@ -136,12 +141,12 @@ impl Sweep {
                 Covered { low, high, facet, density }
             })
             .collect();
-        let covered = ordered(unordered, across);
+        let covered = if stop() { Vec::new() } else { ordered(unordered, across) };
         let slice = |covered: &Covered| {
             let facet = covered.facet as usize;
             Slice::new(&workpiece.corners[facet], &workpiece.tangents[facet], workpiece.weights[facet], heading)
         };
-        let slices = covered.iter().map(slice).collect();
+        let slices = covered.chunks(TURN).take_while(|_| !stop()).flatten().map(slice).collect();
         let covered_bands = bands_of(&covered);
         Self { heading, covered, slices, along, covered_bands }
     }

@@ -73,8 +73,10 @@ impl Tangent {
 }
 
 impl Workpiece {
-    /// Prepares the facets; `cos_of_steepest` is the cosine of the slope up to which they set spacings.
-    pub(super) fn new(facets: &[FinishFacet], cos_of_steepest: f64) -> Self {
+    /// Prepares the facets; `cos_of_steepest` is the cosine of the slope up to which they set spacings. Once `stop`
+    /// returns true, no facets are prepared.
+    pub(super) fn new(facets: &[FinishFacet], cos_of_steepest: f64, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+        let facets = if stop() { &[] } else { facets };
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in facets.iter().flat_map(|facet| &facet.corners) {
             for axis in 0..3 {
@@ -85,9 +87,12 @@ impl Workpiece {
         let origin = [0, 1, 2].map(|axis| if facets.is_empty() { 0.0 } else { f64::midpoint(low[axis], high[axis]) });
         let corners =
             facets.par_iter().with_min_len(4096).map(|facet| facet.corners.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]));
+        let corners: Vec<_> = corners.collect();
+        let facets = if stop() { &[] } else { facets };
+        let corners = if facets.is_empty() { Vec::new() } else { corners };
         let tangents = facets.par_iter().with_min_len(4096).map(|facet| Tangent::of(facet, cos_of_steepest));
         Self {
-            corners: corners.collect(),
+            corners,
             areas: facets.iter().map(|facet| facet.area).collect(),
             tangents: tangents.collect(),
             origin,

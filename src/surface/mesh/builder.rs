@@ -6,6 +6,7 @@ use super::part::{MeshPart, PartFacets};
 use super::thinning::PointCloud;
 use super::weld::Welder;
 use super::{Mesh, MeshError, cross};
+use crate::cancellation::CancelFlag;
 use crate::surface::{Bounds, Facing, Sink, Unit, triangulation};
 
 /// A sink that welds facets into a [`Mesh`], or triangulates single points.
@@ -35,6 +36,7 @@ pub struct MeshBuilder {
     left_out: LeftOut,
     bounds: Bounds,
     turned_over: bool,
+    cancel: CancelFlag,
 }
 
 /// The facets and points of a mesh.
@@ -82,7 +84,14 @@ impl MeshBuilder {
             left_out: LeftOut::default(),
             bounds: Bounds::NONE,
             turned_over: false,
+            cancel: CancelFlag::default(),
         }
+    }
+
+    /// The same builder, which merges no more facets once `cancel` is set: its mesh has no meaning then.
+    #[must_use]
+    pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
+        Self { cancel: cancel.clone(), ..self }
     }
 
     /// N, the largest number of facets held.
@@ -248,7 +257,10 @@ impl MeshBuilder {
             self.bounds.include(corner);
         }
         if let Some(lattice) = &mut self.lattice {
-            lattice.add(corners);
+            // A facet as large as the part takes a millisecond.
+            if !self.cancel.is_cancelled() {
+                lattice.add(corners);
+            }
         } else if self.triangles.len() == self.limit {
             self.merge().add(corners);
         } else {
@@ -260,11 +272,11 @@ impl MeshBuilder {
     fn merge(&mut self) -> &mut HeightLattice {
         let (welder, triangles) = (std::mem::take(&mut self.welder), std::mem::take(&mut self.triangles));
         let bounds = self.bounds;
-        let limit = self.limit;
+        let (limit, cancel) = (self.limit, &self.cancel);
         self.lattice.get_or_insert_with(|| {
             let mut lattice = HeightLattice::new(limit, &bounds);
             let points = welder.into_points();
-            for triangle in triangles {
+            for triangle in triangles.into_iter().take_while(|_| !cancel.is_cancelled()) {
                 lattice.add(triangle.map(|index| points[index as usize]));
             }
             lattice

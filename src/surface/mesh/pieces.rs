@@ -23,6 +23,9 @@ impl Pieces {
     }
 }
 
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 4096;
+
 /// The number of a piece that is not assigned yet.
 const NONE: u32 = u32::MAX;
 
@@ -33,17 +36,30 @@ impl Mesh {
     /// Never: the bound on facets keeps point numbers within 32 bits.
     #[must_use]
     pub fn pieces(&self) -> Pieces {
+        self.pieces_until(&|| false)
+    }
+
+    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    ///
+    /// # Panics
+    /// Never, as [`Mesh::pieces`].
+    #[must_use]
+    pub fn pieces_until(&self, stop: &(dyn Fn() -> bool + Sync)) -> Pieces {
         let points = u32::try_from(self.points().len()).expect("points are numbered in 32 bits");
         let mut parent: Vec<u32> = (0..points).collect();
-        for &[a, b, c] in self.triangles() {
-            let a = join(&mut parent, a, b);
-            join(&mut parent, a, c);
+        for some in self.triangles().chunks(TURN).take_while(|_| !stop()) {
+            for &[a, b, c] in some {
+                let a = join(&mut parent, a, b);
+                join(&mut parent, a, c);
+            }
         }
         let mut piece_of_root = vec![NONE; parent.len()];
         let mut count = 0;
         let of_facet = self
             .triangles()
-            .iter()
+            .chunks(TURN)
+            .take_while(|_| !stop())
+            .flatten()
             .map(|triangle| {
                 let piece = &mut piece_of_root[root(&mut parent, triangle[0]) as usize];
                 if *piece == NONE {

@@ -23,6 +23,9 @@ pub struct ViewFromAbove {
 /// part, the cells become larger.
 const VISITS: f64 = 5e7;
 
+/// The number of facets and cells between two checks for cancellation.
+const TURN: usize = 16_384;
+
 impl ViewFromAbove {
     /// The number of the facet seen in a cell; `None` if there is no surface.
     #[must_use]
@@ -49,6 +52,15 @@ impl Mesh {
     /// Never: the bound on facets keeps their numbers within 32 bits.
     #[must_use]
     pub fn seen_from_above(&self, side: usize) -> ViewFromAbove {
+        self.seen_from_above_until(side, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    ///
+    /// # Panics
+    /// Never, as [`Mesh::seen_from_above`].
+    #[must_use]
+    pub fn seen_from_above_until(&self, side: usize, stop: &(dyn Fn() -> bool + Sync)) -> ViewFromAbove {
         let frame = self.frame(side.clamp(1, 4096));
         let mut heights = vec![f64::NEG_INFINITY; frame.cells()];
         let mut facets = vec![NO_FACET; frame.cells()];
@@ -58,10 +70,19 @@ impl Mesh {
         heights.par_chunks_mut(band).zip(facets.par_chunks_mut(band)).enumerate().for_each(|(number, (heights, facets))| {
             let (first, last) = (number * rows, ((number + 1) * rows).min(frame.rows));
             let (mut pointing_up, from) = (vec![false; heights.len()], first * frame.columns);
+            let mut visited = 0;
             for facet in 0..self.triangles().len() {
                 let [a, b, c] = self.corners(facet);
                 let Some(up) = side_seen(cross(a, b, c)) else { continue };
+                visited += 1;
+                if visited >= TURN {
+                    visited = 0;
+                    if stop() {
+                        return;
+                    }
+                }
                 frame.scan([a, b, c], first..last, |cell, z, _| {
+                    visited += 1;
                     let cell = cell - from;
                     if z > heights[cell] || (z >= heights[cell] && up && !pointing_up[cell]) {
                         heights[cell] = z;

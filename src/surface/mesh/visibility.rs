@@ -95,14 +95,23 @@ impl Mesh {
     /// counts as turned; a closed solid has no such facets.
     #[must_use]
     pub fn visibility(&self, max_slope: Angle) -> Visibility {
+        self.visibility_until(max_slope, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    #[must_use]
+    pub fn visibility_until(&self, max_slope: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Visibility {
         let facets = self.triangles().len();
-        let view = self.seen_from_above((8 * facets).isqrt().clamp(64, 1024));
+        let view = self.seen_from_above_until((8 * facets).isqrt().clamp(64, 1024), stop);
         let frame = view.frame;
         let height = self.bounds().max[2] - self.bounds().min[2];
         // The heights at a common edge, computed from each of its two facets, differ by rounding errors of the
         // coordinates.
         let rounding = 1e-9 * height + 4.0 * f64::EPSILON * self.bounds().largest_magnitude();
         let one = |facet: usize| {
+            if stop() {
+                return (FacetClass::Hidden, false, 0.0);
+            }
             let corners = self.corners(facet);
             let [a, b, c] = corners;
             let side = side_seen(cross(a, b, c));

@@ -117,6 +117,27 @@ enum Body {
     ThreeMf(three_mf::Reader),
 }
 
+/// The most that a part of a file makes while it is read by [`Reader::push_in_parallel`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MostOfPush {
+    /// Facets, or points of a file without facets.
+    pub facets: usize,
+    /// Corners of facets.
+    pub corners: usize,
+    /// The memory in bytes of the parts that are read, until they are added to the sink.
+    pub held: usize,
+}
+
+impl MostOfPush {
+    /// Of a file in any format. Few formats state a facet in fewer than 4 bytes or a vertex in fewer than 6. A byte takes
+    /// itself, the number of a vertex at a corner (4 bytes for each 2), and of each facet (4 bytes at least, in binary
+    /// PLY) 12 bytes for its corners, and 36 for the points that it does not share with others and the table that finds
+    /// them.
+    fn of_any(bytes: usize) -> Self {
+        Self { facets: bytes / 4, corners: bytes / 6, held: 40 * bytes }
+    }
+}
+
 impl Reader {
     /// A reader for one file.
     #[must_use]
@@ -223,6 +244,24 @@ impl Reader {
             Body::Ply(reader) => reader.held_bytes(),
             Body::ThreeMf(reader) => reader.held_bytes(),
             Body::Text(_) | Body::Pcd(_) | Body::StlAscii(_) | Body::StlBinary(_) => 0,
+        }
+    }
+
+    /// The most that a push of `bytes` bytes makes and holds, beside the vertices of [`Reader::held_bytes`].
+    #[must_use]
+    pub fn most_of_push(&self, bytes: usize) -> MostOfPush {
+        match &self.stage {
+            Stage::Body(body) => match **body {
+                // 50 bytes a facet, with three corners: in vectors that move to twice their size 36 bytes for its
+                // numbers, 216 for its points, 52 for the tables that find them, and itself.
+                Body::StlBinary(_) => MostOfPush { facets: bytes / 50, corners: 3 * bytes / 50, held: 8 * bytes },
+                // Three lines `vertex 0 0 0` have 39 bytes.
+                Body::StlAscii(_) => MostOfPush { facets: bytes / 39, corners: 3 * bytes / 39, held: 10 * bytes },
+                // A point takes 6 bytes, `0 0 0` with a line's end: 72 bytes in such a vector, and its text.
+                Body::Text(_) | Body::Pcd(_) => MostOfPush { facets: bytes / 6, corners: 0, held: 16 * bytes },
+                Body::Obj(_) | Body::Ply(_) | Body::ThreeMf(_) => MostOfPush::of_any(bytes),
+            },
+            Stage::Head(_) | Stage::Refused(_) => MostOfPush::of_any(bytes),
         }
     }
 

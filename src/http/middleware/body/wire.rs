@@ -221,7 +221,7 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn the_average_counts_from_the_first_byte() {
-        // No pause is too long, but the 14 bytes arrive in 13 s where 100 bytes a second are required; 2 s are
+        // No pause is too long, but 14 bytes arrive in 13 s, although 100 bytes a second are required and 2 s
         // tolerated.
         assert_eq!(receive(14, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { min_bytes_s: 100 }));
         assert_eq!(receive(3, 1, Duration::from_millis(900)).await, None);

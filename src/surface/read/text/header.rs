@@ -155,6 +155,6 @@ fn unit_of(units: [Option<Unit>; 3]) -> Result<Option<Unit>, Flaw> {
     if is_same && (first == Unit::Millimetre || units.iter().all(Option::is_some)) {
         return Ok(Some(first));
     }
-    let found = if is_same { "a unit for some of them; the others are in it, or in mm" } else { "different ones" };
+    let found = if is_same { "a unit for only some of them: the others may be in it or in mm" } else { "different ones" };
     Err(Flaw::new(FaultKind::Ambiguous, "one unit for x, y and z", found))
 }
