@@ -93,7 +93,7 @@ fn a_decimal_comma_in_quotation_marks_is_read_beside_the_separator() {
     assert_eq!(refusal("\"1,5\",2,3\n4,5.5,6\n"), "line 2: expected a number with a decimal comma, as before, found \"5.5\"");
     assert_eq!(refusal("1.5,2,3\n\"4,5\",5,6\n"), "line 2: expected a number, found \"\\\"4,5\\\"\"");
     assert_eq!(read("\"1,234.5\",2,3\n").unwrap_err().kind(), FaultKind::Malformed);
-    // The first number with a mark decides; this one leaves it open.
+    // The first number with a decimal mark determines the mark; this number has none.
     let thousands = read("x,y,z\n\"10,500\",\"2,250\",\"3,125\"\n").unwrap_err();
     assert_eq!(thousands.kind(), FaultKind::Ambiguous);
     assert_eq!(
@@ -287,7 +287,7 @@ fn a_matrix_of_heights_is_refused_whatever_its_size() {
         let readings = "either a matrix of heights, or points and their properties; send heights as points x, y, z";
         assert_eq!(fault.found(), format!("{rows} lines of {columns} numbers: {readings}"));
         assert_eq!(read(heights.replace(' ', ";").replace('.', ",")).unwrap_err(), fault);
-        // A header decides.
+        // A header resolves the ambiguity.
         let names = ["x", "y", "z", "a", "b", "c", "d", "e", "f", "g", "h", "i"][..columns as usize].join(" ");
         assert_eq!(points_beside_others(&format!("{names}\n{heights}")), rows as usize);
         assert_eq!(points_beside_others(&format!("# {names}\n{heights}")), rows as usize);
@@ -295,7 +295,7 @@ fn a_matrix_of_heights_is_refused_whatever_its_size() {
     let inclined = |row: f64, column: f64| format!("{:.2}", 0.2 * row + 5.0 * column);
     assert_eq!(read(table(10, 6, inclined)).unwrap_err().kind(), FaultKind::Ambiguous);
     assert_eq!(read(table(10, 6, |row, column| (row * column).to_string())).unwrap_err().kind(), FaultKind::Ambiguous);
-    // The widest points; more numbers are refused at once.
+    // The most columns of a point. A line with more is refused immediately.
     assert_eq!(read(table(3, 13, bumpy)).unwrap_err().expected(), "at most 12 numbers in a line without a header");
 }
 
@@ -351,11 +351,11 @@ fn points_with_properties_need_no_header_where_these_show_what_they_are() {
     }
     let intensities = table(5, 1, |row, _| format!("{} {}", at(row), 40.0 + 3.0 * row));
     assert_eq!(points_beside_others(&intensities), 5);
-    // Many lines in whose columns the numbers differ by far are no matrix, whatever the further columns are.
+    // A long table whose columns have very different ranges is not a matrix, for any further columns.
     let measured = |row: f64, _| format!("{} {:.3}", at(row), 0.01 * (row / 7.0).cos());
     assert_eq!(points_beside_others(&table(3000, 1, measured)), 3000);
     assert_eq!(read(table(30, 1, measured)).unwrap_err().kind(), FaultKind::Ambiguous);
-    // A line that has another number of numbers, or a word, is no row of a matrix.
+    // A line with another number of columns, or with a word, is not a row of a matrix.
     assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 5 6\n3.5 5 4 6\n"), 3);
     assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 good\n3.5 5 4 6\n"), 3);
 }
@@ -373,7 +373,7 @@ fn a_first_column_that_counts_up_needs_a_header() {
     }
     let named = read("id,x,y,z\n1,0.5,0,7.25\n2,1.5,0,7.5\n3,2.5,1,7.75\n").unwrap().0.points;
     assert_eq!(named[1].map(f64::to_bits), [1.5, 0.0, 7.5].map(f64::to_bits));
-    // Three columns have no room for a number before the point.
+    // With three columns, no column is left for the number of the point.
     assert_eq!(points("1,0.5,0\n2,1.5,0\n3,2.5,1\n").len(), 3);
 }
 

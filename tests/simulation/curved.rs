@@ -23,7 +23,7 @@ struct Tooth {
     lift: f64,
 }
 
-/// Surface, feed and cutter; lengths in mm.
+/// A configuration: surface, feed and cutter, with lengths in mm.
 #[derive(Debug)]
 struct Setup {
     teeth: Vec<Tooth>,
@@ -193,7 +193,7 @@ fn outcomes(seed: u64, count: usize, curved: bool, harsh: bool) -> Vec<Outcome> 
     outcomes
 }
 
-/// A shift of the seeds, so that other configurations can be drawn: `SCALLOPD_SEED=90`.
+/// The offset of the seeds. `SCALLOPD_SEED=90` draws other configurations.
 fn seed() -> u64 {
     std::env::var("SCALLOPD_SEED").map_or(0, |seed| seed.parse().expect("SCALLOPD_SEED must be a whole number"))
 }
@@ -212,7 +212,7 @@ fn print(name: &str, outcomes: &[&Outcome]) -> f64 {
     median
 }
 
-/// The share up to which no `curvature-approximate` is given from 10 deg of slope on.
+/// The largest turn without the warning `curvature-approximate`, for slopes of at least 10 deg.
 const SMALL_TURN: f64 = 0.1;
 
 /// Prints the configurations by the model's warnings.
@@ -262,8 +262,8 @@ fn heights_with_runout_are_not_exceeded() {
     }
 }
 
-/// Two shallow teeth that follow each other leave more than a deep and a shallow one: the bound for alternating teeth
-/// does not hold for three.
+/// Two consecutive shallow teeth leave more than a deep and a shallow one, so the bound for alternating teeth does not
+/// hold for three teeth.
 #[test]
 fn two_shallow_teeth_in_a_row_exceed_the_height_for_alternating_teeth() {
     let contact = Contact::from_degrees(40.0, 20.0).unwrap();

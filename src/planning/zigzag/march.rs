@@ -115,7 +115,7 @@ pub(super) enum NoPlanes {
     NoSpacing,
     /// There would be more than [`MOST_PLANES`].
     TooManyPlanes,
-    /// There would be more than [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them.
+    /// There would be more than [`MOST_RUNS`](super::room::MOST_RUNS) runs in them.
     TooManyRuns,
     /// The strips would contain facets more than [`MOST_MET`] times, counted once for each strip.
     TooManyMet,
