@@ -16,6 +16,8 @@
 //! - `section`: the general search; `chord`: the search along the feed, which the other searches use
 //! - `concave` and `outline`: surfaces on which the section need not be convex
 //! - `body`: the cutter's solid over the surface
+//! - `turning_marks`: the ridge between marks that have normals of their own on a curved surface; `third_order`: the
+//!   answers corrected by it
 
 mod body;
 mod chord;
@@ -51,7 +53,8 @@ use std::num::NonZeroU32;
 /// unless d^2 + f^2 <= 4 R^2; that is an error. For a feed along a wall, d is 0 for every s.
 ///
 /// **Curved surfaces.** Heights are measured from the surface 1/2 u'Ku below the tangent plane. The relative curvature
-/// of cutter and surface is then exact; the third order is left out.
+/// of cutter and surface is then exact. To second order all marks have the normal of the stated contact; the answers
+/// place each mark by its own.
 ///
 /// **Runout.** Heights are measured from the surface that the deepest tooth touches, whose radius is R + |rr|. The
 /// shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep. A pass clears the offsets that a deep and a

@@ -258,7 +258,7 @@ impl Envelope {
     }
 
     /// The ridge where the cutter is a paraboloid.
-    fn ridge_of_paraboloid(&self, lengths: Lengths) -> TurnedRidge {
+    pub(super) fn ridge_of_paraboloid(&self, lengths: Lengths) -> TurnedRidge {
         let radii = self.body.relative_radii();
         let ahead = radii.skew / radii.across.max(f64::MIN_POSITIVE) * lengths.step_over / 2.0;
         let ahead = ahead.clamp(-self.body.reach(), self.body.reach());

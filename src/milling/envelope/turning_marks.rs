@@ -332,3 +332,68 @@ impl TurningMarks {
         largest * LARGEST_TURN / self.largest_turn
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::envelope::Envelope;
+    use crate::milling::{Contact, Cutter, Pass, Runout, SurfaceCurvature};
+    use crate::quantity::{Angle, Length};
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    fn envelope(ratio: f64, slope: f64, alpha: f64, principal: [f64; 2], turn: f64) -> Option<Envelope> {
+        let mm = |value: f64| Length::from_mm(value).unwrap();
+        let cutter = Cutter::toroidal(mm(10.0), mm(5.0 * ratio)).unwrap();
+        let surface = SurfaceCurvature::from_principal_per_mm(principal, Angle::from_degrees(turn).unwrap()).unwrap();
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        Envelope::new(Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).ok()
+    }
+
+    /// The distance of the same place from a torus that is placed by vectors.
+    fn placed_distance(marks: &TurningMarks, behind: f64, aside: f64, height: f64, pass: f64) -> f64 {
+        let [f, t, ft] = marks.curvature;
+        let surface = |x: f64, y: f64| Vector3::new(x, y, -(f * x * x + 2.0 * ft * x * y + t * y * y) / 2.0);
+        let normal = |x: f64, y: f64| Vector3::new(f * x + ft * y, ft * x + t * y, 1.0).normalize();
+        let axis = Vector3::from(marks.axis);
+        let at_contact = normal(-behind, pass);
+        let outwards = at_contact - axis * axis.dot(&at_contact);
+        let centre = surface(-behind, pass) + at_contact * marks.corner + outwards.normalize() * marks.core;
+        let from = surface(0.0, aside) + normal(0.0, aside) * height - centre;
+        let up = from.dot(&axis);
+        let beyond = (from - axis * up).norm() - marks.core;
+        let core = if up < 0.0 && beyond > 0.0 { up.hypot(beyond) } else { beyond.max(-up) };
+        core - marks.corner
+    }
+
+    proptest! {
+        #[test]
+        fn distances_are_those_from_a_placed_torus(
+            ratio in 0.1..0.9_f64, slope in 10.0..80.0_f64, alpha in 0.0..360.0_f64, (one, other) in (-0.01..0.01_f64, -0.01..0.01_f64),
+            turn in 0.0..180.0_f64, (behind, aside, height, pass) in (-1.0..1.0_f64, -0.5..0.5_f64, 0.0..0.05_f64, -0.5..0.5_f64),
+        ) {
+            let Some(envelope) = envelope(ratio, slope, alpha, [one, other], turn) else { return Ok(()) };
+            // Turns are at most 0.015; with a bound of 2 they are exact.
+            let marks = TurningMarks { largest_turn: 2.0, ..TurningMarks::new(&envelope.body) };
+            let [behind, aside, height, pass] = [behind, aside, height, pass].map(Number::constant);
+            let found = marks.distance(behind, &marks.ridge_place(aside, height), pass).value;
+            let expected = placed_distance(&marks, behind.value, aside.value, height.value, pass.value);
+            // Roundings of places some 10 mm from the axis.
+            prop_assert!((found - expected).abs() <= 1e-13, "{found} {expected}");
+        }
+
+        /// Without turns the ridge is that of the second order.
+        #[test]
+        fn without_turns_the_ridge_is_that_of_the_second_order(
+            ratio in 0.1..0.9_f64, slope in 10.0..80.0_f64, alpha in 0.0..360.0_f64, (one, other) in (0.0..0.01_f64, 0.0..0.01_f64),
+            turn in 0.0..180.0_f64, s in 0.1..0.5_f64, f in 0.05..0.3_f64,
+        ) {
+            let envelope = envelope(ratio, slope, alpha, [one, other], turn).unwrap();
+            let level = envelope.height(s, super::super::section::Pattern::even(f)).unwrap();
+            let marks = TurningMarks { largest_turn: 0.0, ..TurningMarks::new(&envelope.body) };
+            let start = envelope.ridge_of_paraboloid(Lengths { level, step_over: s, mark_spacing: f });
+            let ridge = marks.solve(Sought::Level, start, false).unwrap();
+            approx::assert_relative_eq!(ridge.lengths.level, level, max_relative = 1e-10);
+        }
+    }
+}
