@@ -155,7 +155,12 @@ impl Task {
         }))
     }
 
-    fn on_rectangle(mut self, workpiece: Option<&Workpiece>, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
+    fn on_rectangle(
+        mut self,
+        workpiece: Option<&Workpiece>,
+        resources: &mut Resources,
+        stop: Stop,
+    ) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
         let feed_rate = self.parameters.machine.limits.feed_rate;
         let slope = if self.shape.steepest_direction.is_some() { self.shape.slope } else { Angle::ZERO };

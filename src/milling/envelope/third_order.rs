@@ -1,11 +1,11 @@
 //! Heights and inverses on curved surfaces, where every mark has a normal of its own: the answers of the second order,
 //! corrected by those of [`TurningMarks`].
 
+use super::Envelope;
 use super::clearing::Clearing;
 use super::newton::{self, Lengths, Place, Ridge, Sought};
 use super::section::Pattern;
 use super::turning_marks::{TurnedRidge, TurningMarks};
-use super::Envelope;
 use crate::milling::{CutterKind, NoAnswer, ScallopHeight};
 use crate::numerics::bracketed_root;
 use crate::quantity::Length;
@@ -164,7 +164,11 @@ impl Envelope {
         let bounded = |logarithm: f64| Ok::<_, Infallible>(excess(logarithm.exp()).min(1.0));
         let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), bounded);
         // Where the height jumps over the tolerance, the root can be on the far side.
-        [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9].map(|share| share * logarithm.exp()).into_iter().find(|length| is_kept(*length)).or(Some(low))
+        [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9]
+            .map(|share| share * logarithm.exp())
+            .into_iter()
+            .find(|length| is_kept(*length))
+            .or(Some(low))
     }
 
     /// Whether the turning of the surface's normal changes marks: that of a ball is the same in every direction.

@@ -159,8 +159,7 @@ impl TurningMarks {
         // The place, in the contact's frame: along the normal, and in the tangent plane.
         let up = raised - sag * per_length;
         let stretch = (dot(along, turn) * length * per_half + sag) * per_length;
-        let place: Plane =
-            std::array::from_fn(|i| along[i] + turn[i] * stretch + (turn_at_place[i] - turn[i] * lean) * lift);
+        let place: Plane = std::array::from_fn(|i| along[i] + turn[i] * stretch + (turn_at_place[i] - turn[i] * lean) * lift);
         // The tool axis, in the contact's frame.
         let [axis_x, axis_y, axis_n] = self.axis;
         let rise = turn[0] * axis_x + turn[1] * axis_y;
