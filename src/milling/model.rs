@@ -64,15 +64,15 @@ impl EvaluatedPass {
         }
     }
 
-    /// An estimate of how much the third order of a curved surface, which model `envelope` leaves out, changes the
-    /// height of the marks at the ridge, as a share of the ridge's height. The scallop height changes with the square
-    /// of this share. It is 0 on a plane and for model `analytic`, and infinite for a flat-end cutter if the surface's
-    /// normal turns.
+    /// How much the normal of a curved surface turns from the stated contact to the marks at the ridge, under model
+    /// `envelope`: the tangent of the largest angle, as a share of the smaller of sine and cosine of the slope. 0 on a
+    /// plane, for a ball-end cutter and under model `analytic`. Infinite if the answers neglect the turning: for a
+    /// flat-end cutter, and if no ridge was found with it.
     #[must_use]
-    pub fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+    pub fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         match &self.prepared {
             PreparedModel::Analytic(_) => 0.0,
-            PreparedModel::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.largest_turn(step_over, feed_per_tooth),
         }
     }
 

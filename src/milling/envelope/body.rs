@@ -129,6 +129,26 @@ impl Body {
         2.0 * (self.core + self.corner)
     }
 
+    /// a = R - r, the radius of the flat.
+    pub(super) fn core(&self) -> f64 {
+        self.core
+    }
+
+    /// r, the corner's radius.
+    pub(super) fn corner(&self) -> f64 {
+        self.corner
+    }
+
+    /// The slope at the contact.
+    pub(super) fn slope(&self) -> Angle {
+        self.slope
+    }
+
+    /// The curvature of the surface in the axes of the feed, mirrored if the feed was.
+    pub(super) fn surface(&self) -> SurfaceCurvature {
+        self.surface
+    }
+
     /// Whether the surface has a concave direction, so that the section need not be convex; on a wall that the cutter
     /// does not gouge it is.
     pub(super) fn is_concave(&self) -> bool {

@@ -12,7 +12,13 @@ use crate::quantity::Length;
 use std::convert::Infallible;
 
 /// A ridge whose length differs by more than this factor from that of the second order is another ridge.
-const SAME_RIDGE: f64 = 4.0;
+const SAME_RIDGE: f64 = 1.6;
+
+/// Up to this factor between the third order and the second the quick search is taken without a second one.
+const CLOSE: f64 = 1.02;
+
+/// Up to this factor a length that is sought directly needs no confirmation by its height.
+const CONFIRMED: f64 = 1.005;
 
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
@@ -136,7 +142,8 @@ impl Envelope {
         let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
         let is_kept = |length: f64| excess(length) <= ROUNDING;
         if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found)) {
-            if self.is_convex_up_to(p) || excess(found).abs() <= ROUNDING {
+            let is_close = found <= CONFIRMED * guess && guess <= CONFIRMED * found;
+            if is_close && self.is_convex_up_to(p) || excess(found).abs() <= ROUNDING {
                 return Some(found);
             }
         }
@@ -197,20 +204,31 @@ impl Envelope {
 
     /// The ridge between marks of equal depth near that of the second order; `None` where there is none.
     fn turned(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
-        let marks = TurningMarks::new(&self.pass);
-        let is_same = |ridge: &TurnedRidge| {
-            let ratio = |one: f64, other: f64| one <= SAME_RIDGE * other && other <= SAME_RIDGE * one;
+        let marks = TurningMarks::new(&self.body);
+        let is_within = |ridge: &TurnedRidge, factor: f64| {
             let (one, other) = (ridge.lengths, lengths);
-            ratio(one.level, other.level) && ratio(one.step_over, other.step_over) && ratio(one.mark_spacing, other.mark_spacing)
+            [(one.level, other.level), (one.step_over, other.step_over), (one.mark_spacing, other.mark_spacing)]
+                .into_iter()
+                .all(|(one, other)| one <= factor * other && other <= factor * one)
         };
-        let search = |start: TurnedRidge, is_careful: bool| marks.solve(sought, start, is_careful).filter(is_same);
+        let search =
+            |start: TurnedRidge, is_careful: bool| marks.solve(sought, start, is_careful).filter(|ridge| is_within(ridge, SAME_RIDGE));
         let paraboloid = self.ridge_of_paraboloid(lengths);
-        let further = || {
-            let second_order = self.ridge_of_second_order(sought, lengths);
-            let by = |is_careful: bool| second_order.and_then(|ridge| search(ridge, is_careful));
-            by(false).or_else(|| by(true)).or_else(|| search(paraboloid, true))
+        let quick = search(paraboloid, false);
+        if quick.is_some_and(|ridge| is_within(&ridge, CLOSE)) {
+            return quick;
+        }
+        // Where the marks' distance has more than one least place along the feed, the search finds any; a place is
+        // cleared if one of them clears it, so that the better ridge counts.
+        let second_order = self.ridge_of_second_order(sought, lengths);
+        let starts = [(Some(paraboloid), true), (second_order, true), (second_order, false)];
+        let further = starts.into_iter().filter_map(|(start, is_careful)| search(start?, is_careful));
+        let is_better = |one: &TurnedRidge, other: &TurnedRidge| match sought {
+            Sought::Level => one.lengths.level < other.lengths.level,
+            Sought::StepOver => one.lengths.step_over > other.lengths.step_over,
+            Sought::MarkSpacing => one.lengths.mark_spacing > other.lengths.mark_spacing,
         };
-        search(paraboloid, false).or_else(further)
+        quick.into_iter().chain(further).reduce(|one, other| if is_better(&one, &other) { one } else { other })
     }
 
     /// The ridge of the second order, where its search is proved.
@@ -218,37 +236,28 @@ impl Envelope {
         let both = [Clearing::EVEN; 2];
         let start = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
         let Ridge { lengths, place } = newton::solve_from(&self.body, sought, lengths, start, both)?;
-        // The body has the feed in the quarter from the steepest line to the level one.
-        let theta = self.contact().theta();
-        let behind = [place.x[0], place.neighbour_x[0]].map(|x| if theta.cos() < 0.0 { lengths.mark_spacing - x } else { x });
-        let aside = place.t - lengths.step_over / 2.0;
-        Some(if theta.sin() < 0.0 {
-            TurnedRidge { behind: [behind[1], behind[0]], aside: -aside, lengths }
-        } else {
-            TurnedRidge { behind, aside, lengths }
-        })
+        Some(TurnedRidge { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths })
     }
 
     /// The ridge where the cutter is a paraboloid.
     fn ridge_of_paraboloid(&self, lengths: Lengths) -> TurnedRidge {
         let radii = self.body.relative_radii();
-        let theta = self.contact().theta();
-        // The body is mirrored where the feed is on the other side of the steepest line.
-        let side = if theta.cos() * theta.sin() < 0.0 { -1.0 } else { 1.0 };
-        let ahead = side * radii.skew / radii.across.max(f64::MIN_POSITIVE) * lengths.step_over / 2.0;
+        let ahead = radii.skew / radii.across.max(f64::MIN_POSITIVE) * lengths.step_over / 2.0;
         let ahead = ahead.clamp(-self.body.reach(), self.body.reach());
         let half = lengths.mark_spacing / 2.0;
         TurnedRidge { behind: [half + ahead, half - ahead], aside: 0.0, lengths }
     }
 
-    /// The largest turn at the ridge as a share of the sine or cosine of the slope.
-    pub(in crate::milling) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+    /// How much the surface's normal turns from the stated contact to the marks at the ridge: the tangent of the largest
+    /// angle, as a share of the smaller of sine and cosine of the slope. Infinite where no ridge of turned marks was
+    /// found, so that the answers are those of the second order.
+    pub(in crate::milling) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         if !self.has_third_order() {
             return if self.pass.surface.is_plane() || self.cutter.kind() == CutterKind::BallEnd { 0.0 } else { f64::INFINITY };
         }
         let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
         let Ok(level) = self.height(s, Pattern::even(f)) else { return f64::INFINITY };
         let lengths = Lengths { level, step_over: s, mark_spacing: f };
-        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| TurningMarks::new(&self.pass).share(&ridge))
+        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| TurningMarks::new(&self.body).share(&ridge))
     }
 }

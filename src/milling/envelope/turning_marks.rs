@@ -9,8 +9,8 @@
 //! The ridge is where four marks have the same height over one place of the surface, two neighbours of each pass.
 //! Newton's method finds it from the ridge of the second order. Without curvature both are the same.
 
+use super::body::Body;
 use super::newton::{Lengths, Sought};
-use crate::milling::Pass;
 use crate::numerics::{Dual, bracketed_root};
 use std::convert::Infallible;
 
@@ -20,6 +20,12 @@ const LARGEST_TURN: f64 = 0.7;
 
 /// Without marks the ridge is that of marks this share of the step-over apart, of which h keeps the square.
 const NO_MARKS: f64 = 1e-6;
+
+/// The slope along the feed that counts as none: some roundings.
+const STRAIGHT: f64 = 1e-14;
+
+/// The share of a length by which the last step may change it. Newton's method squares that error, to 1e-14.
+const NEARLY: f64 = 1e-7;
 
 /// Newton's method takes three to five steps from the ridge of the second order.
 const MOST_STEPS: usize = 30;
@@ -74,6 +80,16 @@ fn placed(aside: Number, step_over: Number, side: f64) -> [Number; 2] {
     [place, half * side + place - aside]
 }
 
+/// A place over the surface, abreast of the stated contact.
+#[derive(Debug, Clone, Copy)]
+struct RidgePlace {
+    aside: Number,
+    /// The turn of the surface's normal there.
+    turn: Plane,
+    /// Its height by the length of the normal that has the turn as its part in the tangent plane.
+    lift: Number,
+}
+
 /// What a pass leaves at the ridge's place: the distance of the place from its two marks' bodies, which vanishes on the
 /// ridge, with the derivatives by the ridge's place and by the length that is sought, and how the marks have to move
 /// for both to be as far away.
@@ -99,13 +115,12 @@ impl TurnedRidge {
 }
 
 impl TurningMarks {
-    pub(super) fn new(pass: &Pass) -> Self {
-        let cutter = pass.cutter.widened(pass.runout.radial());
-        let (slope, theta, surface) = (pass.contact.slope(), pass.contact.theta(), pass.surface);
+    pub(super) fn new(body: &Body) -> Self {
+        let (slope, surface) = (body.slope(), body.surface());
         Self {
-            core: cutter.core_radius().mm(),
-            corner: cutter.corner_radius().mm(),
-            axis: [-slope.sin() * theta.cos(), slope.sin() * theta.sin(), slope.cos()],
+            core: body.core(),
+            corner: body.corner(),
+            axis: [-slope.sin() * body.along_steepest(), slope.sin() * body.along_level(), slope.cos()],
             curvature: [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()],
             largest_turn: LARGEST_TURN * slope.sin().min(slope.cos()),
         }
@@ -134,6 +149,12 @@ impl TurningMarks {
         turn.map(|component| component * factor)
     }
 
+    /// The place at (0, `aside`), `height` along the normal there over the surface.
+    fn ridge_place(&self, aside: Number, height: Number) -> RidgePlace {
+        let turn = self.turn([Number::constant(0.0), aside]);
+        RidgePlace { aside, turn, lift: height * (dot(turn, turn) + 1.0).sqrt().recip() }
+    }
+
     /// The signed distance of a place over the surface from the body of a mark, negative inside. The place is at
     /// (0, `aside`) and `height` along the normal there; the mark's contact is at (-`behind`, `pass`).
     ///
@@ -141,20 +162,19 @@ impl TurningMarks {
     /// place, the frame of the contact is that of the stated contact turned about the line across w. A vector of the
     /// parts (v, v_n) has in it the parts v - w (v_n + v.w/(1 + L))/L and (v_n + v.w)/L. The place on the surface is d'w
     /// + 1/2 d'Kd under the contact, so that nothing cancels: along the contact's normal -1/2 d'Kd/L remains.
-    fn distance(&self, behind: Number, aside: Number, height: Number, pass: Number) -> Number {
+    #[inline]
+    fn distance(&self, behind: Number, ridge: &RidgePlace, pass: Number) -> Number {
         let (a, r) = (self.core, self.corner);
-        let zero = Number::constant(0.0);
+        let RidgePlace { aside, turn: turn_at_place, lift } = *ridge;
         let along = [behind, aside - pass];
-        let (turn, turn_at_place) = (self.turn([-behind, pass]), self.turn([zero, aside]));
+        let turn = self.turn([-behind, pass]);
         let length = (dot(turn, turn) + 1.0).sqrt();
         let (per_length, per_half) = (length.recip(), (length + 1.0).recip());
-        let per_length_at_place = (dot(turn_at_place, turn_at_place) + 1.0).sqrt().recip();
         let sag = dot(along, self.fall(along)) * 0.5;
 
         // The normal at the place, in the contact's frame.
         let cross = dot(turn, turn_at_place);
         let lean = (cross * per_half + 1.0) * per_length;
-        let lift = height * per_length_at_place;
         let raised = (cross + 1.0) * per_length * lift;
         // The place, in the contact's frame: along the normal, and in the tangent plane.
         let up = raised - sag * per_length;
@@ -194,13 +214,16 @@ impl TurningMarks {
         let aside = Number::unknown(ridge.aside, ASIDE);
         let height = Number::unknown(level, HEIGHT);
         let [place, offset] = placed(aside, Number::unknown(step_over, STEP_OVER), side);
-        let at = |behind: f64| self.distance(Number::unknown(behind, BEHIND), place, height, offset);
+        let place = self.ridge_place(place, height);
+        let at = |behind: f64| self.distance(Number::unknown(behind, BEHIND), &place, offset);
         let (front, back) = (at(ridge.behind[pass]), at(ridge.behind[pass] - spacing));
         let mean = (front + back) * 0.5;
         let slope = (front - back) * spacing.recip();
-        // The second derivative along the feed: where it is not positive there is no least distance.
+        // The second derivative along the feed. Where both marks are on the cutter's flat or side and the surface is
+        // straight along the feed, it vanishes, and the marks may lie anywhere.
         let bend = slope.by[BEHIND];
-        if bend.is_nan() || bend <= 0.0 {
+        let is_straight = bend.abs() * spacing <= STRAIGHT && slope.value.abs() <= STRAIGHT;
+        if bend.is_nan() || bend <= 0.0 && !is_straight {
             return None;
         }
         let (mean_by_sought, slope_by_sought) = match sought {
@@ -209,7 +232,7 @@ impl TurningMarks {
             // The back mark moves against the front one.
             Sought::MarkSpacing => (-0.5 * back.by[BEHIND], (back.by[BEHIND] - slope.value) / spacing),
         };
-        let moves = [slope.value, slope.by[ASIDE], slope_by_sought].map(|by| -by / bend);
+        let moves = [slope.value, slope.by[ASIDE], slope_by_sought].map(|by| if is_straight { 0.0 } else { -by / bend });
         let along = mean.by[BEHIND];
         Some(Row {
             value: mean.value + along * moves[0],
@@ -218,7 +241,7 @@ impl TurningMarks {
             moves,
             difference: front.value - back.value,
             // The distance falls from the back mark to the front one and rises beyond.
-            is_ridge: mean.by[HEIGHT] < 0.0 && (front.by[BEHIND] >= 0.0 && back.by[BEHIND] <= 0.0 || mark_spacing < spacing),
+            is_ridge: mean.by[HEIGHT] < 0.0 && (is_straight || mark_spacing < spacing || front.by[BEHIND] >= 0.0 && back.by[BEHIND] <= 0.0),
         })
     }
 
@@ -257,8 +280,8 @@ impl TurningMarks {
                 Sought::MarkSpacing => &mut ridge.lengths.mark_spacing,
             };
             let level = start.lengths.level;
-            let is_level = [near, far].iter().all(|row| row.value.abs() <= 1e-10 * level && row.difference.abs() <= 1e-8 * level);
-            let is_exact = is_level && growth.abs() <= 1e-11 * *length;
+            let is_level = [near, far].iter().all(|row| row.value.abs() <= NEARLY * level && row.difference.abs() <= NEARLY * level);
+            let is_exact = is_level && growth.abs() <= NEARLY * *length;
             let growth = growth.clamp(-0.5 * *length, *length);
             *length += growth;
             ridge.follow([near, far], change.clamp(-reach, reach), growth, reach);
@@ -275,9 +298,13 @@ impl TurningMarks {
         let spacing = mark_spacing.max(NO_MARKS * step_over);
         let height = Number::constant(level);
         let [place, offset] = placed(Number::constant(ridge.aside), Number::constant(step_over), side);
-        let at = |behind: f64| self.distance(Number::constant(behind), place, height, offset).value;
+        let place = self.ridge_place(place, height);
+        let at = |behind: f64| self.distance(Number::constant(behind), &place, offset).value;
         let difference = |behind: f64| at(behind) - at(behind - spacing);
         let start = ridge.behind[pass];
+        if difference(start).abs() <= STRAIGHT * spacing {
+            return Some(start);
+        }
         let side = if difference(start) < 0.0 { 1.0 } else { -1.0 };
         let mut step = 0.1 * (step_over + spacing);
         let mut other = start + side * step;
