@@ -23,7 +23,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const TICKS_A_SECOND: f64 = 100.0;
 const ROUNDS: usize = 3;
-/// The measured time is at least thirty ticks, so that a tick is 3 %.
+/// At least thirty ticks, so that a tick is 3 %.
 const LEAST_ROUND: Duration = Duration::from_millis(300);
 
 /// Each calculation with its parameters and its result.

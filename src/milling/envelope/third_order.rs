@@ -53,10 +53,10 @@ impl Envelope {
         let s = step_over.mm();
         let step_over_height = height(s, Pattern::even(0.0))?;
         let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| height(s, self.pattern(feed.mm())))?;
-        // Without marks the height is at most that with marks. If each comes from a polygon of its own, the lower one
-        // holds for both.
+        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds
+        // for both.
         let step_over_height = step_over_height.min(total);
-        // h is never less than h1, except by rounding if the marks leave almost nothing.
+        // h is never under h1; where marks leave next to nothing, rounding may put it there.
         let feed = (total - step_over_height).max(0.0);
         Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
     }
@@ -171,7 +171,7 @@ impl Envelope {
         // A length without a height does not keep the tolerance.
         let bounded = |logarithm: f64| Ok::<_, Infallible>(excess(logarithm.exp()).min(1.0));
         let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), bounded);
-        // If the height jumps past the tolerance, the root can be on the far side of the jump.
+        // Where the height jumps over the tolerance, the root can be on the far side.
         [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9]
             .map(|share| share * logarithm.exp())
             .into_iter()
@@ -242,7 +242,7 @@ impl Envelope {
         Some(TurnedRidge { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths })
     }
 
-    /// The ridge that a paraboloid would leave.
+    /// The ridge where the cutter is a paraboloid.
     fn ridge_of_paraboloid(&self, lengths: Lengths) -> TurnedRidge {
         let radii = self.body.relative_radii();
         let ahead = radii.skew / radii.across.max(f64::MIN_POSITIVE) * lengths.step_over / 2.0;

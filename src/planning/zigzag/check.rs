@@ -76,7 +76,7 @@ pub(super) struct Inspector<'a> {
     pub(super) tolerance: f64,
     pub(super) feeds: &'a FeedLaw,
     pub(super) teeth_per_second: Option<f64>,
-    /// Once it returns true, the check returns early, and the result must be discarded.
+    /// Once it returns true, the check ends early with a result that has no meaning.
     stop: &'a (dyn Fn() -> bool + Sync),
 }
 

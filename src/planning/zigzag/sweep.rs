@@ -54,7 +54,7 @@ pub(super) struct Slice {
     stretch: f64,
 }
 
-/// The indices of three numbers in rising order, for each result of [`order_of`], which is never 3 or 4.
+/// The positions of three numbers in rising order, indexed by [`order_of`], which is never 3 or 4.
 const ORDERS: [[usize; 3]; 8] = [[2, 1, 0], [2, 0, 1], [1, 2, 0], [0, 1, 2], [2, 1, 0], [0, 2, 1], [1, 0, 2], [0, 1, 2]];
 
 /// The order of three numbers as an index of [`ORDERS`]. Its bits state whether the first number is at most the second,
