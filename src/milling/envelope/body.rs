@@ -22,6 +22,7 @@ pub(super) struct Body {
     along_level: f64,
     axis: f64,
     surface: SurfaceCurvature,
+    is_plane: bool,
     /// The surface in the axes of the steepest and the level line, where it has a concave direction.
     concave: Option<SurfaceCurvature>,
 }
@@ -89,6 +90,7 @@ impl Body {
             along_level: sin.abs(),
             axis: core + corner * slope.sin(),
             surface,
+            is_plane: surface.is_plane(),
             // On a wall that the cutter does not gouge the side bends away from the surface everywhere.
             concave: (surface.principal_per_mm()[1] < 0.0 && slope.cos() != 0.0).then(|| surface.turned(-sin.abs(), cos.abs())),
         }
@@ -414,20 +416,22 @@ impl Body {
             let (steep, height) = (d * cos - z * sin, d * sin + z * cos);
             let feed = steep * self.along_steepest + level * self.along_level;
             let side = level * self.along_steepest - steep * self.along_level;
-            (feed - height * fall_by_feed, side - height * fall_by_side, height)
+            if self.is_plane { (feed, side, height) } else { (feed - height * fall_by_feed, side - height * fall_by_side, height) }
         };
         let (by_feed, by_side, by_height) = parts(out * radial_d, out * radial_level, -down);
         // The second derivatives have three parts: along the meridian's tangent, around the axis, and from the surface.
         let along = parts(down * radial_d, down * radial_level, out);
         let around = parts(-radial_level, radial_d, 0.0);
         let around_axis = if out > 0.0 && radius > 0.0 { out / radius } else { 0.0 };
+        let bend = meridian * along.0 * along.0 + around_axis * around.0 * around.0;
+        let bend_to_side = meridian * along.0 * along.1 + around_axis * around.0 * around.1;
         Distance {
             value,
             by_feed,
             by_side,
             by_height,
-            bend: meridian * along.0 * along.0 + around_axis * around.0 * around.0 - by_height * k_f,
-            bend_to_side: meridian * along.0 * along.1 + around_axis * around.0 * around.1 - by_height * k_ft,
+            bend: if self.is_plane { bend } else { bend - by_height * k_f },
+            bend_to_side: if self.is_plane { bend_to_side } else { bend_to_side - by_height * k_ft },
             bend_to_height: meridian * along.0 * along.2 + around_axis * around.0 * around.2,
         }
     }
