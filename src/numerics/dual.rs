@@ -1,4 +1,4 @@
-//! Numbers that carry their derivatives: forward-mode automatic differentiation.
+//! Numbers with their derivatives, for forward-mode automatic differentiation.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

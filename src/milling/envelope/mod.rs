@@ -35,7 +35,7 @@ mod turning_marks;
 use super::gouging;
 use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::numerics::bracketed_root;
-use crate::quantity::{Angle, Length};
+use crate::quantity::{Direction, Length};
 use body::Body;
 use newton::{Lengths, Sought};
 use section::{Pattern, Section};
@@ -65,7 +65,7 @@ pub struct Envelope {
     pass: Pass,
     cutter: Cutter,
     body: Body,
-    climb: Angle,
+    climb: Direction,
     /// delta, how much less deep the shallowest tooth reaches than the deepest.
     drop: f64,
     relative_curvature: f64,
@@ -87,6 +87,10 @@ impl Envelope {
         Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature })
     }
 
+    pub(super) fn pass(&self) -> &Pass {
+        &self.pass
+    }
+
     /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own.
     pub(super) fn relative_curvature(&self) -> f64 {
         self.relative_curvature
@@ -94,8 +98,18 @@ impl Envelope {
 
     /// [`Envelope::max_feed_per_tooth`] to second order.
     fn second_order_max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0)).map(Length::computed)?;
+        self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over)
+    }
+
+    /// The same for a step-over that alone leaves `step_over_height`.
+    fn second_order_max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
-        let step_over_height = Length::computed(self.height(s, Pattern::even(0.0))?);
         let used_up = || {
             let max_step_over = self.second_order_max_step_over(tolerance, None)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })

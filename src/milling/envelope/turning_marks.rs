@@ -18,10 +18,11 @@ use std::convert::Infallible;
 /// larger ones are bounded smoothly, so that no mark reaches the floor or the wall, where the cutter's place jumps.
 const LARGEST_TURN: f64 = 0.7;
 
-/// Without marks the ridge is that of marks this share of the step-over apart, of which h keeps the square.
+/// Without marks, the ridge is computed from marks that are this share of the step-over apart. The relative error of h
+/// is the square of the share.
 const NO_MARKS: f64 = 1e-6;
 
-/// The slope along the feed that counts as none: some roundings.
+/// Slopes along the feed up to this, a few rounding errors, count as zero.
 const STRAIGHT: f64 = 1e-14;
 
 /// The share of a length by which the last step may change it. Newton's method squares that error, to 1e-14.
@@ -58,7 +59,7 @@ pub(super) struct TurningMarks {
     largest_turn: f64,
 }
 
-/// Where the search stands: for each pass the place of the front mark's contact behind the ridge, the ridge's place
+/// The state of the search: for each pass the place of the front mark's contact behind the ridge, the ridge's place
 /// beside the stated contact, and the lengths.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TurnedRidge {
@@ -70,9 +71,9 @@ pub(super) struct TurnedRidge {
 /// Where the ridge's place and the contacts of the pass on `side` (-1 or 1) are beside the stated contact, for a ridge
 /// that is `aside` of the middle of both passes.
 ///
-/// The stated contact is in that middle. Where oblique marks put the ridge beyond the passes, which happens if the
-/// step-over is short compared with the feed, it moves with the ridge: it is never further from it than a pass is, by
-/// y / (1 + (2y/s)^8)^(1/8).
+/// The stated contact is in that middle. If the step-over is short compared with the feed, oblique marks can put the
+/// ridge beyond the passes. The stated contact then moves with the ridge: their distance is y / (1 + (2y/s)^8)^(1/8),
+/// never more than that of a pass from the middle.
 fn placed(aside: Number, step_over: Number, side: f64) -> [Number; 2] {
     let half = step_over * 0.5;
     let share = (aside * half.recip()).square();
@@ -92,7 +93,7 @@ struct RidgePlace {
 
 /// What a pass leaves at the ridge's place: the distance of the place from its two marks' bodies, which vanishes on the
 /// ridge, with the derivatives by the ridge's place and by the length that is sought, and how the marks have to move
-/// for both to be as far away.
+/// for both to be equally far away.
 #[derive(Debug, Clone, Copy)]
 struct Row {
     value: f64,
@@ -141,7 +142,7 @@ impl TurningMarks {
         if share.value < 1e-4 {
             return turn;
         }
-        // On floor and wall nothing may turn.
+        // On floor and wall no turn is allowed.
         if share.value.is_nan() || share.value > 1e64 {
             return [Number::constant(0.0); 2];
         }
@@ -159,9 +160,10 @@ impl TurningMarks {
     /// (0, `aside`) and `height` along the normal there; the mark's contact is at (-`behind`, `pass`).
     ///
     /// With w and w' the turns at the contact and at the place, L = sqrt(1 + w^2) and L' likewise, d from contact to
-    /// place, the frame of the contact is that of the stated contact turned about the line across w. A vector of the
-    /// parts (v, v_n) has in it the parts v - w (v_n + v.w/(1 + L))/L and (v_n + v.w)/L. The place on the surface is d'w
-    /// + 1/2 d'Kd under the contact, so that nothing cancels: along the contact's normal -1/2 d'Kd/L remains.
+    /// place, the frame of the contact is that of the stated contact turned about the line across w. A vector with the
+    /// components (v, v_n) has in it the components v - w (v_n + v.w/(1 + L))/L and (v_n + v.w)/L. The place on the
+    /// surface is d'w + 1/2 d'Kd under the contact, so that nothing cancels: along the contact's normal -1/2 d'Kd/L
+    /// remains.
     #[inline]
     fn distance(&self, behind: Number, ridge: &RidgePlace, pass: Number) -> Number {
         let (a, r) = (self.core, self.corner);
@@ -219,8 +221,8 @@ impl TurningMarks {
         let (front, back) = (at(ridge.behind[pass]), at(ridge.behind[pass] - spacing));
         let mean = (front + back) * 0.5;
         let slope = (front - back) * spacing.recip();
-        // The second derivative along the feed. Where both marks are on the cutter's flat or side and the surface is
-        // straight along the feed, it vanishes, and the marks may lie anywhere.
+        // The second derivative along the feed. It vanishes if both marks are on the cutter's flat or side and the
+        // surface is straight along the feed; the marks may then lie anywhere.
         let bend = slope.by[BEHIND];
         let is_straight = bend.abs() * spacing <= STRAIGHT && slope.value.abs() <= STRAIGHT;
         if bend.is_nan() || bend <= 0.0 && !is_straight {
@@ -248,7 +250,7 @@ impl TurningMarks {
     /// The ridge from one near it, of whose lengths the sought one is a guess; `None` where the search does not end at
     /// a ridge.
     ///
-    /// Newton's method moves the marks along with the ridge. That fails where a mark's flat or side has next to no
+    /// Newton's method moves the marks along with the ridge. That fails if a mark's flat or side has almost no
     /// curvature along the feed; a careful search brings each pass's marks to the same height before each step.
     pub(super) fn solve(&self, sought: Sought, start: TurnedRidge, is_careful: bool) -> Option<TurnedRidge> {
         let mut ridge = start;
@@ -260,7 +262,7 @@ impl TurningMarks {
             let [near, far] = [self.row(&ridge, 0, -1.0, sought)?, self.row(&ridge, 1, 1.0, sought)?];
             if !(near.aside > 0.0 && far.aside < 0.0) {
                 // The ridge lies beside the deepest place of each pass; the change of slope between the passes shows
-                // about where that is.
+                // roughly where that is.
                 let change = -ridge.lengths.step_over * f64::midpoint(near.aside, far.aside) / (near.aside - far.aside);
                 if !(near.aside > far.aside && change.is_finite()) {
                     return None;
