@@ -1,4 +1,5 @@
-//! Plans against the cutter's solid on smooth surfaces: the height that two neighbouring passes leave between them.
+//! Comparison of plans with the cutter's solid on smooth surfaces: the height that two neighbouring passes leave
+//! between them.
 
 use super::surfaces::{Height, dot, facets, unit};
 use super::{mm, ranked, settings};
@@ -83,13 +84,13 @@ fn scallops_between_imprints_keep_the_tolerance_and_use_it() {
             let mut highest: f64 = 0.0;
             let mut places = 0;
             for _ in 0..40 {
-                // Anywhere along the stretch that the patch may cover.
+                // A random coordinate along the pass, within the largest extent of the patch.
                 let along = -80.0 + 160.0 * random();
                 if !(is_inside(place(along, pair[0])) && is_inside(place(along, pair[1]))) {
                     continue;
                 }
                 places += 1;
-                // The tips beside the point, every 0.02 mm; between them 0.02^2/8/1.5 mm = 0.03 um are left.
+                // The tips near the point, every 0.02 mm; between them 0.02^2/8/1.5 mm = 0.03 um are left.
                 let tips: Vec<[f64; 3]> = (-75..=75)
                     .flat_map(|mark| pair.iter().map(move |&across| (along + 0.02 * f64::from(mark), across)))
                     .map(|(along, across)| place(along, across))
