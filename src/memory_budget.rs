@@ -21,8 +21,11 @@ struct Shared {
     /// The part of `reserved` for inputs.
     inputs: AtomicU64,
     refusals: AtomicU64,
-    /// Notified when bytes return.
+    /// Notified when bytes return, of which at least `least_wanted` are then free.
     returned: Notify,
+    /// At most the least number of bytes that a request waits for. Without it, each of thousands of returns in a second
+    /// would wake dozens of requests that wait for far more.
+    least_wanted: AtomicU64,
 }
 
 /// The reason why bytes were not reserved.
@@ -55,6 +58,7 @@ impl MemoryBudget {
             inputs: AtomicU64::new(0),
             refusals: AtomicU64::new(0),
             returned: Notify::new(),
+            least_wanted: AtomicU64::new(u64::MAX),
         }))
     }
 
@@ -68,7 +72,7 @@ impl MemoryBudget {
     /// The bytes reserved at this moment.
     #[must_use]
     pub fn reserved(&self) -> u64 {
-        self.0.reserved.load(Ordering::Relaxed)
+        self.0.reserved.load(Ordering::SeqCst)
     }
 
     /// The number of refused reservations.
@@ -83,9 +87,26 @@ impl MemoryBudget {
         exceeded
     }
 
-    /// Ready when bytes return after this call.
-    pub fn returned(&self) -> Notified<'_> {
-        self.0.returned.notified()
+    /// Ready when bytes return after this call and `wanted` bytes may be free.
+    pub fn returned(&self, wanted: u64) -> Notified<'_> {
+        let returned = self.0.returned.notified();
+        self.0.least_wanted.fetch_min(wanted, Ordering::SeqCst);
+        returned
+    }
+
+    /// Wakes the requests that wait for memory, if the free bytes may suffice for one of them.
+    fn notify_returned(&self) {
+        // A request states the bytes that it wants before it looks for free ones, and this looks for wanted ones after
+        // bytes were freed. In sequentially consistent order, at least one of them finds the other's.
+        if self.0.total.saturating_sub(self.reserved()) >= self.0.least_wanted.load(Ordering::SeqCst) {
+            self.notify_all();
+        }
+    }
+
+    /// Wakes all requests that wait for memory; those that continue to wait state again the bytes that they want.
+    fn notify_all(&self) {
+        self.0.least_wanted.store(u64::MAX, Ordering::SeqCst);
+        self.0.returned.notify_waiters();
     }
 
     /// An empty reservation.
@@ -144,7 +165,7 @@ impl Reservation {
         loop {
             // Registered before the attempt, so that bytes returned after it are not missed.
             let budget = self.budget.clone();
-            let returned = budget.returned();
+            let returned = budget.returned(bytes);
             match self.try_grow(bytes) {
                 Err(BudgetExceeded::Now) if timeout_at(deadline, returned).await.is_ok() => {}
                 outcome => {
@@ -185,7 +206,7 @@ impl Reservation {
             let add = |inputs: u64| (inputs - self.bytes <= total / 4).then(|| inputs.saturating_add(bytes));
             inputs.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).map_err(|_| BudgetExceeded::Now)?;
         }
-        if reserved.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).is_err() {
+        if reserved.fetch_update(Ordering::SeqCst, Ordering::SeqCst, add).is_err() {
             if self.is_input {
                 inputs.fetch_sub(bytes, Ordering::Relaxed);
             }
@@ -224,6 +245,7 @@ impl Reservation {
     pub fn begin_work(&mut self) {
         if std::mem::take(&mut self.is_input) {
             self.budget.0.inputs.fetch_sub(self.bytes, Ordering::Relaxed);
+            self.budget.notify_all();
         }
     }
 
@@ -232,11 +254,13 @@ impl Reservation {
         let returned = self.bytes.saturating_sub(bytes);
         self.bytes -= returned;
         if returned > 0 {
-            self.budget.0.reserved.fetch_sub(returned, Ordering::Relaxed);
+            self.budget.0.reserved.fetch_sub(returned, Ordering::SeqCst);
             if self.is_input {
                 self.budget.0.inputs.fetch_sub(returned, Ordering::Relaxed);
+                self.budget.notify_all();
+            } else {
+                self.budget.notify_returned();
             }
-            self.budget.0.returned.notify_waiters();
         }
     }
 
@@ -332,6 +356,31 @@ mod tests {
         let mut second = budget.open();
         let (grown, ()) = tokio::join!(second.grow_within(50, A_MINUTE), async { drop(first) });
         assert_eq!((grown, second.bytes()), (Ok(()), 50));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn of_those_that_wait_each_is_woken_when_its_bytes_are_free() {
+        let budget = MemoryBudget::new(100);
+        let (mut held, mut large, mut small) = (budget.reserve(75).unwrap(), budget.open(), budget.open());
+        let release = async {
+            for bytes in [65, 50, 45, 0] {
+                tokio::time::sleep(Duration::from_secs(1)).await;
+                held.shrink_to(bytes);
+            }
+        };
+        let small = async {
+            small.grow_within(45, A_MINUTE).await.unwrap();
+            tokio::time::sleep(Duration::from_secs(5)).await;
+            drop(small);
+            Instant::now()
+        };
+        let large = async {
+            large.grow_within(60, A_MINUTE).await.unwrap();
+            Instant::now()
+        };
+        let began = Instant::now();
+        let (small, large, ()) = tokio::join!(small, large, release);
+        assert_eq!([small - began, large - began].map(|time| time.as_secs()), [7, 7]);
     }
 
     #[tokio::test(start_paused = true)]

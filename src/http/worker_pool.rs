@@ -220,11 +220,11 @@ impl Work {
         let deadline = Instant::now() + longest;
         let (permit, plan) = loop {
             // Registered before the attempt, so that bytes returned after it are not missed.
-            let returned = self.budget.returned();
+            let returned = self.budget.returned(bytes);
             let left = || deadline.saturating_duration_since(Instant::now());
-            // Dozens of requests may wait, and bytes are returned thousands of times a second, so only requests that
-            // fit ask for a permit.
-            if memory.attainable() >= memory.bytes().saturating_add(bytes) || memory.bytes().saturating_add(bytes) > self.budget.largest() {
+            let needed = memory.bytes().saturating_add(bytes);
+            // Dozens of requests may wait: only those whose memory is free ask for a permit.
+            if memory.attainable() >= needed || needed > self.budget.largest() {
                 let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
                 let permit = self.workers.admit(left()).await?;
                 match memory.try_grow(bytes) {

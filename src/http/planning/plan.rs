@@ -111,13 +111,11 @@ impl Task {
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
+        // Before the passes, which can be left out where memory does not suffice for both.
+        let has_map = self.parameters.includes(Part::Map);
+        resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
         let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, resources, stop)? } else { None };
-        let map = if self.parameters.includes(Part::Map) {
-            resources.add(BYTES_OF_A_MAP, stop)?;
-            MapAnswer::new(workpiece, &simulation, stop)
-        } else {
-            None
-        };
+        let map = if has_map { MapAnswer::new(workpiece, &simulation, stop) } else { None };
         let critical = self.published().map(|published| published.plan);
         Ok(RecommendationAnswer {
             method: self.parameters.method.into(),
