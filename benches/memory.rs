@@ -37,8 +37,8 @@ fn mm(value: f64) -> Length {
     Length::from_mm(value).expect("a length in its bounds")
 }
 
-/// The allocator's peak while `stage` ran and its growth afterwards, both over the level at the start, and the result
-/// of `stage`.
+/// The allocator's peak while `stage` ran and its level afterwards, both relative to the level at the start, and the
+/// result of `stage`.
 fn counted<T>(stage: impl FnOnce() -> T) -> (usize, isize, T) {
     ALLOCATOR.reset_peak_usage();
     let before = ALLOCATOR.current_usage();
@@ -100,7 +100,7 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
         let settings = ZigzagSettings::new(mm(height), machine);
         for (threads, pool) in pools {
             let parallelism = Parallelism { threads: *threads, candidates: *threads };
-            // Beside the facets themselves, of 152 bytes, which are held already.
+            // In addition to the facets themselves, of 152 bytes, which are already in memory.
             let ranked = |room: PlanRoom| {
                 let size = RankingSize { facets, candidates: cutters.len(), diameters: 24 };
                 let stated = bytes_to_rank(size, parallelism, room) - 152 * facets;

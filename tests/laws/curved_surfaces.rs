@@ -47,6 +47,12 @@ fn turned(principal: [f64; 2], direction: f64, degrees: f64) -> SurfaceCurvature
     SurfaceCurvature::from_principal_per_mm(principal, angle(direction - degrees)).unwrap()
 }
 
+/// Whether the surface's normal turns so far between the marks that heights are only approximate: then the marks can
+/// have several ridges, of which a search may find another one.
+fn turns_far(evaluated: &EvaluatedPass, s: f64, f: f64) -> bool {
+    evaluated.largest_turn(mm(s), Some(mm(f))) > 0.1
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
@@ -138,6 +144,9 @@ proptest! {
         let Ok(evaluated) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let Ok(low) = height(&evaluated, s, f) else { return Ok(()) };
+        if turns_far(&evaluated, s * more, f * more) {
+            return Ok(());
+        }
         let rounding = if has_lobes(evaluated.pass()) { 0.05 } else { 1e-12 };
         for higher in [height(&evaluated, s * more, f), height(&evaluated, s, f * more)].into_iter().flatten() {
             prop_assert!(higher >= low * (1.0 - rounding), "{low} {higher}");
@@ -154,6 +163,9 @@ proptest! {
         let Ok(evaluated) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let Ok(found) = evaluated.scallop_height(mm(s), Some(mm(f))) else { return Ok(()) };
+        if turns_far(&evaluated, s, f) {
+            return Ok(());
+        }
         // In a close fit the section has lobes beside the contact, and the result can be the step-over of the first
         // ridge, which is narrower. Slopes near the floor, where the same occurs, are left out.
         prop_assume!(evaluated.relative_curvature() > 0.6);

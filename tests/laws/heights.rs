@@ -75,9 +75,8 @@ proptest! {
     }
 
     /// The surface falls by at most s^2 / (2 rho) over a step-over, and the envelope's height changes by at most as
-    /// much; with a circle in place of the cutter by less. The normal turns by s / rho between the passes, so that the
-    /// cutter's axes, (R - r)/sin(S) along the level line from where they would meet, are s (R - r)/(rho sin(S)) further
-    /// apart.
+    /// much; with a circle in place of the cutter by less. The normal turns by s / rho between the passes, which moves
+    /// the cutter's axis along the level line by s (R - r)/(rho sin(S)).
     #[test]
     fn a_curved_surface_tends_to_a_plane_as_its_radius_grows(pass in plane_passes(), share in 0.01..1.0_f64, sign in prop_oneof![Just(1.0), Just(-1.0)]) {
         let radius = evaluated(Model::Analytic, pass).effective_radius().unwrap().mm();

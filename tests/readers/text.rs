@@ -313,25 +313,25 @@ fn three_columns_of_nearly_equal_numbers_can_be_a_matrix_of_heights() {
         assert_eq!(fault.found(), format!("{rows} lines of three nearly equal numbers: {readings}"));
         assert_eq!(points_beside_others(&format!("x y z\n{heights}")), rows as usize);
     }
-    // A matrix of three columns is not so long.
+    // A matrix of three columns is shorter.
     assert_eq!(points_beside_others(&table(151, 3, bumpy)), 151);
 }
 
 #[test]
 fn three_columns_are_points_where_the_numbers_of_a_line_differ() {
-    // The same offset in all coordinates must not matter.
+    // An equal offset of all coordinates must not change the result.
     let grid = |rows: u8, columns: u8, offset: f64, step: f64| {
         let line = |x: f64, y: f64| format!("{:.3} {:.3} {:.3}\n", x + offset, y + offset, offset + 0.5 * x + (y / 3.0).sin());
         let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
         places.map(|(row, column)| line(step * f64::from(column), step * f64::from(row))).collect::<String>()
     };
     for (file, points) in [
-        // Around the origin, far from it in all three coordinates, small, and along a diagonal that does not rise.
+        // Points around the origin, far from it in all three coordinates, close together, and along a level diagonal.
         (grid(5, 6, -2.5, 1.0), 30),
         (grid(10, 10, 0.0, 0.01), 100),
         (grid(9, 9, 1e4, 2.0), 81),
         (table(20, 1, |row, _| format!("{row}.5 {row} 3.25\n{row} {row}.5 3.5")), 40),
-        // A sphere's cap, whose columns have similar ranges, three points, and a plane of one height.
+        // The cap of a sphere, whose columns have similar ranges; three points; and a level plane.
         ("1 2 9.7\n-3 4 8.6\n6 -7 3.9\n-5 -5 7.1\n2 8 5.7\n7 1 7.1\n".to_owned(), 6),
         ("0 0 0\n1 0 0\n0 1 0\n".to_owned(), 3),
         ("1 1 1\n1 2 1\n2 1 1\n2 2 1\n".to_owned(), 4),

@@ -7,6 +7,7 @@ mod searches;
 
 use super::*;
 use crate::milling::{Runout, ScallopHeight, SurfaceCurvature};
+use crate::quantity::Angle;
 use proptest::prelude::*;
 
 fn mm(value: f64) -> Length {

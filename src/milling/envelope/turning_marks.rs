@@ -18,10 +18,11 @@ use std::convert::Infallible;
 /// larger ones are bounded smoothly, so that no mark reaches the floor or the wall, where the cutter's place jumps.
 const LARGEST_TURN: f64 = 0.7;
 
-/// Without marks the ridge is that of marks this share of the step-over apart, of which h keeps the square.
+/// Without marks, the ridge is computed from marks that are this share of the step-over apart. The relative error of h
+/// is the square of the share.
 const NO_MARKS: f64 = 1e-6;
 
-/// The slope along the feed that counts as none: some roundings.
+/// Slopes along the feed up to this, a few rounding errors, count as zero.
 const STRAIGHT: f64 = 1e-14;
 
 /// The share of a length by which the last step may change it. Newton's method squares that error, to 1e-14.
@@ -58,7 +59,7 @@ pub(super) struct TurningMarks {
     largest_turn: f64,
 }
 
-/// Where the search stands: for each pass the place of the front mark's contact behind the ridge, the ridge's place
+/// The state of the search: for each pass the place of the front mark's contact behind the ridge, the ridge's place
 /// beside the stated contact, and the lengths.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TurnedRidge {
@@ -70,9 +71,9 @@ pub(super) struct TurnedRidge {
 /// Where the ridge's place and the contacts of the pass on `side` (-1 or 1) are beside the stated contact, for a ridge
 /// that is `aside` of the middle of both passes.
 ///
-/// The stated contact is in that middle. Where oblique marks put the ridge beyond the passes, which happens if the
-/// step-over is short compared with the feed, it moves with the ridge: it is never further from it than a pass is, by
-/// y / (1 + (2y/s)^8)^(1/8).
+/// The stated contact is in that middle. If the step-over is short compared with the feed, oblique marks can put the
+/// ridge beyond the passes. The stated contact then moves with the ridge: their distance is y / (1 + (2y/s)^8)^(1/8),
+/// never more than that of a pass from the middle.
 fn placed(aside: Number, step_over: Number, side: f64) -> [Number; 2] {
     let half = step_over * 0.5;
     let share = (aside * half.recip()).square();
@@ -92,7 +93,7 @@ struct RidgePlace {
 
 /// What a pass leaves at the ridge's place: the distance of the place from its two marks' bodies, which vanishes on the
 /// ridge, with the derivatives by the ridge's place and by the length that is sought, and how the marks have to move
-/// for both to be as far away.
+/// for both to be equally far away.
 #[derive(Debug, Clone, Copy)]
 struct Row {
     value: f64,
@@ -141,7 +142,7 @@ impl TurningMarks {
         if share.value < 1e-4 {
             return turn;
         }
-        // On floor and wall nothing may turn.
+        // On floor and wall no turn is allowed.
         if share.value.is_nan() || share.value > 1e64 {
             return [Number::constant(0.0); 2];
         }
@@ -159,9 +160,10 @@ impl TurningMarks {
     /// (0, `aside`) and `height` along the normal there; the mark's contact is at (-`behind`, `pass`).
     ///
     /// With w and w' the turns at the contact and at the place, L = sqrt(1 + w^2) and L' likewise, d from contact to
-    /// place, the frame of the contact is that of the stated contact turned about the line across w. A vector of the
-    /// parts (v, v_n) has in it the parts v - w (v_n + v.w/(1 + L))/L and (v_n + v.w)/L. The place on the surface is d'w
-    /// + 1/2 d'Kd under the contact, so that nothing cancels: along the contact's normal -1/2 d'Kd/L remains.
+    /// place, the frame of the contact is that of the stated contact turned about the line across w. A vector with the
+    /// components (v, v_n) has in it the components v - w (v_n + v.w/(1 + L))/L and (v_n + v.w)/L. The place on the
+    /// surface is d'w + 1/2 d'Kd under the contact, so that nothing cancels: along the contact's normal -1/2 d'Kd/L
+    /// remains.
     #[inline]
     fn distance(&self, behind: Number, ridge: &RidgePlace, pass: Number) -> Number {
         let (a, r) = (self.core, self.corner);
@@ -219,8 +221,8 @@ impl TurningMarks {
         let (front, back) = (at(ridge.behind[pass]), at(ridge.behind[pass] - spacing));
         let mean = (front + back) * 0.5;
         let slope = (front - back) * spacing.recip();
-        // The second derivative along the feed. Where both marks are on the cutter's flat or side and the surface is
-        // straight along the feed, it vanishes, and the marks may lie anywhere.
+        // The second derivative along the feed. It vanishes if both marks are on the cutter's flat or side and the
+        // surface is straight along the feed; the marks may then lie anywhere.
         let bend = slope.by[BEHIND];
         let is_straight = bend.abs() * spacing <= STRAIGHT && slope.value.abs() <= STRAIGHT;
         if bend.is_nan() || bend <= 0.0 && !is_straight {
@@ -248,7 +250,7 @@ impl TurningMarks {
     /// The ridge from one near it, of whose lengths the sought one is a guess; `None` where the search does not end at
     /// a ridge.
     ///
-    /// Newton's method moves the marks along with the ridge. That fails where a mark's flat or side has next to no
+    /// Newton's method moves the marks along with the ridge. That fails if a mark's flat or side has almost no
     /// curvature along the feed; a careful search brings each pass's marks to the same height before each step.
     pub(super) fn solve(&self, sought: Sought, start: TurnedRidge, is_careful: bool) -> Option<TurnedRidge> {
         let mut ridge = start;
@@ -260,7 +262,7 @@ impl TurningMarks {
             let [near, far] = [self.row(&ridge, 0, -1.0, sought)?, self.row(&ridge, 1, 1.0, sought)?];
             if !(near.aside > 0.0 && far.aside < 0.0) {
                 // The ridge lies beside the deepest place of each pass; the change of slope between the passes shows
-                // about where that is.
+                // roughly where that is.
                 let change = -ridge.lengths.step_over * f64::midpoint(near.aside, far.aside) / (near.aside - far.aside);
                 if !(near.aside > far.aside && change.is_finite()) {
                     return None;
@@ -330,5 +332,70 @@ impl TurningMarks {
             }
         }
         largest * LARGEST_TURN / self.largest_turn
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::envelope::Envelope;
+    use crate::milling::{Contact, Cutter, Pass, Runout, SurfaceCurvature};
+    use crate::quantity::{Angle, Length};
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    fn envelope(ratio: f64, slope: f64, alpha: f64, principal: [f64; 2], turn: f64) -> Option<Envelope> {
+        let mm = |value: f64| Length::from_mm(value).unwrap();
+        let cutter = Cutter::toroidal(mm(10.0), mm(5.0 * ratio)).unwrap();
+        let surface = SurfaceCurvature::from_principal_per_mm(principal, Angle::from_degrees(turn).unwrap()).unwrap();
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        Envelope::new(Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).ok()
+    }
+
+    /// The distance of the same place from a torus that is placed by vectors.
+    fn placed_distance(marks: &TurningMarks, behind: f64, aside: f64, height: f64, pass: f64) -> f64 {
+        let [f, t, ft] = marks.curvature;
+        let surface = |x: f64, y: f64| Vector3::new(x, y, -(f * x * x + 2.0 * ft * x * y + t * y * y) / 2.0);
+        let normal = |x: f64, y: f64| Vector3::new(f * x + ft * y, ft * x + t * y, 1.0).normalize();
+        let axis = Vector3::from(marks.axis);
+        let at_contact = normal(-behind, pass);
+        let outwards = at_contact - axis * axis.dot(&at_contact);
+        let centre = surface(-behind, pass) + at_contact * marks.corner + outwards.normalize() * marks.core;
+        let from = surface(0.0, aside) + normal(0.0, aside) * height - centre;
+        let up = from.dot(&axis);
+        let beyond = (from - axis * up).norm() - marks.core;
+        let core = if up < 0.0 && beyond > 0.0 { up.hypot(beyond) } else { beyond.max(-up) };
+        core - marks.corner
+    }
+
+    proptest! {
+        #[test]
+        fn distances_are_those_from_a_placed_torus(
+            ratio in 0.1..0.9_f64, slope in 10.0..80.0_f64, alpha in 0.0..360.0_f64, (one, other) in (-0.01..0.01_f64, -0.01..0.01_f64),
+            turn in 0.0..180.0_f64, (behind, aside, height, pass) in (-1.0..1.0_f64, -0.5..0.5_f64, 0.0..0.05_f64, -0.5..0.5_f64),
+        ) {
+            let Some(envelope) = envelope(ratio, slope, alpha, [one, other], turn) else { return Ok(()) };
+            // Turns are at most 0.015; with a bound of 2 they are exact.
+            let marks = TurningMarks { largest_turn: 2.0, ..TurningMarks::new(&envelope.body) };
+            let [behind, aside, height, pass] = [behind, aside, height, pass].map(Number::constant);
+            let found = marks.distance(behind, &marks.ridge_place(aside, height), pass).value;
+            let expected = placed_distance(&marks, behind.value, aside.value, height.value, pass.value);
+            // Roundings of places some 10 mm from the axis.
+            prop_assert!((found - expected).abs() <= 1e-13, "{found} {expected}");
+        }
+
+        /// Without turns the ridge is that of the second order.
+        #[test]
+        fn without_turns_the_ridge_is_that_of_the_second_order(
+            ratio in 0.1..0.9_f64, slope in 10.0..80.0_f64, alpha in 0.0..360.0_f64, (one, other) in (0.0..0.01_f64, 0.0..0.01_f64),
+            turn in 0.0..180.0_f64, s in 0.1..0.5_f64, f in 0.05..0.3_f64,
+        ) {
+            let envelope = envelope(ratio, slope, alpha, [one, other], turn).unwrap();
+            let level = envelope.height(s, super::super::section::Pattern::even(f)).unwrap();
+            let marks = TurningMarks { largest_turn: 0.0, ..TurningMarks::new(&envelope.body) };
+            let start = envelope.ridge_of_paraboloid(Lengths { level, step_over: s, mark_spacing: f });
+            let ridge = marks.solve(Sought::Level, start, false).unwrap();
+            approx::assert_relative_eq!(ridge.lengths.level, level, max_relative = 1e-10);
+        }
     }
 }

@@ -33,7 +33,7 @@ const FACETS_AT_ONCE: usize = 8192;
 
 impl<'a> Spaced<'a> {
     /// The facets with their spacings for the cutter of `prepared`; `left_out` is the share of a strip's area that may
-    /// allow less. Once `stop` returns true, it ends early with fewer spacings.
+    /// allow less. Once `stop` returns true, it returns early, with fewer spacings.
     pub(super) fn new(
         workpiece: &'a Workpiece,
         sweep: &'a Sweep,
@@ -142,7 +142,7 @@ pub(super) fn march(
 ) -> Result<(), NoPlanes> {
     let (mut planes, mut met, mut met_at_check) = (0_usize, 0_usize, 0_usize);
     if stop() {
-        // Facets and spacings may be missing.
+        // After a cancellation, facets and spacings may be missing.
         return Err(NoPlanes::Cancelled);
     }
     for band in spaced.sweep.bands(spaced.widest) {

@@ -119,7 +119,7 @@ pub(super) struct Sweep {
 const TURN: usize = 8192;
 
 impl Sweep {
-    /// The facets in the order of this direction. Once `stop` returns true, it ends early with fewer of them.
+    /// The facets in the order of this direction. Once `stop` returns true, it returns early, with fewer of them.
     pub(super) fn new(workpiece: &Workpiece, direction: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Self {
         let heading = Heading::new(direction);
         let mut along = [f64::INFINITY, f64::NEG_INFINITY];

@@ -77,7 +77,7 @@ struct Equations {
 impl Mesh {
     /// The curvature tensor at each of the `wanted` facets, as
     /// [`FinishFacet::curvature`](super::FinishFacet::curvature) describes it. Facets seen from behind count as
-    /// turned. Once `stop` returns true, it ends early with a result that has no meaning.
+    /// turned. Once `stop` returns true, it returns early, and the result must be discarded.
     pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32], stop: &(dyn Fn() -> bool + Sync)) -> Vec<[f64; 6]> {
         let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
         let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())

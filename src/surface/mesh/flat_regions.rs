@@ -17,7 +17,7 @@ const TURN: usize = 1024;
 /// Points with more than [`LARGEST_FAN`] facets do not extend a region, because the time would grow with the square of
 /// their number. The facets of such a fan are also connected at its rim.
 ///
-/// Once `stop` returns true, it ends early; areas are then missing.
+/// Once `stop` returns true, it returns early, and areas are missing.
 pub(super) fn areas_of_flat_regions(
     triangles: &[[u32; 3]],
     fans: &Fans,

@@ -181,7 +181,7 @@ proptest! {
 #[test]
 fn on_a_floor_the_flat_leaves_nothing_and_the_corner_its_round() {
     let envelope = on_plane(cutter(5.0, 0.4), 0.0, 0.0);
-    assert_eq!(envelope.scallop_height(mm(6.0), None), Ok(ScallopHeight { step_over: Length::ZERO, feed: Length::ZERO }));
+    assert_eq!(envelope.scallop_height(mm(6.0), None), Ok(ScallopHeight::of_parts(Length::ZERO, Length::ZERO)));
     // 8 mm are 6 mm of flat and 2 mm between corners of 2 mm: 2 - sqrt(4 - 1).
     let height = envelope.scallop_height(mm(8.0), None).unwrap();
     approx::assert_relative_eq!(height.step_over.mm(), 2.0 - 3.0_f64.sqrt(), max_relative = 1e-15);
