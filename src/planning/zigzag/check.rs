@@ -1,10 +1,12 @@
 //! The check of a plan against the envelope with the surface's own curvature, and the spacing that follows from it.
 
 use super::contacts::{FacetContact, NoContact};
-use super::march::{BINDING, NoPlanes, Plane, Spaced};
+use super::imprint::Imprints;
+use super::march::{NoPlanes, Plane, Spaced};
 use super::prepared::Prepared;
+use super::refine::{Tightest, refine, tightest};
 use super::settings::ZigzagSettings;
-use super::simulate::{Operation, Simulated, planes_of, simulate};
+use super::simulate::{Operation, Simulated, simulate};
 use super::spacing::FeedLaw;
 use super::workpiece::Workpiece;
 use crate::milling::{Cutter, Model, NoAnswer};
@@ -39,30 +41,38 @@ pub struct ScallopFigures {
 /// The number of points drawn by area.
 const DRAWN: usize = 400;
 
-/// The number of further points chosen from all strips: those that bind the strips, and those with the largest error of
-/// the spacing.
-const CHOSEN: usize = 1600;
+/// The number of further points, about: those that determine the strips.
+const CHOSEN: usize = 1000;
 
-/// The largest number of strips with chosen points; of more strips, this many are taken at even distances.
-const STRIPS: usize = 400;
-
-/// The largest number of points chosen from a strip, half of them because they bind it.
-const MOST_OF_STRIP: usize = 6;
-
-/// The largest number of rounds in which a check corrects the spacing.
-const ROUNDS: usize = 4;
-
-/// Heights from this share of the tolerance on count as tight, and over this one as too high; spacings are set to
-/// `AIM` of it.
-const TIGHT: f64 = 0.97;
-const AIM: f64 = 0.995;
+/// Spacings are set to this share of the tolerance, and heights over `OVER` of it count as too high.
+const AIM: f64 = 0.99;
 const OVER: f64 = 1.0033;
 
 /// Heights over this share of the tolerance are more than a plan may have on a thousandth of the area.
 const FAR_OVER: f64 = 1.03;
 
-/// The largest part of a facet's risk that is due to its curvature against that of the cutter's body.
-const LARGEST_CURVATURE: f64 = 10.0;
+/// The steps in which spacing and feed are brought together.
+const FEED_STEPS: usize = 3;
+
+/// Facets whose spacing by the envelope is over this multiple of the strip's width are not compared with imprints.
+const BINDING: f64 = 1.8;
+
+/// Spacings are widened where imprints leave less than this share of the tolerance, to at most `WIDEST` of the
+/// envelope's.
+const TIGHT: f64 = 0.97;
+const WIDEST: f64 = 1.4;
+
+/// The relative curvature up to which spacings are not widened, because the imprints cut into the surface.
+const NEAR_GOUGING: f64 = 0.6;
+
+/// The least share of the tolerance from which on the envelope's height is compared with that of imprints.
+const LEAST_COMPARED: f64 = 0.4;
+
+/// The share of the height by which the third order may change the marks at a ridge before imprints are compared.
+const THIRD_ORDER: f64 = 0.03;
+
+/// The largest number of steps in which a spacing is reduced to the height of its imprints.
+const IMPRINT_STEPS: usize = 6;
 
 /// The data for the check of a plan.
 #[derive(Debug, Clone, Copy)]
@@ -82,13 +92,8 @@ struct Evaluated {
     height: Option<f64>,
 }
 
-/// Simulates with the model's spacings, or, if `follows` is set, with spacings that are corrected by the check of each
-/// strip.
-///
-/// In each round the heights at the facets that bind the strips, at those where the spacing errs most, and at places
-/// drawn by area give each strip's highest; where that is over the tolerance, the strip's spacing becomes the one
-/// that keeps [`AIM`] of the tolerance at that place. In the first two rounds strips under [`TIGHT`] of it widen in
-/// the same way, by a fifth at most; afterwards they only narrow. There are [`ROUNDS`] rounds at most.
+/// Simulates with the model's spacings, or, if `follows` is set, with spacings that are refined where they bind the
+/// strips, and checks the heights.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -99,20 +104,12 @@ pub(super) fn checked(
     follows: bool,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Simulated, ScallopFigures), NoPlanes> {
-    let drawn = drawn_by_area(spaced.workpiece, DRAWN);
-    let mut kept = None;
-    for round in 0..if follows { ROUNDS } else { 0 } {
-        let planes = planes_of(&spaced, operation.room, stop)?;
-        let evaluated = inspector.evaluate(&spaced, &planes, &drawn);
-        let widens = round < 2;
-        let Some(next) = corrected(&spaced, &planes, &evaluated, &inspector, widens) else {
-            kept = Some(evaluated);
-            break;
-        };
-        spaced.factors = next;
+    if follows {
+        refine(&mut spaced, &inspector, operation.room, stop)?;
     }
     let simulated = simulate(&spaced, operation, stop)?;
-    let evaluated = kept.unwrap_or_else(|| inspector.evaluate(&spaced, &simulated.planes, &drawn));
+    let drawn = drawn_by_area(spaced.workpiece, DRAWN);
+    let evaluated = inspector.evaluate(&spaced, &simulated.planes, &drawn);
     let figures = figures(&evaluated, drawn.len(), spaced.workpiece, inspector.tolerance);
     Ok((simulated, figures))
 }
@@ -133,60 +130,12 @@ impl<'a> Inspector<'a> {
         self.evaluate_all(spaced, planes, &Self::by_strip(spaced, planes, facets)).into_iter().map(|evaluated| evaluated.height).collect()
     }
 
-    /// The heights at the drawn facets and at those that are chosen from the strips, in this order.
+    /// The heights at the drawn facets and at those that determine the strips, in this order.
     fn evaluate(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Evaluated> {
-        let stride = planes.len().div_ceil(STRIPS).max(1);
-        let of_strip = (CHOSEN * stride / planes.len().max(1)).clamp(2, MOST_OF_STRIP) / 2;
-        // A ball's spacing is exact to second order at every slope.
-        let is_ball = self.cutter.core_radius().mm() == 0.0;
-        let risky = if is_ball { vec![[(0.0, 0); BINDING]; planes.len()] } else { self.riskiest(spaced, planes, stride) };
-        let chosen = planes.iter().zip(&risky).enumerate().step_by(stride).flat_map(|(strip, (plane, risky))| {
-            let binding = plane.binding.into_iter().flatten().take(of_strip);
-            let risky = risky.iter().take(of_strip).filter(|(risk, _)| *risk > 0.0).map(|&(_, facet)| facet);
-            let risky = risky.filter(move |facet| !plane.binding[..of_strip].contains(&Some(*facet)));
-            binding.chain(risky).map(move |facet| (strip, facet))
-        });
+        let tightest = tightest(spaced, planes, self.cutter, CHOSEN).into_iter();
+        let chosen = tightest.map(|Tightest { strip, place }| (strip, spaced.sweep.covered[place as usize].facet));
         let places: Vec<(usize, u32)> = Self::by_strip(spaced, planes, drawn).into_iter().chain(chosen).collect();
         self.evaluate_all(spaced, planes, &places)
-    }
-
-    /// The facets of each strip where the height may exceed the tolerance most, the riskiest first.
-    ///
-    /// Spacings are found by second-order curvatures at the contact. They err where the surface's curvature is not
-    /// small against that of the cutter's body there, 1/((R - r)/sin(S) + r): near the floor. A facet's risk is the
-    /// share of its allowed height that the spacing takes, raised by that ratio.
-    fn riskiest(&self, spaced: &Spaced, planes: &[Plane], stride: usize) -> Vec<[(f64, u32); BINDING]> {
-        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
-        let mut riskiest = vec![[(0.0, 0_u32); BINDING]; planes.len()];
-        let mut first = 0;
-        for (covered, &allowed) in spaced.sweep.covered.iter().zip(&spaced.allowed) {
-            while planes.get(first + 1).is_some_and(|next| next.at <= covered.low) {
-                first += 1;
-            }
-            let tangent = &spaced.workpiece.tangents[covered.facet as usize];
-            if tangent.is_steep {
-                continue;
-            }
-            let [steepest, twist, level] = tangent.curvature;
-            let curvature = steepest.abs().max(level.abs()) + twist.abs();
-            let ratio = if curvature > 0.0 { (curvature * (core / tangent.sin + corner)).min(LARGEST_CURVATURE) } else { 0.0 };
-            let per_squared_spacing = (1.0 + ratio) / f64::from(allowed).powi(2);
-            for (strip, plane) in
-                planes.iter().enumerate().skip(first).take_while(|(strip, plane)| *strip == first || plane.at < covered.high)
-            {
-                if strip % stride != 0 {
-                    continue;
-                }
-                let risk = per_squared_spacing * plane.after * plane.after;
-                let found = &mut riskiest[strip];
-                if risk > found[BINDING - 1].0 {
-                    let place = found.iter().position(|&(other, _)| risk > other).unwrap_or(BINDING - 1);
-                    found[place..].rotate_right(1);
-                    found[place] = (risk, covered.facet);
-                }
-            }
-        }
-        riskiest
     }
 
     /// Each facet with the strip in which its middle lies.
@@ -214,14 +163,28 @@ impl<'a> Inspector<'a> {
         if tangent.is_steep {
             return None;
         }
-        let feed = self.feed(spaced, index, spacing);
-        match FacetContact::new(&self.facets[index], spaced.sweep.heading.e)
-            .and_then(|contact| contact.height(self.cutter, Model::Envelope, spacing, feed))
-        {
+        match self.height_at(spaced, index, spacing) {
             Ok(height) => Some(height),
             Err(NoContact::Model(NoAnswer::PassesDoNotOverlap { .. } | NoAnswer::MarksDoNotOverlap { .. })) => Some(f64::INFINITY),
             Err(_) => None,
         }
+    }
+
+    /// The height at a facet that is not too steep: by the envelope, or where the third order counts by imprints.
+    fn height_at(&self, spaced: &Spaced, index: usize, spacing: f64) -> Result<f64, NoContact> {
+        let e = spaced.sweep.heading.e;
+        let contact = FacetContact::new(&self.facets[index], e)?;
+        let evaluated = contact.evaluated(self.cutter, Model::Envelope)?;
+        let step_over = Length::computed(contact.step_over(spacing));
+        let feed = self.feed(spaced, index, spacing).map(Length::computed);
+        let height = evaluated.scallop_height(step_over, feed).map_err(NoContact::Model)?;
+        let total = height.total().mm();
+        if total < LEAST_COMPARED * self.tolerance || evaluated.third_order_share(step_over, feed) <= THIRD_ORDER {
+            return Ok(total);
+        }
+        let by_imprints = Imprints::new(self.cutter, &self.facets[index], e).height(spacing, 0.0) + height.feed.mm();
+        // Imprints that nearly gouge are low because they cut into the surface.
+        Ok(if evaluated.relative_curvature() > NEAR_GOUGING { by_imprints.max(0.0) } else { total.max(by_imprints) })
     }
 
     /// The feed per tooth of the plan at a facet; `None` without a drive.
@@ -232,18 +195,74 @@ impl<'a> Inspector<'a> {
         self.teeth_per_second.map(|teeth| self.feeds.rate(tangent, cos_alpha, taken) / teeth)
     }
 
-    /// The widest spacing that keeps [`AIM`] of the tolerance at a facet, with the feed that belongs to `spacing`.
-    fn widest(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
-        let index = facet as usize;
-        let contact = FacetContact::new(&self.facets[index], spaced.sweep.heading.e).ok()?;
+    /// The widest spacing that keeps [`AIM`] of the tolerance at a facet, with the feed that belongs to `spacing`: by
+    /// the envelope, or where the third order counts by imprints.
+    pub(super) fn widest(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
+        let (index, e) = (facet as usize, spaced.sweep.heading.e);
+        let contact = FacetContact::new(&self.facets[index], e).ok()?;
         let evaluated = contact.evaluated(self.cutter, Model::Envelope).ok()?;
-        let feed = self.feed(spaced, index, spacing).map(Length::computed);
-        match evaluated.max_step_over(Length::computed(AIM * self.tolerance), feed) {
-            Ok(step_over) | Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: step_over }) => {
-                Some(step_over.mm() * contact.contact.spacing_ratio())
+        let inverse = |feed: Option<f64>| {
+            match evaluated.max_step_over(Length::computed(AIM * self.tolerance), feed.map(Length::computed)) {
+                Ok(step_over) | Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: step_over }) => {
+                    Some(step_over.mm() * contact.contact.spacing_ratio())
+                }
+                Err(_) => None,
             }
-            Err(_) => None,
+        };
+        let without_marks = inverse(None)?;
+        let mut widest = without_marks;
+        if self.teeth_per_second.is_some() {
+            // The feed depends on the spacing: from the estimate of both, three times.
+            widest = spaced.squared(index).sqrt();
+            for _ in 0..FEED_STEPS {
+                widest = inverse(self.feed(spaced, index, widest))?;
+            }
         }
+        let step_over = Length::computed(contact.step_over(without_marks));
+        // A facet that allows far more than the strip's width does not bind it.
+        if widest > BINDING * spacing || evaluated.third_order_share(step_over, None) <= THIRD_ORDER {
+            return Some(widest);
+        }
+        let imprints = Imprints::new(self.cutter, &self.facets[index], e);
+        let widens = self.teeth_per_second.is_none() && evaluated.relative_curvature() > NEAR_GOUGING;
+        let range = self.range_along(spaced, index);
+        // Imprints have no tooth marks: the spacing with marks shrinks as that without does.
+        Some(widest * self.share_by_imprints(&imprints, without_marks.min(spaced.widest), range, widens))
+    }
+
+    /// The ends of a facet along the passes, from its middle.
+    fn range_along(&self, spaced: &Spaced, facet: usize) -> [f64; 2] {
+        let along = spaced.workpiece.corners[facet].map(|[x, y, _]| spaced.sweep.heading.along(x, y));
+        let middle = along.iter().sum::<f64>() / 3.0;
+        let (low, high) = along.into_iter().fold((0.0, 0.0), |(low, high): (f64, f64), at| (low.min(at - middle), high.max(at - middle)));
+        [low, high]
+    }
+
+    /// The share of a spacing at which imprints leave the tolerance on a facet with these ends along the passes; at most
+    /// 1 unless it `widens`.
+    fn share_by_imprints(&self, imprints: &Imprints, spacing: f64, range: [f64; 2], widens: bool) -> f64 {
+        let (place, mut height) = imprints.highest(spacing, range);
+        let (mut share, mut last, mut kept) = (1.0, None::<(f64, f64)>, None::<f64>);
+        for _ in 0..IMPRINT_STEPS {
+            let of_tolerance = height / self.tolerance;
+            if of_tolerance <= OVER {
+                kept = Some(share);
+                if !widens || of_tolerance >= TIGHT || share >= WIDEST {
+                    break;
+                }
+            }
+            // Heights grow with the first power of the spacing beside a sharp edge, elsewhere with the second.
+            let power = last.map_or(2.0, |(other, at_other)| (at_other / of_tolerance).ln() / (other / share).ln());
+            let power = if power > 1.0 { power.min(2.0) } else { 1.0 };
+            last = Some((share, of_tolerance));
+            let factor = if of_tolerance.is_finite() { (AIM / of_tolerance.max(0.1)).powf(power.recip()) } else { 0.5 };
+            share = (share * factor.clamp(0.3, 1.2)).min(WIDEST);
+            if kept.is_some_and(|kept| share <= kept) {
+                break;
+            }
+            height = imprints.height(share * spacing, place);
+        }
+        kept.unwrap_or(share)
     }
 }
 
@@ -251,48 +270,6 @@ impl<'a> Inspector<'a> {
 /// first plane.
 fn strip_of(planes: &[Plane], at: f64) -> usize {
     planes.partition_point(|plane| plane.at <= at).saturating_sub(1)
-}
-
-/// The factors of the next round; `None` when the spacing may stay.
-fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspector: &Inspector, widens: bool) -> Option<Vec<(f64, f64)>> {
-    let tolerance = inspector.tolerance;
-    let mut highest: Vec<Option<(f64, u32)>> = vec![None; planes.len()];
-    for place in evaluated {
-        if let Some(height) = place.height
-            && highest[place.strip].is_none_or(|(other, _)| height > other)
-        {
-            highest[place.strip] = Some((height, place.facet));
-        }
-    }
-    let correction = |(strip, highest): (usize, &Option<(f64, u32)>)| {
-        let &(height, facet) = highest.as_ref()?;
-        let is_over = height > OVER * tolerance;
-        // The last strip of a band is as wide as the band leaves it.
-        let is_loose = widens && height < TIGHT * tolerance && strip + 1 < planes.len();
-        if !is_over && !is_loose {
-            return Some(1.0);
-        }
-        let spacing = planes[strip].after;
-        let by_inverse = inspector.widest(spaced, facet, spacing).map(|widest| widest / spacing);
-        // Heights are about proportional to the square of the spacing.
-        let correction = by_inverse.unwrap_or_else(|| if height.is_finite() { (AIM * tolerance / height).sqrt() } else { 0.5 });
-        // A factor that would make the spacing wider than the cutter would leave later corrections without effect.
-        let widest = (spaced.widest / spacing).clamp(1.0, 1.2);
-        Some(if is_over { correction.clamp(0.5, AIM) } else { correction.clamp(1.0, widest) })
-    };
-    let corrections: Vec<Option<f64>> = highest.par_iter().enumerate().with_min_len(8).map(correction).collect();
-    #[expect(clippy::float_cmp, reason = "1 where nothing is corrected")]
-    let changes = corrections.iter().flatten().any(|&correction| correction != 1.0);
-    let mut last = None;
-    let factors = planes.iter().zip(corrections).map(|(plane, correction)| {
-        let own = spaced.factor(plane.at);
-        // Strips without a height take the factor of their neighbour.
-        let factor = correction.map_or_else(|| last.unwrap_or(own), |correction| own * correction);
-        last = Some(factor);
-        (plane.at, factor)
-    });
-    let factors = factors.collect();
-    changes.then_some(factors)
 }
 
 fn figures(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, tolerance: f64) -> ScallopFigures {

@@ -22,8 +22,6 @@ pub(super) struct Spaced<'a> {
     pub(super) widest: f64,
     /// The share of a strip's area that may allow less than its spacing.
     pub(super) left_out: f64,
-    /// Factors on the spacings, by stretches across the passes, in rising order of where each begins.
-    pub(super) factors: Vec<(f64, f64)>,
 }
 
 impl<'a> Spaced<'a> {
@@ -34,7 +32,7 @@ impl<'a> Spaced<'a> {
             allowed
         };
         let allowed = sweep.covered.iter().map(allowed).collect();
-        Self { workpiece, sweep, spacing, allowed, widest, left_out, factors: Vec::new() }
+        Self { workpiece, sweep, spacing, allowed, widest, left_out }
     }
 
     /// The squared spacing that a facet allows; infinite on a steep one.
@@ -42,9 +40,9 @@ impl<'a> Spaced<'a> {
         squared_spacing(&self.workpiece.tangents[facet], self.sweep, self.spacing)
     }
 
-    pub(super) fn factor(&self, at: f64) -> f64 {
-        let next = self.factors.partition_point(|&(start, _)| start <= at);
-        if next == 0 { self.factors.first().map_or(1.0, |&(_, factor)| factor) } else { self.factors[next - 1].1 }
+    /// The same for a plane of the facet's slope.
+    pub(super) fn squared_on_plane(&self, facet: usize) -> f64 {
+        squared_spacing(&Tangent { curvature: [0.0; 3], ..self.workpiece.tangents[facet] }, self.sweep, self.spacing)
     }
 }
 
@@ -76,12 +74,9 @@ pub(super) struct Plane {
     pub(super) at: f64,
     pub(super) before: f64,
     pub(super) after: f64,
-    /// The facets that bind the spacing after it most, as far as they are known.
-    pub(super) binding: [Option<u32>; BINDING],
+    /// The place in the sweep of the facet that binds the spacing after it, if one does.
+    pub(super) binding: Option<u32>,
 }
-
-/// The number of facets that bind a spacing and are kept.
-pub(super) const BINDING: usize = 4;
 
 impl Plane {
     /// The spacing that determines the scallop height: the wider one.
@@ -133,7 +128,7 @@ pub(super) fn march(
             reached: Vec::new(),
             hint: spaced.widest,
             tightest: Vec::new(),
-            binding: [None; BINDING],
+            binding: None,
         };
         let first = walk.widest_from(band.low)?;
         let mut is_last = band.high - band.low < first;
@@ -142,7 +137,7 @@ pub(super) fn march(
             at: if is_last { f64::midpoint(band.low, band.high) } else { band.low + first / 2.0 },
             before: first,
             after: first,
-            binding: [None; BINDING],
+            binding: None,
         };
         loop {
             planes += 1;
@@ -173,7 +168,7 @@ pub(super) fn march(
                 plane.before = plane.after;
             }
             visit(plane, &mut walk.reached)?;
-            plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: [None; BINDING] };
+            plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: None };
         }
     }
     Ok(())
@@ -190,8 +185,8 @@ struct Walk<'a> {
     hint: f64,
     /// The tightest facets of the strip: the width that they allow it, and which of the reached facets they are.
     tightest: Vec<(f64, usize)>,
-    /// The facets that bind the last strip most, those left out not among them.
-    binding: [Option<u32>; BINDING],
+    /// The place of the facet that binds the last strip; those left out do not.
+    binding: Option<u32>,
 }
 
 impl Walk<'_> {
@@ -216,7 +211,6 @@ impl Walk<'_> {
 
     /// The same, searching at most up to `width`.
     fn widest_within(&mut self, at: f64, width: f64) -> f64 {
-        let factor = self.spaced.factor(at);
         let end = at + width;
         while self.next < self.end {
             let covered = self.spaced.sweep.covered[self.next];
@@ -242,7 +236,7 @@ impl Walk<'_> {
                 continue;
             }
             // A strip that ends before the facet begins is not bound by it.
-            let (own, begins) = (reached.allowed * factor, reached.low - at);
+            let (own, begins) = (reached.allowed, reached.low - at);
             let bound = if own > begins { own } else { begins };
             let (from, to) = (if reached.low > at { reached.low } else { at }, if reached.high < end { reached.high } else { end });
             area += reached.density * if to > from { to - from } else { 0.0 };
@@ -271,11 +265,7 @@ impl Walk<'_> {
         };
         // Where all that are kept may be left out, those that were dropped may not: the widest of them binds.
         let first = (0..self.tightest.len()).find(holds_too_much).or((self.tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
-        let mut binding = self.tightest[first.unwrap_or(self.tightest.len())..].iter().map(|&(_, index)| {
-            let place = self.reached[index].place as usize;
-            self.spaced.sweep.covered[place].facet
-        });
-        self.binding = std::array::from_fn(|_| binding.next());
+        self.binding = first.map(|first| self.reached[self.tightest[first].1].place);
         first.map_or(width, |first| self.tightest[first].0)
     }
 }
