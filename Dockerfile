@@ -55,8 +55,9 @@ LABEL org.opencontainers.image.title="scallopd" \
 COPY --from=build /image/scallopd /scallopd
 # A number, so that Kubernetes can verify that it is not root; the same as in distroless images.
 USER 65532:65532
-# In a container every address is the container's own.
-ENV SCALLOPD_LISTEN=0.0.0.0:8080
+# In a container every address is the container's own. The allocator's delay is the one that the program would set.
+ENV SCALLOPD_LISTEN=0.0.0.0:8080 \
+    MIMALLOC_PURGE_DELAY=10
 EXPOSE 8080
 # The server checks itself, because there is no shell and no curl.
 HEALTHCHECK --interval=10s --timeout=3s --start-period=2s --retries=3 CMD ["/scallopd", "healthcheck"]

@@ -1,7 +1,8 @@
 //! The memory that a surface takes at each stage, counted by the allocator: `cargo bench --bench memory`
 //!
-//! It prints bytes for each facet: the memory held, the further peak while the stage runs, and the reservation that
-//! `planning::memory` makes for it.
+//! It prints bytes for each facet: the memory held, the further peak while the stage runs, and the reservation for it.
+//! It ends with exit code 1 if a stage takes more than its reservation. With `-- --quick`, surfaces have a tenth of the
+//! facets.
 
 #![allow(clippy::cast_precision_loss, reason = "figures to print, under 2^53")]
 
@@ -10,19 +11,26 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
-use scallopd::planning::memory::{Parallelism, RankingSize, bytes_of_mesh, bytes_to_prepare, bytes_to_rank};
+use scallopd::planning::memory::{Parallelism, RankingSize, bytes_of_mesh, bytes_to_prepare, bytes_to_rank, bytes_to_try};
 use scallopd::planning::reach::ReachMap;
 use scallopd::planning::zigzag::{
     CandidateCutter, NoRanking, PlanRoom, SurfaceEvidence, ZigzagSettings, bytes_of_passes, passes, rank_within,
 };
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
-use scallopd::surface::{Facing, MeshBuilder, Sink, Unit};
+use scallopd::surface::read::{FormatHint, Reader};
+use scallopd::surface::{Bezier, Facing, MeshBuilder, MeshPart, PartedSink, Sink, Unit};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
+/// The facets of a surface; a tenth with `--quick`.
 const FACETS: usize = 500_000;
+
+/// Whether a stage took more than its reservation.
+static IS_EXCEEDED: AtomicBool = AtomicBool::new(false);
 
 fn mm(value: f64) -> Length {
     Length::from_mm(value).expect("a length in its bounds")
@@ -43,7 +51,9 @@ fn line<T>(name: &str, facets: usize, stated: usize, stage: impl FnOnce() -> T) 
     let (peak, held, result) = counted(stage);
     let each = |bytes: f64| bytes / facets as f64;
     let (at_most, held, stated) = (each(peak as f64), each(held as f64), each(stated as f64));
-    println!("  {name:28} {:8.1} MB: {at_most:7.1} at most, stated {stated:7.1}, {held:7.1} held", peak as f64 / 1e6);
+    let verdict = if at_most > stated { " EXCEEDED" } else { "" };
+    println!("  {name:28} {:8.1} MB: {at_most:7.1} at most, stated {stated:7.1}, {held:7.1} held{verdict}", peak as f64 / 1e6);
+    IS_EXCEEDED.fetch_or(at_most > stated, Ordering::Relaxed);
     result
 }
 
@@ -80,7 +90,7 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
     let cutters: Vec<CandidateCutter> = (0..8).map(|index| CandidateCutter::new(toroidal(index))).collect();
     let tried: Vec<Cutter> = cutters.iter().map(|candidate| candidate.cutter).collect();
     for (threads, pool) in pools {
-        line(&format!("trying 8 cutters, {threads} threads"), facets, 0, || {
+        line(&format!("trying 8 cutters, {threads} threads"), facets, bytes_to_try(*threads), || {
             pool.install(|| tried.par_iter().map(|&cutter| reach.uncut(cutter, mm(0.01)).share).sum::<f64>())
         });
     }
@@ -113,26 +123,118 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
     }
 }
 
-fn main() {
+/// A sink that takes parts, as the service's.
+struct Received(MeshBuilder);
+
+impl Sink for Received {
+    fn point(&mut self, point: [f64; 3]) {
+        self.0.point(point);
+    }
+
+    fn facet(&mut self, corners: [[f64; 3]; 3]) {
+        self.0.facet(corners);
+    }
+}
+
+impl PartedSink for Received {
+    type Part = MeshPart;
+
+    fn part(&self) -> MeshPart {
+        self.0.part()
+    }
+
+    fn append(&mut self, part: MeshPart) {
+        self.0.append(part);
+    }
+}
+
+/// The least number of parts into which a file is divided.
+const PARTS: usize = 3;
+
+/// Reads a file in blocks as an upload, and compares the memory of each.
+fn read(name: &str, file: &[u8]) {
+    let mut reader = Reader::new(FormatHint::default());
+    let mut sink = Received(MeshBuilder::with_facet_limit(FACETS));
+    let block = (1 << 20).min(file.len() / PARTS);
+    for (number, block) in file.chunks(block).take(8).enumerate() {
+        let push = reader.most_of_push(block.len());
+        let vertices = reader.held_bytes() / size_of::<[f64; 3]>();
+        let stated = push.held + sink.0.bytes_to_take(push.facets, push.corners + vertices);
+        line(&format!("{name}, block {number}"), block.len(), stated, || reader.push_in_parallel([block], &mut sink).expect("a file"));
+    }
+}
+
+/// The files that make the most of their bytes.
+fn files() {
+    println!("reading, for each byte of a block");
+    let mut stl = vec![0; 80];
+    stl.extend(120_000_u32.to_le_bytes());
+    let mut text = String::new();
+    let mut obj = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    waves(120_000, 0.01, |corners| {
+        stl.extend([0; 12]);
+        stl.extend(corners.iter().flatten().flat_map(|&coordinate| (coordinate as f32).to_le_bytes()));
+        stl.extend([0; 2]);
+    });
+    stl.truncate(84 + (stl.len() - 84) / 50 * 50);
+    let count = u32::try_from((stl.len() - 84) / 50).expect("a count");
+    stl[80..84].copy_from_slice(&count.to_le_bytes());
+    (0..1_000_000).for_each(|index| text.push_str(&format!("{} {} {}\n", index / 1000 % 10, index / 100 % 10, index % 10)));
+    (0..40_000).for_each(|_| obj.push_str(&format!("f{}\n", " 1 2 3".repeat(40))));
+    let ply = |vertices: usize, of_vertices: &[u8], faces: usize, of_face: &[u8]| {
+        let header = format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty char x\nproperty char y\nproperty char z\n\
+             element face {faces}\nproperty list uchar uchar vertex_indices\nend_header\n"
+        );
+        [header.as_bytes(), of_vertices, &of_face.repeat(faces)].concat()
+    };
+    let circle: Vec<u8> = (0..250)
+        .flat_map(|index| {
+            let (sin, cos) = (f64::from(index) / 250.0 * std::f64::consts::TAU).sin_cos();
+            [(120.0 * cos) as i8 as u8, (120.0 * sin) as i8 as u8, 1]
+        })
+        .collect();
+    let polygon: Vec<u8> = std::iter::once(250).chain(0..250).collect();
+    read("STL", &stl);
+    read("text", text.as_bytes());
+    read("OBJ", obj.as_bytes());
+    read("PLY of triangles", &ply(3, &[0, 0, 0, 9, 0, 0, 0, 9, 0], 1_000_000, &[3, 0, 1, 2]));
+    read("PLY of polygons", &ply(250, &circle, 12_000, &polygon));
+}
+
+/// A patch with as many samples as it may have.
+fn patch() {
+    println!("a patch of a million samples");
+    let net: Vec<Vec<[f64; 3]>> =
+        (0..4).map(|x| (0..4).map(|y| [f64::from(20 * x), f64::from(20 * y), f64::from(x * y % 7)]).collect()).collect();
+    let patch = Bezier::new(&net).expect("a patch");
+    line("tessellated", 2_000_000, 48 << 20, || patch.tessellate(1000, MeshBuilder::with_facet_limit(FACETS)).expect("facets"));
+}
+
+fn main() -> ExitCode {
+    let is_quick = std::env::args().any(|argument| argument == "--quick");
+    let facets = if is_quick { FACETS / 10 } else { FACETS };
     let pools: Vec<(usize, ThreadPool)> =
         [1, 2].map(|count| (count, ThreadPoolBuilder::new().num_threads(count).build().expect("threads"))).into();
-    let builder = || MeshBuilder::with_facet_limit(FACETS);
+    let builder = || MeshBuilder::with_facet_limit(facets);
+    files();
+    patch();
     println!("200 facets");
     let mut few = builder();
     waves(200, 0.0, |facet| few.facet(facet));
     planned(few, &pools);
-    for (name, count, gap) in [("shared corners", FACETS, 0.0), ("facets apart", FACETS, 0.01), ("merged", 4 * FACETS, 0.01)] {
+    for (name, count, gap) in [("shared corners", facets, 0.0), ("facets apart", facets, 0.01), ("merged", 4 * facets, 0.01)] {
         println!("{name}");
-        let stated = builder().bytes_to_take(FACETS, 3 * FACETS);
-        let builder = line("building", FACETS, stated, || {
+        let stated = builder().bytes_to_take(count, 3 * count);
+        let builder = line("building", facets, stated, || {
             let mut builder = builder();
             waves(count, gap, |facet| builder.facet(facet));
             builder
         });
-        println!("  held by its own account: {} each", builder.held_bytes() / FACETS);
+        println!("  held by its own account: {} each", builder.held_bytes() / facets);
         planned(builder, &pools);
     }
-    for count in [FACETS / 50, FACETS] {
+    for count in [facets / 50, facets] {
         println!("{count} points");
         let stated = builder().bytes_to_take(count, 0);
         let builder = line("building", count, stated, || {
@@ -142,4 +244,5 @@ fn main() {
         });
         planned(builder, &pools[..1]);
     }
+    if IS_EXCEEDED.load(Ordering::Relaxed) { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }

@@ -1,8 +1,9 @@
-//! ZIP archives in memory, read within limits on the number of entries, the length of their names and the size after
-//! inflation.
+//! ZIP archives in memory, read within limits on the number of entries, the length of their names and the decompressed
+//! size.
 //!
-//! The directory is read entry by entry without trusting its counts, an entry is inflated as it is read, and every
-//! inflated byte counts towards one limit of the whole archive, which overlapping or repeated entries cannot exceed.
+//! The directory is read entry by entry; its counts are not trusted. An entry is decompressed while it is read. Every
+//! decompressed byte counts towards one limit of the whole archive, so that overlapping or repeated entries cannot
+//! exceed it.
 
 use crate::cancellation::CancelFlag;
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
@@ -87,7 +88,7 @@ impl ArchiveEntry {
 }
 
 impl<'a> Archive<'a> {
-    /// Whether `bytes` start like an archive, with or without entries.
+    /// Whether `bytes` start like a ZIP archive, with or without entries.
     pub(crate) fn is_archive(bytes: &[u8]) -> bool {
         bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
     }
@@ -95,7 +96,7 @@ impl<'a> Archive<'a> {
     /// Reads the directory of an archive.
     ///
     /// # Errors
-    /// [`ArchiveFault`] where the directory is damaged or exceeds a limit.
+    /// [`ArchiveFault`] if the directory is damaged or exceeds a limit.
     pub(crate) fn open(bytes: &'a [u8], limits: ArchiveLimits) -> Result<Self, ArchiveFault> {
         let zip = ZipArchive::from_slice(bytes).map_err(damaged)?;
         let mut entries = Vec::new();
@@ -119,7 +120,7 @@ impl<'a> Archive<'a> {
         Ok(Self { zip, entries, limits, left: Cell::new(limits.inflated_bytes), cancel: CancelFlag::default() })
     }
 
-    /// The same archive, of which nothing more is inflated once `cancel` is set.
+    /// The same archive with a cancel flag: once `cancel` is set, reading fails.
     pub(crate) fn until(self, cancel: &CancelFlag) -> Self {
         Self { cancel: cancel.clone(), ..self }
     }
@@ -129,7 +130,7 @@ impl<'a> Archive<'a> {
         self.entries.iter().filter(|entry| !entry.name.ends_with('/'))
     }
 
-    /// The file of this name in upper or lower case, as 3MF compares the names of parts.
+    /// The file with this name. Case is ignored, as 3MF compares the names of parts.
     pub(crate) fn file(&self, name: &str) -> Option<&ArchiveEntry> {
         let name = name.trim_start_matches('/');
         self.files().find(|entry| entry.name.eq_ignore_ascii_case(name))
@@ -138,7 +139,7 @@ impl<'a> Archive<'a> {
     /// Starts to inflate a file.
     ///
     /// # Errors
-    /// [`ArchiveFault`] where the file's data are damaged, encrypted, or compressed by another method than deflate.
+    /// [`ArchiveFault`] if the file's data are damaged, encrypted, or compressed by another method than deflate.
     pub(crate) fn read(&self, entry: &ArchiveEntry) -> Result<Inflating<'_>, ArchiveFault> {
         if entry.is_encrypted {
             return Err(ArchiveFault::Encrypted);
@@ -155,7 +156,7 @@ impl<'a> Archive<'a> {
     /// The whole content of a file.
     ///
     /// # Errors
-    /// As [`Archive::read`], and where the file exceeds the limit or its checksum differs.
+    /// As [`Archive::read`]; also if the file exceeds the limit or its checksum differs.
     pub(crate) fn content(&self, entry: &ArchiveEntry) -> Result<Vec<u8>, ArchiveFault> {
         let mut content = Vec::new();
         self.read(entry)?.read_to_end(&mut content).map_err(|error| self.fault(&error))?;

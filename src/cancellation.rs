@@ -21,7 +21,7 @@ impl CancelFlag {
     }
 }
 
-/// A flag that is set when this is dropped: with the future whose result the computation is for.
+/// A cancel flag that is set when this is dropped, for example together with the future that waits for the result.
 #[derive(Debug, Default)]
 pub struct CancelOnDrop(CancelFlag);
 

@@ -4,13 +4,13 @@ use std::io::{self, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream};
 use std::time::Duration;
 
-/// The time-out: longer than a busy server needs, shorter than the usual time-outs of probes.
+/// The time-out: longer than a busy server needs to answer, shorter than the usual time-outs of probes.
 const TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Whether the server that listens at `listen` answers `/readyz` with 200.
 ///
 /// # Errors
-/// The server does not answer in time, or not in HTTP.
+/// The server cannot be reached, does not answer in time, or does not answer in HTTP.
 pub fn is_ready(listen: SocketAddr) -> io::Result<bool> {
     let mut stream = TcpStream::connect_timeout(&reachable(listen), TIMEOUT)?;
     stream.set_read_timeout(Some(TIMEOUT))?;

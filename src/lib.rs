@@ -81,11 +81,10 @@
 //! let facets = mesh.facets_for_finishing(&mesh.visibility(Angle::from_degrees(85.0)?), &selected);
 //!
 //! let diameter = Length::from_mm(10.0)?;
-//! let candidates = [Cutter::toroidal(diameter, Length::from_mm(2.0)?)?,
-//! Cutter::ball_end(diameter)].map(CandidateCutter::new); let machine =
-//! Machine::from(Preset::named("five_axis_vmc").ok_or("no such machine")?.limits); let settings =
-//! ZigzagSettings::new(Length::from_mm(0.01)?, machine); let ranking = rank(&facets, &candidates, &settings,
-//! SurfaceEvidence::default(), &|| false).ok_or("it was cancelled")?;
+//! let candidates = [Cutter::toroidal(diameter, Length::from_mm(2.0)?)?, Cutter::ball_end(diameter)].map(CandidateCutter::new);
+//! let machine = Machine::from(Preset::named("five_axis_vmc").ok_or("no such machine")?.limits);
+//! let settings = ZigzagSettings::new(Length::from_mm(0.01)?, machine);
+//! let ranking = rank(&facets, &candidates, &settings, SurfaceEvidence::default(), &|| false).ok_or("it was cancelled")?;
 //!
 //! let fastest = &ranking.plans[0];
 //! assert_eq!(fastest.candidate, 0);

@@ -23,12 +23,19 @@ const BACKLOG: u32 = 4096;
 /// The largest number of connections to the address for probes and scrapes.
 const HEALTH_CONNECTIONS: usize = 64;
 
+/// The variable with the allocator's delay before it returns freed memory.
+#[cfg(unix)]
+const PURGE_DELAY: &str = "MIMALLOC_PURGE_DELAY";
+
 /// The exit code for invalid settings; other failures exit with 1.
 const EXIT_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
     match Command::read(std::env::args_os()) {
-        Ok(Command::Serve(settings)) => exit(run(&settings)),
+        Ok(Command::Serve(settings)) => {
+            return_memory_soon();
+            exit(run(&settings))
+        }
         Ok(Command::OpenApi(version)) => {
             let document = match version {
                 OpenApiVersion::V3_1 => http::openapi_json(),
@@ -42,6 +49,23 @@ fn main() -> ExitCode {
             eprintln!("scallopd: {faults}");
             ExitCode::from(EXIT_USAGE)
         }
+    }
+}
+
+/// Sets the time in ms after which the allocator returns freed memory to the system, which is a second by default: the
+/// process would hold what several large requests have freed in that time beside the memory budget. The allocator reads
+/// it from the environment when the process begins, so the program is executed again.
+fn return_memory_soon() {
+    #[cfg(unix)]
+    if std::env::var_os(PURGE_DELAY).is_none()
+        && let Ok(program) = std::env::current_exe()
+    {
+        use std::os::unix::process::CommandExt;
+        let mut arguments = std::env::args_os();
+        let mut again = std::process::Command::new(program);
+        again.arg0(arguments.next().unwrap_or_default()).args(arguments).env(PURGE_DELAY, "10");
+        // Returns only if it fails; the server then runs with the default.
+        let _ = again.exec();
     }
 }
 

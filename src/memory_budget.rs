@@ -10,7 +10,7 @@ use tokio::sync::Notify;
 use tokio::sync::futures::Notified;
 use tokio::time::{Instant, timeout_at};
 
-/// A bound on the bytes reserved at once. Clones share it.
+/// A limit on the bytes reserved at the same time. Clones share it.
 #[derive(Debug, Clone)]
 pub struct MemoryBudget(Arc<Shared>);
 
@@ -93,8 +93,8 @@ impl MemoryBudget {
         Reservation { budget: self.clone(), bytes: 0, is_input: false }
     }
 
-    /// An empty reservation for an input that is held until its request can be worked on. It grows only while the
-    /// other inputs hold at most a quarter of the budget. Without this bound, inputs that arrive together could fill
+    /// An empty reservation for an input that is stored until its request can be processed. It grows only while the
+    /// other inputs have at most a quarter of the budget. Without this limit, inputs that arrive together could fill
     /// the budget, and none of their requests would get the memory for its work.
     pub fn open_for_input(&self) -> Reservation {
         Reservation { budget: self.clone(), bytes: 0, is_input: true }
@@ -142,7 +142,7 @@ impl Reservation {
     pub async fn grow_within(&mut self, bytes: u64, longest: Duration) -> Result<(), BudgetExceeded> {
         let deadline = Instant::now() + longest;
         loop {
-            // Registered before the attempt, so that bytes that return after it are noticed.
+            // Registered before the attempt, so that bytes returned after it are not missed.
             let budget = self.budget.clone();
             let returned = budget.returned();
             match self.try_grow(bytes) {
@@ -195,7 +195,31 @@ impl Reservation {
         Ok(())
     }
 
-    /// Ends the wait of an input: its request has the memory for its work, so that other inputs may take its place.
+    /// Begins the wait of a request for its work, during which the reservation is that of an input.
+    ///
+    /// # Errors
+    /// [`BudgetExceeded::Now`] if the other inputs hold more than a quarter of the budget.
+    pub fn begin_wait(&mut self) -> Result<(), BudgetExceeded> {
+        if self.is_input {
+            return Ok(());
+        }
+        let Shared { total, inputs, .. } = &*self.budget.0;
+        let add = |inputs: u64| (inputs <= total / 4).then(|| inputs.saturating_add(self.bytes));
+        let added = inputs.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
+        added.map_err(|_| self.budget.refuse(BudgetExceeded::Now))?;
+        self.is_input = true;
+        Ok(())
+    }
+
+    /// The bytes that the reservation could have now. Others may reserve them before it does.
+    #[must_use]
+    pub fn attainable(&self) -> u64 {
+        let free = self.budget.0.total.saturating_sub(self.budget.reserved());
+        self.bytes.saturating_add(free).min(self.budget.largest())
+    }
+
+    /// Records that the input's request has the memory for its work, so that the input no longer counts among the
+    /// waiting inputs.
     pub fn begin_work(&mut self) {
         if std::mem::take(&mut self.is_input) {
             self.budget.0.inputs.fetch_sub(self.bytes, Ordering::Relaxed);
@@ -278,6 +302,26 @@ mod tests {
         let mut third = budget.open_for_input();
         third.grow(60).unwrap();
         assert_eq!(budget.reserved(), 100);
+    }
+
+    #[test]
+    fn requests_that_wait_for_their_work_leave_memory_for_one_of_them() {
+        let budget = MemoryBudget::new(100);
+        let (mut first, mut second, mut third) = (budget.reserve(25).unwrap(), budget.reserve(25).unwrap(), budget.reserve(25).unwrap());
+        assert_eq!([&first, &second].map(Reservation::attainable), [50, 50]);
+        first.begin_wait().unwrap();
+        first.begin_wait().unwrap();
+        second.begin_wait().unwrap();
+        assert_eq!(third.begin_wait(), Err(BudgetExceeded::Now));
+        drop(third);
+        assert_eq!(first.attainable(), 75);
+        first.grow(50).unwrap();
+        first.begin_work();
+        drop(first);
+        second.grow(50).unwrap();
+        drop(second);
+        assert_eq!((budget.reserved(), budget.refusals()), (0, 1));
+        budget.open_for_input().grow(75).unwrap();
     }
 
     #[tokio::test]

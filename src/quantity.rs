@@ -101,8 +101,7 @@ impl Area {
     }
 }
 
-/// The form factor mu of a rectangle, or of a surface that a rectangle stands for: long side over short side, at least
-/// 1.
+/// The form factor mu of a rectangle, or of the equivalent rectangle of a surface: long side over short side, at least 1.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct FormFactor(f64);
 

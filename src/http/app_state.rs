@@ -1,4 +1,4 @@
-//! The application state: the handles that all requests share. No results are stored.
+//! The application state: the handles that all requests share. It has no results of requests.
 
 use axum::extract::FromRef;
 

@@ -1,5 +1,4 @@
-//! The JSON bodies of requests and answers: the extractor of a request's JSON, and answers written off the async
-//! threads.
+//! The JSON bodies of requests and answers: the extractor of a request's JSON, and answers that worker threads write.
 
 use super::codes::ServiceProblem;
 use super::collected_body::collect;
@@ -20,8 +19,8 @@ use std::io;
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
-/// A body declared as JSON, not parsed yet. The framework's own extractor answers with plain text and stops at the
-/// first fault.
+/// A body declared as JSON, not parsed yet. It replaces the framework's extractor, which answers with plain text and
+/// stops at the first fault.
 pub(crate) struct JsonBody {
     json: Bytes,
     budget: MemoryBudget,
@@ -41,13 +40,13 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
     }
 }
 
-/// The first capacity of an answer, in bytes; few answers for one contact are larger.
+/// The initial capacity of an answer, in bytes; few answers for one contact are larger.
 const USUAL_ANSWER: usize = 1024;
 
 /// An answer as JSON text, written by the thread that computed it.
 pub(crate) struct WrittenJson {
     pieces: VecDeque<Bytes>,
-    /// The memory that the answer holds until it is sent.
+    /// The memory reserved for the answer until it is sent.
     reservation: Option<Reservation>,
 }
 
@@ -58,7 +57,7 @@ impl WrittenJson {
         written.map(|()| Self::in_pieces([text])).map_err(|error| not_written(&error))
     }
 
-    /// The same for a large answer; once `cancel` is set, writing ends early and the result has no meaning.
+    /// The same for a large answer. Once `cancel` is set, writing ends early, and the result must be discarded.
     pub(crate) fn until(cancel: &CancelFlag, answer: &impl Serialize) -> Result<Self, Problem> {
         let mut text = Cancellable { text: Vec::with_capacity(USUAL_ANSWER), cancel };
         match serde_json::to_writer(&mut text, answer) {
@@ -68,12 +67,12 @@ impl WrittenJson {
         }
     }
 
-    /// An answer that is sent piece by piece, because joining the pieces of a large answer would double its memory.
+    /// An answer that is sent piece by piece: joining the pieces of a large answer would double its memory.
     pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
         Self { pieces: pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect(), reservation: None }
     }
 
-    /// The same answer with `reservation`, which is resized to the answer and held until it is sent.
+    /// The same answer with `reservation`, which is resized to the answer and released when the answer has been sent.
     pub(crate) fn holding(mut self, mut reservation: Reservation) -> Result<Self, Problem> {
         reservation.resize(self.length())?;
         self.reservation = Some(reservation);
@@ -126,7 +125,8 @@ impl HttpBody for WrittenJson {
     type Error = Infallible;
 
     fn poll_frame(mut self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
-        /// Large pieces are sent in frames of this size: the connection holds a frame until the client has taken it.
+        /// Large pieces are sent in frames of this size, because the connection stores a frame until the client has
+        /// received it.
         const FRAME: usize = 64 * 1024;
         let Some(first) = self.pieces.front_mut() else { return Poll::Ready(None) };
         let frame = first.split_to(first.len().min(FRAME));
@@ -165,18 +165,18 @@ fn is_json(headers: &HeaderMap) -> bool {
 }
 
 impl JsonBody {
-    /// The body as it was received.
+    /// The body as received.
     pub(crate) fn json(&self) -> &[u8] {
         &self.json
     }
 
     /// Reads the body, an object, with `read`. Recorded faults take precedence over a result. Members that `read` does
-    /// not take are faults, too.
+    /// not take are faults.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
         self.read_until(&CancelFlag::default(), read)
     }
 
-    /// The same for a large body. Once `cancel` is set, reading ends early and the result has no meaning.
+    /// The same for a large body. Once `cancel` is set, reading ends early, and the result must be discarded.
     pub(crate) fn read_until<T>(
         &self,
         cancel: &CancelFlag,

@@ -1,4 +1,4 @@
-//! Collects a request's body into one buffer, whose memory is reserved from the budget as it grows.
+//! Collects a request's body into one buffer, whose memory is reserved in the budget as it grows.
 
 use axum::body::{Body, Bytes, HttpBody};
 use http_body_util::BodyExt;
@@ -7,10 +7,10 @@ use super::codes::ServiceProblem;
 use super::problem::Problem;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 
-/// The first capacity for a body in several pieces.
+/// The initial capacity for a body in several pieces.
 const FIRST_CAPACITY: usize = 64 * 1024;
 
-/// The number of bytes collected in one turn of the task, less than a millisecond of decompression.
+/// The number of bytes collected before the task yields: less than a millisecond of decompression.
 const TURN: usize = 64 * 1024;
 
 /// Collects `body`. Its memory returns to the budget when the last reference to it is dropped.
@@ -38,7 +38,8 @@ pub(super) async fn collect(mut body: Body, budget: &MemoryBudget) -> Result<Byt
 
 async fn next(body: &mut Body) -> Result<Option<Bytes>, Problem> {
     while let Some(frame) = body.frame().await {
-        // The middleware answers for a body over its limit, too slow or damaged; this problem is for other errors.
+        // If a body is over its limit, too slow or damaged, the middleware replaces the answer; this problem is for
+        // other errors.
         let frame = frame.map_err(|error| Problem::new(ServiceProblem::UnreadableBody, error.to_string()))?;
         if let Ok(data) = frame.into_data() {
             return Ok(Some(data));
@@ -58,7 +59,7 @@ impl Collected {
     fn append(&mut self, data: &[u8], to_come: Option<u64>) -> Result<(), BudgetExceeded> {
         let length = self.bytes.len() + data.len();
         if length > self.bytes.capacity() {
-            // A stated length bounds the growth but is not reserved at once: the client may send less.
+            // The stated length limits the growth, but is not reserved at once: the client may send less.
             let known = to_come.and_then(|to_come| usize::try_from(to_come).ok()).map(|to_come| length.saturating_add(to_come));
             let doubled = (2 * length).max(FIRST_CAPACITY);
             self.move_to(known.map_or(doubled, |known| known.min(doubled)))?;

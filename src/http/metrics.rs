@@ -52,7 +52,7 @@ struct FormatLabels {
 
 type Durations = Family<DurationLabels, Histogram, fn() -> Histogram>;
 
-/// The counters, behind one handle, because each request clones it several times. Clones share the counters.
+/// The counters, behind one handle because each request clones it several times. Clones share the counters.
 #[derive(Debug, Clone)]
 pub struct Metrics(Arc<Counters>);
 
@@ -76,7 +76,7 @@ impl Metrics {
         let in_flight = Gauge::default();
         let shed = Family::<ShedLabels, Counter>::default();
         for overload in Overload::ALL {
-            // Created at the start, so that the first increase is visible.
+            // The series are created at the start, so that their first increase is visible.
             drop(shed.get_or_create(&ShedLabels { reason: overload.label() }));
         }
         let upload_bytes = Counter::default();
@@ -123,7 +123,7 @@ impl Metrics {
         self.0.upload_bytes.inc_by(bytes);
     }
 
-    /// Counts the facets of an upload in this format, or its points where the format has no facets.
+    /// Counts the facets of an upload in this format, or its points if the format has no facets.
     pub fn upload_facets(&self, format: &'static str, facets: u64) {
         self.0.upload_facets.get_or_create(&FormatLabels { format }).inc_by(facets);
     }

@@ -1,6 +1,5 @@
-//! The HTTP interface: a file or folder for each endpoint, and the modules that they share. No calculation is done
-//! here: requests are read into checked values and passed to the modules of the domain, and the results are written as
-//! JSON.
+//! The HTTP interface: a file or folder for each endpoint, and the modules that they share. Requests are read into
+//! checked values and passed to the domain modules, and their results are written as JSON; no calculation is done here.
 
 mod app_state;
 mod body;
@@ -64,7 +63,7 @@ pub fn routes() -> Routes {
         .nested(Single, workbench::routes())
 }
 
-/// The OpenAPI document, as `openapi/openapi.json` holds it.
+/// The OpenAPI document, as in `openapi/openapi.json`.
 #[must_use]
 pub fn openapi_json() -> String {
     format!("{:#}\n", described())
@@ -96,14 +95,14 @@ pub fn health_routes() -> Routes {
         .documented(Probe, routes!(metrics::show))
 }
 
-/// Writes the server's answers to request heads that cannot be parsed.
+/// Returns the function that writes answers to request heads that cannot be parsed.
 #[must_use]
 pub fn refusals(state: &AppState) -> Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + Sync> {
     let metrics = state.metrics.clone();
     Arc::new(move |status| refusal::refuse(status, &metrics))
 }
 
-/// A service of `routes` inside the middleware.
+/// The service: `routes` inside the middleware.
 pub fn service(routes: Routes, settings: &HttpSettings, state: &AppState) -> Router {
     let AppState { metrics, readiness, workers, budget } = state.clone();
     let stack = middleware::Stack::new(middleware::Shared { settings, metrics, readiness, workers, budget });

@@ -1,10 +1,10 @@
 //! The OpenAPI document in version 3.0.3, converted from version 3.1. Generators that read 3.0 differ in the features
 //! that they accept, so this document uses only those that all accept:
 //!
-//! - no forms: several generators refuse a document with `multipart/form-data`;
+//! - no forms, because several generators refuse a document with `multipart/form-data`;
 //! - one schema for the problems of all statuses, with the figures of every type of problem;
-//! - sets of codes that occur only in answers are open: a client that checks enumerations would fail on a code that a
-//!   later version adds. `x-extensible-enum` lists the codes of this version.
+//! - codes that occur only in answers are strings, not enumerations: a client that checks enumerations would fail on a
+//!   code that a later version adds. `x-extensible-enum` lists the codes of this version.
 
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
@@ -192,12 +192,12 @@ fn convert(schema: &mut Value) {
             members.insert(bound.to_owned(), limit);
         }
     }
-    // Names of members are always strings.
+    // The names of members are always strings.
     members.shift_remove("propertyNames");
 }
 
-/// Version 3.0 ignores members beside a reference, so the reference is wrapped. In a union, generators would create
-/// another type for the wrapper; in a union, the description is dropped instead.
+/// Version 3.0 ignores members beside a reference, so the reference is wrapped. In a union the description is dropped
+/// instead, because generators would create another type for the wrapper.
 fn describe_reference(members: &mut Map<String, Value>) {
     for union in ["oneOf", "allOf", "anyOf"] {
         for form in members.get_mut(union).and_then(Value::as_array_mut).into_iter().flatten() {
@@ -213,7 +213,7 @@ fn describe_reference(members: &mut Map<String, Value>) {
     }
 }
 
-/// A type "null" beside others becomes `nullable`.
+/// Replaces a type "null" beside others by `nullable`.
 fn replace_null(members: &mut Map<String, Value>) {
     if let Some(Value::Array(types)) = members.get_mut("type") {
         types.retain(|kind| kind != "null");
@@ -234,7 +234,7 @@ fn replace_null(members: &mut Map<String, Value>) {
             form = json!({"allOf": [form]});
         }
         members.shift_remove("oneOf");
-        // The description of the member takes precedence over that of the form.
+        // The description of the member takes precedence over that of the referenced form.
         for (name, member) in form.as_object_mut().into_iter().flat_map(std::mem::take) {
             members.entry(name).or_insert(member);
         }

@@ -11,7 +11,7 @@ use crate::memory_budget::BudgetExceeded;
 /// The value of `Retry-After`. Resources become free within milliseconds unless the load persists.
 const RETRY_AFTER_S: u32 = 1;
 
-/// The bound that a request would exceed.
+/// The limit that a request would exceed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overload {
     /// The limit of requests in flight is reached.
@@ -23,7 +23,7 @@ pub enum Overload {
 }
 
 impl Overload {
-    /// The bounds whose refusals are counted here; the memory budget counts its own.
+    /// The limits whose refusals the metrics count; the memory budget counts its own.
     pub(crate) const ALL: [Self; 2] = [Self::InFlight, Self::Workers];
 
     /// The value of the label `reason` in the metrics.

@@ -1,4 +1,4 @@
-//! The interactive documentation and the OpenAPI document.
+//! The routes of the interactive documentation and of the OpenAPI document.
 
 use super::app_state::AppState;
 use super::{openapi_3_0_json, openapi_json};
@@ -9,12 +9,12 @@ use axum::routing::get;
 use std::sync::LazyLock;
 use utoipa_swagger_ui::{Config, SwaggerUi};
 
-/// The documentation's scripts and styles; [`super::workbench`] serves its page. They are not in the OpenAPI document,
-/// because programs do not call them.
+/// The routes of the documentation's scripts and styles; [`super::workbench`] serves the page itself. They are not in
+/// the OpenAPI document, because programs do not call them.
 pub(super) fn routes() -> Router<AppState> {
     let documentation = SwaggerUi::new("/docs/ui").config(
         Config::from("/openapi.json")
-            // The list of a hundred schemas would hide the operations.
+            // Expanded, the list of a hundred schemas would hide the operations.
             .default_models_expand_depth(0)
             .display_request_duration(true)
             .try_it_out_enabled(true),
@@ -24,7 +24,7 @@ pub(super) fn routes() -> Router<AppState> {
 
 /// The OpenAPI document
 ///
-/// This description of the service, OpenAPI 3.1.
+/// This description of the service, in OpenAPI 3.1.
 #[utoipa::path(
     get, path = "/openapi.json", tag = "service", operation_id = "openapi",
     responses((status = 200, description = "The document", body = serde_json::Value, content_type = "application/json")),

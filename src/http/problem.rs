@@ -1,7 +1,7 @@
 //! Answers to requests that fail: problem details (RFC 9457), in the same form for every route and layer.
 //!
-//! A handler or layer that fails returns a [`Problem`], or any response with an error status and any body;
-//! [`describe_error`] turns both into `application/problem+json` on the way out, where path and request id are known.
+//! A handler or layer that fails returns a [`Problem`], or a response with an error status and any body. The outermost
+//! layer, in which path and request id are known, turns both into `application/problem+json` by [`describe_error`].
 
 use super::codes::{Code, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
 use super::reading::{Fault, Faults};
@@ -17,7 +17,7 @@ use utoipa::openapi::schema::{ArrayBuilder, Discriminator, ObjectBuilder, OneOfB
 use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder, Schema};
 use utoipa::{IntoResponses, PartialSchema, ToSchema};
 
-/// The problem of a failed request, before it is written. It is boxed to keep `Result`s small.
+/// The problem of a failed request, before it is written. Its content is boxed to keep `Result`s small.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem(Box<Content>);
 
@@ -70,7 +70,7 @@ impl Problem {
         problem
     }
 
-    /// No cutter of a recommendation can be ranked, each for its own reason.
+    /// The problem that none of the cutters can be ranked, with the reason for each.
     pub(crate) fn no_cutter_fits(not_ranked: Vec<NotRanked>) -> Self {
         let detail = format!("none of the {} cutters can be ranked; not_ranked has the reasons", not_ranked.len());
         let mut problem = Self::new(ServiceProblem::NoCutterFits, detail);
@@ -161,7 +161,7 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
     }
 }
 
-/// The reason why a request failed (RFC 9457).
+/// A problem (RFC 9457): the reason why a request failed.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Problem)]
 pub(crate) struct ProblemBody {

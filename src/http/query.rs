@@ -126,7 +126,7 @@ impl Query {
         let object = Object::open_body(json.as_bytes(), &mut of_json).map_err(|error| malformed(&error))?;
         let result = read_object(object, &mut of_json, read);
         let is_empty = |pointer: &str| given.iter().any(|(member, value)| value.is_empty() && format!("/{}", member.name) == pointer);
-        // The fault of an empty parameter is already recorded.
+        // The fault of an empty parameter has been recorded already.
         faults.take_in(of_json, |pointer| Some(self.pointer(pointer, &given)).filter(|pointer| !is_empty(pointer)));
         match result {
             Ok(result) if faults.is_empty() => Ok(result),
@@ -190,7 +190,7 @@ fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) 
         for mut member in forms.into_iter().flatten() {
             member.is_required = required.contains(&member.path);
             match members.iter_mut().find(|known| known.path == member.path) {
-                // Each form has its own word for `type`.
+                // Each form has its own constant for `type`.
                 Some(known) => {
                     if let (Some(words), Some(more)) = (known.schema["enum"].as_array_mut(), member.schema["enum"].as_array()) {
                         words.extend(more.iter().filter(|word| !words.contains(word)).cloned().collect::<Vec<_>>());
@@ -259,7 +259,7 @@ fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
     format!("{{{}}}", json.trim_end_matches(','))
 }
 
-/// A number as JSON; anything else as a string, which the reader of numbers refuses.
+/// The value as JSON: a number as it is, anything else as a string, which the reader of numbers refuses.
 fn number(value: &str) -> String {
     let token = match value.to_ascii_lowercase().as_str() {
         "nan" => "NaN",

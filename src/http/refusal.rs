@@ -1,5 +1,5 @@
-//! Answers to request heads that cannot be parsed: malformed, too large or too slow. They reach no route, but they have
-//! a request id, a problem, a log line and a count like other requests.
+//! Answers to request heads that cannot be parsed because they are malformed, too large or too slow. They reach no
+//! route, but have a request id, a problem, a log line and a count like other requests.
 
 use std::pin::pin;
 use std::sync::{Arc, LazyLock};
@@ -14,7 +14,7 @@ use super::metrics::Metrics;
 use super::problem::describe_error;
 use super::request_id::RequestId;
 
-/// The method and the route in log and metrics.
+/// The labels of method and route in log and metrics.
 const UNREAD: &str = "unread";
 
 /// The bytes of the answer to such a head. The connection is closed after it.
@@ -42,7 +42,7 @@ pub(super) fn refuse(status: StatusCode, metrics: &Metrics) -> Vec<u8> {
 
 fn problem(status: StatusCode, id: &RequestId) -> Vec<u8> {
     let body = describe_error(status.into_response(), "", id).into_body();
-    // A problem is one frame, which is ready at once.
+    // The body of a problem is one frame, which is always ready.
     match pin!(body.collect()).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(Ok(collected)) => collected.to_bytes().to_vec(),
         Poll::Ready(Err(_)) | Poll::Pending => Vec::new(),

@@ -1,4 +1,4 @@
-//! Request ids: the caller's if it is valid, else one created here.
+//! Request ids: the caller's if it is valid, otherwise one created here.
 
 use std::hash::{BuildHasher, RandomState};
 use std::sync::LazyLock;
@@ -30,8 +30,8 @@ impl RequestId {
         (!id.is_empty() && id.len() <= LONGEST && id.as_bytes().iter().all(sane)).then(|| Self(id.clone()))
     }
 
-    /// An id unique among the requests of all processes: a random number drawn at the start, and a counter. It is not a
-    /// secret.
+    /// An id that is unique among the requests of all processes: a random number drawn at the start of the process, and
+    /// a counter. It is not a secret.
     pub(super) fn create() -> Self {
         static PREFIX: LazyLock<String> = LazyLock::new(|| format!("{:016x}-", RandomState::new().hash_one(std::process::id())));
         static COUNT: AtomicU64 = AtomicU64::new(0);

@@ -13,7 +13,7 @@ use crate::settings::HttpSettings;
 pub enum RouteClass {
     /// Liveness, readiness and metrics: answered under any load and logged at level `debug`.
     Probe,
-    /// One calculation or one page: microseconds on an async thread, or a piece of work for the worker pool.
+    /// One calculation or one page: microseconds on an async thread, or a short task for the worker pool.
     Single,
     /// A JSON body with many contacts or points, processed by the worker pool.
     Batch,

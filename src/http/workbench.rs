@@ -15,7 +15,7 @@ use flate2::write::GzEncoder;
 
 use super::app_state::AppState;
 
-/// The page's files in `web/`, with their paths.
+/// Embeds files of `web/`, each with its path.
 macro_rules! embedded {
     ($($path:literal),* $(,)?) => {
         [$(($path, include_bytes!(concat!("../../web/", $path)) as &'static [u8])),*]
@@ -71,17 +71,18 @@ const FILES: &[(&str, &[u8])] = &embedded![
 /// The table of codes, which the glossary page shows.
 const CODES: (&str, &[u8]) = ("codes.md", include_bytes!("../../docs/codes.md"));
 
-/// Allows scripts, styles and requests of this server only, and nothing inline. The API's documentation has another
+/// Allows only scripts, styles and requests of this server, and nothing inline. The API's documentation has another
 /// policy.
 const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; \
      form-action 'none'; frame-ancestors 'none'",
 );
 
-/// Browsers revalidate files each time, so that a page never runs with another version's scripts.
+/// Browsers must revalidate files each time, so that a page never runs with the scripts of another version.
 const REVALIDATE: HeaderValue = HeaderValue::from_static("no-cache");
 
-/// The workbench at `/`, its files under `/workbench/`, and the page around the API's documentation.
+/// The routes of the workbench at `/`, of its files under `/workbench/`, and of the page around the API's
+/// documentation.
 pub(super) fn routes() -> Router<AppState> {
     let page = |name: &'static str| get(async move |headers: HeaderMap| serve(name, &headers));
     Router::new()
@@ -92,7 +93,7 @@ pub(super) fn routes() -> Router<AppState> {
         .route("/workbench/{*file}", get(async |Path(file): Path<String>, headers: HeaderMap| serve(&file, &headers)))
 }
 
-/// A file in both encodings.
+/// A file, plain and compressed.
 struct Asset {
     media_type: &'static str,
     plain: &'static [u8],

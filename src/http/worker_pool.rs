@@ -1,10 +1,10 @@
-//! The worker pool: threads for computations of more than about a millisecond, so that probes and single calculations
-//! stay fast.
+//! The worker pool: threads for computations that take more than about a millisecond, so that probes and single
+//! calculations stay fast.
 //!
-//! A whole computation needs one of few permits. Each permit has its own threads, so that the kernel shares the cores
-//! between requests and a short batch does not wait for a long one. Pieces of a few milliseconds, such as a block of an
-//! upload, need no permit; they run in turn on threads that all requests share. Worker threads have a lower priority
-//! than the threads that serve connections.
+//! A whole computation needs a permit, of which there are few. Each permit has its own threads, so that the kernel
+//! divides the cores between requests and a short batch does not wait for a long one. Tasks of a few milliseconds, such
+//! as a block of an upload, need no permit; they run in turn on threads that all requests share. Worker threads have a
+//! lower priority than the threads that serve connections.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -25,7 +25,7 @@ use crate::cancellation::{CancelFlag, CancelOnDrop};
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 use crate::priority;
 
-/// The largest number of threads for each permit; more bring little.
+/// The largest number of threads for each permit. More would hardly reduce the time.
 const MAX_THREADS_PER_REQUEST: usize = 8;
 
 /// The worker threads and the permits to use them. Clones share both.
@@ -36,8 +36,8 @@ struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
-    /// Half of the permits, for recommendations: so many at once keep all cores busy, and batches find a permit beside
-    /// them.
+    /// The permits that recommendations may use: half of all. That many at once keep all cores busy, and batches still
+    /// find a permit.
     plans: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
@@ -92,7 +92,7 @@ impl WorkerPool {
     /// [`Overload::Workers`] if none becomes free.
     pub async fn admit(&self, longest: Duration) -> Result<WorkPermit, Overload> {
         let permit = self.acquire(&self.0.permits, longest).await?;
-        // Threads return before their permit: see the order in the `Drop` of `PermitThreads`.
+        // A free permit always has free threads: `Drop` of `PermitThreads` returns the threads before the permit.
         let threads = self.0.free().pop();
         let held = PermitThreads { threads, _permit: permit, pool: self.clone() };
         Ok(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
@@ -121,7 +121,7 @@ impl Drop for PermitThreads {
     }
 }
 
-/// One request's permit and its threads. Dropping it cancels its work; the threads become free when the work has ended.
+/// One request's permit and its threads. Dropping it cancels the work; the threads become free when the work has ended.
 pub struct WorkPermit {
     held: Arc<PermitThreads>,
     cancel: CancelOnDrop,
@@ -181,15 +181,15 @@ impl Work {
     /// unless the load persists.
     const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
-    /// The longest time that an upload or a recommendation waits. A client would have to send its file again, and of
-    /// dozens of recommendations at once, each of some 0.1 s, the last waits some seconds.
+    /// The longest time that an upload or a recommendation waits. After a refusal, a client would have to send its file
+    /// again. Of dozens of recommendations at the same time, each of some 0.1 s, the last waits a few seconds.
     pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
 
     pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget) -> Self {
         Self { workers, budget }
     }
 
-    /// Runs `work` with a permit. The permit is taken now, not while the body arrives.
+    /// Runs `work` with a permit. Call it when the body has arrived, so that a slow client does not occupy a permit.
     ///
     /// # Errors
     /// [`Overload::Workers`] if no permit becomes free.
@@ -219,15 +219,19 @@ impl Work {
     ) -> Result<T, Problem> {
         let deadline = Instant::now() + longest;
         let (permit, plan) = loop {
-            // Registered before the attempt, so that bytes that return after it are noticed.
+            // Registered before the attempt, so that bytes returned after it are not missed.
             let returned = self.budget.returned();
             let left = || deadline.saturating_duration_since(Instant::now());
-            let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
-            let permit = self.workers.admit(left()).await?;
-            match memory.try_grow(bytes) {
-                Ok(()) => break (permit, plan),
-                Err(BudgetExceeded::Always) => return Err(self.budget.refuse(BudgetExceeded::Always).into()),
-                Err(BudgetExceeded::Now) => drop((permit, plan)),
+            // Dozens of requests may wait, and bytes return thousands of times a second: only those that fit ask for a
+            // permit.
+            if memory.attainable() >= memory.bytes().saturating_add(bytes) || memory.bytes().saturating_add(bytes) > self.budget.largest() {
+                let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
+                let permit = self.workers.admit(left()).await?;
+                match memory.try_grow(bytes) {
+                    Ok(()) => break (permit, plan),
+                    Err(BudgetExceeded::Always) => return Err(self.budget.refuse(BudgetExceeded::Always).into()),
+                    Err(BudgetExceeded::Now) => drop((permit, plan)),
+                }
             }
             if timeout_at(deadline, returned).await.is_err() {
                 return Err(self.budget.refuse(BudgetExceeded::Now).into());
@@ -288,7 +292,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Work {
     type Rejection = Response;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Response> {
-        // The middleware adds the pool to requests for routes whose class uses workers.
+        // The middleware adds this extension to requests for routes whose class uses workers.
         parts.extensions.get::<Self>().cloned().ok_or_else(|| {
             tracing::error!("the route's class does not include the worker pool");
             StatusCode::INTERNAL_SERVER_ERROR.into_response()
@@ -374,7 +378,7 @@ mod tests {
     async fn requests_run_side_by_side() {
         let work = work(2);
         let (send, receive) = mpsc::channel::<()>();
-        // As many pieces as a request has threads wait for the other request.
+        // As many tasks as a request has threads wait for the other request.
         let waiting = work.run(move |_| receive.recv().is_ok());
         let other = work.run(move |_| send.send(()).is_ok());
         assert_eq!(tokio::join!(waiting, other), (Ok(true), Ok(true)));

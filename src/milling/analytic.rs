@@ -16,8 +16,8 @@ impl EffectiveRadius {
     ///
     /// (R - r) cos^2(alpha) / (sin(S) (1 - sin^2(alpha) sin^2(S))) + r
     ///
-    /// R for a ball-end cutter. Written with theta, cos^2(theta) = cos^2(alpha) / (1 - sin^2(alpha) sin^2(S)), it is
-    /// regular on walls. Infinite on a floor.
+    /// It is R for a ball-end cutter, and infinite on a floor for others. With theta, cos^2(theta) = cos^2(alpha) / (1 -
+    /// sin^2(alpha) sin^2(S)), it is also defined on walls.
     #[must_use]
     pub fn across_feed(cutter: Cutter, contact: Contact) -> Self {
         Self::of(cutter, contact, contact.theta().cos().powi(2))
@@ -28,8 +28,8 @@ impl EffectiveRadius {
     #[must_use]
     pub fn along_feed(cutter: Cutter, contact: Contact) -> Self {
         let (sin, cos) = (contact.alpha().sin(), contact.alpha().cos());
-        // cos^2(theta) for alpha + 90 deg, sin^2(alpha) / (1 - cos^2(alpha) sin^2(S)), its denominator without
-        // cancellation.
+        // cos^2(theta) for alpha + 90 deg is sin^2(alpha) / (1 - cos^2(alpha) sin^2(S)); here the denominator is
+        // written without cancellation.
         let share = if sin == 0.0 { 0.0 } else { sin * sin / (sin * sin + (cos * contact.slope().cos()).powi(2)) };
         Self::of(cutter, contact, share)
     }
@@ -51,7 +51,7 @@ impl EffectiveRadius {
     }
 
     /// height(P, c) = P - sqrt(P^2 - c^2/4), the height between circles of radius P at the distance c. `None` if c >
-    /// 2P: they do not meet.
+    /// 2P, because the circles do not meet.
     fn height(self, chord: f64) -> Option<f64> {
         let half = chord / 2.0;
         let ratio = half / self.0;
@@ -60,7 +60,8 @@ impl EffectiveRadius {
         (ratio <= 1.0).then(|| half * ratio / (1.0 + ((1.0 - ratio) * (1.0 + ratio)).sqrt()))
     }
 
-    /// chord(P, h) = 2 sqrt(2 P h - h^2), the inverse of the height. `None` if h > P: no circles leave this height.
+    /// chord(P, h) = 2 sqrt(2 P h - h^2), the inverse of the height. `None` if h > P, because no circles leave this
+    /// height.
     fn chord(self, height: f64) -> Option<f64> {
         (height <= self.0).then(|| 2.0 * height.sqrt() * (2.0 * self.0 - height).sqrt())
     }
@@ -68,8 +69,8 @@ impl EffectiveRadius {
 
 /// The analytic model at one contact.
 ///
-/// The formulas use the curvatures 1/rho of the surface and 1/R_eff of the groove, so that the plane is not a special
-/// case but 1/rho = 0.
+/// The formulas use the curvatures 1/rho of the surface and 1/R_eff of the groove, so that a plane, 1/rho = 0, is not a
+/// special case.
 #[derive(Debug, Clone, Copy)]
 pub struct Analytic {
     pass: Pass,
@@ -85,7 +86,7 @@ impl Analytic {
     ///
     /// # Errors
     /// - [`NoAnswer::FlatFloor`] at slope 0, unless the cutter is a ball-end;
-    /// - [`NoAnswer::SharpEdge`] where the effective radius is 0: a flat-end cutter fed along the level line;
+    /// - [`NoAnswer::SharpEdge`] if the effective radius is 0: a flat-end cutter fed along the level line;
     /// - [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
         let relative_curvature = gouging::relative_curvature(&pass)?;
@@ -97,13 +98,13 @@ impl Analytic {
         if across.0 == 0.0 {
             return Err(NoAnswer::SharpEdge);
         }
-        // The groove's circle alone must be more curved than the surface across the feed as well, whatever the
-        // curvature along it.
+        // The groove's circle must also be more curved than the surface across the feed, whatever the curvature along
+        // the feed is.
         if across.0.recip() + pass.surface.across_per_mm() <= 0.0 {
             return Err(NoAnswer::Gouges { smallest_radius: Some(effective_radius) });
         }
-        // The climb as printed [Segonds 2017, eq. 16], S cos(alpha); exact is atan(tan(S) cos(alpha)). A zigzag cuts in
-        // both senses, so the absolute value is used.
+        // The climb as printed [Segonds 2017, eq. 16], S cos(alpha); the exact value is atan(tan(S) cos(alpha)). A
+        // zigzag cuts in both directions, so the absolute value is used.
         let climb = Angle::from_radians(pass.contact.slope().radians() * pass.contact.alpha().cos().abs());
         Ok(Self { pass, across, along, climb, relative_curvature })
     }
@@ -143,8 +144,8 @@ impl Analytic {
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let step_over_height = self.step_over_height(step_over)?;
         if step_over_height >= tolerance {
-            // The height at this step-over reaches the tolerance, so the step-over that leaves just the tolerance
-            // exists.
+            // The height at this step-over reaches the tolerance, so there is a step-over that leaves exactly the
+            // tolerance.
             let max_step_over = self.step_over_of(tolerance)?;
             return Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over });
         }
@@ -195,8 +196,7 @@ impl Analytic {
         Ok(Length::computed(2.0 * (w * (2.0 - c * c * w)).sqrt()))
     }
 
-    /// The step-over up to which the grooves meet, and seen from above the passes are not further apart than the
-    /// cutter, R + rr in place of R, is wide.
+    /// The largest step-over at which the grooves meet and the passes, seen from above, are at most 2 (R + rr) apart.
     fn largest_step_over(&self) -> Length {
         let width = 2.0 * self.pass.cutter.widened(self.pass.runout.radial()).outer_radius().mm() / self.pass.contact.spacing_ratio();
         largest_groove_distance(self.across.0.recip(), self.pass.surface.across_per_mm(), width)
@@ -217,11 +217,11 @@ impl Analytic {
 }
 
 /// h1 [Segonds 2017, eq. 12 with its signs corrected] of grooves with the curvature k = 1/R_eff on a surface with the
-/// curvature c = 1/rho, at the step-over s. `None` where the grooves do not meet.
+/// curvature c = 1/rho, at the step-over s. `None` if the grooves do not meet.
 ///
 /// Printed as A - Dq with A = R_eff cos(beta) - rho (1 - cos(beta)), Dq = sqrt(R_eff^2 - (1 + R_eff/rho)^2 s^2/4) and
-/// sin(beta) = s / 2 rho. With a = A/R_eff, d = Dq/R_eff it equals s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), without
-/// cancellation and without special cases: k = 0 is a flat, c = 0 a plane.
+/// sin(beta) = s / 2 rho. With a = A/R_eff and d = Dq/R_eff it equals s^2 (k + c) / (2 (1 + cos(beta)) (a + d)), which
+/// has no cancellation and no special cases: k = 0 is a flat, c = 0 a plane.
 fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
     let sin_beta = c * s / 2.0;
     let offset = (k + c) * s / 2.0;
@@ -229,15 +229,15 @@ fn groove_height(k: f64, c: f64, s: f64) -> Option<f64> {
         return None;
     }
     let cos_beta = ((1.0 - sin_beta) * (1.0 + sin_beta)).sqrt();
-    // Paired so that no factor exceeds 4: the square of a step-over over a nearly flat floor can overflow.
+    // The factors are paired so that none exceeds 4: on a nearly flat floor, the square of a step-over can overflow.
     let a = cos_beta - (s * k) * (s * c) / (4.0 * (1.0 + cos_beta));
     let d = ((1.0 - offset) * (1.0 + offset)).sqrt();
     Some(s * offset / ((1.0 + cos_beta) * (a + d)))
 }
 
-/// The step-over at which such grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, never
-/// more than the surface's width 2 |rho|, and never more than `width`. Reduced by a rounding error, so that it is in
-/// the domain of [`groove_height`].
+/// The step-over at which such grooves just meet: 2 R_eff on a plane, 2 / (1/R_eff + 1/rho) on a curved surface, but at
+/// most the surface's width 2 |rho| and at most `width`. It is reduced by a rounding error, so that it is in the domain
+/// of [`groove_height`].
 fn largest_groove_distance(k: f64, c: f64, width: f64) -> Length {
     Length::computed((2.0 / (k + c)).min(2.0 / c.abs()).min(width) * (1.0 - 2.0 * f64::EPSILON))
 }

@@ -1,20 +1,21 @@
-//! The contact between cutter and surface: slope and feed direction about the tool axis, from angles or from vectors.
+//! The contact between cutter and surface: slope and feed direction relative to the tool axis, from angles or from
+//! vectors.
 
 use crate::quantity::{Angle, OutOfRange};
 use nalgebra::Vector3;
 use std::fmt;
 
-/// A contact between cutter and surface: the slope S, and the feed's direction as two angles to the line of steepest
+/// A contact between cutter and surface: the slope S, and the feed's direction as two angles from the line of steepest
 /// slope.
 ///
-/// - `alpha` is measured in the plane normal to the tool axis (the horizontal plane), counter-clockwise seen against
-///   the axis from above, from the line of steepest slope to the feed; from its uphill or its downhill end is the same,
-///   because the period is 180 deg,
-/// - `theta` in the tangent plane, counter-clockwise seen from outside, tan(theta) = tan(alpha) cos(S).
+/// - `alpha` is measured in the plane normal to the tool axis (the horizontal plane), from the line of steepest slope
+///   to the feed, counter-clockwise seen from above. Its period is 180 deg, so the uphill and the downhill end of the
+///   line are equivalent;
+/// - `theta` is the same in the tangent plane, counter-clockwise seen from outside: tan(theta) = tan(alpha) cos(S).
 ///
-/// Formulas for one angle are wrong for the other, so both are kept. On a vertical wall all feeds but the vertical one
-/// have `alpha` = 90 deg, and only `theta` distinguishes them. The signs of both matter only if the surface has twist
-/// in the axes of the feed.
+/// Formulas for one angle are wrong for the other, so both are stored. On a vertical wall all feeds except the vertical
+/// one have `alpha` = 90 deg, and only `theta` distinguishes them. The signs matter only if the surface has twist in
+/// the axes of the feed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     slope: Angle,
@@ -48,7 +49,7 @@ impl fmt::Display for ContactError {
             Self::FeedAngle(_) => f.write_str("the feed angle must be a finite number of degrees"),
             Self::NormalWithoutDirection => f.write_str("the normal must have a length; it points out of the part"),
             Self::NormalPointsDown => f.write_str(
-                "the normal points away from the tool axis (normal . tool_axis < 0, the axis being +Z unless stated), where the cutter cannot touch; give the normal that points out of the part",
+                "the normal points away from the tool axis (normal . tool_axis < 0, the axis being +Z unless stated), so the cutter cannot touch the surface there; give the normal that points out of the part",
             ),
             Self::ToolAxisWithoutDirection => f.write_str("the tool axis must have a length; it points from the tip to the spindle"),
             Self::FeedWithoutDirection => f.write_str("the feed vector must have a length"),
@@ -61,8 +62,8 @@ impl fmt::Display for ContactError {
 
 impl std::error::Error for ContactError {}
 
-/// Sine of the angle between feed and normal up to which the feed counts as running along the normal: vectors are
-/// usually printed with six digits, so a smaller angle is a rounding error.
+/// The feed counts as parallel to the normal if the sine of their angle is at most this. Vectors are usually printed
+/// with six digits, so a smaller angle is a rounding error.
 const ALONG_NORMAL: f64 = 1e-6;
 
 /// The largest rounding error of normal . axis for unit vectors: three products and their sums, each rounded to half an
@@ -73,8 +74,8 @@ impl Contact {
     /// A contact from the slope S and the angle alpha from the steepest line to the feed, counter-clockwise seen from
     /// above.
     ///
-    /// alpha and alpha + 180 deg are the same feed line; alpha and -alpha differ only where the surface is twisted. At
-    /// S = 0 alpha has no meaning. At S = 90 deg, alpha = 90 deg is the feed along the wall and every other alpha the
+    /// alpha and alpha + 180 deg are the same feed line; alpha and -alpha differ only if the surface is twisted. At S =
+    /// 0, alpha has no meaning. At S = 90 deg, alpha = 90 deg is the feed along the wall, and every other alpha is the
     /// vertical feed.
     ///
     /// # Errors
@@ -93,13 +94,13 @@ impl Contact {
         Self { slope, alpha: Angle::ZERO, theta: Angle::ZERO }
     }
 
-    /// A contact from the surface's normal n, pointing out of the part, the feed vector, and the tool axis a, which
-    /// points from the tip to the spindle and is +Z where it is `None`. All may have any length.
+    /// A contact from the surface's normal n, which points out of the part, the feed vector, and the tool axis a, which
+    /// points from the tip to the spindle. `None` for the tool axis is +Z. All vectors may have any length.
     ///
     /// Only the feed's component in the tangent plane is used. The tangent plane is spanned by the level direction v =
-    /// a x n / |a x n| and the steepest descent u = v x n; theta is the angle of the feed from u towards v, and alpha
-    /// that of its projection on the plane normal to the axis. Where n runs along the axis every direction is level,
-    /// and u is the projection of X (of Y where the axis runs along X).
+    /// a x n / |a x n| and the steepest descent u = v x n. theta is the angle of the feed from u towards v, and alpha
+    /// that of its projection on the plane normal to the axis. If n is parallel to the axis, every direction is level,
+    /// and u is the projection of X, or of Y if the axis is parallel to X.
     ///
     /// # Errors
     /// The [`ContactError`] of a vector that has no direction, points down, or is parallel to the normal.
@@ -146,8 +147,8 @@ impl Contact {
         self.theta
     }
 
-    /// The ratio d/s between the distance of the passes seen from above and along the surface,
-    /// sqrt(1 - sin^2(S) sin^2(alpha)): 0 where passes lie above each other on a wall.
+    /// d/s, the ratio of the distance of the passes seen from above to that along the surface: sqrt(1 - sin^2(S)
+    /// sin^2(alpha)). It is 0 if passes are above each other on a wall.
     ///
     /// Without cancellation: 1 - sin^2(S) sin^2(alpha) = cos^2(alpha) + sin^2(alpha) cos^2(S).
     #[must_use]

@@ -65,8 +65,8 @@ impl SurfaceCurvature {
     /// The largest component that is accepted, in 1/mm, that of [`SurfaceCurvature::SMALLEST_RADIUS`].
     pub const LARGEST_PER_MM: f64 = 1.0 / Length::SMALLEST;
 
-    /// From the radius rho in mm across the feed alone: positive convex, negative concave. Along the feed the surface
-    /// is straight.
+    /// A surface with the radius rho in mm across the feed, positive if convex and negative if concave, and straight
+    /// along the feed.
     ///
     /// # Errors
     /// [`OutOfRange`] with the bounds of |rho|, for a radius that is 0, beyond them, or not a number.
@@ -78,7 +78,7 @@ impl SurfaceCurvature {
     /// From k_F, k_T and k_FT in 1/mm.
     ///
     /// # Errors
-    /// [`CurvatureOutOfRange`] for the first component whose amount exceeds [`SurfaceCurvature::LARGEST_PER_MM`].
+    /// [`CurvatureOutOfRange`] for the first component whose magnitude exceeds [`SurfaceCurvature::LARGEST_PER_MM`].
     pub fn from_components_per_mm(along: f64, across: f64, twist: f64) -> Result<Self, CurvatureOutOfRange> {
         Ok(Self {
             along: within_bounds(along, CurvatureComponent::Along)?,
@@ -87,13 +87,13 @@ impl SurfaceCurvature {
         })
     }
 
-    /// From the principal curvatures k1 and k2 in 1/mm; `angle` runs from the feed to the direction of k1,
+    /// From the principal curvatures k1 and k2 in 1/mm; `angle` is that from the feed to the direction of k1,
     /// counter-clockwise seen from outside:
     ///
     /// k_F = k1 cos^2 + k2 sin^2, k_T = k1 sin^2 + k2 cos^2, k_FT = (k1 - k2) sin cos
     ///
     /// # Errors
-    /// [`CurvatureOutOfRange`] for the first one whose amount exceeds [`SurfaceCurvature::LARGEST_PER_MM`].
+    /// [`CurvatureOutOfRange`] for the first one whose magnitude exceeds [`SurfaceCurvature::LARGEST_PER_MM`].
     pub fn from_principal_per_mm(principal: [f64; 2], angle: Angle) -> Result<Self, CurvatureOutOfRange> {
         let first = within_bounds(principal[0], CurvatureComponent::FirstPrincipal)?;
         let second = within_bounds(principal[1], CurvatureComponent::SecondPrincipal)?;
@@ -146,7 +146,7 @@ impl SurfaceCurvature {
         }
     }
 
-    /// The surface mirrored at the plane of normal and feed.
+    /// The surface mirrored at the plane through the normal and the feed.
     pub(super) fn mirrored(self) -> Self {
         Self { twist: -self.twist, ..self }
     }

@@ -1,4 +1,4 @@
-//! The cutter, as the solid that it sweeps when it rotates.
+//! The cutter, described as the solid that it sweeps when it rotates.
 
 use crate::quantity::Length;
 use std::fmt;
@@ -37,7 +37,7 @@ impl fmt::Display for CornerTooLarge {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the corner radius of a toroidal cutter must be under half its diameter, {} mm; where both are equal the cutter is a ball-end",
+            "the corner radius of a toroidal cutter must be under half its diameter, {} mm; if both are equal, the cutter is a ball-end",
             self.outer_radius.mm()
         )
     }
@@ -65,7 +65,7 @@ impl Cutter {
         Self { kind: CutterKind::BallEnd, outer_radius: radius, corner_radius: radius }
     }
 
-    /// A flat-end cutter of diameter DC = 2R, its corner sharp.
+    /// A flat-end cutter of diameter DC = 2R, with a sharp corner.
     #[must_use]
     pub fn flat_end(diameter: Length) -> Self {
         Self { kind: CutterKind::FlatEnd, outer_radius: diameter.mm() / 2.0, corner_radius: 0.0 }

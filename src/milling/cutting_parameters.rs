@@ -1,12 +1,12 @@
-//! Cutting parameters: the step-over and feed per tooth that finish the most area per time under a tolerance on the
+//! Cutting parameters: the step-over and feed per tooth that finish the most area per time within a tolerance on the
 //! scallop height.
 
 use super::{EvaluatedPass, NoAnswer, Runout};
 use crate::quantity::Length;
 use std::fmt;
 
-/// The limits of the cutter's maker, the machine and the user on the cutting parameters. A largest feed rate is a
-/// largest feed per tooth: divided by spindle speed and number of teeth.
+/// The limits on the cutting parameters, set by the cutter's manufacturer, the machine or the user. A largest feed
+/// rate, divided by spindle speed and number of teeth, is a largest feed per tooth.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CuttingLimits {
     max_feed_per_tooth: Option<Length>,
@@ -60,13 +60,13 @@ impl CuttingParameters {
 }
 
 impl CuttingLimits {
-    /// No limits but the tolerance.
+    /// No limits except the tolerance.
     pub const NONE: Self = Self { max_feed_per_tooth: None, min_step_over: None, max_step_over: None };
 
     /// Limits on the feed per tooth and on the step-over along the surface; `None` sets none.
     ///
     /// # Errors
-    /// [`CuttingLimitsError`] where the smallest step-over exceeds the largest.
+    /// [`CuttingLimitsError`] if the smallest step-over exceeds the largest.
     pub fn new(
         max_feed_per_tooth: Option<Length>,
         min_step_over: Option<Length>,
@@ -79,39 +79,40 @@ impl CuttingLimits {
     }
 }
 
-/// The ratio of the largest feed to the smallest of the first search over the feed: at less than a hundredth of the
-/// largest feed the marks no longer count.
+/// The ratio of the largest feed to the smallest in the first search over the feed. At less than a hundredth of the
+/// largest feed, the marks are negligible.
 const FEED_RANGE: f64 = 256.0;
 
-/// Places of that search, evenly over the feed's logarithm. Where h is smooth the product has one maximum.
+/// The number of feeds in that search, evenly spaced in the logarithm. If h is smooth, the product has one maximum.
 const PLACES: u8 = 10;
 
-/// Places with runout, where the product has a maximum for deep marks alone and one for deep and shallow ones. The
-/// feeds of the two differ by some share of the number of teeth; neighbouring places differ by 15 %.
+/// The number of feeds with runout: the product then has one maximum for deep marks alone and one for deep and shallow
+/// marks. The ratio of the two feeds is of the order of the number of teeth; neighbouring feeds of the search differ by
+/// 15 %.
 const PLACES_WITH_RUNOUT: u8 = 40;
 
-/// Between places 15 % apart, a maximum is at most 1 % higher than at the nearest place, where the product is as flat
-/// as that of a circle; all places that are this near to the best are refined.
+/// All feeds whose product is at least this share of the best are refined. With feeds 15 % apart, a maximum is at most
+/// 1 % higher than the product at the nearest feed, if the product is as flat as that of a circle.
 const NEARLY_BEST: f64 = 0.95;
 
-/// The ratio by which neighbouring feeds differ where the search ends. Around its maximum the product falls with the
-/// square of that: 1e-8.
+/// The relative width of the bracket at which the search ends. Near its maximum the product falls with the square of
+/// this, 1e-8.
 const CLOSE: f64 = 1e-4;
 
-/// Two lengths within this ratio count as equal where a limit is reached.
+/// A length within this ratio of a limit counts as reaching it.
 const REACHED: f64 = 1e-9;
 
 impl EvaluatedPass {
     /// The step-over s and feed per tooth f_z that maximise s f_z, the area finished per tooth and time, subject to
     /// h(s, f_z) <= `tolerance` and `limits`.
     ///
-    /// h grows with both, so the tolerance binds unless limits on both do; along h = tolerance the search is over f_z
-    /// alone, with the largest step-over at each.
+    /// h grows with both, so the tolerance binds unless the limits on both do. Along h = tolerance the search is over
+    /// f_z alone, with the largest step-over at each f_z.
     ///
     /// # Errors
-    /// - [`NoAnswer::StepOverUsesUpTolerance`] where the smallest step-over leaves no feed,
+    /// - [`NoAnswer::StepOverUsesUpTolerance`] if the smallest step-over leaves no feed,
     ///   [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::FeedUsesUpTolerance`];
-    /// - [`NoAnswer::ToleranceLimitsNoFeed`], [`NoAnswer::ToleranceLimitsNoStepOver`] where neither tolerance nor
+    /// - [`NoAnswer::ToleranceLimitsNoFeed`], [`NoAnswer::ToleranceLimitsNoStepOver`] if neither the tolerance nor the
     ///   limits bound the feed or the step-over;
     /// - those of [`EvaluatedPass::scallop_height`].
     pub fn fastest(&self, tolerance: Length, limits: &CuttingLimits) -> Result<CuttingParameters, NoAnswer> {
@@ -129,13 +130,14 @@ impl EvaluatedPass {
             *place = (feed, area(feed));
         }
         if places.iter().skip(1).all(|(_, area)| *area <= 0.0) {
-            // At the largest feed roundings decide whether the marks leave the tolerance; at the next one they do not.
+            // At the largest feed, rounding decides whether the marks use up the tolerance. At the next feed it does
+            // not.
             step_over(places[1].0)?;
         }
         let fastest = |best: (f64, f64), next: (f64, f64)| if next.1 > best.1 { next } else { best };
         let mut best = places.iter().copied().fold((largest_feed.mm(), 0.0), fastest);
-        // Where the largest step-over begins to bind, the product has a corner, which the search would find only
-        // approximately.
+        // At the feed from which the largest step-over binds, the product has a corner, which the search would find
+        // only approximately.
         if let Some(max_step_over) = limits.max_step_over
             && let Ok(feed) = self.max_feed_per_tooth(tolerance, max_step_over)
         {
@@ -154,7 +156,7 @@ impl EvaluatedPass {
 
         let feed_per_tooth = Length::computed(best.0);
         let mut step_over = self.widest(tolerance, feed_per_tooth, limits.max_step_over)?;
-        // The largest step-over keeps the tolerance to the rounding of its search.
+        // The largest step-over keeps the tolerance only up to the rounding of its search.
         if self.scallop_height(step_over, Some(feed_per_tooth))?.total() > tolerance {
             step_over = Length::computed((step_over.mm() * (1.0 - 1e-11)).max(smallest.mm()));
         }
@@ -198,7 +200,7 @@ impl EvaluatedPass {
         let height = self.scallop_height(step_over, Some(feed_per_tooth))?.total();
         let by_feed = limits.max_feed_per_tooth.is_some_and(|limit| reached(feed_per_tooth, limit));
         let by_step_over = limits.max_step_over.is_some_and(|limit| reached(step_over, limit));
-        // Unless limits bind both, the tolerance binds one of them, also where the height jumps over it.
+        // Unless limits bind both, the tolerance binds one of them, even if the height jumps over the tolerance.
         let by_tolerance = reached(height, tolerance) || !(by_feed && by_step_over);
         let limited_by = [
             by_tolerance.then_some(LimitedBy::ScallopTolerance),
@@ -210,8 +212,8 @@ impl EvaluatedPass {
     }
 }
 
-/// The place in `[low, high]` with the highest value of a function with one maximum, and that value, by golden sections
-/// of the logarithm.
+/// The maximum in `[low, high]` of a function with one maximum, as argument and value, by golden-section search in the
+/// logarithm.
 fn highest(low: f64, high: f64, function: impl Fn(f64) -> f64) -> (f64, f64) {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let (mut low, mut high) = (low.ln(), high.ln());

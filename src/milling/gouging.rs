@@ -1,22 +1,23 @@
-//! Gouging: whether the cutter fits into a concave surface, near the contact by curvature, and under the whole cutter.
+//! Gouging: whether the cutter fits into a concave surface. It is tested near the contact by curvatures, and then over
+//! the whole lower body of the cutter.
 
 use super::curvature::eigenvalues;
 use super::{NoAnswer, Pass, SurfaceCurvature};
 use crate::quantity::Length;
 
-/// The relative curvature lambda under which the second order of the surface is not enough.
+/// The relative curvature lambda below which the second order of the surface is not accurate enough.
 pub(super) const NEAR_GOUGING: f64 = 0.6;
 
 /// The smallest relative curvature of cutter and surface at the contact, as a share of the cutter's own:
 ///
 /// lambda = 1 + the smallest eigenvalue of C^(1/2) K C^(1/2)
 ///
-/// in the axes of the steepest line and the level line, where C = diag(r, (R - r)/sin(S) + r) holds the cutter's radii
-/// of curvature. 1 for K = 0. R includes the radial runout.
+/// in the axes of the steepest line and the level line. C = diag(r, (R - r)/sin(S) + r) has the cutter's radii of
+/// curvature; R includes the radial runout. lambda is 1 for K = 0.
 ///
 /// # Errors
-/// [`NoAnswer::Gouges`] where lambda <= 0, and where the height H of the cutter over the surface is negative anywhere
-/// under the cutter.
+/// [`NoAnswer::Gouges`] if lambda <= 0, or if the height H of the cutter over the surface is negative anywhere under
+/// the cutter.
 pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     if pass.surface.is_plane() {
         return Ok(1.0);
@@ -27,7 +28,8 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     let [_, smallest] = pass.surface.principal_per_mm();
     let flat = core > 0.0 && core / sin + corner > 1e300;
     if flat {
-        // The flat lies in the tangent plane: any concave direction gouges whatever its radius, and no convex one does.
+        // The flat lies in the tangent plane: it gouges in any concave direction, at any radius, and in no convex
+        // direction.
         return if smallest < 0.0 { Err(NoAnswer::Gouges { smallest_radius: None }) } else { Ok(1.0) };
     }
     let level_radius = if core > 0.0 { core / sin + corner } else { corner };
@@ -43,27 +45,28 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     if lambda <= 0.0 {
         return Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change) });
     }
-    // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact, which
-    // fits into any surface that is less concave.
+    // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact. This
+    // sphere fits into any surface that is less concave.
     if smallest * level_radius < -1.0 && footprint.is_cut() {
         return Err(NoAnswer::Gouges { smallest_radius: None });
     }
     Ok(lambda)
 }
 
-/// Whether the cutter's straight side, a cylinder of the radius R about the axis, cuts into a wall that it touches:
-/// above the contact it is straight along the steepest line, so that [[k_ss, k_sl], [k_sl, 1/R + k_ll]] must not have a
-/// negative eigenvalue.
+/// Whether the cutter's straight side, a cylinder of radius R about the axis, cuts into a wall that it touches. The
+/// side is straight along the steepest line, so it fits if [[k_ss, k_sl], [k_sl, 1/R + k_ll]] has no negative
+/// eigenvalue.
 fn side_gouges(steepest: SurfaceCurvature, outer: f64) -> bool {
     let (bend, twist, level) = (steepest.along_per_mm(), steepest.twist_per_mm(), outer.recip() + steepest.across_per_mm());
-    // Turning the curvature from the feed's axes leaves roundings of its largest component where there is none.
+    // Components that are exactly 0 become rounding errors of the largest one when the curvature is turned from the
+    // feed's axes.
     let rounding = 1e-12 * (bend.abs() + twist.abs() + steepest.across_per_mm().abs());
     bend < -rounding || twist.abs() > rounding && bend * level < twist * twist
 }
 
-/// The concave principal radius times 1 - lambda: with the whole curvature that much smaller, lambda is 0. `change` is
-/// lambda - 1. Beyond that radius the cutter fits near the contact; in a close fit it can still cut into the surface
-/// beside it, which has no such closed form.
+/// The concave principal radius multiplied by 1 - lambda: if the whole curvature is scaled to this radius, lambda is 0.
+/// `change` is lambda - 1. At a larger radius the cutter fits near the contact. In a close fit it can still cut into
+/// the surface beside the contact, for which there is no closed form.
 fn smallest_radius(smallest_curvature: f64, change: f64) -> Option<Length> {
     let radius = change / smallest_curvature;
     (radius.is_finite() && radius > 0.0).then(|| Length::computed(radius))
@@ -72,8 +75,8 @@ fn smallest_radius(smallest_curvature: f64, change: f64) -> Option<Length> {
 /// The cutter's lower body, the flat and the corner's round, over a surface with the curvature `surface` in the axes of
 /// the steepest line and the level line.
 ///
-/// Its lowest place over a surface with a concave direction lies on the round, the rim of the flat included: over the
-/// flat's disc H is a quadratic form that is not definite, which has no least place inside.
+/// If the surface has a concave direction, the lowest point is on the round, including the rim of the flat: over the
+/// flat's disc H is a quadratic function that is not positive definite, which has no minimum inside the disc.
 #[derive(Debug, Clone, Copy)]
 struct Footprint {
     core: f64,
@@ -83,14 +86,15 @@ struct Footprint {
     surface: SurfaceCurvature,
 }
 
-/// Places of the search's grid around the axis and down the round. H is a trigonometric polynomial of the second degree
-/// in both angles, so it has few extrema, none narrower than a few of these steps.
+/// The numbers of grid points of the search around the axis and down the round. H is a trigonometric polynomial of the
+/// second degree in both angles. It has few extrema, and each is wider than a few grid steps.
 const AROUND: u8 = 32;
 const DOWN: u8 = 8;
 
 impl Footprint {
-    /// H, the height over the surface along the normal, of the place on the round at the azimuth psi from the contact
-    /// and with the normal at beta to the axis (0 at the flat's rim, pi/2 where the side begins; S at the contact):
+    /// H, the height above the surface along the normal, of the point of the round at the azimuth psi from the contact,
+    /// with its normal at the angle beta to the axis. beta is 0 at the flat's rim, S at the contact, and pi/2 where the
+    /// side begins:
     ///
     /// p = a sin(S) (1 - cos(psi)) + r (1 - sin(S) sin(beta) cos(psi) - cos(S) cos(beta)),   H = p + 1/2 u'Ku
     fn height(&self, (sin_psi, cos_psi): (f64, f64), (sin_beta, cos_beta): (f64, f64)) -> f64 {
@@ -128,13 +132,12 @@ impl Footprint {
         })
     }
 
-    /// The least H that a search downhill from a place of the grid finds; it halves its steps where no neighbour is
-    /// lower.
+    /// The least H that a descent from a grid point finds. It moves to the lowest neighbour, and halves its steps if no
+    /// neighbour is lower.
     fn lowest_near(&self, (mut psi, mut beta): (f64, f64), (mut psi_step, mut beta_step): (f64, f64)) -> f64 {
         let at = |psi: f64, beta: f64| self.height(psi.sin_cos(), beta.sin_cos());
         let mut lowest = at(psi, beta);
-        // 2^-24 of the first steps is 1e-8 rad, at which H is within 1e-16 of its least value against the cutter's
-        // radius.
+        // 2^-24 of the first steps is 1e-8 rad, at which H differs from its minimum by 1e-16 of the cutter's radius.
         let mut halvings = 0;
         while halvings < 24 {
             let before = lowest;

@@ -1,4 +1,4 @@
-//! The calculations at one finishing pass: the scallop height that a cutter leaves at a contact, and the feed,
+//! The calculations for one finishing pass: the scallop height that a cutter leaves at a contact, and the feed, the
 //! step-over or both that keep a tolerance. All are pure functions of checked values.
 //!
 //! Symbols: R and r the cutter's outer and corner radius, S the slope, alpha the feed's angle to the steepest slope

@@ -17,11 +17,11 @@ pub enum Model {
 #[derive(Debug, Clone, Copy)]
 pub struct EvaluatedPass {
     pass: Pass,
-    evaluate: Judge,
+    prepared: PreparedModel,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Judge {
+enum PreparedModel {
     Analytic(Analytic),
     Envelope(Envelope),
 }
@@ -32,11 +32,11 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::new`] and [`Envelope::new`].
     pub fn new(model: Model, pass: Pass) -> Result<Self, NoAnswer> {
-        let evaluate = match model {
-            Model::Analytic => Judge::Analytic(Analytic::new(pass)?),
-            Model::Envelope => Judge::Envelope(Envelope::new(pass)?),
+        let prepared = match model {
+            Model::Analytic => PreparedModel::Analytic(Analytic::new(pass)?),
+            Model::Envelope => PreparedModel::Envelope(Envelope::new(pass)?),
         };
-        Ok(Self { pass, evaluate })
+        Ok(Self { pass, prepared })
     }
 
     /// The pass itself.
@@ -48,49 +48,52 @@ impl EvaluatedPass {
     /// The model.
     #[must_use]
     pub fn model(&self) -> Model {
-        match self.evaluate {
-            Judge::Analytic(_) => Model::Analytic,
-            Judge::Envelope(_) => Model::Envelope,
+        match self.prepared {
+            PreparedModel::Analytic(_) => Model::Analytic,
+            PreparedModel::Envelope(_) => Model::Envelope,
         }
     }
 
-    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0
-    /// where the cutter gouges.
+    /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own: 1 on a plane, 0 if
+    /// the cutter gouges.
     #[must_use]
     pub fn relative_curvature(&self) -> f64 {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.relative_curvature(),
-            Judge::Envelope(model) => model.relative_curvature(),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.relative_curvature(),
+            PreparedModel::Envelope(model) => model.relative_curvature(),
         }
     }
 
-    /// How much the third order of a curved surface, which model `envelope` leaves out, changes the marks at the ridge,
-    /// as a share of the ridge's height: an estimate. The height itself changes with the square of it. 0 on a plane and
-    /// under model `analytic`, infinite for a flat-end cutter where the surface's normal turns.
+    /// An estimate of how much the third order of a curved surface, which model `envelope` leaves out, changes the
+    /// height of the marks at the ridge, as a share of the ridge's height. The scallop height changes with the square
+    /// of this share. It is 0 on a plane and for model `analytic`, and infinite for a flat-end cutter if the surface's
+    /// normal turns.
     #[must_use]
     pub fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        match &self.evaluate {
-            Judge::Analytic(_) => 0.0,
-            Judge::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
+        match &self.prepared {
+            PreparedModel::Analytic(_) => 0.0,
+            PreparedModel::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
         }
     }
 
-    /// The effective radius across the feed, radial runout included; `None` where it is infinite.
+    /// The effective radius across the feed, radial runout included; `None` if it is infinite.
     #[must_use]
     pub fn effective_radius(&self) -> Option<Length> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.across_feed(),
-            Judge::Envelope(_) => EffectiveRadius::across_feed(self.pass.cutter.widened(self.pass.runout.radial()), self.pass.contact),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.across_feed(),
+            PreparedModel::Envelope(_) => {
+                EffectiveRadius::across_feed(self.pass.cutter.widened(self.pass.runout.radial()), self.pass.contact)
+            }
         }
         .finite()
     }
 
-    /// The effective radius along the feed; `None` where it is infinite.
+    /// The effective radius along the feed; `None` if it is infinite.
     #[must_use]
     pub fn transverse_effective_radius(&self) -> Option<Length> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.along_feed(),
-            Judge::Envelope(_) => EffectiveRadius::along_feed(self.pass.cutter, self.pass.contact),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.along_feed(),
+            PreparedModel::Envelope(_) => EffectiveRadius::along_feed(self.pass.cutter, self.pass.contact),
         }
         .finite()
     }
@@ -100,9 +103,9 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::scallop_height`] and [`Envelope::scallop_height`].
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
-            Judge::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
         }
     }
 
@@ -111,9 +114,9 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::max_feed_per_tooth`] and [`Envelope::max_feed_per_tooth`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.max_feed_per_tooth(tolerance, step_over),
-            Judge::Envelope(model) => model.max_feed_per_tooth(tolerance, step_over),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.max_feed_per_tooth(tolerance, step_over),
+            PreparedModel::Envelope(model) => model.max_feed_per_tooth(tolerance, step_over),
         }
     }
 
@@ -122,9 +125,9 @@ impl EvaluatedPass {
     /// # Errors
     /// Those of [`Analytic::max_step_over`] and [`Envelope::max_step_over`].
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        match &self.evaluate {
-            Judge::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
-            Judge::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
         }
     }
 }

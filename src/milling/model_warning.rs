@@ -1,4 +1,4 @@
-//! Model warnings: assumptions of the models that are near their limits.
+//! Model warnings: assumptions of a model that are near their limits at a pass.
 
 use super::gouging::NEAR_GOUGING;
 use super::{CutterKind, EffectiveRadius, EvaluatedPass, Model, Pass};
@@ -9,39 +9,40 @@ use std::fmt;
 /// An assumption of the model that is near its limit, with its figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModelWarning {
-    /// Runout is not small compared with the feed per tooth: some teeth may leave no mark, and the analytic feed height
-    /// is then no bound.
+    /// Runout is not small compared with the feed per tooth: some teeth may leave no mark, and then the analytic feed
+    /// height is not an upper bound.
     RunoutNotSmall {
         /// sqrt(rr^2 + ar^2) over f_z.
         ratio: f64,
     },
-    /// The step-over is wide compared with the groove, whose circle approximates the cutter near the contact only.
+    /// The step-over is wide compared with the groove, whose circle approximates the cutter only near the contact.
     StepOverWide {
         /// Step-over over the effective diameter.
         ratio: f64,
     },
-    /// The feed per tooth is long compared with the mark, whose circle approximates the cutter near the contact only.
+    /// The feed per tooth is long compared with the mark, whose circle approximates the cutter only near the contact.
     FeedPerToothLong {
         /// Feed per tooth over the transverse effective diameter.
         ratio: f64,
     },
     /// The groove's circle is wider than any cut that the cutter can make.
     EffectiveRadiusBeyondCutter {
-        /// The effective radius; `None` where it is infinite.
+        /// The effective radius; `None` if it is infinite.
         effective_radius: Option<Length>,
         /// The cutter's diameter.
         diameter: Length,
     },
     /// A flat-end cutter's corner leaves sharp marks, and wears.
     SharpMarks,
-    /// On a curved surface the cutter's position changes so much from mark to mark that terms of the third order, which
-    /// the model leaves out, are not negligible: at every slope under 10 deg, where
-    /// [`EvaluatedPass::third_order_share`] exceeds 0.03, and beside walls where the normal turns by more than a fifth
-    /// of what is left to 90 deg between two marks.
+    /// On a curved surface the slope and feed direction change so much from mark to mark that terms of the third order,
+    /// which the model leaves out, are not negligible. This is so at every slope under 10 deg; if
+    /// [`EvaluatedPass::third_order_share`] exceeds 0.03; and near walls, if the normal turns by more than a fifth of
+    /// the remaining angle to 90 deg between two marks.
     CurvatureApproximate,
-    /// The cutter fits closely into the concave surface, so that the second order of its curvature is not enough.
+    /// The cutter fits closely into the concave surface, so that the second order of the surface is not accurate
+    /// enough.
     NearGouging {
-        /// The smallest relative curvature as a share of the cutter's own: 1 on a plane, 0 where the cutter gouges.
+        /// The smallest relative curvature as a share of the cutter's own: 1 on a plane, 0 if the cutter gouges.
         lambda: f64,
     },
 }
@@ -52,23 +53,23 @@ impl fmt::Display for ModelWarning {
             Self::RunoutNotSmall { ratio } => {
                 write!(
                     f,
-                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the feed's share is then no bound",
+                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the height due to the feed is then not an upper bound",
                     ratio * 100.0
                 )
             }
             Self::StepOverWide { ratio } => write!(
                 f,
-                "the step-over is {:.1} % of the effective diameter; the circle that replaces the cutter fits it near the contact only",
+                "the step-over is {:.1} % of the effective diameter; the circle that replaces the cutter fits it only near the contact",
                 ratio * 100.0
             ),
             Self::FeedPerToothLong { ratio } => write!(
                 f,
-                "the feed per tooth is {:.1} % of the transverse effective diameter; the circle that replaces the cutter fits it near the contact only",
+                "the feed per tooth is {:.1} % of the transverse effective diameter; the circle that replaces the cutter fits it only near the contact",
                 ratio * 100.0
             ),
             Self::EffectiveRadiusBeyondCutter { effective_radius: Some(radius), diameter } => write!(
                 f,
-                "the effective radius, {:.3} mm, exceeds the cutter's diameter, {:.3} mm: the groove is flatter than the cutter is wide, and the scallop can be far higher than computed",
+                "the effective radius, {:.3} mm, exceeds the cutter's diameter, {:.3} mm: the groove's circle is wider than the cutter, and the scallop can be far higher than computed",
                 radius.mm(),
                 diameter.mm()
             ),
@@ -77,27 +78,27 @@ impl fmt::Display for ModelWarning {
                 f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
             }
             Self::CurvatureApproximate => f.write_str(
-                "the surface is curved, and its normal turns so much between the marks that this counts, which the model leaves out (always under a slope of 10 deg); the height can be exceeded by a few percent",
+                "the normal of the curved surface turns between the marks by an angle that is not negligible (as at every slope under 10 deg); the model leaves this out, and the height can be exceeded by a few percent",
             ),
             Self::NearGouging { lambda } => write!(
                 f,
-                "the cutter fits closely into the concave surface: the relative curvature is {lambda:.3} of the cutter's own, and under {NEAR_GOUGING} the height can be exceeded"
+                "the cutter fits closely into the concave surface: the relative curvature is {lambda:.3} of the cutter's own, and below {NEAR_GOUGING} the height can be exceeded"
             ),
         }
     }
 }
 
-/// The share from which runout is no longer small, and from which a chord is no longer short against its circle. At a
-/// fifth of the diameter, the height of the circle and that of its parabola differ by 1 %, which is the error of
+/// Runout above this share of the feed is not small, and a chord above this share of its circle's diameter is not
+/// short. At a fifth of the diameter, the heights of the circle and of its parabola differ by 1 %, the error of
 /// neglecting the next order.
 const A_FIFTH: f64 = 0.2;
 
-/// The share by which the third order may change the marks at the ridge. Of 7,185 simulated configurations that stay
-/// below it from 10 deg of slope on, with lambda over 0.6, none exceeds the height by more than 1 %;
-/// `docs/envelope-on-curved-surfaces.md` has the figures.
+/// The largest share by which the third order may change the marks at the ridge without a warning. Of 7,185 simulated
+/// configurations below it, with slopes of at least 10 deg and lambda over 0.6, none exceeds the height by more than 1
+/// %; `docs/envelope-on-curved-surfaces.md` has the figures.
 const THIRD_ORDER_SMALL: f64 = 0.03;
 
-/// The slope in degrees under which the third order of a curved surface is not negligible in model `envelope`.
+/// The slope in degrees below which the third order of a curved surface is not negligible in model `envelope`.
 const STEEP_ENOUGH_DEG: f64 = 10.0;
 
 impl EvaluatedPass {
@@ -125,16 +126,16 @@ impl EvaluatedPass {
     }
 }
 
-/// Whether the normal of a concave surface turns by more than a fifth of the angle that is left to a wall between
-/// passes or marks. A sphere of 60 mm at 85 deg, where simulations keep the height, has 0.23 for 30 um; at 88 deg it
-/// has 0.9, and the height is exceeded by half.
+/// Whether, between passes or marks, the normal of a concave surface turns by more than a fifth of the remaining angle
+/// to a wall. A sphere of 60 mm at 85 deg, where simulations keep the height, has a share of 0.23 for 30 um; at 88 deg
+/// it has 0.9, and the height is exceeded by half.
 fn turns_towards_wall(pass: &Pass, step_over: Length, feed_per_tooth: Option<Length>) -> bool {
     let [_, smallest] = pass.surface.principal_per_mm();
     let furthest = step_over.mm().max(feed_per_tooth.map_or(0.0, Length::mm));
     smallest < 0.0 && -smallest * furthest > A_FIFTH * (FRAC_PI_2 - pass.contact.slope().radians())
 }
 
-/// The warnings of a model with a circle in place of the cutter.
+/// The warnings of the analytic model, which replaces the cutter by a circle.
 fn circle_warnings(pass: &Pass, step_over: Length, feed_per_tooth: Option<Length>) -> [Option<ModelWarning>; 4] {
     let runout = feed_per_tooth.and_then(|feed| {
         let ratio = pass.runout.magnitude().mm() / feed.mm();

@@ -13,21 +13,21 @@ pub enum NoAnswer {
         /// The step-over at which the grooves just meet.
         largest_step_over: Length,
     },
-    /// Tooth marks lie further apart than the mark is long: uncut material remains between them.
+    /// Tooth marks are further apart than a mark is long: uncut material remains between them.
     MarksDoNotOverlap {
         /// The distance of marks at which they just meet.
         largest_mark_spacing: Length,
     },
     /// The cutter does not fit the concave surface and cuts into it beside the contact.
     Gouges {
-        /// The smallest radius of curvature that the cutter fits: the stated concave radius, or the smaller concave
-        /// principal radius, times 1 - lambda. `None` where the cutter gouges away from the contact, or where a flat
-        /// gouges whatever the radius.
+        /// The smallest radius of curvature into which the cutter fits: the stated concave radius, or the smaller
+        /// concave principal radius, multiplied by 1 - lambda. `None` if the cutter gouges away from the contact, or if
+        /// a flat gouges at any radius.
         smallest_radius: Option<Length>,
     },
     /// A flat-end cutter's edge runs along the cut: its circle has no radius, which the analytic model needs.
     SharpEdge,
-    /// The passes lie above each other when seen from above.
+    /// Seen from above, the passes coincide.
     PassesCoincideFromAbove,
     /// The step-over alone leaves as much as the tolerance allows, so that no feed is possible.
     StepOverUsesUpTolerance {
@@ -81,7 +81,7 @@ impl fmt::Display for NoAnswer {
                 "in this feed direction a flat-end cutter's sharp edge makes the cut, and the analytic model has no circle to put in its place; model \"envelope\" has an answer",
             ),
             Self::PassesCoincideFromAbove => {
-                f.write_str("the feed runs along a vertical wall, where passes lie above each other and cannot be spaced by vertical planes; give the step-over along the surface")
+                f.write_str("the feed runs along a vertical wall, on which vertical planes cannot space the passes; give the step-over along the surface")
             }
             Self::StepOverUsesUpTolerance { step_over_height, max_step_over } => write!(
                 f,

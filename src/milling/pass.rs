@@ -15,13 +15,12 @@ pub struct Pass {
     pub surface: SurfaceCurvature,
     /// The runout of the teeth.
     pub runout: Runout,
-    /// z, the number of teeth; `None` where it is unknown. It matters only with runout, which assumes 2 teeth if it is
-    /// unknown.
+    /// z, the number of teeth; `None` if it is unknown. It matters only with runout; an unknown number counts as 2.
     pub teeth: Option<NonZeroU32>,
 }
 
-/// The deviation of the teeth from their common circle [Segonds 2017, eq. 16-18]. Both are assumed small against the
-/// feed per tooth: otherwise some teeth leave no mark.
+/// The deviation of the teeth from their common circle [Segonds 2017, eq. 16-18]. Both parts are assumed to be small
+/// compared with the feed per tooth; otherwise some teeth leave no mark.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Runout {
     radial: f64,
@@ -34,8 +33,7 @@ impl Runout {
     /// The largest runout that is accepted, in mm.
     pub const LARGEST: f64 = 10.0;
 
-    /// The same runout with the radial part rr, in mm: the distance by which one tooth stands out further than the
-    /// next.
+    /// The same runout with the radial part rr, in mm: how much further one tooth protrudes than the next.
     ///
     /// # Errors
     /// [`OutOfRange`] unless 0 <= rr <= [`Runout::LARGEST`].
@@ -43,8 +41,8 @@ impl Runout {
         Ok(Self { radial: OutOfRange::check(radial, 0.0, Self::LARGEST)?, ..self })
     }
 
-    /// The same runout with the axial part ar, in mm: the distance by which one tooth stands lower than the next.
-    /// Positive, it shortens the step from mark to mark where the feed climbs; negative, it lengthens it.
+    /// The same runout with the axial part ar, in mm: how much lower one tooth is than the next. If the feed climbs, a
+    /// positive ar shortens the distance from mark to mark, and a negative one lengthens it.
     ///
     /// # Errors
     /// [`OutOfRange`] unless |ar| <= [`Runout::LARGEST`].
@@ -58,34 +56,34 @@ impl Runout {
         Length::computed(self.radial)
     }
 
-    /// The distance by which a tooth can be out of place, sqrt(rr^2 + ar^2).
+    /// The largest displacement of a tooth, sqrt(rr^2 + ar^2).
     #[must_use]
     pub fn magnitude(self) -> Length {
         Length::computed(self.radial.hypot(self.axial))
     }
 
-    /// delta = |rr| sin(S) + |ar| cos(S), by how much the shallowest tooth reaches less deep into a surface of the
-    /// slope S than the deepest, in mm.
+    /// delta = |rr| sin(S) + |ar| cos(S), in mm: how much less deep the shallowest tooth reaches into a surface of
+    /// slope S than the deepest.
     pub(super) fn depth(self, slope: Angle) -> f64 {
         self.radial * slope.sin() + self.axial.abs() * slope.cos()
     }
 
-    /// f'_z, the step from tooth mark to tooth mark that runout makes of the feed per tooth f_z, where the feed climbs
-    /// at `climb` [Segonds 2017, eq. 17]: sqrt((f_z cos + rr)^2 + (f_z sin - ar)^2).
+    /// f'_z, the distance from tooth mark to tooth mark for the feed per tooth f_z with this runout and a feed that
+    /// climbs at `climb` [Segonds 2017, eq. 17]: sqrt((f_z cos + rr)^2 + (f_z sin - ar)^2).
     #[must_use]
     pub fn mark_spacing(self, feed_per_tooth: Length, climb: Angle) -> Length {
         let (x, z) = (feed_per_tooth.mm() * climb.cos() + self.radial, feed_per_tooth.mm() * climb.sin() - self.axial);
         Length::computed(x.hypot(z))
     }
 
-    /// The feed per tooth whose marks are `mark_spacing` apart, the inverse of [`Runout::mark_spacing`]:
-    /// f_z = -b + sqrt(b^2 + q), b = rr cos - ar sin, q = f'_z^2 - rr^2 - ar^2. `None` if no feed above 0 gives so
-    /// small a distance.
+    /// The feed per tooth whose marks are `mark_spacing` apart, the inverse of [`Runout::mark_spacing`]: f_z = -b +
+    /// sqrt(b^2 + q), b = rr cos - ar sin, q = f'_z^2 - rr^2 - ar^2. `None` if no feed above 0 has a distance this
+    /// small.
     #[must_use]
     pub fn feed_per_tooth(self, mark_spacing: Length, climb: Angle) -> Option<Length> {
         let b = self.radial * climb.cos() - self.axial * climb.sin();
         let r = self.magnitude().mm();
-        // The difference of squares as a product, so that nothing cancels when runout is most of the spacing.
+        // The difference of squares is written as a product, so that nothing cancels if runout is most of the spacing.
         let q = (mark_spacing.mm() - r) * (mark_spacing.mm() + r);
         let discriminant = b * b + q;
         if discriminant < 0.0 {
@@ -108,11 +106,10 @@ pub enum StepOver {
 }
 
 impl StepOver {
-    /// s, the step-over along the surface: d / sqrt(1 - sin^2(S) sin^2(alpha)) for one that is seen from above.
+    /// s, the step-over along the surface: d / sqrt(1 - sin^2(S) sin^2(alpha)) for a step-over d seen from above.
     ///
     /// # Errors
-    /// [`NoAnswer::PassesCoincideFromAbove`] on a wall along which the feed runs: vertical planes do not separate its
-    /// passes.
+    /// [`NoAnswer::PassesCoincideFromAbove`] for a feed along a wall: vertical planes do not separate its passes.
     pub fn along_surface(self, contact: Contact) -> Result<Length, NoAnswer> {
         match self {
             Self::AlongSurface(s) => Ok(s),
@@ -134,7 +131,7 @@ pub struct ScallopHeight {
 }
 
 impl ScallopHeight {
-    /// h, both together.
+    /// h, the sum of both.
     #[must_use]
     pub fn total(self) -> Length {
         self.step_over + self.feed

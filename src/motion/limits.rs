@@ -27,21 +27,21 @@ impl MachineLimits {
     }
 
     /// The time that a move which reaches the feed rate loses by starting and stopping, compared with constant speed: 2
-    /// sqrt(V/J) where the acceleration is not reached, else A/J + V/A [Herraz et al. 2020, eq. 2 and 3].
+    /// sqrt(V/J) if the acceleration is not reached, otherwise A/J + V/A [Herraz et al. 2020, eq. 2 and 3].
     #[must_use]
     pub fn time_lost_to_stops(self) -> Time {
         let (t_a, t_v) = (self.time_to_acceleration(), self.time_to_feed_rate());
         Time::computed(if t_v <= t_a { 2.0 * t_v } else { t_a + self.feed_rate.mm_s() / self.acceleration.mm_s2() })
     }
 
-    /// The length from which a move reaches the feed rate: 2 V sqrt(V/J) where the acceleration is not reached, else V
-    /// (A/J + V/A). Both are V times the time lost to stops.
+    /// The shortest length at which a move reaches the feed rate: 2 V sqrt(V/J) if the acceleration is not reached,
+    /// otherwise V (A/J + V/A). Both are V times the time lost to stops.
     #[must_use]
     pub fn shortest_at_feed_rate(self) -> Length {
         Length::computed(self.feed_rate.mm_s() * self.time_lost_to_stops().seconds())
     }
 
-    /// The length up to which the jerk alone limits a move, 2 J min(A/J, sqrt(V/J))^3 [Herraz et al. 2020, section
+    /// The longest length at which only the jerk limits a move, 2 J min(A/J, sqrt(V/J))^3 [Herraz et al. 2020, section
     /// 2.2].
     #[must_use]
     pub fn longest_by_jerk_alone(self) -> Length {

@@ -10,7 +10,7 @@ pub struct Machine {
     pub limits: MachineLimits,
     /// The speed of moves that do not cut.
     pub rapid_rate: Speed,
-    /// The largest spindle speed; `None` where no limit is known.
+    /// The largest spindle speed; `None` if no limit is known.
     pub max_spindle_speed: Option<SpindleSpeed>,
     /// The height over the highest point of the surface at which rapid moves cross it.
     pub clearance_height: Length,
@@ -25,8 +25,8 @@ impl Machine {
 }
 
 impl From<MachineLimits> for Machine {
-    /// A machine with known limits of feed moves only. Its rapid rate is the feed rate, its spindle speed has no limit,
-    /// and it crosses the part 5 mm over the highest point.
+    /// A machine of which only the limits of feed moves are known. Its rapid rate is the feed rate, its spindle speed
+    /// has no limit, and it crosses the part 5 mm above the highest point.
     fn from(limits: MachineLimits) -> Self {
         Self { limits, rapid_rate: limits.feed_rate, max_spindle_speed: None, clearance_height: Length::computed(5.0) }
     }

@@ -12,12 +12,12 @@ pub struct Preset {
     pub description: &'static str,
     /// Feed rate of finishing, acceleration and jerk.
     pub limits: MachineLimits,
-    /// The publication of the values, or "typical" where they are the usual order of magnitude of the class.
+    /// The publication of the values, or "typical" if they are the usual order of magnitude of the class.
     pub source: &'static str,
 }
 
 impl Preset {
-    /// The preset of that name; `None` where there is none.
+    /// The preset with this name; `None` if there is none.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         PRESETS.iter().find(|preset| preset.name == name)

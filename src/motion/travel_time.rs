@@ -20,8 +20,8 @@ impl TravelCase {
     /// The case of a move over `length`.
     ///
     /// The smallest of t_A = A/J, t_V = sqrt(V/J) and t_L = cbrt(L/2J) determines the case [Herraz et al. 2020, section
-    /// 2.2]. Where t_A is the smallest, the feed rate is reached only if the move is as long as speeding up and slowing
-    /// down, L >= V (A/J + V/A); the paper omits the other case.
+    /// 2.2]. If t_A is the smallest, the feed rate is reached only if the move is at least as long as speeding up and
+    /// slowing down, L >= V (A/J + V/A); the paper omits the other case.
     #[must_use]
     pub fn of(length: Length, limits: MachineLimits) -> Self {
         let (t_a, t_v, t_l) = (limits.time_to_acceleration(), limits.time_to_feed_rate(), half_time_by_jerk(length, limits));
@@ -155,8 +155,8 @@ mod tests {
             // At a border, a phase may be negative by the rounding error of the total.
             prop_assert!(t_hold >= -1e-12 * total && t_cruise >= -1e-12 * total);
             let (x, end_v, top_v, top_a) = integrate(j, t_jerk, t_hold, t_cruise);
-            // The sums of up to seven phases, each rounded to 2e-16, amplified where a short phase is a difference of
-            // long ones.
+            // The rounding of the sum of up to seven phases, each rounded to 2e-16, is amplified if a short phase is a
+            // difference of long ones.
             assert_relative_eq!(x, length, max_relative = 1e-11);
             prop_assert!(end_v.abs() <= 1e-11 * top_v);
             prop_assert!(top_v <= v * (1.0 + 1e-11) && top_a <= a * (1.0 + 1e-11));

@@ -1,5 +1,7 @@
 //! Rasters: values on square cells, and triangles scanned exactly at cell centres.
 
+use super::rounding::{ceil, floor};
+
 /// The position and size of a raster of square cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
@@ -29,7 +31,7 @@ impl Frame {
         self.columns * self.rows
     }
 
-    /// The index of a cell: row after row from the lowest y, and within a row from the lowest x.
+    /// The index of a cell: row by row from the lowest y, and within a row from the lowest x.
     #[must_use]
     pub fn index(&self, column: usize, row: usize) -> usize {
         row * self.columns + column
@@ -75,7 +77,7 @@ impl Frame {
 pub struct Raster<T> {
     /// The position and size.
     pub frame: Frame,
-    /// The values of the cells, row after row from the lowest y.
+    /// The values of the cells, row by row from the lowest y.
     pub values: Vec<T>,
 }
 
@@ -87,17 +89,17 @@ impl<T: Clone> Raster<T> {
     }
 }
 
-/// The distance in cells within which a cell centre counts as on a triangle's edge: coordinates of up to a million
-/// cells are rounded by 1e-10.
+/// A cell centre counts as on a triangle's edge within this distance, in cells: coordinates of up to a million cells
+/// are rounded by 1e-10.
 const ON_EDGE: f64 = 1e-9;
 
-/// Calls `visit` for each point with whole coordinates from `first` to `last` that a triangle, including its border,
-/// covers, with column, row, height, and whether the point is on an edge. The triangle's coordinates are in cells.
+/// Calls `visit` for each point with whole coordinates from `first` to `last` that a triangle or its border covers. The
+/// arguments are column, row, height, and whether the point is on an edge. The triangle's coordinates are in cells.
 ///
 /// No point between two triangles with a common edge is missed: the crossing of the edge with a row is computed from
-/// its ends in the order of their coordinates, hence with the same bits for both triangles. Heights are interpolated
-/// between the crossings with the two edges, so that they stay between the corners' heights however steep the triangle
-/// is.
+/// its ends in the order of their coordinates, so that it is bitwise the same for both triangles. Heights are
+/// interpolated between the crossings with the two edges, so that they stay between the corners' heights even in steep
+/// triangles.
 pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut visit: impl FnMut(i64, i64, f64, bool)) {
     let before = |a: &[f64; 3], b: &[f64; 3]| (a[1], a[0]) < (b[1], b[0]);
     for (i, j) in [(0, 1), (1, 2), (0, 1)] {
@@ -106,8 +108,7 @@ pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut vis
         }
     }
     let [a, b, c] = corners;
-    #[expect(clippy::cast_possible_truncation, reason = "the cast saturates, and is bounded by first and last")]
-    let (low, high) = ((a[1].ceil() as i64).max(first[1]), (c[1].floor() as i64).min(last[1]));
+    let (low, high) = (ceil(a[1]).max(first[1]), floor(c[1]).min(last[1]));
     let crossing = |p: [f64; 3], q: [f64; 3], v: f64| {
         let rise = q[1] - p[1];
         let t = if rise > 0.0 { (v - p[1]) / rise } else { 0.0 };
@@ -119,8 +120,7 @@ pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut vis
         let one = crossing(a, c, v);
         let other = if v < b[1] || (v <= b[1] && a[1] < b[1]) { crossing(a, b, v) } else { crossing(b, c, v) };
         let (left, right) = if one.0 <= other.0 { (one, other) } else { (other, one) };
-        #[expect(clippy::cast_possible_truncation, reason = "as for rows")]
-        let (from, to) = ((left.0.ceil() as i64).max(first[0]), (right.0.floor() as i64).min(last[0]));
+        let (from, to) = (ceil(left.0).max(first[0]), floor(right.0).min(last[0]));
         let slope = if right.0 > left.0 { (right.1 - left.1) / (right.0 - left.0) } else { 0.0 };
         let level_edge = v - a[1] < ON_EDGE && b[1] - a[1] < ON_EDGE || c[1] - v < ON_EDGE && c[1] - b[1] < ON_EDGE;
         for column in from..=to {

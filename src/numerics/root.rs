@@ -1,8 +1,9 @@
 //! A bracketed root finder for increasing functions.
 
-/// The root of `f` between `low`, where f is negative, and `high`, where f is positive, to the precision of numbers of
-/// their size. Chandrupatla's method: inverse quadratic interpolation if it is safe, else bisection, so that it takes
-/// some ten steps and never many more than bisection alone [Chandrupatla 1997, doi:10.1016/s0965-9978(96)00051-8].
+/// The root of `f` between `low`, where f is negative, and `high`, where f is positive, to the rounding of numbers of
+/// their size. Chandrupatla's method uses inverse quadratic interpolation if it is safe and bisection otherwise. It
+/// takes about ten steps, and never many more than bisection alone [Chandrupatla 1997,
+/// doi:10.1016/s0965-9978(96)00051-8].
 ///
 /// # Errors
 /// Those of `f`.
@@ -25,7 +26,7 @@ pub(crate) fn bracketed_root<E>(low: f64, high: f64, mut f: impl FnMut(f64) -> R
         (a, f_a) = (x, f_x);
         let best = if f_a.abs() < f_b.abs() { a } else { b };
         let smallest_share = resolution / (b - a).abs();
-        // At f_a == 0 the root is exact; the share of a bracket of one point is infinite.
+        // At f_a == 0 the root is exact. For a bracket of one point, the share is infinite.
         if smallest_share >= 0.5 || f_a == 0.0 {
             return Ok(best);
         }
@@ -45,7 +46,7 @@ mod tests {
 
     #[test]
     fn the_root_survives_a_plateau() {
-        // -1 up to x = 3, where the function starts to rise: only bisection finds the rise.
+        // The function is -1 up to x = 3 and then rises: only bisection finds the rise.
         let Ok(found) = bracketed_root(0.0, 100.0, |x| Ok::<_, Infallible>(if x < 3.0 { -1.0 } else { (x - 3.0).powi(2) - 1.0 }));
         // The slope at the root is 2, and the resolution two roundings of the bracket's 100.
         assert_abs_diff_eq!(found, 4.0, epsilon = 4.0 * f64::EPSILON * 100.0);
@@ -60,8 +61,8 @@ mod tests {
                 Ok((steepness * (x - at)).exp_m1() + (x - at).powi(2 * power - 1))
             };
             let Ok(found) = bracketed_root(-1.0, 1.0, increasing);
-            // Near its root, the function is at least steepness times the distance, rounded to 2e-16; divided by 0.01,
-            // that is 2e-14.
+            // Near its root, the function is at least the steepness times the distance. Its rounding of 2e-16, divided
+            // by a steepness of 0.01, is 2e-14.
             assert_abs_diff_eq!(found, at, epsilon = 1e-13);
             // Bisection alone takes 53 steps from 2 to 2 EPSILON.
             prop_assert!(steps <= 60, "{steps} steps");

@@ -1,4 +1,4 @@
-//! The levels of confidence in a recommendation, for both methods.
+//! The levels of confidence in a recommendation, common to both methods.
 
 /// The reliability of a recommendation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

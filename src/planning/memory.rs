@@ -1,11 +1,11 @@
-//! The memory of planning, computed in advance so that a caller can reserve it. `cargo bench --bench memory` measures
-//! it.
+//! The memory that planning takes, computed in advance so that a caller can reserve it. `cargo bench --bench memory`
+//! measures it.
 
 use super::zigzag::PlanRoom;
 use crate::surface::FinishFacet;
 use crate::surface::mesh::MeshSize;
 
-/// Bytes for each facet and point of a mesh: corner numbers and coordinates.
+/// Bytes for each facet and point of a mesh: corner indices and coordinates.
 const MESH_FACET: usize = 12;
 const MESH_POINT: usize = 24;
 
@@ -23,13 +23,13 @@ const CURVATURE_POINT: usize = 60;
 /// Bytes for each planned facet: [`FinishFacet`](crate::surface::FinishFacet), and the simulation's data.
 const PLANNED_FACET: usize = 152 + 168;
 
-/// Bytes for each candidate or direction in work and facet: the facet in the order of its direction, and its entry
-/// while it is between two planes, as all facets may be at once.
+/// Bytes for each facet and each candidate or direction in progress: the facet in the order of its direction, and its
+/// entry while it is between two planes, as all facets may be at once.
 const ORDERED_FACET: usize = 128 + 80;
 
-/// For each candidate or direction in work: a plane with those of the check before and of the best direction so far,
-/// factors, heights and the facets that are checked, in vectors that move to twice their size; a run with its order;
-/// a cell of a plane.
+/// Bytes for each candidate or direction in progress. For each plane: the plane, that of the previous check and that of
+/// the best direction so far, factors, heights and the checked facets, in vectors that double when they grow. For each
+/// run: the run with its order. For each cell of a plane: the cell.
 const PLANE: usize = 210 + 2 * 56 + 64;
 const RUN: usize = 200;
 const CELL: usize = 56;
@@ -37,21 +37,21 @@ const CELL: usize = 56;
 /// The most cells of a plane.
 const MOST_CELLS: usize = 100_000;
 
-/// The most facets that the search over directions samples for the directions around the best, somewhat more than it
-/// draws, for all directions half as many; and the bytes for each.
+/// The largest number of facets that the search samples for the directions around the best, with a reserve, and the
+/// bytes for each. For all directions it samples half as many.
 const SAMPLED: usize = 7_000;
 const SAMPLED_FACET: usize = 176;
 
 /// Bytes for each candidate: tables of spacings and feeds, and times by direction.
 const CANDIDATE: usize = 64 << 10;
 
-/// The cells along each side of the raster for the reach of cutters, and the bytes for each cell: height and facet
-/// seen, height and area.
+/// The number of cells along each side of the raster for the reach of cutters, and the bytes for each cell: height and
+/// facet of the view, height and area of the map.
 pub const TRIAL_SIDE: usize = 256;
 const TRIAL_CELL: usize = 20;
 
-/// Bytes for each thread while the reach of a cutter is computed: the raster with a border, three times, and three
-/// figures of each cell.
+/// Bytes for each thread while the reach of a cutter is computed: three rasters with a border, and three figures of
+/// each cell.
 const TRIAL: usize = 1_400_000 + 20 * TRIAL_SIDE * TRIAL_SIDE;
 
 /// Bytes of all other constant memory.
@@ -64,7 +64,7 @@ pub struct RankingSize {
     pub facets: usize,
     /// The candidates.
     pub candidates: usize,
-    /// The longest extent of the surface in diameters of the smallest candidate.
+    /// The longest extent of the surface, in diameters of the smallest candidate.
     pub diameters: usize,
 }
 
@@ -83,8 +83,8 @@ pub fn bytes_of_mesh(MeshSize { facets, points }: MeshSize) -> usize {
     facets * MESH_FACET + points * MESH_POINT
 }
 
-/// The memory in bytes to class the facets of a mesh of this size, to estimate their curvatures and to compute the view
-/// from above, beside the mesh.
+/// The memory in bytes to classify the facets of a mesh of this size, to estimate their curvatures and to compute the
+/// view from above, in addition to the mesh.
 #[must_use]
 pub fn bytes_to_prepare(MeshSize { facets, points }: MeshSize) -> usize {
     let view = (8 * facets).clamp(1 << 12, 1 << 20) * VIEW_CELL;
@@ -92,27 +92,33 @@ pub fn bytes_to_prepare(MeshSize { facets, points }: MeshSize) -> usize {
     facets * CLASSES + (curvatures + view).max(facets * size_of::<FinishFacet>() + TRIAL_SIDE * TRIAL_SIDE * VIEW_CELL)
 }
 
-/// The memory in bytes of a prepared mesh with so many facets, beside the mesh.
+/// The memory in bytes of a prepared mesh with this many facets, in addition to the mesh.
 #[must_use]
 pub fn bytes_prepared(facets: usize) -> usize {
     facets * (CLASSES + size_of::<FinishFacet>()) + TRIAL_SIDE * TRIAL_SIDE * VIEW_CELL
 }
 
-/// The memory in bytes of a ranking, beside the mesh.
+/// The memory in bytes to compute the reach of cutters on so many threads.
+#[must_use]
+pub fn bytes_to_try(threads: usize) -> usize {
+    threads * TRIAL
+}
+
+/// The memory in bytes of a ranking, in addition to the mesh.
 #[must_use]
 pub fn bytes_to_rank(size: RankingSize, parallelism: Parallelism, room: PlanRoom) -> usize {
     let RankingSize { facets, candidates, diameters } = size;
     let sampled = facets.min(SAMPLED);
     let plan = room.planes * PLANE + room.runs * RUN + diameters.saturating_add(2).min(MOST_CELLS) * CELL;
-    let trial = parallelism.threads.min(candidates) * TRIAL;
+    let trial = bytes_to_try(parallelism.threads.min(candidates));
     let search = (sampled + sampled / 2) * SAMPLED_FACET + parallelism.threads * (sampled * ORDERED_FACET + plan);
     let plans = parallelism.candidates.min(candidates) * (facets * ORDERED_FACET + plan);
     let held = facets * (CLASSES + PLANNED_FACET) + candidates * CANDIDATE + TRIAL_SIDE * TRIAL_SIDE * TRIAL_CELL;
     held + search.max(plans).max(trial) + FIXED
 }
 
-/// The largest number of threads, at most `threads`, and of candidates at once with which ranking takes at most `most`
-/// bytes, and these bytes; one of each if none fits.
+/// The largest number of threads, at most `threads`, and of candidates at once with which a ranking takes at most
+/// `most` bytes; and the bytes that it takes. If nothing fits, one of each.
 #[must_use]
 pub fn fitting(size: RankingSize, threads: usize, room: PlanRoom, most: usize) -> (Parallelism, usize) {
     let ways = (1..=threads).rev().flat_map(|threads| (1..=threads).rev().map(move |candidates| Parallelism { threads, candidates }));

@@ -1,8 +1,8 @@
-//! Planning: which cutter finishes a surface soonest. Heights and step-overs come from `milling`, times from `motion`,
-//! shapes and facets from `surface`.
+//! Planning: the choice of the cutter that finishes a surface soonest. Heights and step-overs come from `milling`,
+//! times from `motion`, shapes and facets from `surface`.
 //!
-//! Two methods: [`rectangle`], the published one, replaces the surface by an inclined rectangle; [`zigzag`] simulates
-//! the passes on the surface itself.
+//! There are two methods. [`rectangle`], the published one, replaces the surface by an inclined rectangle. [`zigzag`]
+//! simulates the passes on the surface itself.
 
 mod confidence;
 pub mod memory;

@@ -1,28 +1,28 @@
-//! The reach of a cutter: the surface seen from above, dilated and eroded with the cutter's profile, gives the uncut
-//! area.
+//! The reach of a cutter: the area that it leaves uncut because it does not fit. The surface seen from above is dilated
+//! and then eroded with the cutter's profile.
 //!
 //! Symbols: R and r outer and corner radius, p(d) the height of the cutter's bottom over its tip at distance d from
 //! its axis, z(x, y) the surface, h the side of a raster cell, and e = h/sqrt(2), half a cell's diagonal.
 //!
-//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest height of the tip, and m(x) = min over
-//! |u| <= R of t(x + u) + p(|u|) is the surface that all tips together leave. m - z >= 0 is the uncut height; this
-//! holds on the raster as well, because the tip at a cell is limited by every cell within R.
+//! **Tip and cut.** t(x) = max over |u| <= R of z(x + u) - p(|u|) is the lowest height of the tip at x. The surface
+//! that the cutter leaves from all tip positions is m(x) = min over |u| <= R of t(x + u) + p(|u|). The uncut height is
+//! m - z >= 0. This also holds on the raster, because every cell within R limits the tip at a cell.
 //!
-//! **The raster's error.** On a plane it is 0: offsets are in pairs u and -u, so that dilation lifts the plane by as
-//! much as erosion lowers it. On a curved surface the tip that touches at a cell may lie up to e beside all tips of the
-//! raster. A tip moved by e along the surface, of relative curvature 1/R - 1/rho in a hollow of radius rho, touches
-//! elsewhere and leaves e^2/2 (1/R)^2 / (1/R - 1/rho) = e^2/(2 R lambda), lambda = 1 - R/rho; on a slope S distances
-//! along the surface and heights along the normal grow by 1/cos S each, which makes e^2/(2 R lambda cos^3 S). With the
-//! smallest radius of the cutter's bottom, r, in place of R, and lambda = 1/3, hollows of at least 1.5 times the
-//! cutter's radius, this is the error stated, but at most 2 e tan S + e^2/(2 R lambda), which bounds the rise of the
-//! surface between tips where the corner is sharp.
+//! **The raster's error.** On a plane it is 0: offsets come in pairs u and -u, so that dilation lifts the plane by as
+//! much as erosion lowers it. On a curved surface the tip that touches at a cell may be up to e away from every tip of
+//! the raster. In a hollow of radius rho the relative curvature is 1/R - 1/rho. There a tip moved by e along the
+//! surface leaves e^2/2 (1/R)^2 / (1/R - 1/rho) = e^2/(2 R lambda), lambda = 1 - R/rho. On a slope S, distances along
+//! the surface and heights along the normal each grow by 1/cos S, which makes e^2/(2 R lambda cos^3 S). The error
+//! stated uses r, the smallest radius of the cutter's bottom, in place of R, and lambda = 1/3, which covers hollows of
+//! at least 1.5 times the cutter's radius. It is at most 2 e tan S + e^2/(2 R lambda), which bounds the rise of the
+//! surface between tips for a sharp corner.
 //!
-//! **Cells that seem uncut.** In a tighter hollow the tips of the raster leave more than that, although the cutter
-//! fits. So where a cell's height exceeds the error, the cutter is also placed where it touches the facet at the
-//! cell, and raised until it cuts nowhere; the cell's height is the lesser of this rise and the raster's. The tip is
-//! then exact, and only the height at which it rests comes from the raster: too low by e^2/2 times the relative
-//! curvature where the surface is smooth. Beside a sharp edge the raster sees the edge up to half a cell too far
-//! away; heights are too small by the change of p over that distance.
+//! **Cells that seem uncut.** In a tighter hollow the tips of the raster leave more than that although the cutter fits.
+//! If a cell's height exceeds the error, the cutter is therefore also placed in contact with the facet at the cell, and
+//! raised until it cuts nowhere. The cell's height is the smaller of this rise and the raster's height. The tip is then
+//! exact; only the height at which it rests comes from the raster. On a smooth surface that height is too low by e^2/2
+//! times the relative curvature. Near a sharp edge the raster has the edge up to half a cell too far away, so that
+//! heights are too small by the change of p over that distance.
 
 mod resting;
 
@@ -35,22 +35,22 @@ use crate::surface::Mesh;
 use crate::surface::mesh::ViewFromAbove;
 use rayon::prelude::*;
 
-/// 1 - R/rho of the tightest hollow for which the error holds.
+/// 1 - R/rho of the tightest hollow for which the stated error holds.
 const LEAST_CLEARANCE: f64 = 1.0 / 3.0;
 
-/// The largest product of cells, those around the surface included, and offsets in the disc: about 10 ms a cutter. A
-/// cutter that takes more is evaluated on every second, third, ... cell. The surface of 100 x 80 mm on 256 cells takes
-/// discs of up to 6.5 mm in full.
+/// The largest product of the number of cells, including those around the surface, and the number of offsets in the
+/// disc: about 10 ms for each cutter. A cutter with a larger product is evaluated on every second, third, ... cell. A
+/// surface of 100 x 80 mm on 256 cells is evaluated on all cells for discs of up to 6.5 mm.
 const WORK: f64 = 6e7;
 
-/// The most cells that seem uncut in which the cutter is placed, a few milliseconds; of more, this many are taken,
-/// evenly spread.
+/// The largest number of cells that seem uncut at which the cutter is placed, which takes a few milliseconds. If there
+/// are more, this many are taken, evenly spread.
 const MOST_PLACED: usize = 4_096;
 
 /// The steps of the search for a normal: 0.618^10 = 0.8 % of the turn between neighbouring cells.
 const TURNS: u32 = 10;
 
-/// A surface on a raster, for the reach of cutters.
+/// A surface on a raster, for computing the reach of cutters.
 #[derive(Debug, Clone)]
 pub struct ReachMap {
     frame: Frame,
@@ -64,22 +64,23 @@ pub struct ReachMap {
     rounding: f64,
 }
 
-/// The material of a surface that a cutter leaves.
+/// The material that a cutter leaves on a surface because it does not fit.
 #[derive(Debug, Clone)]
 pub struct Uncut {
     /// The share of the machined area whose uncut height exceeds the scallop height and the raster's error there: 0 to
     /// 1.
     pub share: f64,
-    /// The largest height left on the machined area, where it exceeds the raster's error; else 0.
+    /// The largest height left on the machined area if it exceeds the raster's error, otherwise 0.
     pub height: Length,
-    /// The error of that height beside sharp edges: the change of the cutter's profile between the cells on both sides
-    /// of its contact, plus the error on smooth surfaces.
+    /// The error of that height near sharp edges: the change of the cutter's profile between the cells on both sides of
+    /// its contact, plus the error on smooth surfaces.
     pub height_error: Length,
     /// The raster's error on a level part of the surface; on a slope it is larger.
     pub level_error: Length,
-    /// The side of the cells that were used: a multiple of the surface's own for a cutter that is large against them.
+    /// The side of the cells that were used: a multiple of the raster's cell for a cutter that is large compared with
+    /// it.
     pub cell: Length,
-    /// The height left in each cell of the surface, in mm; `None` where nothing is machined.
+    /// The height left in each cell of the surface, in mm; `None` if nothing is machined.
     pub map: Raster<Option<f32>>,
 }
 
@@ -96,8 +97,8 @@ fn profile(cutter: Cutter, d: f64) -> f64 {
 }
 
 impl ReachMap {
-    /// The surface that `view` shows of `mesh`, of which the facets in `machined`, one entry for each facet of the
-    /// mesh, are to be cut. The others hold the cutter as well.
+    /// The surface that `view` shows of `mesh`. `machined` has one entry for each facet of the mesh: whether it is to
+    /// be cut. The other facets limit the cutter as well.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "heights in single precision; the rounding is part of the error")]
     pub fn new(mesh: &Mesh, view: &ViewFromAbove, machined: &[bool]) -> Self {
@@ -105,7 +106,7 @@ impl ReachMap {
         let normal_of = |(cell, _): (usize, &u32)| match view.facet(cell) {
             Some(facet) if machined[facet] => {
                 let ([x, y, z], _) = mesh.normal_and_area(facet);
-                // The side that is seen; facets that a view shows are no walls: n_z is at least 1e-4.
+                // The normal of the visible side. Facets that a view shows are not walls: |n_z| is at least 1e-4.
                 ([(x * z.signum()) as f32, (y * z.signum()) as f32], z.abs().recip() as f32)
             }
             _ => ([0.0; 2], 0.0),
@@ -115,7 +116,7 @@ impl ReachMap {
         Self { frame: view.frame, heights: RestingHeights::new(view), normals, area, rounding }
     }
 
-    /// The material that a cutter leaves where it does not reach; `scallop_height` is allowed everywhere.
+    /// The material that a cutter leaves where it does not fit. Heights of up to `scallop_height` do not count.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
     pub fn uncut(&self, cutter: Cutter, scallop_height: Length) -> Uncut {
@@ -161,7 +162,7 @@ impl ReachMap {
             let height = on_raster.min(self.rise(cutter, fine, error(area))).max(0.0);
             left[cell] = Some(height as f32);
             if height > error(area) {
-                // A cell stands for those between it and the next one.
+                // A cell represents those between it and the next sampled one.
                 #[expect(clippy::cast_precision_loss, reason = "at most 16")]
                 let area = area * step as f64;
                 over += if height > scallop_height.mm() + error(f64::from(self.area[fine])) { area } else { 0.0 };
@@ -196,11 +197,11 @@ impl ReachMap {
     /// The height in mm by which the cutter must rise from its contact at the middle of a cell until it does not cut
     /// into the surface: the least over the contact's normals that were tried, or the first at most `enough`.
     ///
-    /// Every placement that touches the point shows how far the surface can be cut there, whatever the normal. The
-    /// facet's own comes first, then the mean of the nine cells around: near the end of a facet that stands for an
-    /// arc, the facet's normal is half of the turn to the next facet off the arc's. A cutter that nearly has the
-    /// hollow's radius fits with one normal alone: the search turns the mean one within the normals of the cells
-    /// around, about two axes.
+    /// Every placement that touches the point shows how far the surface can be cut there, whatever the normal is. The
+    /// facet's own normal comes first, then the mean of the nine cells around: near the end of a facet that
+    /// approximates an arc, the facet's normal differs from the arc's by half the angle to the next facet. A cutter of
+    /// nearly the radius of a hollow fits with one normal only: the search turns the mean normal within the normals of
+    /// the cells around, about two axes.
     fn rise(&self, cutter: Cutter, cell: usize, enough: f64) -> f64 {
         let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
         let [x, y] = self.frame.centre(column, row);
@@ -226,7 +227,11 @@ impl ReachMap {
         else {
             return least;
         };
-        let across = [mean[1] * widest[2] - mean[2] * widest[1], mean[2] * widest[0] - mean[0] * widest[2], mean[0] * widest[1] - mean[1] * widest[0]];
+        let across = [
+            mean[1] * widest[2] - mean[2] * widest[1],
+            mean[2] * widest[0] - mean[0] * widest[2],
+            mean[0] * widest[1] - mean[1] * widest[0],
+        ];
         let mut centre = mean;
         for axis in [widest, across] {
             let turned = |share: f64| unit([0, 1, 2].map(|i| centre[i] + share * axis[i]));
@@ -296,12 +301,12 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 pub(super) fn tip_of(cutter: Cutter, contact: [f64; 3], normal: [f64; 3]) -> [f64; 3] {
     let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
     let horizontal = normal[0].hypot(normal[1]);
-    // On a floor the flat touches as a whole; its middle is over the contact.
+    // On a floor the whole flat touches; its middle is placed over the contact.
     let out = if horizontal > 0.0 { core / horizontal } else { 0.0 };
     [contact[0] + (corner + out) * normal[0], contact[1] + (corner + out) * normal[1], contact[2] + corner * normal[2] - corner]
 }
 
-/// The least stride from cell to cell with which the work for a cutter of this radius, in mm, is at most [`WORK`].
+/// The smallest stride from cell to cell at which the work for a cutter of this radius, in mm, is at most [`WORK`].
 #[expect(clippy::cast_precision_loss, reason = "strides are under 2^53")]
 fn stride(frame: Frame, radius: f64) -> usize {
     let work = |stride: usize| {
@@ -310,8 +315,7 @@ fn stride(frame: Frame, radius: f64) -> usize {
         let (columns, rows) = ((frame.columns as f64 / stride).ceil() + 2.0 * offset, (frame.rows as f64 / stride).ceil() + 2.0 * offset);
         columns * rows * (std::f64::consts::PI * offset * offset).max(1.0)
     };
-    // The work falls with the stride. With a stride as long as the surface one cell is left of it, which takes none,
-    // however small it is.
+    // The work falls with the stride. With a stride as long as the surface, only one cell is left, which takes no work.
     let most = frame.columns.max(frame.rows);
     let (mut least, mut enough) = (1_usize, 1_usize);
     while enough < most && work(enough) > WORK {
@@ -324,8 +328,8 @@ fn stride(frame: Frame, radius: f64) -> usize {
     least
 }
 
-/// The surface on every stride-th cell, with empty cells around it: `pad` for the tips beside the surface, and as
-/// many for what these would touch.
+/// The surface on every stride-th cell, with a border of empty cells: `pad` cells for the tips outside the surface, and
+/// `pad` more for the cells that these would touch.
 struct Coarse {
     cell: f64,
     columns: usize,
@@ -338,7 +342,7 @@ struct Coarse {
 
 /// p at the offsets of a quarter of the disc, in cells.
 struct Disc {
-    /// For each offset along y from 0, p at the offsets along x from 0.
+    /// For each offset along y, beginning with 0: p at the offsets along x, beginning with 0.
     rows: Vec<Vec<f32>>,
     cell: f64,
 }
@@ -370,7 +374,7 @@ impl Disc {
     }
 }
 
-/// A cell of the disc: where it lies in memory, p there, and its distance from the axis in mm.
+/// A cell of the disc: its offset in memory, p there, and its distance from the axis in mm.
 struct Offset {
     step: isize,
     p: f32,
@@ -387,7 +391,7 @@ impl Coarse {
     fn of(map: &ReachMap, stride: usize, radius: f64) -> Self {
         let (columns, rows) = (map.frame.columns.div_ceil(stride), map.frame.rows.div_ceil(stride));
         let cell = map.frame.cell * stride as f64;
-        // A single cell is the contact whatever is around it.
+        // A single cell is the contact and needs no border.
         let pad = if columns == 1 && rows == 1 { 0 } else { (radius / cell).floor() as usize };
         let width = columns + 4 * pad;
         let mut heights = vec![f32::NEG_INFINITY; width * (rows + 4 * pad)];
@@ -399,7 +403,7 @@ impl Coarse {
         Self { cell, columns, rows, pad, width, heights }
     }
 
-    /// t at all cells of the surface and `pad` around it, placed as the heights are.
+    /// t at all cells of the surface and `pad` cells around it, in the same layout as the heights.
     fn tips(&self, disc: &Disc) -> Vec<f32> {
         let mut tips = vec![f32::NEG_INFINITY; self.heights.len()];
         let mut pairs = vec![0.0; self.width];
@@ -415,7 +419,7 @@ impl Coarse {
         tips
     }
 
-    /// m at the cells of the surface, row after row. Computed as -(max of -t - p), the same operation as for the tips.
+    /// m at the cells of the surface, row by row. Computed as -(max of -t - p), the same operation as for the tips.
     fn cut(&self, tips: &[f32], disc: &Disc) -> Vec<f32> {
         let upside_down: Vec<f32> = tips.iter().map(|t| -t).collect();
         let mut cut = vec![f32::NEG_INFINITY; self.columns * self.rows];
@@ -439,12 +443,12 @@ impl Coarse {
         &values[row * self.width..(row + 1) * self.width]
     }
 
-    /// The distance of the contact from the axis when the cutter cuts deepest at a cell.
+    /// The distance of the contact from the axis, for the tip that cuts deepest at a cell.
     fn rest(&self, cell: usize, tips: &[f32], disc: &Disc) -> f64 {
         let place = (cell / self.columns + 2 * self.pad) * self.width + cell % self.columns + 2 * self.pad;
         let offsets = disc.offsets(self.width);
-        // The sums stay inside the padded rows: tips lie within `pad` of the surface, what they touch within `pad` of
-        // them.
+        // The sums stay inside the padded rows: tips are within `pad` of the surface, and the cells that they touch
+        // within `pad` of the tips.
         let at = |place: usize, step: isize| place.wrapping_add_signed(step);
         let cuts = offsets.iter().map(|offset| (at(place, offset.step), tips[at(place, offset.step)] + offset.p));
         let Some((tip, _)) = cuts.min_by(|a, b| a.1.total_cmp(&b.1)) else { return 0.0 };
@@ -453,7 +457,7 @@ impl Coarse {
     }
 }
 
-/// The greater of two numbers in each place. Comparisons are one vector instruction, where f32::max also looks for NaN.
+/// The greater of two numbers at each index. A comparison is one vector instruction; `f32::max` also tests for NaN.
 fn greater_of_each(out: &mut [f32], a: &[f32], b: &[f32]) {
     for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
         *out = if a > b { a } else { b };

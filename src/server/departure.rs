@@ -13,11 +13,11 @@ use tokio::time::{Sleep, sleep};
 use super::state::{ConnectionState, Phase};
 use super::stream::{SharedStream, lock};
 
-/// The time for which a client that has closed its sending side is still answered.
+/// How long the server still answers a client that has closed its sending side.
 const HALF_CLOSED: Duration = Duration::from_secs(1);
 
-/// The interval of checks if the client has sent more than the request: the system reports the end only after those
-/// bytes.
+/// The interval of checks if the client has sent more than the request. The system reports the end of the stream only
+/// after those bytes.
 const RECHECK: Duration = Duration::from_millis(250);
 
 /// The watch on one connection.
@@ -75,6 +75,6 @@ enum End {
     Reset,
     /// The client closed its sending side.
     HalfClosed,
-    /// Unread bytes hide the end.
+    /// Unread bytes come before the end, so the state is not known.
     Unknown,
 }

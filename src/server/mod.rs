@@ -1,5 +1,5 @@
 //! The server: it accepts connections, limits slow clients, and shuts down gracefully. It serves any router until the
-//! caller's stop signal.
+//! caller's stop signal is ready.
 
 mod departure;
 mod signal;
@@ -38,14 +38,14 @@ use stream::{ClientStream, ClientTimeouts};
 use table::{ConnectionTable, Entry};
 use tracked::{AnswerBody, RequestBody};
 
-/// The pause after a persistent error of accepting, such as too many open files.
+/// The pause after an error that persists, such as too many open files, before the next connection is accepted.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// The time between the last accepted connection and the end of keep-alive, in which requests of new connections are
-/// read.
+/// The time from the last accepted connection to the end of keep-alive. The requests of new connections are read in
+/// this time.
 const SETTLING: Duration = Duration::from_millis(100);
 
-/// The largest head of a request: about twice the largest head of browsers, which contains cookies of other services.
+/// The largest head of a request: about twice the largest that browsers send, which includes cookies of other services.
 const MAX_HEAD_BYTES: usize = 16 * 1024;
 
 /// The largest number of bytes read or written at once.
@@ -75,10 +75,10 @@ impl std::fmt::Debug for App {
 /// finish within the settings' grace.
 ///
 /// # Errors
-/// Errors of clients and shortages of resources are only logged; other errors are returned.
+/// Returns errors of the listener. Errors of clients and shortages of resources are only logged.
 pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, stop: impl Future<Output = ()>) -> io::Result<()> {
     let mut protocol = http1::Builder::new();
-    // The stream has its own deadlines for heads, and detects clients that close the connection.
+    // `ClientStream` has its own deadlines for heads, and `Departure` detects clients that close the connection.
     protocol.timer(TokioTimer::new()).header_read_timeout(None).half_close(true);
     protocol.max_header_size(MAX_HEAD_BYTES).max_buf_size(MAX_BUFFER_BYTES);
     let timeouts = ClientTimeouts { header: settings.header_timeout, idle: settings.idle_timeout, write: settings.write_timeout };

@@ -23,7 +23,7 @@ pub fn stop_signal() -> io::Result<impl Future<Output = &'static str>> {
 /// Ready at the first Ctrl-C.
 ///
 /// # Errors
-/// None on this system.
+/// Never fails on this system; the type is that of Unix.
 #[cfg(not(unix))]
 pub fn stop_signal() -> io::Result<impl Future<Output = &'static str>> {
     Ok(async {

@@ -28,7 +28,7 @@ pub(super) struct ConnectionState {
     awaiting_since_ms: AtomicU64,
     /// The number of requests that have started.
     requests: AtomicU32,
-    /// Whether the connection shall close while it waits for a head.
+    /// Whether the connection must close while it waits for a head.
     evicted: AtomicBool,
     waker: Mutex<Option<Waker>>,
 }
@@ -79,8 +79,8 @@ impl ConnectionState {
         self.phase.store(phase as u8, Ordering::Release);
     }
 
-    /// The start of the wait for a head; `None` during a request, and until the connection's thread has looked for one:
-    /// a head may have arrived with the connection.
+    /// The start of the wait for a head; `None` during a request, and before the connection's task has first read: a
+    /// head may have arrived together with the connection.
     pub(super) fn awaiting_since(&self) -> Option<Instant> {
         let since = self.opened + Duration::from_millis(self.awaiting_since_ms.load(Ordering::Relaxed));
         (self.is_in(Phase::AwaitingHead) && self.waker().is_some()).then_some(since)
@@ -98,12 +98,12 @@ impl ConnectionState {
         }
     }
 
-    /// Whether the connection shall close.
+    /// Whether the connection must close.
     pub(super) fn is_evicted(&self) -> bool {
         self.evicted.load(Ordering::Acquire)
     }
 
-    /// Whether the connection shall close; if not, its task is woken when it shall.
+    /// Whether the connection must close. If not, the task is woken when it must.
     pub(super) fn poll_evicted(&self, context: &Context<'_>) -> bool {
         let mut waker = self.waker();
         if waker.as_ref().is_none_or(|waker| !waker.will_wake(context.waker())) {

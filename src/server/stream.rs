@@ -1,5 +1,6 @@
 //! A client's stream with the limits for slow clients: the longest time for a head, for an idle connection, and for an
-//! unread answer. It is closed so that the client can still read the answer to a request that was not read to its end.
+//! unread answer. After the stream is closed for writing it is still read for a while, so that a client receives the
+//! answer to a request that was not read to its end.
 
 use std::io;
 use std::pin::Pin;
@@ -45,7 +46,7 @@ pub(super) struct ClientStream {
     refuse: Refuse,
     opened: Instant,
     head: Head,
-    /// Wakes the task at the deadline of a head, or earlier.
+    /// Wakes the task at the deadline of a head or earlier.
     alarm: Option<Pin<Box<Sleep>>>,
     write: Option<Pin<Box<Sleep>>>,
     /// The number of answers sent completely.
@@ -82,7 +83,7 @@ impl ClientStream {
         Self { stream, state, timeouts, refuse, opened, head, alarm: None, write: None, answered: 0, closing: Closing::Open }
     }
 
-    /// Returns `polled`, or an error if the client has left its answer unread for too long.
+    /// Returns `polled`, or an error if the client has not read its answer for too long.
     fn bound_write<T>(&mut self, context: &mut Context<'_>, polled: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if polled.is_ready() {
             self.write = None;
@@ -123,14 +124,14 @@ impl ClientStream {
         }
     }
 
-    /// Ready when the connection shall close while it waits for a head.
+    /// Ready when the connection must close while it waits for a head.
     fn poll_head_deadline(&mut self, context: &mut Context<'_>) -> Poll<()> {
         if self.state.poll_evicted(context) {
             return Poll::Ready(());
         }
         loop {
             let deadline = self.head_deadline();
-            // A timer that fires early costs less than one that is reset with each request.
+            // A timer that fires early costs less than resetting the timer with each request.
             let alarm = match &mut self.alarm {
                 Some(alarm) if alarm.deadline() <= deadline && !alarm.is_elapsed() => alarm,
                 Some(alarm) => {
@@ -158,8 +159,8 @@ impl ClientStream {
         }
     }
 
-    /// The status of the HTTP parser's answer to a malformed head, if `bytes` are that answer. It is empty and has no
-    /// request id, so it is replaced.
+    /// The status of the HTTP parser's answer to a malformed head, if `bytes` are that answer. The parser's answer has
+    /// no body and no request id, so it is replaced.
     fn parser_status(&self, bytes: &[u8]) -> Option<StatusCode> {
         let is_between_requests = self.answered == self.state.requests();
         let status = bytes.strip_prefix(b"HTTP/1.1 ").filter(|_| is_between_requests)?.get(..3)?;
@@ -223,7 +224,7 @@ impl AsyncWrite for ClientStream {
                 Closing::Open => {
                     ready!(Pin::new(&mut *lock(&client.stream)).poll_shutdown(context))?;
                     if client.state.is_evicted() {
-                        // No answer can be lost, and a new connection waits for the place.
+                        // There is no answer that could be lost, and a new connection waits for this entry.
                         client.closing = Closing::Closed;
                         continue;
                     }

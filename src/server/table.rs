@@ -10,13 +10,14 @@ use tokio::time::timeout;
 use super::state::ConnectionState;
 
 /// The number of connections accepted beyond the limit if none is idle. Each serves one request, so that probes are
-/// answered.
+/// always answered.
 const RESERVE: usize = 32;
 
 /// The longest time for an evicted connection to close.
 const EVICTION: Duration = Duration::from_millis(50);
 
-/// One in so many connections is closed at a time if there are too many, because each search visits all of them.
+/// At the limit, one sixteenth of the connections is closed at a time, because each search for idle ones visits all of
+/// them.
 const EVICTED_PART: usize = 16;
 
 /// All open connections. Clones share it.

@@ -10,7 +10,7 @@ use hyper::body::Incoming;
 
 use super::state::ConnectionState;
 
-/// A request's body. The phase of receiving ends at its end or when it is dropped.
+/// A request's body. Its end, or its drop, ends the phase `Receiving`.
 pub(super) struct RequestBody {
     pub(super) body: Incoming,
     pub(super) state: Arc<ConnectionState>,
@@ -43,7 +43,7 @@ impl Drop for RequestBody {
     }
 }
 
-/// An answer's body. The connection drops it after the last byte, which ends the phase of answering.
+/// An answer's body. The connection drops it after the last byte, which ends the phase `Answering`.
 pub(super) struct AnswerBody {
     pub(super) body: Body,
     pub(super) state: Arc<ConnectionState>,

@@ -1,4 +1,4 @@
-//! The command line: flags, variables, defaults and help. Values are text here; [`Settings`](super::Settings) parses
+//! The command line: flags, variables, defaults and help. Values stay text here; [`Settings`](super::Settings) parses
 //! them.
 
 use std::ffi::OsString;
@@ -108,7 +108,7 @@ pub(super) struct RawSettings {
     /// Least severe log line that is written: off, error, warn, info, debug or trace
     #[arg(long, env = "SCALLOPD_LOG_LEVEL", value_name = "LEVEL", default_value = "info")]
     pub(super) log_level: String,
-    /// Largest JSON body of a batch or a recommendation, decompressed; a single calculation's is 64 KiB at most
+    /// Largest JSON body of a batch or a recommendation, decompressed; that of a single calculation is at most 64 KiB
     #[arg(long, env = "SCALLOPD_MAX_JSON_BYTES", value_name = "BYTES", default_value = "67108864")]
     pub(super) max_json_bytes: String,
     /// Largest upload, decompressed
@@ -117,7 +117,7 @@ pub(super) struct RawSettings {
     /// Longest time for a request's head to arrive, and for a new connection to send one
     #[arg(long, env = "SCALLOPD_HEADER_TIMEOUT_S", value_name = "SECONDS", default_value = "10")]
     pub(super) header_timeout_s: String,
-    /// Longest time for a connection to idle between requests
+    /// Longest time that a connection may be idle between requests
     #[arg(long, env = "SCALLOPD_IDLE_TIMEOUT_S", value_name = "SECONDS", default_value = "75")]
     pub(super) idle_timeout_s: String,
     /// Longest time from a request's last byte to its answer

@@ -50,22 +50,22 @@ impl std::error::Error for Faults {}
 /// The reason why a value is invalid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reason {
-    /// Not an IP address with a port.
+    /// It is not an IP address with a port.
     Address,
-    /// Not a whole number within the bounds.
+    /// It is not a whole number within the bounds.
     WholeNumber {
         /// The smallest number accepted.
         minimum: u64,
         /// The largest number accepted.
         maximum: u64,
     },
-    /// Not one of the words.
+    /// It is not one of these words.
     Word(&'static str),
-    /// An item of the list that is not an origin.
+    /// This item of the list is not an origin.
     Origin(String),
-    /// Not an `http://` address.
+    /// It is not an `http://` address.
     Collector,
-    /// A setting of a feature that this executable was built without.
+    /// The setting belongs to a feature without which this executable was built.
     NotBuiltIn,
 }
 
@@ -75,7 +75,7 @@ impl fmt::Display for Reason {
             Self::Address => write!(f, "is not an IP address with a port, such as 0.0.0.0:8080 or [::1]:8080"),
             Self::WholeNumber { minimum, maximum } => write!(f, "is not a whole number from {minimum} to {maximum}"),
             Self::Word(words) => write!(f, "is not one of {words}"),
-            Self::Origin(item) => write!(f, "holds {item:?}, which is not an origin such as https://panel.example:8443"),
+            Self::Origin(item) => write!(f, "contains {item:?}, which is not an origin such as https://panel.example:8443"),
             Self::Collector => write!(f, "is not an address such as http://collector:4318 (http only: TLS belongs to a local collector)"),
             Self::NotBuiltIn => write!(f, "needs a build with the feature `otlp`"),
         }

@@ -42,14 +42,15 @@ pub struct TelemetrySettings {
 pub enum LogFormat {
     /// For people at a terminal.
     Pretty,
-    /// One JSON object a line, for a log collector.
+    /// One JSON object on each line, for a log collector.
     Json,
 }
 
 /// The settings of connections.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServerSettings {
-    /// The longest time for a request's head from its first byte, and for a new connection to send one.
+    /// The longest time from the first to the last byte of a request's head, and from a new connection to its first
+    /// head.
     pub header_timeout: Duration,
     /// The longest time for which a connection may be idle between requests.
     pub idle_timeout: Duration,

@@ -10,7 +10,7 @@ use std::fmt;
 pub struct Bezier {
     rows: usize,
     columns: usize,
-    /// Row after row.
+    /// Row by row.
     control_points: Vec<[f64; 3]>,
 }
 
@@ -66,11 +66,11 @@ impl Bezier {
     /// The largest number of samples along each parameter.
     pub const LARGEST_SAMPLES: usize = 1000;
 
-    /// A patch from its control points, row after row: 2 to [`Bezier::LARGEST_ORDER`] rows with the same number of
-    /// points, 2 to [`Bezier::LARGEST_ORDER`] as well.
+    /// A patch from its control points, row by row: 2 to [`Bezier::LARGEST_ORDER`] rows, each with the same number of
+    /// points, which is also from 2 to [`Bezier::LARGEST_ORDER`].
     ///
     /// # Errors
-    /// [`BezierError`] where a number of points or a coordinate is out of bounds, or the rows differ in length.
+    /// [`BezierError`] if a number of points or a coordinate is out of bounds, or the rows differ in length.
     pub fn new(net: &[Vec<[f64; 3]>]) -> Result<Self, BezierError> {
         order_in_bounds(net.len()).map_err(BezierError::Rows)?;
         let columns = net[0].len();
@@ -95,6 +95,14 @@ impl Bezier {
     /// # Errors
     /// [`OutOfRange`] for another number of samples.
     pub fn sampled(&self, samples: usize) -> Result<SampledSurface, OutOfRange> {
+        self.sampled_until(samples, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, the other samples are left out.
+    ///
+    /// # Errors
+    /// As [`Bezier::sampled`].
+    pub fn sampled_until(&self, samples: usize, stop: &dyn Fn() -> bool) -> Result<SampledSurface, OutOfRange> {
         count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
         #[allow(clippy::cast_precision_loss)] // up to 1000
         let step = (samples as f64).recip();
@@ -102,7 +110,7 @@ impl Bezier {
         let centre = |index: usize| (index as f64 + 0.5) * step;
         let across: Vec<_> = (0..samples).map(|j| weights(self.columns, centre(j))).collect();
         let mut surface = SampledSurface::new();
-        for i in 0..samples {
+        for i in (0..samples).take_while(|_| !stop()) {
             let (along, along_slope) = weights(self.rows, centre(i));
             let (curve, curve_u) = (self.curve(&along), self.curve(&along_slope));
             for (weights, slopes) in &across {
@@ -123,6 +131,17 @@ impl Bezier {
     /// # Panics
     /// Never: the grid receives rows times columns points.
     pub fn tessellate<S: Sink>(&self, samples: usize, sink: S) -> Result<S, OutOfRange> {
+        self.tessellate_until(samples, sink, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, the facets of the other cells are left out.
+    ///
+    /// # Errors
+    /// As [`Bezier::tessellate`].
+    ///
+    /// # Panics
+    /// Never, as [`Bezier::tessellate`].
+    pub fn tessellate_until<S: Sink>(&self, samples: usize, sink: S, stop: &dyn Fn() -> bool) -> Result<S, OutOfRange> {
         count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
         #[expect(clippy::cast_precision_loss, reason = "up to 1000")]
         let corner = |index: usize| index as f64 / samples as f64;
@@ -130,6 +149,9 @@ impl Bezier {
         let mut grid = Grid::into_sink(samples + 1, samples + 1, sink).expect("at least 3 rows and columns");
         for i in 0..=samples {
             let curve = self.curve(&weights(self.rows, corner(i)).0);
+            if stop() {
+                return Ok(grid.unfinished());
+            }
             for weights in &across {
                 grid.point(blend(&curve, weights));
             }
@@ -259,8 +281,8 @@ mod tests {
             let step = 1e-6;
             for axis in 0..3 {
                 assert_abs_diff_eq!(blend(&curve, &across)[axis], expected[axis], epsilon = 1e-12);
-                // Central differences err by step^2/6 times a third derivative of up to 19^3 * 8 * 50, 5e-7, and by the
-                // rounding of 50 mm over the step, 1e-8.
+                // Central differences have an error of step^2/6 times a third derivative of up to 19^3 * 8 * 50, which
+                // is 5e-7, and of the rounding of 50 mm over the step, 1e-8.
                 let by_u = (at(u + step, v)[axis] - at(u - step, v)[axis]) / (2.0 * step);
                 let by_v = (at(u, v + step)[axis] - at(u, v - step)[axis]) / (2.0 * step);
                 assert_abs_diff_eq!(blend(&curve_u, &across)[axis], by_u, epsilon = 1e-6);

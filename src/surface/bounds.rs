@@ -17,7 +17,7 @@ impl Bounds {
     #[inline]
     pub(super) fn include(&mut self, point: [f64; 3]) {
         for (axis, coordinate) in point.into_iter().enumerate() {
-            // A comparison is one instruction; f64::min also checks for NaN, which would take a tenth of the time for a
+            // A comparison is one instruction. `f64::min` also tests for NaN, which would add a tenth to the time for a
             // facet.
             self.min[axis] = if coordinate < self.min[axis] { coordinate } else { self.min[axis] };
             self.max[axis] = if coordinate > self.max[axis] { coordinate } else { self.max[axis] };

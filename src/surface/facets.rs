@@ -1,8 +1,8 @@
-//! Sums over facets, taken in blocks of several facets at a time, apart for facets that point up, are level or point
-//! down.
+//! Sums over facets, in blocks of several facets at a time. Facets that point up, are walls or point down have separate
+//! sums.
 //!
-//! Blocks are summed with AVX2 if the processor has it, which is detected at run time. The operations and their order
-//! are the same without it, and no product is fused with a sum, so that sums are bitwise the same on every processor.
+//! Blocks are summed with AVX2 if the processor has it; this is detected at run time. The operations and their order
+//! are the same without it, and no product is fused with a sum, so that the sums are bitwise equal on every processor.
 
 #![allow(clippy::inline_always, reason = "a call among these operations keeps the compiler from making vector instructions of them")]
 
@@ -19,9 +19,8 @@ pub(super) const DOWN: usize = 2;
 /// The side of a facet without an area.
 const NOWHERE: usize = 3;
 
-/// |n_z| of a unit normal up to which a facet counts as a wall: within 0.006 deg of vertical. Files in single precision
-/// move the corners by 6e-8 of their coordinates; that turns the normal of a 1 mm facet half a metre from the origin by
-/// 3e-5.
+/// A facet is a wall if |n_z| of its unit normal is at most this: within 0.006 deg of vertical. Single precision rounds
+/// corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half a metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
 /// The number of facets in a block: 4.6 kB of corners, which fit the first-level cache.
@@ -30,7 +29,7 @@ const SIZE: usize = 64;
 /// Corner, axis, facet.
 type Corners = [[[f64; SIZE]; 3]; 3];
 
-/// Facets that are still to be summed.
+/// Facets that have not been summed yet.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
     corners: Corners,
@@ -99,8 +98,8 @@ impl Block {
         self.count = 0;
     }
 
-    /// The facets of one side, of which there is at least one. The other places are filled with its first corner:
-    /// facets without area.
+    /// The facets of one side, which must not be empty. The rest of the block is filled with facets without area: all
+    /// their corners are the first corner.
     fn those_of(&self, side: usize, facing: &Facing) -> (Corners, [f64; SIZE], [f64; SIZE]) {
         let mut chosen = (0..self.count).filter(|at| facing.side[*at] == side).collect::<Vec<_>>();
         let count = chosen.len();
@@ -124,7 +123,7 @@ fn facing_anywhere(corners: &Corners) -> Facing {
     for at in (0..SIZE).step_by(LANES) {
         let [a, b, c] = corners_from(corners, at);
         let (u, v) = (minus(b, a), minus(c, a));
-        // Along the normal, and as long as twice the facet's area.
+        // A vector along the normal, with twice the facet's area as its length.
         let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let level = normal[0] * normal[0] + normal[1] * normal[1];
         let doubled = (level + normal[2] * normal[2]).sqrt();
@@ -134,7 +133,7 @@ fn facing_anywhere(corners: &Corners) -> Facing {
         facing.slope[at..at + LANES].copy_from_slice(&slope.0);
         for lane in 0..LANES {
             let (z, limit) = (normal[2].0[lane], WALL * doubled.0[lane]);
-            // NaN does not equal 0, so that it gets a side and shows in the sums.
+            // NaN does not equal 0, so a facet with NaN gets a side, and the sums become NaN.
             let side = LEVEL + usize::from(z < -limit) - usize::from(z > limit);
             facing.side[at + lane] = if doubled.0[lane] == 0.0 { NOWHERE } else { side };
         }
@@ -241,7 +240,7 @@ mod tests {
         sums
     }
 
-    /// One facet after the other, by nalgebra, the library's arc tangent and [`Moments::add_triangle`].
+    /// The sums facet by facet, with nalgebra, the standard library's arc tangent and [`Moments::add_triangle`].
     fn one_by_one(facets: &[Facet], wanted: usize) -> Piece {
         let mut piece = Piece::about(facets[0][0]);
         for facet in facets {
@@ -278,8 +277,8 @@ mod tests {
             assert_eq!(block.bounds, Bounds::NONE);
             return;
         }
-        // Areas of 300 mm^2 within 1e-13 where corners are 1e-14 mm off, in sums of up to 200; moments of 1e4 mm^2
-        // likewise.
+        // Areas of 300 mm^2 are within 1e-13 of exact if corners are 1e-14 mm off, in sums of up to 200; so are moments
+        // of 1e4 mm^2.
         assert_relative_eq!(block.area, single.area, max_relative = 1e-11);
         assert_relative_eq!(block.slope_by_weight, single.slope_by_weight, max_relative = 1e-11, epsilon = 1e-11);
         let ((mean, covariance), (other_mean, other_covariance)) = (moments_of(&block.moments), moments_of(&single.moments));

@@ -3,11 +3,11 @@
 use super::{SampledSurface, Sink};
 use std::fmt;
 
-/// Builds facets from the points of a grid as they arrive, row after row; it holds one row.
+/// Builds facets from the points of a grid, which arrive row by row. It stores one row.
 ///
 /// Each quad of neighbours is two facets, divided along the diagonal from its first point to its last. The input does
-/// not state in which sense rows and columns run, so the outer side of the grid is the side with the larger area seen
-/// from above.
+/// not state the direction of rows and columns. The outer side of the grid is therefore the one with the larger area
+/// seen from above.
 #[derive(Debug, Clone)]
 pub struct Grid<S = SampledSurface> {
     rows: usize,
@@ -16,7 +16,7 @@ pub struct Grid<S = SampledSurface> {
     received: usize,
     /// The last point of each column so far.
     row: Vec<[f64; 3]>,
-    /// The point of the row before, one column back.
+    /// The point in the previous row and the previous column.
     corner: [f64; 3],
     /// The area seen from above, positive for facets that point up.
     seen_from_above: f64,
@@ -71,6 +71,11 @@ impl<S: Sink> Grid<S> {
         Ok(Self { rows, columns, sink, received: 0, row: Vec::new(), corner: [0.0; 3], seen_from_above: 0.0 })
     }
 
+    /// The sink with the facets so far.
+    pub(super) fn unfinished(self) -> S {
+        self.sink
+    }
+
     /// Adds the next point. Points beyond the last are only counted.
     pub fn point(&mut self, point: [f64; 3]) {
         let (row, column) = (self.received / self.columns, self.received % self.columns);
@@ -79,7 +84,7 @@ impl<S: Sink> Grid<S> {
             return;
         }
         if row == 0 {
-            // Memory grows with the points that arrive, not with the stated size.
+            // Memory grows with the points that arrive, not with the size that the request states.
             self.row.push(point);
             return;
         }
@@ -98,7 +103,7 @@ impl<S: Sink> Grid<S> {
         self.sink.facet(corners);
     }
 
-    /// The sink with all facets of the grid, turned over if more of its back is seen from above.
+    /// The sink with all facets of the grid. They are turned over if a larger area of their backs is seen from above.
     ///
     /// # Errors
     /// [`GridError::WrongNumberOfPoints`].

@@ -6,11 +6,11 @@
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// The count of numbers: a vector of AVX2, or two of SSE2, which every 64-bit x86 processor has; with more, the
-/// registers do not suffice.
+/// The count of numbers: one vector of AVX2, or two of SSE2, which every 64-bit x86 processor has. More would need more
+/// registers than there are.
 pub(super) const LANES: usize = 4;
 
-/// Several numbers with the same operation on each.
+/// Several numbers on which each operation acts in parallel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lanes(pub(super) [f64; LANES]);
 
@@ -20,7 +20,7 @@ impl Lanes {
         Self([value; LANES])
     }
 
-    /// `f` of the numbers at each position of both.
+    /// Applies `f` to the numbers at each position.
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         Self(from_fn(|lane| f(self.0[lane], other.0[lane])))
@@ -36,19 +36,19 @@ impl Lanes {
         Self(self.0.map(f64::abs))
     }
 
-    /// The smaller of each two; comparisons are one instruction each, where f64::min also checks for NaN.
+    /// The smaller number at each position. A comparison is one instruction; `f64::min` also tests for NaN.
     #[inline(always)]
     pub(super) fn lesser(self, other: Self) -> Self {
         self.zip(other, |own, other| if own < other { own } else { other })
     }
 
-    /// The greater of each two.
+    /// The greater number at each position.
     #[inline(always)]
     pub(super) fn greater(self, other: Self) -> Self {
         self.zip(other, |own, other| if own > other { own } else { other })
     }
 
-    /// Where `self` is greater than `bound`, `then`, elsewhere `otherwise`.
+    /// At each position, `then` if `self` is greater than `bound`, otherwise `otherwise`.
     #[inline(always)]
     pub(super) fn above(self, bound: Self, then: Self, otherwise: Self) -> Self {
         Self(from_fn(|lane| if self.0[lane] > bound.0[lane] { then.0[lane] } else { otherwise.0[lane] }))

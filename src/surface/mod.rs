@@ -30,7 +30,7 @@ pub use triangulation::LONG_EDGE;
 pub const LARGEST_COORDINATE: f64 = 1e12;
 
 /// A receiver of the points or facets of a surface, one by one. Readers pass them to a sink, so that a file of any size
-/// is read without being held.
+/// is read without being stored.
 pub trait Sink {
     /// A point of the surface, not part of any facet.
     fn point(&mut self, point: [f64; 3]);
@@ -41,10 +41,12 @@ pub trait Sink {
     fn turn_over(&mut self) {}
 }
 
-/// A sink that takes points and facets in parts, which several threads fill.
+/// A sink that accepts points and facets in parts, which several threads fill.
 pub trait PartedSink: Sink {
     /// The points and facets of a part of a surface.
-    type Part: Sink + Default + Send;
+    type Part: Sink + Send;
+    /// An empty part for points and facets that follow.
+    fn part(&self) -> Self::Part;
     /// Adds a part, as if its points and facets came after those before it.
     fn append(&mut self, part: Self::Part);
 }

@@ -4,8 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 /// The moments of a set of weighted points, or of a surface, of order 0 to 2.
 ///
-/// They are computed about a shift near the data, because the covariance is a difference of second moments, which would
-/// cancel about a distant origin. The moments are ten numbers for any number of elements.
+/// They are computed about a shift near the data: the covariance is a difference of second moments, which would cancel
+/// about a distant origin. The moments are ten numbers, however many elements there are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moments {
     shift: [f64; 3],
@@ -179,8 +179,8 @@ mod tests {
             prop_assume!(area(corners) > 1e-3);
             let moments = of_triangle(corners, shift);
             let (mean, covariance) = by_edge_midpoints(corners);
-            // Second moments of up to 3 * 100^2 mm^2 before the difference is taken, rounded to 1e-16 of themselves
-            // some ten times.
+            // Second moments of up to 3 * 100^2 mm^2 before the subtraction, rounded by 1e-16 of their size about ten
+            // times.
             assert_relative_eq!(moments.covariance().unwrap(), covariance, epsilon = 1e-10);
             assert_relative_eq!(Vector3::from(moments.centroid().unwrap()), mean, epsilon = 1e-12);
         }

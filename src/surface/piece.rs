@@ -1,4 +1,4 @@
-//! Sums over some points or facets of a surface: moments, bounds and slopes.
+//! The sums over a set of points or facets of a surface: moments, bounds and slopes.
 
 use super::{Bounds, Moments};
 
@@ -9,7 +9,7 @@ pub(super) struct Piece {
     pub(super) moments: Moments,
     pub(super) bounds: Bounds,
     pub(super) area: f64,
-    /// The sum of the slopes, in rad, each times its weight in the moments.
+    /// The sum of the slopes, in rad, each multiplied by its weight in the moments.
     pub(super) slope_by_weight: f64,
 }
 

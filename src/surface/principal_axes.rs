@@ -1,11 +1,11 @@
-//! The principal axes of a surface, along which it spreads most and least.
+//! The principal axes of a surface: the directions along which it extends most and least.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// The eigenvalues l1 >= l2 >= l3 of a covariance matrix and their unit eigenvectors, in a fixed order and sense:
 ///
 /// - e3, the normal of the best-fit plane, points up;
-/// - e1, along which the surface spreads most, points to the half plane y > 0 (along +X on its border, up where it is
+/// - e1, along which the surface extends most, points to the half plane y > 0 (along +X on its border, up if it is
 ///   vertical);
 /// - e2 = e3 x e1.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,5 @@
-//! A surface that is being received: sums over its points, and over its facets by the direction of their normals.
+//! The sums over the points and facets of a surface while it is being received; facets are summed separately by the
+//! direction of their normals.
 
 use super::facets::{Block, DOWN, Facets, UP};
 use super::piece::Piece;
@@ -6,8 +7,8 @@ use super::{LARGEST_COORDINATE, Shape, ShapeError, Sink};
 
 /// The sums over a surface's points and facets, in fixed memory.
 ///
-/// Facets are summed separately by their normals: up, down, or level (walls). Walls do not count as facing up, because
-/// a cutter from above reaches a wall only with its side and most sides of closed solids are walls.
+/// Facets are summed separately by their normals: up, down, or level (walls). Walls do not count as facing up: a cutter
+/// from above reaches a wall only with its side, and most sides of closed solids are walls.
 ///
 /// Coordinates may have any unit, which is a parameter of [`SampledSurface::shape`]. If one is not finite, or is larger
 /// than [`LARGEST_COORDINATE`] in magnitude, the shape is an error.
@@ -29,10 +30,10 @@ struct Sums {
 /// The facets from which a shape is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Facing {
-    /// Those that point up, which a three-axis cutter reaches.
+    /// The facets that point up, which a three-axis cutter reaches.
     #[default]
     Up,
-    /// All.
+    /// All facets.
     Any,
 }
 
@@ -43,7 +44,7 @@ pub enum Basis {
     Points,
     /// Its facets that point up.
     FacetsUp,
-    /// Its facets that point down, because none point up: the surface is turned over.
+    /// Its facets that point down, because none point up. The surface is turned over.
     FacetsTurnedOver,
     /// Its vertical facets, because there are no others.
     Walls,
@@ -130,7 +131,7 @@ impl SampledSurface {
         self.settled().map_or(0, |sums| sums.facets.degenerate)
     }
 
-    /// The shape of the surface, from its facets if it has any, else from its points.
+    /// The shape of the surface, from its facets if it has any, otherwise from its points.
     ///
     /// # Errors
     /// [`ShapeError`] if the points or facets do not spread over a surface, or a coordinate was out of bounds.
@@ -317,7 +318,7 @@ mod tests {
         assert_eq!(refusal(&[[5e9, 0.1, 0.7]; 5]), ShapeError::AllPointsEqual);
         let line = |origin: f64| (0..9).map(|i| [origin + f64::from(i), 0.3 * f64::from(i), -0.1 * f64::from(i)]).collect::<Vec<_>>();
         assert_eq!(refusal(&line(0.0)), ShapeError::Collinear);
-        // A line that the rounding of its coordinates to 1e-6 mm bends.
+        // A line that is bent by the rounding of its coordinates to 1e-6 mm.
         assert_eq!(refusal(&line(5e9)), ShapeError::Collinear);
         let flat = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]];
         let facets = of_facets(&[flat, flat]);
@@ -386,8 +387,9 @@ mod tests {
         for (run, surface) in runs {
             let other = shape(&surface);
             assert_eq!((other.basis, other.elements), (along.basis, along.elements), "{run}");
-            // Where rows or columns are reversed, the other diagonal divides the quads. Over a quad of 2 x 1.5 mm the
-            // saddle's two halves differ by 0.004 * 3 mm = 0.012 mm at the middle, a part in 2500 of the quad's sides.
+            // If rows or columns are reversed, the other diagonal divides the quads. On a quad of 2 x 1.5 mm the two
+            // diagonals of the saddle differ by 0.004 * 3 mm = 0.012 mm in the middle, which changes the area by less
+            // than a part in 2500.
             assert_relative_eq!(other.area.unwrap().mm2(), along.area.unwrap().mm2(), max_relative = 1.0 / 2500.0);
             assert_relative_eq!(other.form_factor.ratio(), along.form_factor.ratio(), max_relative = 1.0 / 2500.0);
         }
@@ -435,8 +437,8 @@ mod tests {
             let [x, y, z] = saddle(u, v);
             [x + 5e9, y - 5e9, z + 5e9]
         }));
-        // Coordinates there are rounded to 2^-21 mm = 5e-7 mm; the facets' sides are 0.75 mm and more, and their mean
-        // has many.
+        // Coordinates there are rounded to 2^-21 mm = 5e-7 mm. The facets' sides are at least 0.75 mm, and the errors
+        // of many facets average out.
         assert_same_shape(&near, &far, 1e-6);
         assert_relative_eq!(far.centroid[0] - 5e9, near.centroid[0], epsilon = 2e-6);
     }
@@ -447,7 +449,8 @@ mod tests {
             let facets = [[[0.0; 3], [50.0, 0.0, 20.0], [50.0, 30.0, 14.0]], [[0.0; 3], [50.0, 30.0, 14.0], [0.0, 30.0, -6.0]]];
             let pieces: Vec<_> = facets.into_iter().flat_map(|facet| retessellated(facet, &cuts)).collect();
             let (whole, cut) = (shape(&of_facets(&facets)), shape(&of_facets(&pieces)));
-            // Flatness is the root of a variance of 0, rounded to 1e-15 of l1: some 1e-8 to 1e-7; so here without it.
+            // Flatness is not compared: it is the square root of a variance of 0, whose rounding error of 1e-15 of l1
+            // becomes 1e-8 to 1e-7.
             assert_relative_eq!(whole.form_factor.ratio(), cut.form_factor.ratio(), max_relative = 1e-12);
             assert_relative_eq!(whole.characteristic_size.mm2(), cut.characteristic_size.mm2(), max_relative = 1e-12);
             assert_abs_diff_eq!(whole.slope.radians(), cut.slope.radians(), epsilon = 1e-12);

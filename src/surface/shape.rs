@@ -22,19 +22,19 @@ pub struct Shape {
     pub characteristic_size: Area,
     /// s, the angle between the best-fit plane and the horizontal, 0 to pi/2: acos(|e3_z|) [eq. 20, misprinted].
     pub slope: Angle,
-    /// The direction of e1 seen from above, a line in [0, pi) from X; `None` where the surface spreads as much in every
+    /// The direction of e1 seen from above, a line in [0, pi) from X; `None` if the surface extends equally in every
     /// direction, or most along the vertical.
     pub principal_direction: Option<Angle>,
-    /// The direction of e3 seen from above, a line in [0, pi) from X; `None` where the surface is level.
+    /// The direction of e3 seen from above, a line in [0, pi) from X; `None` if the surface is level.
     pub steepest_direction: Option<Angle>,
-    /// The angle between these two lines, 0 to pi/2; `None` where one of them is missing.
+    /// The angle between the principal and the steepest direction, 0 to pi/2; `None` if one of them is missing.
     pub direction_gap: Option<Angle>,
     /// sqrt(l3/l1): 0 for a plane.
     pub flatness: f64,
     /// The area, in mm^2; `None` for points alone.
     pub area: Option<Area>,
     /// The mean of the slopes of all elements, each with its weight in the moments: facets by area, samples of a patch
-    /// alike [eq. 19].
+    /// equally [eq. 19].
     pub mean_slope: Option<Angle>,
     /// The centroid, in mm.
     pub centroid: [f64; 3],
@@ -82,8 +82,8 @@ impl std::error::Error for ShapeError {}
 const COLLINEAR: f64 = 1e-12;
 
 /// The smallest horizontal part of a unit vector, and the smallest (l1 - l2)/l1, for which a direction is defined.
-/// Coordinates in single precision have relative errors of 6e-8, so below 1e-6 a direction would be that of the
-/// rounding errors.
+/// Coordinates in single precision have relative errors of 6e-8, so that below 1e-6 the rounding errors would determine
+/// the direction.
 const DIRECTIONLESS: f64 = 1e-6;
 
 impl Shape {

@@ -23,8 +23,8 @@ const P: [f64; 12] = [
     -0.017_805_397_205_419_446,
 ];
 
-/// atan2(h, z) for h, z >= 0, not both 0: the slope of a normal with the horizontal part h and the vertical part z, 0
-/// to pi/2, within 4e-16, and exact at both ends.
+/// atan2(h, z) for h, z >= 0, not both 0: the slope, from 0 to pi/2, of a normal with the horizontal part h and the
+/// vertical part z. It is within 4e-16 of the angle, and exact at both ends.
 ///
 /// The tangent is the smaller part over the larger, so that the angle is up to pi/4; above pi/8, pi/4 is subtracted by
 /// the theorem for the tangent of a difference. The standard library's atan2 processes one pair at a time with
@@ -41,7 +41,7 @@ pub(super) fn slope(h: Lanes, z: Lanes) -> Lanes {
     h.above(z, Lanes::all(FRAC_PI_2) - angle, angle)
 }
 
-/// P(q) in pairs of pairs, which has the shortest chain of dependent operations.
+/// P(q), evaluated in pairs of pairs, which has the shortest chain of dependent operations.
 #[inline(always)]
 fn polynomial(q: Lanes) -> Lanes {
     let (q2, q4) = (q * q, q * q * (q * q));
@@ -80,15 +80,15 @@ mod tests {
         fn agrees_with_the_library(angle in 0.0..=FRAC_PI_2, length in 1e-20..1e20_f64) {
             let (sin, cos) = angle.sin_cos();
             let (h, z) = (length * sin, length * cos.abs());
-            // The angle is rounded when r is, after its product with P, and when pi/4 and pi/2 are counted in: 0.5,
-            // 0.5, 0.5 and 1 unit of 2.2e-16 at most; the library's by half of one.
+            // The roundings of r, of its product with P, and of the sums with pi/4 and pi/2 are at most 0.5, 0.5, 0.5
+            // and 1 unit of 2.2e-16; that of the library is half a unit.
             prop_assert!((of(h, z) - h.atan2(z)).abs() <= 5e-16);
         }
 
         #[test]
         fn rises_with_the_horizontal_part(h in 0.0..10.0_f64, more in 1e-14..1.0_f64) {
-            // A step of 1e-14 turns the normal by 1e-14/(1 + 11^2) = 8e-17 at least, less than the error: so no fall
-            // beyond it.
+            // A step of 1e-14 turns the normal by at least 1e-14/(1 + 11^2) = 8e-17, which is less than the error. So
+            // the slope may fall, but by no more than the error.
             prop_assert!(of(h + more, 1.0) - of(h, 1.0) >= -1e-15);
         }
     }

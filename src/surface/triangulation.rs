@@ -6,10 +6,13 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 /// out.
 pub const LONG_EDGE: f64 = 4.0;
 
-/// How many points are inserted between two checks for cancellation: about a millisecond.
+/// The number of points inserted between two checks for cancellation: about a millisecond.
 const INSERTED_AT_ONCE: usize = 1024;
 
-/// A point of the plane and its number.
+/// How many edges or triangles are listed between two checks: about a millisecond.
+const LISTED_AT_ONCE: usize = 16_384;
+
+/// A point of the plane with its index.
 struct Site {
     at: Point2<f64>,
     index: u32,
@@ -22,9 +25,9 @@ impl HasPosition for Site {
     }
 }
 
-/// The Delaunay triangulation of the points seen from above, and the points in use. Triangles run counter-clockwise
-/// seen from above, so they face up. Of points above each other, the highest is used. Empty if all points lie in one
-/// vertical plane.
+/// The Delaunay triangulation of the points seen from above, and the points that it uses. The corners of triangles are
+/// counter-clockwise seen from above, so that they face up. Of points above each other, the highest is used. The result
+/// is empty if all points lie in one vertical plane.
 ///
 /// **Long edges.** A Delaunay triangulation fills the convex hull, including notches and holes. A triangle is therefore
 /// left out if one of its edges is longer than [`LONG_EDGE`] times the spacing there. The spacing at a point is the
@@ -32,16 +35,16 @@ impl HasPosition for Site {
 /// the next line. The spacing at an edge is the smaller spacing of its ends, but at least half the median of all
 /// points, so that two points close together by chance leave no hole.
 ///
-/// **Time** is O(n log n) for all inputs: points go in by rounds of four times as many as before, chosen at random,
-/// each round along a Hilbert curve over the points' ranks (a biased randomised insertion order, Amenta, Choi and
-/// Rote 2003), after three that are not on one line. The sweep of `spade`'s own bulk loading takes quadratic time for
-/// points near a line.
+/// **Time** is O(n log n) for all inputs. Three points that are not on one line are inserted first. The others follow
+/// in random rounds, each four times as large as the one before and sorted along a Hilbert curve over the points' ranks
+/// (a biased randomised insertion order, Amenta, Choi and Rote 2003). The sweep of `spade`'s own bulk loading takes
+/// quadratic time for points near a line.
 ///
 /// Once `stop` returns true the triangulation ends within milliseconds, without triangles.
 pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut points = points;
     for point in &mut points {
-        // The library refuses magnitudes under 1.8e-43 other than 0; -0 becomes 0.
+        // The library refuses magnitudes under 1.8e-43 except 0. -0 becomes 0.
         for c in point {
             *c = if c.abs() < 1e-40 { 0.0 } else { *c };
         }
@@ -62,10 +65,9 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Ve
             return (points, Vec::new());
         }
     }
-    let spacing = spacing(&delaunay, points.len());
-    if stop() {
+    let Some(spacing) = spacing(&delaunay, points.len(), stop) else {
         return (points, Vec::new());
-    }
+    };
     let length = |a: u32, b: u32| {
         let (a, b) = (points[a as usize], points[b as usize]);
         (a[0] - b[0]).hypot(a[1] - b[1])
@@ -79,18 +81,27 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Ve
         let local = spacing[a as usize].min(spacing[b as usize]);
         length(a, b) <= LONG_EDGE * local.max(median / 2.0)
     };
-    let triangles = delaunay
-        .inner_faces()
-        .map(|face| face.vertices().map(|vertex| vertex.data().index))
-        .filter(|&[a, b, c]| short(a, b) && short(b, c) && short(c, a))
-        .collect();
+    let mut triangles = Vec::new();
+    for (count, face) in delaunay.inner_faces().enumerate() {
+        if count.is_multiple_of(LISTED_AT_ONCE) && stop() {
+            return (points, Vec::new());
+        }
+        let [a, b, c] = face.vertices().map(|vertex| vertex.data().index);
+        if short(a, b) && short(b, c) && short(c, a) {
+            triangles.push([a, b, c]);
+        }
+    }
     (points, triangles)
 }
 
-/// The length of the third shortest edge of each point, or of the longest if it has fewer.
-fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
+/// The length of the third shortest edge of each point, or of the longest if it has fewer; `None` where `stop` returns
+/// true.
+fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize, stop: &dyn Fn() -> bool) -> Option<Vec<f64>> {
     let mut shortest = vec![[f64::INFINITY; 3]; count];
-    for edge in delaunay.undirected_edges() {
+    for (count, edge) in delaunay.undirected_edges().enumerate() {
+        if count.is_multiple_of(LISTED_AT_ONCE) && stop() {
+            return None;
+        }
         let [a, b] = edge.vertices();
         let (p, q) = (a.position(), b.position());
         let length = (p.x - q.x).hypot(p.y - q.y);
@@ -102,11 +113,12 @@ fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize) -> Vec<f64> {
             }
         }
     }
-    shortest.into_iter().map(|three| three.into_iter().rev().find(|length| length.is_finite()).unwrap_or(0.0)).collect()
+    let third = |three: [f64; 3]| three.into_iter().rev().find(|length| length.is_finite()).unwrap_or(0.0);
+    Some(shortest.into_iter().map(third).collect())
 }
 
-/// The order in which points are inserted; `None` where all lie on one line or `stop` returns true. `points` are
-/// sorted by x, then y, and differ.
+/// The order in which points are inserted; `None` if all lie on one line or `stop` returns true. `points` must be
+/// sorted by x, then y, and distinct.
 fn insertion_order(points: &[[f64; 3]], stop: &dyn Fn() -> bool) -> Option<Vec<u32>> {
     if stop() {
         return None;
@@ -204,8 +216,8 @@ mod tests {
         for (spacing, shake) in [([1.0, 1.0], 0.0), ([1.0, 1.0], 0.8), ([0.2, 1.0], 0.0)] {
             let l = lattice(if spacing[0] < 1.0 { 201 } else { 41 }, 41, spacing, shake, |x, y| x <= 20.1 || y <= 20.1);
             let found = area(&triangulate(l));
-            // 1200 mm^2; the convex hull has 1400. In the notch triangles of up to 4 spacings remain, a strip of 4^2/2
-            // at its corner; a shaken border loses up to half a spacing along its 160 mm.
+            // 1200 mm^2; the convex hull has 1400. In the notch, triangles with edges of up to 4 spacings remain: an
+            // area of 4^2/2 at its corner. A displaced border loses up to half a spacing along its 160 mm.
             assert!(found > 1200.0 - if shake > 0.0 { 80.0 } else { 1e-9 } && found < 1210.0 + 20.0 * shake, "{spacing:?} {shake} {found}");
         }
     }
@@ -214,7 +226,7 @@ mod tests {
     fn a_hole_stays_open_and_a_dense_cloud_is_closed() {
         let ring = lattice(61, 61, [0.5, 0.5], 0.9, |x, y| (x - 15.0).hypot(y - 15.0) >= 6.0);
         let found = area(&triangulate(ring));
-        // A square of 30 mm less a disc of 6 mm, 787 mm^2, less half a spacing along the border of 120 mm and of 38 mm.
+        // A square of 30 mm minus a disc of 6 mm, 787 mm^2, minus half a spacing along borders of 120 mm and 38 mm.
         assert!((found - 787.0).abs() < 40.0, "{found}");
         let whole = area(&triangulate(lattice(61, 61, [0.5, 0.5], 0.9, |_, _| true)));
         assert!(whole > 860.0 && whole < 930.0, "{whole}");
@@ -247,7 +259,7 @@ mod tests {
         };
         assert!(!stop_at(usize::MAX).1.is_empty());
         let in_all = asked.get();
-        // Ten thousand points, a thousand at once, and the steps before and after.
+        // Ten checks for ten thousand points, a thousand at a time, and those before and after.
         assert!(in_all >= 14, "{in_all}");
         for count in 1..=in_all {
             assert_eq!(stop_at(count).1.len(), 0, "stopped at {count} of {in_all}");

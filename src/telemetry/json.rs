@@ -39,8 +39,8 @@ where
     }
 }
 
-/// Writes a span's fields as members of a line. Fields with a dot in their names are OpenTelemetry's and are only in
-/// traces: the last line of a request has the same values under other names.
+/// Writes a span's fields as members of a line. Fields with a dot in their names are OpenTelemetry's and are written
+/// only to traces: the last line of a request has the same values under other names.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JsonMembers;
 

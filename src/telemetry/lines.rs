@@ -1,5 +1,5 @@
-//! The queue of log lines for standard output, which a separate thread writes. If the reader of the log is slow, lines
-//! are lost and no answer is delayed; one write has the lines of many requests.
+//! The queue of log lines, which a separate thread writes to standard output. If the reader of the log is slow, lines
+//! are lost, but no answer is delayed. One write has the lines of many requests.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -40,14 +40,14 @@ struct Waiting {
 }
 
 impl Lines {
-    /// Starts a thread that writes lines to `output` until [`stop`](Self::stop), and then the remaining ones.
+    /// Starts a thread that writes lines to `output` until [`stop`](Self::stop) is called and the queue is empty.
     ///
     /// # Errors
     /// The system cannot start the thread.
     pub(super) fn write_to(&self, mut output: impl Write + Send + 'static) -> io::Result<JoinHandle<()>> {
         let lines = self.clone();
         let write = move || {
-            // Requests come first where cores are few: a write takes as long as some requests.
+            // Requests take precedence if there are few cores: a write takes as long as several requests.
             priority::lower();
             while lines.write_some(&mut output) {}
         };

@@ -68,8 +68,8 @@ impl Telemetry {
     }
 }
 
-/// Starts logs without traces. A filter of the whole subscriber is checked once for each span or event, a filter of a
-/// layer several times.
+/// Starts logs without traces. The filter applies to the whole subscriber, where it is evaluated once for each span or
+/// event; a filter of a layer is evaluated several times.
 fn log_alone(settings: &TelemetrySettings, lines: &lines::Lines) -> io::Result<()> {
     let subscriber = Registry::default().with(level_filter(settings.log_level)).with(log_layer(settings, lines));
     tracing::subscriber::set_global_default(subscriber).map_err(io::Error::other)

@@ -3,11 +3,12 @@
 use super::fault::{Flaw, LibraryFault, LibraryFaultKind, LibraryFaults, quoted};
 use super::{ToolLibrary, ToolPlace, csv, freecad, fusion};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
+use crate::cancellation::CancelFlag;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::HashMap;
 
-/// The largest library file, and the largest sum of the files of a zip after inflation: 3 kB for each of 10,000 tools.
+/// The largest library file, and the largest decompressed size of a zip: 3 kB for each of 10,000 tools.
 const LARGEST: usize = 32 << 20;
 
 /// The limits of a zip. A FreeCAD library has a file for each tool.
@@ -15,16 +16,16 @@ const LIMITS: ArchiveLimits = ArchiveLimits { entries: 20_000, inflated_bytes: L
 
 const EXPECTED: &str = "a tool library: JSON of Fusion or FreeCAD, a zip of them, or CSV";
 
-/// Reads a library of any format.
-pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
+/// Reads a library of any format. Once `cancel` is set, it ends early.
+pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
     if bytes.len() > LARGEST {
         let flaw = Flaw::too_large(format!("a file of at most {LARGEST} bytes"), format!("{} bytes", bytes.len()));
         return Err(flaw.in_file(file).into());
     }
     if Archive::is_archive(bytes) {
-        read_archive(bytes, file, library)?;
+        read_archive(bytes, file, library, cancel)?;
     } else {
-        read_plain(bytes, file, None, library)?;
+        read_plain(bytes, file, None, library, cancel)?;
     }
     if library.count() == 0 {
         return Err(Flaw::new(LibraryFaultKind::Empty, "a tool", "none").in_file(file).into());
@@ -42,15 +43,15 @@ struct Members {
 }
 
 /// Reads a file that is not an archive. `number` is the tool's number in a list of FreeCAD.
-fn read_plain(bytes: &[u8], file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
+fn read_plain(bytes: &[u8], file: &str, number: Option<u32>, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
     let unknown = |found: &'static str| LibraryFaults::from(Flaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file));
     let text = decoded(bytes).map_err(unknown)?;
     if !text.trim_start().starts_with(['{', '[']) {
-        return csv::read(&text, file, library);
+        return csv::read(&text, file, library, cancel);
     }
     let members: Members = serde_json::from_str(&text).map_err(|error| Flaw::json(EXPECTED, &error).in_file(file))?;
     match members {
-        Members { data: Some(_), .. } => Ok(fusion::read(&text, file, library)?),
+        Members { data: Some(_), .. } => Ok(fusion::read(&text, file, library, cancel)?),
         Members { parameter: Some(_), .. } | Members { shape: Some(_), .. } => Ok(freecad::read_tool(&text, file, number, library)?),
         Members { tools: Some(_), .. } => Err(unknown("a list of FreeCAD, which names the files of its tools; send a zip of them all")),
         _ => Err(unknown("JSON without the members data (Fusion) or parameter (FreeCAD)")),
@@ -70,7 +71,7 @@ struct ListedFile {
 }
 
 impl Listed {
-    /// Reads all lists of an archive. The inner `None` stands for an archive without lists, of which all tools are
+    /// Reads all lists of an archive. The inner `None` means that the archive has no lists, so that all its tools are
     /// read.
     fn read(archive: &Archive, path: impl Fn(&str) -> String) -> Result<Option<Self>, LibraryFaults> {
         let (mut listed, mut faults, mut has_lists) = (Self::default(), Vec::new(), false);
@@ -110,14 +111,14 @@ impl Listed {
     }
 }
 
-/// Reads all libraries and tools of a zip, in the order of its directory. Where it has lists of FreeCAD, tool files
-/// that none of them names are counted, not read.
-fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
-    let archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?;
+/// Reads all libraries and tools of a zip, in the order of its directory. If it has lists of FreeCAD, tool files that
+/// none of them names are counted, not read.
+fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
+    let archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?.until(cancel);
     let path = |name: &str| format!("{file}/{name}");
     let mut listed = Listed::read(&archive, path)?;
     let mut faults = Vec::new();
-    for entry in archive.files() {
+    for entry in archive.files().take_while(|_| !cancel.is_cancelled()) {
         let (name, path) = (entry.name(), path(entry.name()));
         let extension = extension(name);
         match extension.as_str() {
@@ -138,7 +139,7 @@ fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Result<(
                 let read = match archive.content(entry).map_err(|fault| flaw(&fault).in_file(&path)) {
                     Ok(bytes) if Archive::is_archive(&bytes) => Err(nested(&path).into()),
                     Ok(bytes) if extension == "fctb" => read_tool_file(&bytes, &path, number, library),
-                    Ok(bytes) => read_plain(&bytes, &path, number, library),
+                    Ok(bytes) => read_plain(&bytes, &path, number, library, cancel),
                     Err(fault) => Err(fault.into()),
                 };
                 let Err(found) = read else { continue };
@@ -158,7 +159,8 @@ fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary) -> Result<(
     Ok(listed.map_or(Ok(()), |listed| listed.add_missing(library))?)
 }
 
-/// Reads a tool file of FreeCAD in a zip. Where it is not one, that is a fault of the tool: the zip has others.
+/// Reads a tool file of FreeCAD in a zip. A file that is not a tool is recorded as a faulty tool, and the other files
+/// are still read.
 fn read_tool_file(bytes: &[u8], path: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
     let text = match decoded(bytes) {
         Ok(text) => text,
@@ -191,7 +193,7 @@ fn flaw(fault: &ArchiveFault) -> Flaw {
     Flaw::new(kind, "a ZIP archive within its limits", fault.to_string())
 }
 
-/// A file as text: UTF-8, UTF-16 with a byte-order mark, or else Latin-1. The inner error describes a binary file.
+/// A file as text: UTF-8, UTF-16 with a byte-order mark, or otherwise Latin-1. The error describes a binary file.
 fn decoded(bytes: &[u8]) -> Result<String, &'static str> {
     let utf_16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.as_chunks::<2>().0.iter().map(|pair| unit(*pair)).collect();

@@ -1,4 +1,4 @@
-//! Cutters in CSV, one in each line under a header:
+//! Reader of cutters in CSV, one on each line after a header:
 //! `name,type,diameter_mm,corner_radius_mm,teeth,spindle_speed_rpm,max_feed_per_tooth_mm`, with `_in` for inches in
 //! place of `_mm`; also `number`, `flute_length_mm` and `preset`.
 //!
@@ -10,6 +10,7 @@ use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number, un
 use super::fault::{Flaw, Flaws, LibraryFaults, quoted};
 use super::shape::Shape;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
+use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
 use crate::quantity::Length;
 
@@ -31,11 +32,11 @@ enum Column {
 /// The largest table in bytes: 400 for each of 10,000 tools. It also limits the number of fields.
 const LARGEST: usize = 4 << 20;
 
-/// Adds the tools of a table of cutters.
+/// Adds the tools of a table of cutters. Once `cancel` is set, it ends early.
 ///
 /// # Errors
 /// The file is not a table, or its header has faults, or the library is full.
-pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
+pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
     let refused = |flaw: Flaw| LibraryFaults::from(flaw.in_file(file));
     if text.len() > LARGEST {
         return Err(refused(Flaw::too_large(format!("a table of at most {LARGEST} bytes"), format!("{} bytes", text.len()))));
@@ -53,7 +54,8 @@ pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary) -> Result<
     let mut position = 0;
     loop {
         let more = records.read_record(&mut record);
-        if !more.map_err(|error| refused(Flaw::malformed("a table in CSV", super::shortened(&error.to_string()))))? {
+        let has_more = more.map_err(|error| refused(Flaw::malformed("a table in CSV", super::shortened(&error.to_string()))))?;
+        if !has_more || cancel.is_cancelled() {
             break;
         }
         if record.iter().all(str::is_empty) {
@@ -92,7 +94,7 @@ struct Table {
 }
 
 impl Table {
-    /// The columns that a header names; all its faults where it has some.
+    /// The columns that a header names, or all its faults.
     fn of(header: &::csv::StringRecord, file: &str) -> Result<Self, LibraryFaults> {
         let mut flaws = Vec::new();
         let columns: Vec<Option<Column>> = header

@@ -54,7 +54,7 @@ pub(super) fn number(text: &str) -> Result<f64, Flaw> {
     if value.is_finite() { Ok(value) } else { Err(Flaw::out_of_range("a finite number", quoted(bare))) }
 }
 
-/// Refuses a spindle speed such as `12,000` or `12.000`, which is twelve with three decimals, or twelve thousand.
+/// Refuses a spindle speed such as `12,000` or `12.000`, which can mean twelve or twelve thousand.
 pub(super) fn unambiguous_thousands(text: &str) -> Result<(), Flaw> {
     let bare = text.trim();
     let is_group = bare.split_once(['.', ',']).is_some_and(|(before, after)| {

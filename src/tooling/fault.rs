@@ -7,15 +7,15 @@ use std::fmt;
 /// The kinds of faults of a library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LibraryFaultKind {
-    /// Not one of the formats that are read.
+    /// The file has none of the formats that are read.
     UnknownFormat,
     /// A violation of the format, or a member that a cutter needs is missing.
     Malformed,
     /// A number outside its bounds, or a corner radius that does not fit the diameter.
     OutOfRange,
-    /// Larger than a limit: tools, files of a zip, bytes after inflation.
+    /// A limit is exceeded: tools, files of a zip, decompressed bytes.
     TooLarge,
-    /// Holds no tool.
+    /// The file has no tool.
     Empty,
 }
 
@@ -58,7 +58,7 @@ impl LibraryFault {
         &self.flaw.expected
     }
 
-    /// What was found: a description, or a short quotation with its special characters escaped.
+    /// The value found: a description, or a short quotation with special characters escaped.
     #[must_use]
     pub fn found(&self) -> &str {
         &self.flaw.found
@@ -94,7 +94,7 @@ impl LibraryFaults {
         self
     }
 
-    /// The faults of several files; `None` where there are none.
+    /// All faults of several files; `None` if there are none.
     pub(super) fn of_files(faults: Vec<LibraryFault>) -> Option<Self> {
         (!faults.is_empty()).then_some(Self(faults))
     }
@@ -129,7 +129,7 @@ pub struct FaultyTool {
 }
 
 impl FaultyTool {
-    /// The tool's name; where it has none, its position in the file. At most 100 characters.
+    /// The tool's name, or its position in the file if it has none. At most 100 characters.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -208,7 +208,7 @@ impl Flaw {
 pub(super) struct Flaws(Vec<Flaw>);
 
 impl Flaws {
-    /// The value, or `None` once its flaw is recorded.
+    /// The value. If it has a flaw, records the flaw and returns `None`.
     pub(super) fn take<T>(&mut self, value: Result<T, Flaw>) -> Option<T> {
         value.map_err(|flaw| self.0.push(flaw)).ok()
     }

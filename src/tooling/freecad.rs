@@ -1,5 +1,5 @@
-//! FreeCAD's tools: one tool in each `.fctb` file, JSON with a shape and dimensions as text with a unit; and the
-//! `.fctl` list of a library, which gives them numbers.
+//! Reader of FreeCAD's tools. A `.fctb` file is one tool in JSON, with a shape and dimensions as text with a unit. A
+//! `.fctl` file lists the tools of a library with their numbers.
 
 use super::dimension::{LengthUnit, number_with_unit, shown, teeth, tool_number};
 use super::fault::{Flaw, Flaws, LibraryFault};
@@ -15,7 +15,7 @@ use std::fmt;
 /// Reads the tool of a `.fctb` file, whose number in the library is `number`.
 ///
 /// # Errors
-/// The library is full. What is wrong with the file is a fault of the tool.
+/// The library is full. Faults of the file are recorded as faults of the tool.
 pub(super) fn read_tool(text: &str, file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
     let read: Result<Tool, Flaws> = serde_json::from_str(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &error).into());
     let name = read.as_ref().ok().and_then(Tool::name);

@@ -1,15 +1,16 @@
-//! Autodesk Fusion's tool libraries: JSON with the tools in `data`, each with its type, its unit, its geometry and its
+//! Reader of Autodesk Fusion's tool libraries: JSON with the tools in `data`, each with its type, unit, geometry and
 //! presets.
 //!
-//! Each tool is read and dropped before the next, so that memory grows with the finishing cutters alone. A tool's
-//! lengths are in its `unit`; its `holder`, which has another unit, is not read. The preset with "finish" in its name,
-//! else the first, gives speed and feed.
+//! Each tool is read and dropped before the next, so that memory grows only with the number of finishing cutters. A
+//! tool's lengths are in its `unit`; its `holder`, which has another unit, is not read. Speed and feed come from the
+//! preset with "finish" in its name, otherwise from the first preset.
 
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
 use super::fault::{Flaw, Flaws, LibraryFault};
 use super::scalar::Scalar;
 use super::shape::Shape;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
+use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
 use crate::quantity::Length;
 use serde::Deserialize;
@@ -17,15 +18,15 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 use std::fmt;
 
-/// Adds the tools of a library file.
+/// Adds the tools of a library file. Once `cancel` is set, the other tools are skipped.
 ///
 /// # Errors
 /// The text is not JSON with tools in `data`, or the library is full.
-pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFault> {
     let malformed = |error| Flaw::json("a tool library of Fusion in JSON", &error).in_file(file);
     let LibraryFile { data } = serde_json::from_str(text).map_err(malformed)?;
-    // The syntax has been checked: a failure now is that there is no array.
-    let tools = serde_json::Deserializer::from_str(data.get()).deserialize_seq(Tools { file, library });
+    // The syntax has been checked, so a failure means that `data` is not an array.
+    let tools = serde_json::Deserializer::from_str(data.get()).deserialize_seq(Tools { file, library, cancel });
     tools.map_err(|_| Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?
 }
 
@@ -40,6 +41,7 @@ struct LibraryFile<'a> {
 struct Tools<'a> {
     file: &'a str,
     library: &'a mut ToolLibrary,
+    cancel: &'a CancelFlag,
 }
 
 impl<'de> Visitor<'de> for Tools<'_> {
@@ -50,13 +52,13 @@ impl<'de> Visitor<'de> for Tools<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
-        let Self { file, library } = self;
+        let Self { file, library, cancel } = self;
         let mut result = Ok(());
         let mut position = 0;
         // Once the library is full, the rest is skipped, so that the array ends.
         while let Some(item) = items.next_element::<&RawValue>()? {
             position += 1;
-            if result.is_ok() {
+            if result.is_ok() && !cancel.is_cancelled() {
                 result = add(item, position, file, library);
             }
         }
@@ -69,14 +71,14 @@ fn add(item: &RawValue, position: usize, file: &str, library: &mut ToolLibrary) 
     let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| Flaw::json("a tool in JSON", &error).into());
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = match TypeAlone::other(item) {
-        // The other members of such a tool need not be as those of a cutter.
+        // The other members of such a tool may differ from those of a cutter.
         Some(kind) => Ok(ReadTool::Other(kind)),
         None => read.and_then(|tool| tool.read(position)),
     };
     library.add(tool, &ToolPlace { file, position, name: name.as_deref() }).map_err(|flaw| flaw.in_file(file))
 }
 
-/// The type of a tool, whatever its other members are.
+/// Only the type of a tool; its other members are not read.
 #[derive(Deserialize)]
 struct TypeAlone {
     #[serde(rename = "type")]
@@ -84,7 +86,7 @@ struct TypeAlone {
 }
 
 impl TypeAlone {
-    /// The type, where it is not that of a finishing cutter.
+    /// The type of a tool that is not a finishing cutter; `None` for a finishing cutter.
     fn other(item: &RawValue) -> Option<String> {
         let Self { kind } = serde_json::from_str(item.get()).ok()?;
         kind?.text().ok().filter(|kind| shape_of(kind).is_none())
@@ -190,7 +192,7 @@ impl Preset {
 }
 
 impl Tool {
-    /// The tool's name: its description, else its product number.
+    /// The tool's name: its description, otherwise its product number.
     fn name(&self) -> Option<String> {
         let names = [&self.description, &self.product_id].into_iter().flatten();
         names.filter_map(|name| name.text().ok()).find(|name| !name.trim().is_empty())
@@ -278,7 +280,7 @@ impl Preset {
         Self::number(member, self.n.as_ref())?.map_or(Ok(None), spindle_speed).map_err(|flaw| flaw.of_member(member))
     }
 
-    /// The feed per tooth. Where it is missing it follows from the feed rate: f_z = v_f / (z n).
+    /// The feed per tooth. If it is missing, it is computed from the feed rate: f_z = v_f / (z n).
     fn feed_per_tooth(&self, unit: LengthUnit, teeth: Option<u32>, speed: Option<f64>) -> Result<Option<Length>, Flaw> {
         let stated = "start-values.presets.f_z";
         if let Some(feed) = Self::number(stated, self.f_z.as_ref())?.filter(|feed| *feed != 0.0) {

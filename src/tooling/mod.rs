@@ -1,13 +1,13 @@
-//! Tool libraries read into finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`, and zips of them
-//! with their `.fctl`), and CSV.
+//! Readers of tool libraries, which return finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`,
+//! and zips of them with their `.fctl`), and CSV.
 //!
-//! A library is any mix of tools. Ball-end, bull-nose and flat cutters are read; the others are counted by their type.
-//! A finishing cutter with a fault is listed with all its faults, and the other tools are read all the same: callers
-//! must show it, because the cutter that is missing may be the best one. Only a file that cannot be read as a library
-//! is refused as a whole. Lengths are in the unit that each tool states.
+//! A library may contain tools of any type. Ball-end, bull-nose and flat cutters are read; the others are counted by
+//! type. A finishing cutter with a fault is listed with all its faults, and the other tools are still read. Callers
+//! must show the faulty cutters, because one of them may be the best. Only a file that cannot be read as a library is
+//! refused as a whole. Lengths are in the unit that each tool states.
 //!
-//! The format comes from the content. Nothing grows without bound: see [`MOST_TOOLS`], [`MOST_FAULTY`] and the limits
-//! in `container`.
+//! The format is detected from the content. Memory is bounded by [`MOST_TOOLS`], [`MOST_FAULTY`] and the limits in
+//! `container`.
 
 mod container;
 mod csv;
@@ -20,6 +20,7 @@ mod shape;
 
 pub use fault::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults};
 
+use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
 use crate::quantity::Length;
 use fault::{Flaw, Flaws};
@@ -64,8 +65,7 @@ pub struct ToolLibrary {
 /// A finishing cutter of a library.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LibraryTool {
-    /// The tool's description; where it has none, its product number or its number in the library. At most 100
-    /// characters.
+    /// The tool's description; if it has none, its product number or its number in the library. At most 100 characters.
     pub name: String,
     /// The tool's number in the machine's program.
     pub number: Option<u32>,
@@ -79,8 +79,8 @@ pub struct LibraryTool {
     pub max_feed_per_tooth: Option<Length>,
     /// The length of the cutting edges along the axis.
     pub flute_length: Option<Length>,
-    /// The name of the preset from which speed and feed are taken, where the library has presets: the one with "finish"
-    /// in its name, else the first. At most 100 characters.
+    /// The name of the preset from which speed and feed are taken, if the library has presets: the one with "finish" in
+    /// its name, otherwise the first. At most 100 characters.
     pub preset: Option<String>,
 }
 
@@ -88,10 +88,18 @@ impl ToolLibrary {
     /// Reads a library. Faults state `file_name`.
     ///
     /// # Errors
-    /// [`LibraryFaults`] where a file cannot be read as a library: its faults, and those of the tools that were read.
+    /// [`LibraryFaults`] if a file cannot be read as a library: its faults, and those of the tools that were read.
     pub fn read(bytes: &[u8], file_name: Option<&str>) -> Result<Self, LibraryFaults> {
+        Self::read_until(bytes, file_name, &CancelFlag::default())
+    }
+
+    /// The same. Once `cancel` is set, it ends early with a result that has no meaning.
+    ///
+    /// # Errors
+    /// As [`ToolLibrary::read`].
+    pub fn read_until(bytes: &[u8], file_name: Option<&str>, cancel: &CancelFlag) -> Result<Self, LibraryFaults> {
         let mut library = Self::default();
-        match container::read(bytes, file_name.unwrap_or("the library"), &mut library) {
+        match container::read(bytes, file_name.unwrap_or("the library"), &mut library, cancel) {
             Ok(()) => Ok(library),
             Err(faults) => Err(faults.and(library.faulty)),
         }
@@ -132,7 +140,7 @@ impl ToolLibrary {
         self.others.iter().map(|(kind, count)| (kind.as_str(), *count))
     }
 
-    /// The number of files in a zip that hold no tools: pictures, shapes, texts.
+    /// The number of files in a zip without tools: pictures, shapes, texts.
     #[must_use]
     pub fn skipped_files(&self) -> u64 {
         self.skipped_files
@@ -142,7 +150,7 @@ impl ToolLibrary {
         (self.tools.len() + self.faulty.len()) as u64 + self.unlisted_faulty + self.unlisted_files + self.others.values().sum::<u64>()
     }
 
-    /// Adds the tool at a place of a file, or its faults.
+    /// Adds a tool, or its faults.
     ///
     /// # Errors
     /// The library is full.
@@ -170,7 +178,7 @@ struct ToolPlace<'a> {
 }
 
 impl ToolPlace<'_> {
-    /// The tool's name; where it has none, its position.
+    /// The tool's name, or its position if it has none.
     fn name(&self) -> String {
         match self.name.map(str::trim) {
             Some(name) if !name.is_empty() => shortened(name),
@@ -188,7 +196,7 @@ enum ReadTool {
 }
 
 impl ReadTool {
-    /// The cutter with its other values, unless there are flaws. Without a cutter there is one.
+    /// The cutter with its other values, or the flaws. If `cutter` is `None`, there is at least one flaw.
     fn unless_flawed(cutter: Option<Cutter>, parts: ToolParts, position: usize, flaws: Flaws) -> Result<Self, Flaws> {
         let tool = cutter.map(|cutter| Self::Finishing(Box::new(parts.with(cutter, position))));
         match tool {
@@ -211,7 +219,7 @@ struct ToolParts {
 }
 
 impl ToolParts {
-    /// The tool, where `position` counts the tools of the file from 1.
+    /// The tool with these values. `position` counts the tools of the file from 1.
     fn with(self, cutter: Cutter, position: usize) -> LibraryTool {
         LibraryTool {
             name: self.name.map_or_else(|| format!("tool {}", self.number.map_or(position as u64, u64::from)), |name| shortened(&name)),

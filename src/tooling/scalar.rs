@@ -1,4 +1,4 @@
-//! A JSON number or text; values of other types are skipped without holding them.
+//! A JSON number or text. Values of other types are skipped and not stored.
 
 use super::dimension::number;
 use super::fault::{Flaw, quoted};

@@ -13,7 +13,8 @@ pub(super) enum Shape {
     Flat,
 }
 
-/// The relative difference within which a corner radius is half the diameter: libraries round inches to four decimals.
+/// A corner radius counts as half the diameter if the relative difference is at most this: libraries round inches to
+/// four decimals.
 const BALL_TOLERANCE: f64 = 1e-2;
 
 impl Shape {

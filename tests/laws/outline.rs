@@ -2,7 +2,7 @@
 //! cutter's solid.
 
 use crate::laws::passes::mm;
-use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, Envelope, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Angle;
 
 /// A cutter over a quadric surface: the axis in the plane of normal and steepest line.
@@ -131,7 +131,8 @@ fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
         let contact = Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed, None).unwrap();
         let surface = SurfaceCurvature::from_principal_per_mm(principal, Angle::from_degrees(turn).unwrap()).unwrap();
         let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).unwrap();
-        let found = evaluated.scallop_height(mm(s), (f > 0.0).then(|| mm(f))).unwrap().total().mm();
+        let envelope = Envelope::new(*evaluated.pass()).unwrap();
+        let found = envelope.second_order_scallop_height(mm(s), (f > 0.0).then(|| mm(f))).unwrap().total().mm();
         let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
         let brute = Setup { outer, corner, slope, theta, curvature }.ridge(s, f);
         println!("{found} {brute} at slope {slope_deg}, r/R {ratio}, lambda {}", evaluated.relative_curvature());

@@ -1,7 +1,7 @@
 //! Heights on curved surfaces and with runout against an independent implementation.
 
 use crate::laws::passes::mm;
-use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, Envelope, Pass, Runout, SurfaceCurvature};
 use serde_json::Value;
 
 fn contacts(file: &str) -> Vec<Value> {
@@ -24,10 +24,12 @@ fn pass(contact: &Value, surface: SurfaceCurvature, runout: Runout) -> Pass {
     }
 }
 
-fn height(contact: &Value, pass: Pass) -> f64 {
-    let evaluated = EvaluatedPass::new(Model::Envelope, pass).unwrap();
-    let (step_over, feed) = (mm(number(contact, "step_over_mm")), mm(number(contact, "feed_per_tooth_mm")));
-    evaluated.scallop_height(step_over, Some(feed)).unwrap().total().mm()
+/// The height with the third order, and without.
+fn heights(contact: &Value, pass: Pass) -> [f64; 2] {
+    let envelope = Envelope::new(pass).unwrap();
+    let (step_over, feed) = (mm(number(contact, "step_over_mm")), Some(mm(number(contact, "feed_per_tooth_mm"))));
+    let (found, second_order) = (envelope.scallop_height(step_over, feed), envelope.second_order_scallop_height(step_over, feed));
+    [found, second_order].map(|height| height.unwrap().total().mm())
 }
 
 #[test]
@@ -36,9 +38,9 @@ fn heights_on_curved_surfaces_agree_with_an_independent_implementation() {
     for contact in &contacts {
         let get = |name| number(contact, name);
         let surface = SurfaceCurvature::from_components_per_mm(get("along_per_mm"), get("across_per_mm"), get("twist_per_mm")).unwrap();
-        let found = height(contact, pass(contact, surface, Runout::NONE));
-        // The file states 1e-6; its curvatures are rounded to 1e-9 of some 1e-2, which is less.
-        approx::assert_relative_eq!(found, get("scallop_height_mm"), max_relative = 2e-6);
+        let [found, second_order] = heights(contact, pass(contact, surface, Runout::NONE));
+        // The file has the second order. It states 1e-6; its curvatures are rounded to 1e-9 of some 1e-2, which is less.
+        approx::assert_relative_eq!(second_order, get("scallop_height_mm"), max_relative = 2e-6);
         assert!(get("simulated_peak_mm") <= found * 1.001, "{contact}");
     }
     assert!(contacts.len() >= 20);
@@ -50,7 +52,8 @@ fn heights_with_runout_agree_with_an_independent_implementation() {
     for contact in &contacts {
         let get = |name| number(contact, name);
         let runout = Runout::NONE.with_radial_mm(get("radial_mm")).unwrap().with_axial_mm(get("axial_mm")).unwrap();
-        let found = height(contact, pass(contact, SurfaceCurvature::PLANE, runout));
+        let [found, second_order] = heights(contact, pass(contact, SurfaceCurvature::PLANE, runout));
+        assert!(found.to_bits() == second_order.to_bits());
         approx::assert_relative_eq!(found, get("scallop_height_mm"), max_relative = 2e-6);
     }
     assert!(contacts.len() >= 10);

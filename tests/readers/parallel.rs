@@ -8,6 +8,10 @@ use scallopd::surface::PartedSink;
 impl PartedSink for Recorder {
     type Part = Self;
 
+    fn part(&self) -> Self {
+        Self::default()
+    }
+
     fn append(&mut self, part: Self) {
         self.points.extend(part.points);
         self.facets.extend(part.facets);

@@ -299,6 +299,44 @@ fn a_matrix_of_heights_is_refused_whatever_its_size() {
     assert_eq!(read(table(3, 13, bumpy)).unwrap_err().expected(), "at most 12 numbers in a line without a header");
 }
 
+#[test]
+fn three_columns_of_nearly_equal_numbers_can_be_a_matrix_of_heights() {
+    let bumpy = |row: f64, column: f64| format!("{:.3}", 8.0 * (row / 5.0).sin() + 2.0 * (column / 3.0).cos());
+    for rows in [8, 30, 150] {
+        let heights = table(rows, 3, bumpy);
+        let fault = read(&heights).unwrap_err();
+        assert_eq!((fault.kind(), fault.location()), (FaultKind::Ambiguous, FileLocation::Line(1)), "{rows}");
+        let readings = "either a matrix of heights, or points along x = y = z; send heights as points x, y, z";
+        assert_eq!(fault.found(), format!("{rows} lines of three nearly equal numbers: {readings}"));
+        assert_eq!(points_beside_others(&format!("x y z\n{heights}")), rows as usize);
+    }
+    // A matrix of three columns is not so long.
+    assert_eq!(points_beside_others(&table(151, 3, bumpy)), 151);
+}
+
+#[test]
+fn three_columns_are_points_where_the_numbers_of_a_line_differ() {
+    // The same offset in all coordinates must not matter.
+    let grid = |rows: u8, columns: u8, offset: f64, step: f64| {
+        let line = |x: f64, y: f64| format!("{:.3} {:.3} {:.3}\n", x + offset, y + offset, offset + 0.5 * x + (y / 3.0).sin());
+        let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+        places.map(|(row, column)| line(step * f64::from(column), step * f64::from(row))).collect::<String>()
+    };
+    for (file, points) in [
+        // Around the origin, far from it in all three coordinates, small, and along a diagonal that does not rise.
+        (grid(5, 6, -2.5, 1.0), 30),
+        (grid(10, 10, 0.0, 0.01), 100),
+        (grid(9, 9, 1e4, 2.0), 81),
+        ((0..20).map(|i| format!("{i}.5 {i} 3.25\n{i} {i}.5 3.5\n")).collect(), 40),
+        // A sphere's cap, whose columns have similar ranges, three points, and a plane of one height.
+        ("1 2 9.7\n-3 4 8.6\n6 -7 3.9\n-5 -5 7.1\n2 8 5.7\n7 1 7.1\n".to_owned(), 6),
+        ("0 0 0\n1 0 0\n0 1 0\n".to_owned(), 3),
+        ("1 1 1\n1 2 1\n2 1 1\n2 2 1\n".to_owned(), 4),
+    ] {
+        assert_eq!(points_beside_others(&file), points, "{file}");
+    }
+}
+
 /// The number of points in a file with further columns.
 fn points_beside_others(file: &str) -> usize {
     read(file).unwrap().0.points.len()

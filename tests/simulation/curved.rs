@@ -214,7 +214,7 @@ fn print(name: &str, outcomes: &[&Outcome]) -> f64 {
 }
 
 /// The share up to which no `curvature-approximate` is given from 10 deg of slope on.
-const THIRD_ORDER_SMALL: f64 = 0.03;
+const THIRD_ORDER_SMALL: f64 = 0.35;
 
 /// Prints the configurations by the model's warnings.
 fn print_by_warning(name: &str, outcomes: &[Outcome]) {

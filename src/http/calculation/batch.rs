@@ -1,4 +1,4 @@
-//! Requests with many contacts, answered by a column for each figure. Contacts are read and computed on all cores; a
+//! Batch requests: many contacts in, one column for each figure out. Contacts are parsed and computed on all cores. A
 //! contact without an answer does not affect the others.
 
 use super::Calculation;
@@ -23,31 +23,31 @@ use std::sync::{Mutex, PoisonError};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// The number of contacts that one thread computes at a time. They take some tenths of a millisecond, long compared
-/// with the cost of distributing them.
+/// The number of contacts that one thread computes at a time. They take some tenths of a millisecond, so the cost of
+/// distributing them is negligible.
 const CHUNK: usize = 1024;
 
-/// The largest number of contacts in a request. A body of the largest size could hold some ten million. With this
-/// limit, the answer stays under some 100 MB.
+/// The largest number of contacts in a request. Without this limit, a body of the largest size could hold some ten
+/// million. With it, an answer stays below about 100 MB.
 const MOST_CONTACTS: usize = 250_000;
 
 const CONTACTS: &str = "contacts";
 
-/// The largest number of failures that an answer lists; further ones are counted.
+/// The largest number of failures that an answer lists. Further failures are only counted.
 const MOST_FAILURES: usize = 1000;
 
-/// The largest number of faults in the problem that no contact has an answer.
+/// The largest number of faults in the problem returned when no contact has an answer.
 const MOST_FAULTS: usize = 100;
 
-/// The largest number of faults listed of one contact.
+/// The largest number of faults listed for one contact.
 const MOST_FAULTS_OF_A_CONTACT: usize = 8;
 
-/// The fewest bytes of a body for each contact: `{},` and a part of the columns.
+/// The fewest bytes that a contact takes in a body: `{},` as an object, `0,` in each of two columns.
 const SHORTEST_CONTACT: usize = 4;
 
 /// The memory of a contact in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
-/// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts that are sent as
-/// columns are held as up to 15 numbers of 16 bytes.
+/// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts sent as columns are
+/// stored as up to 15 numbers of 16 bytes.
 const MEMORY_OF_A_CONTACT: usize = 660;
 
 /// The memory of the listed failures and of the rest of an answer.
@@ -74,7 +74,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
         };
         let are_columns = contacts.get().starts_with('{');
         if !faults.is_empty() {
-            // Nothing is computed, but the faults of the contacts are recorded as well.
+            // Nothing is computed, but the contacts are still checked, so that the answer lists their faults too.
             check_contacts::<C>(contacts, &defaults, path, cancel, faults)?;
             return Err(Faulted);
         }
@@ -141,18 +141,19 @@ struct Batch<C> {
     selection: Selection,
 }
 
-/// The results of a run of consecutive contacts.
+/// The results of a chunk of consecutive contacts.
 struct Part {
     columns: Vec<Column>,
     failed: usize,
-    /// The first ones, with their faults.
+    /// The first failures, with their faults.
     failures: Vec<(usize, Vec<Fault>)>,
     outside_range: usize,
     warnings: Vec<Warning>,
 }
 
 impl<C: Calculation> Batch<C> {
-    /// Reads an array of contacts. They are computed on other cores while this thread still splits the array into runs.
+    /// Reads an array of contacts. This thread splits the array into chunks; other threads compute them at the same
+    /// time.
     fn compute_rows(
         &self,
         contacts: &RawValue,
@@ -199,7 +200,7 @@ impl<C: Calculation> Batch<C> {
         Ok((self.joined(parts), columns.count))
     }
 
-    /// Computes a run of contacts; the rest of a cancelled batch is left out.
+    /// Computes a chunk of contacts. After a cancellation, the rest of the chunk is skipped.
     fn compute_chunk(
         &self,
         first: usize,

@@ -1,5 +1,5 @@
-//! The columns of a batch's answer. Each thread writes its rows as JSON text at once, so that no column is held both as
-//! numbers and as text.
+//! The columns of a batch's answer. Each thread writes its rows directly as JSON text, so that no column is in memory
+//! both as numbers and as text.
 
 use crate::http::body::WrittenJson;
 use crate::http::wire::{Extreme, Extremes, FigureValue};
@@ -36,12 +36,12 @@ impl Column {
         }
     }
 
-    /// The contacts with the smallest and the largest number; `None` where there is no number.
+    /// The contacts with the smallest and the largest number; `None` if the column has no number.
     pub(crate) fn extremes(&self) -> Option<Extremes> {
         Some(Extremes { minimum: self.minimum?, maximum: self.maximum? })
     }
 
-    /// Adds the rows of `next` below these.
+    /// Appends the rows of `next`.
     pub(crate) fn append(&mut self, next: Self) {
         for rows in next.pieces.into_iter().filter(|rows| !rows.is_empty()) {
             if let Some(above) = self.pieces.last_mut() {

@@ -70,14 +70,15 @@ const FIGURES: &[Figure] = &[
     Figure::number("area_rate_mm2_min", "the area finished per minute, the step-over along the surface times the feed rate", |figures| {
         figures.feed_rate_mm_min.map(|rate| FigureValue::Number(rate * figures.step_over.mm()))
     })
-    .only("where the cutter's teeth and the spindle speed are given"),
+    .only("if the cutter's teeth and the spindle speed are given"),
 ];
 
 /// Two limits on the feed within this ratio count as equal, as in the limits that the calculation finds.
 const EQUAL: f64 = 1e-9;
 
 impl FastestParameters {
-    /// The words for a limit that binds. The largest feed per tooth is the cutter maker's, the machine's, or both.
+    /// The wire names of a limit that binds. A limit on the feed per tooth is the cutter manufacturer's, the machine's,
+    /// or both.
     fn words(limit: LimitedBy, per_tooth: Option<Length>, by_machine: Option<Length>) -> [Option<BindingLimit>; 2] {
         let is_smallest = |one: Option<Length>, other: Option<Length>| {
             one.is_some_and(|one| other.is_none_or(|other| one.mm() <= other.mm() * (1.0 + EQUAL)))
@@ -96,7 +97,7 @@ impl FastestParameters {
 
 impl Calculation for FastestParameters {
     const STATED: StatedParameters = StatedParameters { step_over: false, feed_per_tooth: false };
-    // Dozens of searches for a step-over.
+    // The calculation searches for a step-over dozens of times.
     const TAKES_LONG: bool = true;
     type Members = CuttingParametersMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
@@ -146,7 +147,7 @@ described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParamet
 /// The fastest step-over and feed at one contact
 ///
 /// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance,
-/// within the limits of cutter, machine and step-over where these are stated.
+/// within the limits of cutter, machine and step-over if these are stated.
 #[utoipa::path(
     post, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters",
     request_body = CuttingParametersRequest,

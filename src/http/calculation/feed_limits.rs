@@ -29,7 +29,7 @@ pub(super) const FEED_PER_TOOTH: Figure = Figure::number("feed_per_tooth_mm", "t
 
 pub(super) const FEED_RATE: Figure =
     Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min.map(FigureValue::Number))
-        .only("where the cutter's teeth and the spindle speed are given");
+        .only("if the cutter's teeth and the spindle speed are given");
 
 /// The limits on the feed that a request states.
 pub(super) struct FeedLimits {
@@ -65,7 +65,8 @@ impl FeedLimits {
         Ok(Self { spindle_speed_rpm: spindle_speed_rpm?, per_tooth: per_tooth?, rate_mm_min: rate_mm_min? })
     }
 
-    /// z n, the feed rate for each mm of feed per tooth; `None` where teeth or spindle speed are not stated.
+    /// z n, the feed rate for each mm of feed per tooth; `None` if the number of teeth or the spindle speed is not
+    /// stated.
     pub(super) fn teeth_per_min(&self, shared: &SharedParameters) -> Option<f64> {
         shared.tool.teeth.zip(self.spindle_speed_rpm).map(|(teeth, speed)| f64::from(teeth) * speed)
     }

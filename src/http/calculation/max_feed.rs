@@ -91,7 +91,8 @@ impl Calculation for MaxFeed {
         let (feed_per_tooth, limited_by) = match (pass.max_feed_per_tooth(self.tolerance, step_over), stated) {
             (Ok(by_tolerance), Some(stated)) if stated.0 < by_tolerance => stated,
             (Ok(by_tolerance), _) => (by_tolerance, LimitedBy::ScallopTolerance),
-            // The tolerance sets no limit as long as marks overlap; a stated limit on the feed is then the only one.
+            // The tolerance sets no limit while the marks overlap. A limit that the request states is then the only
+            // one.
             (Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }), Some(stated)) if stated.0 <= largest_feed_per_tooth => stated,
             (Err(cause), _) => return Err(cause),
         };
@@ -113,7 +114,7 @@ described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
 /// The largest feed at one contact
 ///
 /// The largest feed per tooth, and feed rate, that keep the scallop height within a tolerance at a given step-over, and
-/// within the limits of cutter and machine where these are stated.
+/// within the limits of cutter and machine if these are stated.
 #[utoipa::path(
     post, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed",
     request_body = MaxFeedRequest,

@@ -36,7 +36,7 @@ pub(crate) trait Calculation: Sized + Send + Sync {
         faults: &mut Faults,
     ) -> Result<Self, Faulted>;
 
-    /// The figures at a contact. `step_over` is along the surface; it is `None` where `STATED` has none.
+    /// The figures at a contact. `step_over` is along the surface; it is `None` if `STATED` does not require one.
     fn compute(
         &self,
         shared: &SharedParameters,
@@ -45,7 +45,7 @@ pub(crate) trait Calculation: Sized + Send + Sync {
         feed_per_tooth: Option<Length>,
     ) -> Result<Figures, NoAnswer>;
 
-    /// The member that bounds the step-over, to which its faults point.
+    /// The member that determines the step-over. Faults of the step-over point to it.
     fn step_over_member(&self, stated: &ContactParameters) -> &'static str {
         stated.step_over_member()
     }

@@ -35,8 +35,8 @@ impl Kind for ColumnNames {
     type Value = Vec<&'static Figure>;
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
-        // A list without repetition has at most as many items as there are names; some further items are read to list
-        // their faults.
+        // A list without repetitions has at most as many items as there are names. Further items are read only to
+        // report their faults.
         let names = items(raw, 2 * self.known.len(), path, faults)?;
         if names.is_empty() {
             return Err(faults.add(&path, RequestFault::WrongCount, "name at least one column, or leave the field out"));
@@ -91,7 +91,7 @@ impl Selection {
         schema.optional(&columns::<C>()).optional(&SIGNIFICANT_DIGITS)
     }
 
-    /// Whether a column needs the comparison with the cutter's exact shape.
+    /// Whether a selected column needs the comparison with the cutter's exact shape.
     pub(super) fn is_compared(&self) -> bool {
         self.figures.iter().any(|figure| CHECK_FIGURES.iter().any(|check| check.name == figure.name))
     }

@@ -88,8 +88,8 @@ pub(super) async fn answer_query<C: Calculation + 'static>(
     if takes_long { work.run_piece(answer).await } else { answer() }
 }
 
-/// Whether a request may state a curvature, with which a search can take tens of milliseconds: too long for a thread
-/// that serves connections. A request with escapes counts, because a name may be written with them.
+/// Whether a request may state a curvature. A search with a curvature can take tens of milliseconds, too long for a
+/// thread that serves connections. A request with escapes counts, because it may write the name with escapes.
 fn may_state_curvature(request: &[u8], escape: u8) -> bool {
     memchr::memmem::find(request, b"surface_").is_some() || memchr::memchr(escape, request).is_some()
 }
@@ -135,7 +135,7 @@ impl<C: Calculation> Request<C> {
 }
 
 /// Evaluates a contact by the request's model. The outer error is a fault that is already recorded; the inner error is
-/// not.
+/// not recorded yet.
 pub(super) fn evaluate(
     shared: &SharedParameters,
     contact: StatedContact,
@@ -151,7 +151,7 @@ pub(super) fn evaluate(
     Ok(EvaluatedPass::new(shared.model, pass))
 }
 
-/// The figures at a contact. The outer error is a fault that is already recorded; the inner error is not.
+/// The figures at a contact. The outer error is a fault that is already recorded; the inner error is not recorded yet.
 pub(super) fn compute<C: Calculation>(
     calculation: &C,
     shared: &SharedParameters,
@@ -183,7 +183,7 @@ pub(super) fn is_outside_range(check: &Result<Check, NoAnswer>) -> bool {
     check.as_ref().map_or(true, |check| check.deviation.is_some_and(|deviation| deviation < OUTSIDE_RANGE))
 }
 
-/// Compares the analytic height with the envelope's, and warns where it is far below.
+/// Compares the analytic height with the envelope's, and adds a warning if it is far lower.
 fn check(pass: &EvaluatedPass, figures: &Figures, warnings: &mut Vec<Warning>) -> Option<Check> {
     if pass.model() != Model::Analytic {
         return None;

@@ -25,7 +25,7 @@ codes! {
 }
 
 impl ServiceProblem {
-    /// The status of such a problem; `None` where the framework's status is kept.
+    /// The status of such a problem; `None` if the framework's status applies.
     pub(crate) fn status(self) -> Option<StatusCode> {
         Some(match self {
             Self::InvalidRequest | Self::NoCutterFits => StatusCode::UNPROCESSABLE_ENTITY,

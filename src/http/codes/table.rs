@@ -37,12 +37,12 @@ fn all_tables() -> String {
         ),
         table::<FileFault>(
             "Files",
-            "Faults of an uploaded file: the `code` in `errors`, and the `type` of the problem where it is the only fault.",
+            "Faults of an uploaded file: the `code` in `errors`, and the `type` of the problem if it is the only fault.",
             Some(|code| Some(code.status())),
         ),
         table::<NoAnswerCode>(
             "Reasons without an answer",
-            "The `code` in `errors` or, in a batch, in `failures`; the `type` of the problem where it is the only fault.",
+            "The `code` in `errors` or, in a batch, in `failures`; the `type` of the problem if it is the only fault.",
             Some(|_| Some(StatusCode::UNPROCESSABLE_ENTITY)),
         ),
         table::<RequestFault>("Faults", "The `code` in `errors` of a problem, and in `failures` of a batch.", None),

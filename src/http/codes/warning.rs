@@ -11,7 +11,7 @@ codes! {
         EffectiveRadiusBeyondCutter = "effective-radius-beyond-cutter": "The model's circle is wider than the cutter", "Use model \"envelope\": the scallop can be far higher.";
         SharpMarks = "sharp-marks": "A flat-end cutter leaves sharp marks", "Use a cutter with a small corner radius.";
         CurvatureApproximate = "curvature-approximate": "The surface's normal turns so much between the marks that the height can be exceeded", "Keep a margin to the tolerance.";
-        NearGouging = "near-gouging": "The cutter nearly fills the hollow, where the surface's second order is not enough", "Use a smaller cutter, or keep a margin to the tolerance.";
+        NearGouging = "near-gouging": "The cutter nearly fills the hollow, so that the surface's second order is not accurate enough", "Use a smaller cutter, or keep a margin to the tolerance.";
         OutsideAnalyticRange = "outside-analytic-range": "The analytic height is far below what the cutter leaves", "Use model \"envelope\".";
         StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";
         DegenerateFacets = "degenerate-facets": "Facets without area were left out", "None is needed; many of them indicate a damaged mesh.";
@@ -21,7 +21,7 @@ codes! {
         FurtherColumns = "further-columns": "Columns other than x, y and z were left out", "Check that the first three columns are the coordinates.";
         TrailingBytes = "trailing-bytes": "Bytes after the end of the data were left out", "Check that the file's count is right.";
         OtherElements = "other-elements": "Elements other than vertices and faces were left out", "None is needed.";
-        MissingPoints = "missing-points": "Points without coordinates were left out", "None is needed; scanners write them where they measured nothing.";
+        MissingPoints = "missing-points": "Points without coordinates were left out", "None is needed; scanners write them for measurements without an echo.";
         CrossedPolygons = "crossed-polygons": "Polygons cross themselves", "Check the mesh; their area is uncertain.";
         FacetsMerged = "facets-merged": "Facets were merged on a raster", "Send fewer facets; details smaller than a raster cell are lost.";
         FlutesTooShort = "flutes-too-short": "The flutes are shorter than the surface is deep", "Check the clearance of shank and holder.";

@@ -1,4 +1,4 @@
-//! Headers for browsers: which origins may call the service (CORS), and what a page of the service itself may load.
+//! Response headers for browsers: which origins may call the service (CORS), and what the service's own pages may load.
 
 use std::time::Duration;
 
@@ -32,7 +32,8 @@ const PAGE_POLICY: HeaderValue = HeaderValue::from_static(
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
 );
 
-/// Adds the headers: browsers must not guess the media type, and a page without a policy gets a strict one.
+/// Adds the security headers: browsers must not guess the media type, and an answer without a content policy gets a
+/// strict one.
 pub(super) fn secure<B>(response: http::Response<B>) -> Response
 where
     B: HttpBody<Data = Bytes, Error: Into<BoxError>> + Send + 'static,

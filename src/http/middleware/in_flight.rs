@@ -1,4 +1,5 @@
-//! The bound on requests in flight. Requests beyond it are refused, not queued: a queue would delay all requests.
+//! The limit on requests in flight. Requests beyond it are rejected, not queued, because a queue would delay every
+//! request.
 
 use std::sync::Arc;
 

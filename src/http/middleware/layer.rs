@@ -9,7 +9,7 @@ use axum::extract::Request;
 use axum::response::{IntoResponse, Response};
 use tower::{Layer, Service};
 
-/// A piece of middleware.
+/// A middleware, as an async function around the inner service.
 pub(super) trait Middleware: Clone + Send + Sync + 'static {
     /// The answer to `request`. `inner` is called at most once.
     fn handle<F>(&self, request: Request, inner: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
@@ -17,7 +17,7 @@ pub(super) trait Middleware: Clone + Send + Sync + 'static {
         F: Future<Output = Response> + Send + 'static;
 }
 
-/// The [`Layer`] of a piece of middleware.
+/// The [`Layer`] of a middleware.
 #[derive(Clone)]
 pub(super) struct MiddlewareLayer<M>(pub(super) M);
 
@@ -29,7 +29,7 @@ impl<M: Middleware, S> Layer<S> for MiddlewareLayer<M> {
     }
 }
 
-/// A service with a piece of middleware around it.
+/// A service with a middleware around it.
 #[derive(Clone)]
 pub(super) struct MiddlewareService<M, S> {
     middleware: M,

@@ -1,6 +1,6 @@
-//! The middleware around every route: identification, logs and metrics, panics, load shedding, time-outs, body limits,
-//! compression, and headers for browsers. Each has a file; this one sets their order. They take what they need from
-//! `Shared`, not from the application state.
+//! The middleware around every route: request ids, logs and metrics, panics, load shedding, time-outs, body limits,
+//! compression, and headers for browsers. This file sets their order. They depend on `Shared`, not on the application
+//! state.
 
 mod body;
 mod browser;
@@ -38,12 +38,12 @@ use observe::Observe;
 /// Answers up to this size fit one packet: compressing them costs time and saves nothing.
 const MIN_COMPRESSED_BYTES: u16 = 1024;
 
-/// The memory budget of `request`, which the body layers have added to it.
+/// The memory budget that the outermost layer has added to `request`.
 pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
     BodyProgress::of(request).budget().clone()
 }
 
-/// What the middleware of all routes share.
+/// The parts of the service that all middleware share.
 #[derive(Debug, Clone)]
 pub(super) struct Shared<'a> {
     pub(super) settings: &'a HttpSettings,
@@ -65,9 +65,9 @@ impl<'a> Stack<'a> {
         Self { shared, in_flight }
     }
 
-    /// `router`, whose routes are all of `class`, inside all middleware, the outermost first:
-    /// 1. identification, log line and counters, which cover every other layer; the body is counted and paced as it
-    ///    arrives;
+    /// Wraps `router`, whose routes are all of `class`, in the middleware. From the outermost to the innermost:
+    /// 1. request id, log line and counters, which cover every other layer; the body is counted and its rate checked as
+    ///    it arrives;
     /// 2. errors become problems, whichever layer or handler they come from;
     /// 3. headers for browsers, on errors as well;
     /// 4. compression of answers;
@@ -77,8 +77,8 @@ impl<'a> Stack<'a> {
     /// 8. decompression of the body, and inside it the body limit, so that a small compressed body cannot expand
     ///    without bound.
     ///
-    /// They form one stack without boxes: the router would box each separate layer and clone it with all inner layers
-    /// for every request.
+    /// All layers are added as one service: the router would box each separate layer, and clone it with all inner
+    /// layers for every request.
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
         let Shared { settings, metrics, readiness, workers, budget } = self.shared.clone();
         let rules = Arc::new(BodyRules::new(class, settings));

@@ -1,4 +1,5 @@
-//! One log line, one span and one count for each request, made when its answer has been sent or abandoned.
+//! Observation of requests: one log line, one span and one count for each, written when its answer has been sent or
+//! abandoned.
 
 use std::pin::Pin;
 use std::sync::{Arc, LazyLock};
@@ -24,7 +25,8 @@ use crate::memory_budget::MemoryBudget;
 /// The status that is logged for a request whose client closed the connection before the answer, as in nginx.
 const CLIENT_LEFT: u16 = 499;
 
-/// Identifies the request, describes its error where it fails, and logs and counts it at its end.
+/// The outermost middleware: it gives the request an id, turns errors into problems, and logs and counts the request at
+/// its end.
 #[derive(Clone)]
 pub(super) struct Observe {
     pub(super) class: RouteClass,
@@ -65,8 +67,9 @@ impl Middleware for Observe {
             let mut response = async { describe_error(answer.await, uri.path(), &id) }.instrument(span).await;
             record.status = response.status().as_u16();
             id.mark(&mut response);
-            // hyper closes a connection with an unread body on it. With this header the client opens another; without
-            // it, a request that the client is just sending is lost. The same holds when the server stops.
+            // hyper closes a connection on which a body is unread. This header makes the client open another one;
+            // without it, the client's next request on this connection would be lost. The same applies when the server
+            // stops.
             if record.progress.is_unread() || readiness.is_draining() {
                 response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
             }
@@ -75,7 +78,7 @@ impl Middleware for Observe {
     }
 }
 
-/// The entry of one request in the log and the metrics. It is written when it is dropped, at the request's end.
+/// The record of one request for the log and the metrics. Dropping it at the request's end writes it.
 struct Record {
     id: RequestId,
     method: &'static str,
@@ -114,7 +117,7 @@ impl Drop for Record {
         let duration = self.began.elapsed();
         self.metrics.ended(self.method, &self.route, self.status, duration);
         self.span.record("http.response.status_code", self.status);
-        // The log line contains the span's fields.
+        // `parent: None`, because the line itself contains the span's fields.
         macro_rules! line {
             ($level:expr) => {
                 tracing::event!(
@@ -141,7 +144,7 @@ impl Drop for Record {
     }
 }
 
-/// An answer's body, which holds the request's record until it is sent.
+/// An answer's body, which keeps the request's record until the body has been sent.
 struct RecordedAnswer {
     body: Body,
     record: Record,

@@ -31,13 +31,13 @@ pub(crate) struct RecommendationAnswer {
     pub(super) not_ranked: Vec<NotRanked>,
     /// The surface.
     pub(super) surface: SurfaceAnswer,
-    /// The slope below which the toroidal cutter is faster on the surface's equivalent rectangle; 90 where it is faster
-    /// on every slope, 0 where the ball-end cutter is. Only where one toroidal and one ball-end cutter are compared and
-    /// the published method has an answer.
+    /// The slope below which the toroidal cutter is faster on the surface's equivalent rectangle; 90 if it is faster on
+    /// every slope, 0 if the ball-end cutter is. Only if one toroidal and one ball-end cutter are compared and the
+    /// published method has an answer.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
     pub(super) critical_slope_deg: Option<f64>,
-    /// The cutter that is faster on every slope of that rectangle; absent where there is a critical slope.
+    /// The cutter that is faster on every slope of that rectangle; absent if there is a critical slope.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(super) always_faster: Option<ComparedCutter>,
@@ -46,11 +46,11 @@ pub(crate) struct RecommendationAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 1)]
     pub(super) critical_form_factor: Option<f64>,
-    /// The surface as a raster, for drawing; only where `include` names it.
+    /// The surface as a raster, for drawing; only if `include` names it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(super) map: Option<MapAnswer>,
-    /// The passes of the recommended plan; only where `include` names them.
+    /// The passes of the recommended plan; only if `include` names them.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(super) passes: Option<PassesAnswer>,
@@ -90,7 +90,7 @@ pub(super) fn model(model: Model) -> &'static str {
 pub(super) struct RecommendedCutter {
     /// The position of the cutter in the request, from 0; cutters of libraries follow.
     cutter: usize,
-    /// The cutter's name, where it has one.
+    /// The cutter's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     name: Option<String>,
@@ -98,7 +98,7 @@ pub(super) struct RecommendedCutter {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     preset: Option<String>,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
     /// the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
@@ -119,7 +119,7 @@ pub(super) struct RecommendedCutter {
 pub(super) struct RankedCandidate {
     /// The position of the cutter in the request, from 0; cutters of libraries follow.
     cutter: usize,
-    /// The cutter's name, where it has one.
+    /// The cutter's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     name: Option<String>,
@@ -130,7 +130,7 @@ pub(super) struct RankedCandidate {
     /// The kind of cutter.
     #[serde(rename = "type")]
     kind: CutterKindName,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle where
+    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
     /// the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
@@ -177,7 +177,7 @@ struct SimulatedFigures {
     /// The largest height that the cutter leaves there.
     #[schema(required = false, minimum = 0)]
     uncut_height_mm: f64,
-    /// How far that height may be off: the error of the raster on which it is found.
+    /// The error of that height, due to the raster on which it was computed.
     #[schema(required = false, minimum = 0)]
     uncut_height_error_mm: f64,
     /// A lower bound: no zigzag that keeps the scallop height takes less time.
@@ -186,7 +186,7 @@ struct SimulatedFigures {
     /// The times of the directions that were tried and have a plan.
     #[schema(required = false)]
     by_direction: ByDirection,
-    /// The same cutter by the published method, where that has an answer.
+    /// The same cutter by the published method, if that has an answer.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     rectangle: Option<OnRectangle>,
@@ -248,8 +248,9 @@ struct ScallopAnswer {
     max: f64,
 }
 
-/// Times by direction. The recommended direction's is that of the plan. The others are estimates: the times before the check of the
-/// scallop height, multiplied by the factor by which the check changed the time of the fastest direction.
+/// Times by direction. The time of the recommended direction is that of the plan. The others are estimates: the times
+/// before the check of the scallop height, multiplied by the factor by which the check changed the time of the fastest
+/// direction.
 #[derive(Debug, Clone, Serialize, ToSchema)]
 struct ByDirection {
     /// The directions.
@@ -261,7 +262,7 @@ struct ByDirection {
 /// A plan by the published method.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 struct OnRectangle {
-    /// The line of the passes; absent where the surface has no such direction.
+    /// The line of the passes; absent if the surface has no such direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     direction_deg: Option<f64>,
@@ -327,8 +328,8 @@ impl RankedCandidate {
         }
     }
 
-    /// A plan by the published method. The distance between passes up and down the slope is horizontal, hence the same
-    /// seen from above; that between level passes is up the slope.
+    /// A plan by the published method. The distance between passes up and down the slope is horizontal and so the same
+    /// seen from above; the distance between level passes is along the slope.
     pub(super) fn on_rectangle(cutter: usize, plan: &RectanglePlan, slope: Angle, feed_rate: Speed, candidates: &[NamedCandidate]) -> Self {
         let named = &candidates[cutter];
         let is_ball = named.candidate.cutter.kind() == CutterKind::BallEnd;

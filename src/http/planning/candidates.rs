@@ -30,7 +30,7 @@ pub(super) struct Recommended {
     /// The cutter.
     cutter: ComparedCutter,
     /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the
-    /// toroidal cutter, the principal direction for the ball-end cutter. Absent where the surface has no such
+    /// toroidal cutter, the principal direction for the ball-end cutter. Absent if the surface has no such
     /// direction, or its place in XY is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180, example = 0.0)]
@@ -87,8 +87,8 @@ impl From<&Candidate> for CandidateAnswer {
     }
 }
 
-/// The direction of a line in degrees, in [0, 180), rounded to 1e-9 deg: the conversion to radians and back has a
-/// rounding error, and a line just short of pi becomes 180 in degrees, which is 0.
+/// The direction of a line in degrees, in [0, 180). It is rounded to 1e-9 deg, because the conversion to radians and
+/// back has a rounding error; a line that rounds to 180 is 0.
 pub(super) fn line_degrees(line: Angle) -> f64 {
     let degrees = (line.degrees() * 1e9).round() / 1e9;
     if degrees < 180.0 { degrees } else { 0.0 }
@@ -99,7 +99,7 @@ pub(super) fn candidates(plan: &Plan) -> Vec<CandidateAnswer> {
     vec![(&plan.toroidal).into(), (&plan.ball_end).into()]
 }
 
-/// The cutter that is faster on every slope, where there is no critical one.
+/// The cutter that is faster on every slope; `None` if there is a critical slope.
 pub(super) fn always_faster(critical: CriticalSlope) -> Option<ComparedCutter> {
     match critical {
         CriticalSlope::At(_) => None,

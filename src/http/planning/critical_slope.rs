@@ -49,15 +49,15 @@ members! {
 /// The slope at which both cutters finish an inclined rectangle in the same time.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct CriticalSlopeAnswer {
-    /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 where the toroidal cutter is
-    /// faster on every slope, 0 where the ball-end cutter is; `always_faster` names it then.
+    /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 if the toroidal cutter is faster
+    /// on every slope, 0 if the ball-end cutter is; `always_faster` then names that cutter.
     #[schema(minimum = 0, maximum = 90)]
     critical_slope_deg: f64,
-    /// The cutter that is faster on every slope; absent where there is a critical slope.
+    /// The cutter that is faster on every slope; absent if there is a critical slope.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     always_faster: Option<ComparedCutter>,
-    /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 where the ball-end
+    /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 if the ball-end
     /// cutter is faster even on a square. Only with `slope_deg`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 1)]
@@ -97,7 +97,7 @@ impl CriticalSlopeAnswer {
     }
 }
 
-/// The warning of a step-over wider than the cutter, which the model's circle allows.
+/// The warning that the step-over is wider than the cutter, which the model's circle allows.
 fn wide_step_over(plan: &Plan, job: &Job) -> Option<Warning> {
     let (step_over, diameter) = (plan.toroidal.zigzag.step_over.mm(), 2.0 * job.toroidal().outer_radius().mm());
     (step_over > diameter).then(|| {
@@ -145,7 +145,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
     .map(Json)
 }
 
-/// The member that leaves the toroidal cutter without a step-over.
+/// The member that causes the toroidal cutter to have no step-over.
 fn to_blame(cause: NoAnswer) -> &'static str {
     if cause == NoAnswer::FlatFloor { SLOPE.name } else { job::SCALLOP_HEIGHT.name }
 }

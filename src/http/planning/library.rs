@@ -6,7 +6,7 @@ use crate::http::wire::{NamedCandidate, NotRanked, Warning};
 use crate::tooling::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
 
-/// The name of the form's parts that hold libraries.
+/// The name of the form's parts with libraries.
 pub(super) const LIBRARY: &str = "library";
 
 /// The most bytes of a library file. Fusion writes 2 kB for a tool.
@@ -51,7 +51,7 @@ impl Libraries {
         result
     }
 
-    /// The warnings about tools that are no candidates: those that are left out on purpose, and faulty ones.
+    /// The warnings about tools that are not candidates: those that are left out on purpose, and faulty ones.
     pub(super) fn warnings(&self) -> impl Iterator<Item = Warning> {
         let left_out = self.left_out().map(|detail| Warning::new(WarningCode::OtherTools, detail));
         left_out.into_iter().chain(self.faulty_warning())
@@ -66,8 +66,8 @@ impl Libraries {
         (count > 0).then(|| Warning::new(WarningCode::FaultyTools, detail))
     }
 
-    /// The tools that are left out on purpose: no finishing cutters, counted by type, and those that no list of their
-    /// zip names.
+    /// Describes the tools that are left out on purpose: those that are not finishing cutters, counted by type, and
+    /// those that no list of their zip names.
     pub(super) fn left_out(&self) -> Option<String> {
         const MOST_LISTED: usize = 20;
         let mut others = BTreeMap::<&str, u64>::new();

@@ -32,7 +32,7 @@ struct MachineAnswer {
     /// J, the largest jerk along the path, in m/s^3.
     #[schema(exclusive_minimum = 0, example = 40.0)]
     jerk_m_s3: f64,
-    /// The publication of the values, or "typical" where they are the usual order of magnitude of the class.
+    /// The publication of the values, or "typical" if they are the usual order of magnitude of the class.
     source: &'static str,
 }
 
@@ -52,7 +52,7 @@ impl From<&Preset> for MachineAnswer {
 
 /// The machine presets
 ///
-/// Machines to name in `machine.preset` where the limits of a machine are not known, each with its limits and their
+/// The machines that `machine.preset` can name if the limits of a machine are not known, each with its limits and their
 /// source.
 #[utoipa::path(
     get, path = "/v1/machines", tag = "planning", operation_id = "machines",

@@ -1,13 +1,13 @@
 //! The surface of an answer as a raster, for drawing.
 
-use super::simulation::{Simulation, Workpiece};
+use super::simulation::{Simulation, Stop, Workpiece};
 use crate::planning::zigzag::heights;
 use crate::quantity::Length;
 use serde::Serialize;
 use utoipa::ToSchema;
 
 /// The surface seen from above on square cells, at most 256 x 256. Arrays of figures have one item for each cell, row
-/// after row from the lowest y, each row from the lowest x; null where there is no figure.
+/// by row from the lowest y, and in a row from the lowest x; null for a cell without a figure.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = SurfaceMap)]
 pub(crate) struct MapAnswer {
@@ -33,8 +33,8 @@ pub(crate) struct MapAnswer {
 }
 
 impl MapAnswer {
-    /// The map of the fastest plan; `None` without a plan.
-    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation) -> Option<Self> {
+    /// The map of the fastest plan; `None` without a plan. Once `stop` returns true, the result has no meaning.
+    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation, stop: Stop) -> Option<Self> {
         let plan = simulation.ranking.plans.first()?;
         let view = &workpiece.view;
         let frame = view.frame;
@@ -43,7 +43,7 @@ impl MapAnswer {
         seen.sort_unstable();
         seen.dedup();
         let candidate = &simulation.candidates[plan.candidate];
-        let heights = heights(plan, &workpiece.facets, candidate, &simulation.settings, &seen);
+        let heights = heights(plan, &workpiece.facets, candidate, &simulation.settings, &seen, stop);
         let height_of = |facet: u32| seen.binary_search(&facet).ok().and_then(|place| heights[place]).map(Length::mm);
         let slope_of = |facet: usize| {
             let ([x, y, z], _) = workpiece.mesh.normal_and_area(facet);

@@ -1,58 +1,80 @@
-//! The memory of a recommendation, which is reserved from the budget before the calculation.
+//! The memory of a recommendation, which is reserved in the budget before the calculation.
 
 use crate::http::wire::ReceivedSurface;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
-use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, fitting};
+use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, bytes_to_rank, fitting};
 use crate::planning::zigzag::PlanRoom;
 use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
 use std::time::Duration;
 
-/// The resources that a recommendation holds.
+/// The resources of a recommendation: its memory, and what it may use of threads and room for plans.
 #[derive(Debug)]
-pub(super) struct Means {
+pub(super) struct Resources {
     pub(super) memory: Reservation,
     pub(super) parallelism: Parallelism,
     pub(super) room: PlanRoom,
+    /// The threads of a permit.
+    threads: usize,
     /// The longest wait for more memory.
     longest_wait: Duration,
-    /// The memory that one request may have, in bytes.
+    /// The largest memory of one request, in bytes.
     largest: usize,
 }
 
-impl Means {
-    /// An empty reservation.
+impl Resources {
+    /// Resources with an empty reservation.
     pub(super) fn none(work: &Work, longest_wait: Duration) -> Self {
         Self {
             memory: work.budget().open(),
             parallelism: Parallelism { threads: work.threads(), candidates: work.threads() },
             room: PlanRoom::USUAL,
+            threads: work.threads(),
             longest_wait,
             largest: usize::try_from(work.budget().largest()).unwrap_or(usize::MAX),
         }
     }
 
-    /// The same resources with this reservation.
+    /// The same resources with another reservation.
     pub(super) fn with(self, memory: Reservation) -> Self {
         Self { memory, ..self }
     }
 
     /// The memory in bytes of a ranking on a mesh of this size, and its use of threads: as many threads and candidates
-    /// at once as one request may use.
-    pub(super) fn needed(&self, mesh: MeshSize, size: RankingSize) -> (u64, Parallelism) {
+    /// at once as `most` bytes allow; one of each if none fits.
+    fn within(&self, mesh: MeshSize, size: RankingSize, most: usize) -> (u64, Parallelism) {
         let mesh = bytes_of_mesh(mesh);
-        let (parallelism, bytes) = fitting(size, self.parallelism.threads, self.room, self.largest.saturating_sub(mesh));
+        let (parallelism, bytes) = fitting(size, self.threads, self.room, most.saturating_sub(mesh));
         ((mesh + bytes) as u64, parallelism)
     }
 
-    /// Reserves the memory for a ranking. Blocks, so it must be called on a worker thread.
+    /// The most memory in bytes of a ranking on a mesh of this size: as much as one request may use.
+    pub(super) fn most(&self, mesh: MeshSize, size: RankingSize) -> u64 {
+        self.within(mesh, size, self.largest).0
+    }
+
+    /// The least memory in bytes of a ranking on a mesh of this size.
+    pub(super) fn least(&self, mesh: MeshSize, size: RankingSize) -> u64 {
+        self.within(mesh, size, 0).0
+    }
+
+    /// Reserves the memory for a ranking: as much as it can use of what is free, but at least what it needs. Blocks, so
+    /// it must be called on a worker thread.
     pub(super) fn provide(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
-        let (bytes, parallelism) = self.needed(mesh, size);
+        let attainable = usize::try_from(self.memory.attainable()).unwrap_or(usize::MAX);
+        let (bytes, parallelism) = self.within(mesh, size, self.largest.min(attainable));
         self.memory.shrink_to(bytes);
         self.add(bytes - self.memory.bytes(), stop)?;
         self.parallelism = parallelism;
         Ok(())
+    }
+
+    /// Returns what only the ranking took: the memory of one plan is kept, with which passes and map are computed.
+    pub(super) fn keep_one_plan(&mut self, mesh: MeshSize, size: RankingSize) {
+        let parallelism = Parallelism { candidates: 1, ..self.parallelism };
+        let plan = bytes_to_rank(RankingSize { candidates: 1, ..size }, parallelism, PlanRoom::LARGEST);
+        self.memory.shrink_to((bytes_of_mesh(mesh) + plan) as u64);
     }
 
     /// Reserves `bytes` more. Blocks, so it must be called on a worker thread.
@@ -67,39 +89,39 @@ impl Means {
     }
 }
 
-/// The memory in bytes to prepare the facets of the plan, beside the memory of the surface itself.
+/// The memory in bytes to prepare the facets of the plan, in addition to the memory of the surface itself.
 pub(super) fn bytes_of_workpiece(mesh: &MeshBuilder) -> u64 {
     let size = mesh.size();
     (bytes_of_mesh(size) + mesh.bytes_to_finish().max(bytes_to_prepare(size))) as u64
 }
 
-/// The memory of a map: figures of each cell and their text, in a vector that grows to twice its size.
+/// The memory of a map: the figures of each cell and their text, in a vector that doubles when it grows.
 pub(super) const BYTES_OF_A_MAP: u64 = 256 * (TRIAL_SIDE * TRIAL_SIDE) as u64;
 
-/// The memory of the facets of a JSON surface, in bytes for each byte of the body, while their vectors grow to twice
-/// their size. A point takes at least 8 bytes, `[0,0,0],`, and a point of a grid makes two facets: 72 bytes, 15 of the
-/// vertex table, and 36 for each facet.
+/// The memory of the facets of a JSON surface, in bytes for each byte of the body, while their vectors double in size.
+/// A point has at least 8 bytes in the body, `[0,0,0],`. It takes 72 bytes and 15 of the vertex table, and in a grid
+/// two facets of 36 bytes each.
 const BYTES_OF_A_BYTE: usize = 20;
 
-/// The points and triangles of a JSON mesh, which are held until all are read: 24 bytes for each 8 of the body.
+/// The points and triangles of a JSON mesh, which are stored until all are read: 24 bytes for each 8 of the body.
 const BYTES_OF_A_BYTE_OF_A_MESH: usize = 3;
 
-/// The points that are read from blocks of a body at once, and the parts that are summed of them: 72 bytes for each 8
-/// of a million bytes.
+/// The points that are read from blocks of a body at the same time, and the parts of the surface made from them: 72
+/// bytes for each 8 bytes, of at most a million bytes.
 const BYTES_OF_A_BYTE_OF_BLOCKS: usize = 9;
 const MOST_BYTES_OF_BLOCKS: usize = 1 << 20;
 
 /// The facets of a sampled patch: one million, before they are merged.
 const BYTES_OF_A_PATCH: usize = 48 << 20;
 
-/// The bytes for each facet of a patch: the facet, half of a point and of its entry in the table, in vectors that grow
-/// to twice their size, and the samples.
+/// The bytes for each facet of a patch: the facet, half of a point and of its entry in the table, in vectors that
+/// double when they grow, and the samples.
 const BYTES_OF_A_SAMPLED_FACET: usize = 120;
 
 /// The most samples along a parameter of a patch.
 const MOST_SAMPLES: usize = 1000;
 
-/// The memory in bytes to read the surface of a JSON body, beside the body itself.
+/// The memory in bytes to read the surface of a JSON body, in addition to the body itself.
 pub(super) fn bytes_to_read(json: &[u8]) -> u64 {
     let facets = (BYTES_OF_A_BYTE * json.len()).min(bytes_of_most_facets()).max(bytes_of_patch(json));
     let blocks = BYTES_OF_A_BYTE_OF_BLOCKS * json.len().min(MOST_BYTES_OF_BLOCKS);

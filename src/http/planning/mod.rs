@@ -1,5 +1,5 @@
 //! The planning endpoints: critical slope of a rectangle, cutter recommendation for a surface in JSON or in a file, and
-//! the machine presets. Each endpoint has a file; the other files are shared by them.
+//! machine presets. Each endpoint has a file; they share the other files.
 
 mod answer;
 mod candidates;

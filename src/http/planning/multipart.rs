@@ -1,6 +1,6 @@
-//! A streaming reader of multipart forms (`multipart/form-data`, RFC 7578). The framework's reader buffers all data
-//! that are ready, so that a compressed body would expand in memory, and it limits neither a part's head nor the
-//! preamble. This reader holds only the last chunk of the body, and passes data on without copying them.
+//! A streaming reader of multipart forms (`multipart/form-data`, RFC 7578). It stores only the last chunk of the body,
+//! and passes data on without copying them. The framework's reader buffers all data that are ready, so that a
+//! compressed body would expand in memory, and it limits neither a part's head nor the preamble.
 
 use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
@@ -25,7 +25,7 @@ pub(crate) struct Form {
     body: Body,
     /// CRLF, two hyphens and the boundary.
     delimiter: Finder<'static>,
-    /// Data that have arrived and are not used yet.
+    /// Data that have arrived and have not been passed on.
     held: Bytes,
     position: Position,
     parts: usize,
@@ -35,9 +35,9 @@ pub(crate) struct Form {
 enum Position {
     /// A part's data, or the preamble before the first part.
     Data,
-    /// After a delimiter.
+    /// The rest of a delimiter's line.
     Delimiter,
-    /// After the last delimiter.
+    /// The data after the last delimiter.
     Epilogue,
 }
 
@@ -108,7 +108,7 @@ impl Form {
         }
     }
 
-    /// The start of a delimiter that has arrived in part; else the end of the buffer.
+    /// The start of a delimiter of which only a part has arrived, otherwise the end of the buffer.
     fn delimiter_begun(&self) -> usize {
         let needle = self.delimiter.needle();
         let length = self.held.len();
@@ -157,8 +157,8 @@ impl Form {
                         return Ok(Some(data));
                     }
                 }
-                // The layers around answer for a body that is too large, too slow or damaged; this covers all other
-                // errors.
+                // If a body is too large, too slow or damaged, the middleware replaces the answer; this problem is for
+                // other errors.
                 Some(Err(error)) => return Err(Problem::new(ServiceProblem::UnreadableBody, error.to_string())),
             }
         }
@@ -189,8 +189,8 @@ fn read_head(lines: &[u8]) -> Result<Head, Problem> {
     Ok(head)
 }
 
-/// The parameter `name` of a header's value: `...; name=token` or `...; name="quoted"`, where a backslash escapes the
-/// next character.
+/// The parameter `name` of a header's value: `...; name=token` or `...; name="quoted"`. In quotation marks, a backslash
+/// escapes the next character.
 fn parameter(value: &str, name: &str) -> Option<String> {
     let (_, mut rest) = value.split_once(';')?;
     loop {

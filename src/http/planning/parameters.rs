@@ -1,4 +1,4 @@
-//! The parameters of a recommendation besides the surface: cutters, scallop height, machine, and settings of the plan.
+//! The parameters of a recommendation, without the surface: cutters, scallop height, machine, and settings of the plan.
 
 use super::library::Libraries;
 use crate::http::codes::RequestFault;
@@ -42,7 +42,7 @@ fn share(value: f64) -> Result<f64, OutOfRange> {
     OutOfRange::check(value, 0.0, 1.0)
 }
 
-/// The largest slope where none is stated, in deg.
+/// The default of the largest slope, in deg.
 const DEFAULT_MAX_SLOPE: f64 = 85.0;
 
 members! {
@@ -53,7 +53,7 @@ members! {
             "the scallop height that must not be exceeded: by step-over and tooth marks for cutters with teeth and spindle speed, by the step-over alone for others"),
         machine: required MACHINE: Machine,
         pattern: optional PATTERN: Choice<Pattern> = ("pattern", Choice { name: Some("Pattern"), words: &[("zigzag", Pattern::Zigzag), ("one_way", Pattern::OneWay)] },
-            "zigzag (default): passes alternate in sense; one_way: all passes have the same sense, and the cutter returns at the rapid rate over the clearance height"),
+            "zigzag (default): passes alternate in direction; one_way: all passes have the same direction, and the cutter returns at the rapid rate at the clearance height"),
         max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::new(slope, DEFAULT_MAX_SLOPE),
             "the largest slope of facets that limit the step-over; steeper facets count as steep; absent = 85"),
         method: optional METHOD: Choice<Method> = ("method", Choice { name: Some("Method"), words: &[("surface", Method::Surface), ("rectangle", Method::Rectangle)] },
@@ -95,14 +95,14 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Takes the parameters out of `object`, which may have the surface, too. The cutters of tool libraries follow
-    /// those of the request.
+    /// Reads the parameters from `object`, which may also have the surface. The cutters of tool libraries follow those
+    /// of the request.
     pub(super) fn read(object: &mut Object<'_, '_>, libraries: Libraries, faults: &mut Faults) -> Result<Self, Faulted> {
         let checked = libraries.check(faults);
         let members = ParameterMembers::read(object, faults);
         let path = object.path();
         let candidates = members.cutters.and_then(|own| {
-            // The cutters may all have been in a refused library.
+            // All cutters may have been in a refused library.
             checked?;
             all_candidates(own.unwrap_or_default(), libraries, &path.member(CUTTERS.name), faults)
         });
@@ -130,8 +130,8 @@ impl Parameters {
         schema.with::<ParameterMembers>()
     }
 
-    /// The model of the plan: the stated one, else `envelope` on the surface and the published `analytic` on the
-    /// rectangle.
+    /// The model of the plan. The default is `envelope` for method `surface`, and the published `analytic` for method
+    /// `rectangle`.
     pub(super) fn model(&self) -> Model {
         self.model.unwrap_or(match self.method {
             Method::Surface => Model::Envelope,
@@ -182,7 +182,7 @@ fn all_candidates(
     let candidates: Vec<_> = own.into_iter().chain(of_libraries).collect();
     match candidates.len() {
         0 => {
-            // Where there is nothing but faulty tools, they are the reason.
+            // If there are only faulty tools, their faults are the reason.
             if let Err(faulted) = is_faulty {
                 faults.take_in(of_tools, |pointer| Some(pointer.to_owned()));
                 return Err(faulted);

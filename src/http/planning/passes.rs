@@ -1,6 +1,6 @@
 //! The passes of an answer, point by point.
 
-use super::simulation::{Simulation, Workpiece};
+use super::simulation::{Simulation, Stop, Workpiece};
 use crate::planning::reach::RestingHeights;
 use crate::planning::zigzag::{self, TooManyPoints};
 use crate::quantity::Length;
@@ -17,10 +17,10 @@ const SIDE: usize = 1024;
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Passes)]
 pub(crate) struct PassesAnswer {
-    /// The position in the columns at which each run begins; between two runs the cutter links.
+    /// The index in the columns at which each run begins; between two runs the cutter moves on a link.
     run_starts: Vec<usize>,
-    /// Where the cutter touches the surface; null where the tip is raised because the cutter would gouge the surface
-    /// elsewhere.
+    /// The point at which the cutter touches the surface; null if the tip is raised because the cutter would gouge the
+    /// surface elsewhere.
     contact_mm: Vec<Option<[f64; 3]>>,
     /// The unit normal of the surface.
     normal: Vec<[f64; 3]>,
@@ -32,14 +32,14 @@ pub(crate) struct PassesAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     feed_per_tooth_mm: Option<Vec<f64>>,
-    /// The feed rate of that feed per tooth, else the machine's.
+    /// The feed rate of that feed per tooth; the machine's feed rate for a cutter without teeth and spindle speed.
     feed_rate_mm_min: Vec<f64>,
-    /// The scallop height, by the plan's model; null where the model has none.
+    /// The scallop height by the plan's model; null if the model has none.
     scallop_height_mm: Vec<Option<f64>>,
     /// The curvature of the surface.
     surface_curvature: CurvatureColumns,
-    /// The time in which the tips pass all runs and links. The plan's own `machining_time_s` is that of the contacts,
-    /// whose path is shorter where the contact moves across the cutter's bottom and where tips are raised.
+    /// The time of all runs and links along the path of the tips. The plan's `machining_time_s` is that of the
+    /// contacts, whose path is shorter if the contact moves across the cutter's bottom or tips are raised.
     #[schema(minimum = 0)]
     machining_time_s: f64,
     /// The largest distance of the omitted points from the lines between the given points.
@@ -60,21 +60,22 @@ struct CurvatureColumns {
 }
 
 impl PassesAnswer {
-    /// The memory in bytes to make the passes, beside the simulation: the view, with height, facet and side of each
-    /// cell, the heights of its cells and blocks in single precision, and the points.
+    /// The memory in bytes to compute the passes, in addition to the simulation: the view, with height, facet and side
+    /// of each cell; the heights of its cells and blocks in single precision; and the points.
     pub(super) fn bytes(workpiece: &Workpiece, simulation: &Simulation) -> u64 {
         const VIEW: usize = (13 + 6) * SIDE * SIDE;
         let plan = simulation.ranking.plans.first();
         plan.map_or(0, |plan| VIEW + zigzag::bytes_of_passes(plan, &workpiece.facets, MOST_POINTS)) as u64
     }
 
-    /// The passes of the fastest plan; `None` without a plan.
-    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation) -> Option<Result<Self, TooManyPoints>> {
+    /// The passes of the fastest plan; `None` without a plan. Once `stop` returns true, the result has no meaning.
+    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation, stop: Stop) -> Option<Result<Self, TooManyPoints>> {
         let plan = simulation.ranking.plans.first()?;
         let candidate = &simulation.candidates[plan.candidate];
-        let resting = RestingHeights::new(&workpiece.mesh.seen_from_above(SIDE));
+        let resting = RestingHeights::new(&workpiece.mesh.seen_from_above_until(SIDE, stop));
         let raised = |tip: [f64; 3]| resting.raised(candidate.cutter, tip);
-        Some(zigzag::passes(plan, &workpiece.facets, candidate, &simulation.settings, &raised, MOST_POINTS).map(Self::of))
+        let passes = zigzag::passes_until(plan, &workpiece.facets, candidate, &simulation.settings, &raised, MOST_POINTS, stop);
+        Some(passes.map(Self::of))
     }
 
     fn of(passes: zigzag::Passes) -> Self {

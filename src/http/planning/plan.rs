@@ -5,11 +5,11 @@ use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::library;
 use super::map::MapAnswer;
-use super::memory::{BYTES_OF_A_MAP, Means};
+use super::memory::{BYTES_OF_A_MAP, Resources};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
-use super::simulation::{Simulation, Workpiece, ranking_size};
+use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -24,25 +24,24 @@ use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::mesh::MeshSize;
 use crate::surface::{Shape, ShapeError};
 
-/// A surface, and the parameters of its recommendation.
+/// A recommendation to compute: a surface and the parameters.
 pub(super) struct Task {
     parameters: Parameters,
     shape: Shape,
-    /// The facets; in method rectangle a surface may have none.
+    /// The facets; a surface for method `rectangle` may have none.
     workpiece: Option<Workpiece>,
     source: Source,
     warnings: Vec<Warning>,
 }
 
 impl Task {
-    /// Determines shape and facets of the surface at `path`. Once `stop` returns true, the task is discarded and has no
-    /// meaning.
+    /// Determines shape and facets of the surface at `path`. Once `stop` returns true, the task must be discarded.
     pub(super) fn new(
         parameters: Parameters,
         sourced: SurfaceWithSource,
         path: &JsonPath<'_>,
         faults: &mut Faults,
-        stop: &dyn Fn() -> bool,
+        stop: Stop,
     ) -> Result<Self, Faulted> {
         let unit = sourced.unit_of(parameters.unit, path, faults)?;
         let shape = sourced.surface.sampled.shape(unit, parameters.facing);
@@ -51,7 +50,7 @@ impl Task {
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let workpiece = match parameters.method {
             Method::Surface => Some(Workpiece::new(mesh, unit, &parameters, stop).map_err(|fault| fault.report(path, faults))?),
-            // Without facets, method rectangle has an answer with less evidence.
+            // Without facets, method `rectangle` has an answer, but with less evidence.
             Method::Rectangle => match Workpiece::new(mesh, unit, &parameters, stop) {
                 Ok(workpiece) => Some(workpiece),
                 Err(fault) if fault.is_sound() => None,
@@ -60,7 +59,7 @@ impl Task {
         };
         if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
             let detail = format!(
-                "the surface has more facets or points than the service holds; it was merged on a raster with cells of {cell:.6} mm"
+                "the surface has more facets or points than the service stores; it was merged on a raster with cells of {cell:.6} mm"
             );
             warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
         }
@@ -68,7 +67,7 @@ impl Task {
             // The sides of the rectangle do not depend on the cutter.
             let first = parameters.candidates.first().map(|named| on_rectangle(named, &parameters, &shape));
             if let Some(Err(bounds)) = first {
-                let detail = format_args!("both sides of the rectangle that stands for the surface {bounds} mm");
+                let detail = format_args!("both sides of the surface's equivalent rectangle {bounds} mm");
                 return Err(faults.add(path, RequestFault::SizeOutOfRange, detail));
             }
         }
@@ -87,25 +86,20 @@ impl Task {
         self.workpiece.as_ref().map_or(none, |workpiece| (workpiece.mesh.size(), ranking_size(&workpiece.mesh, &candidates)))
     }
 
-    /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer is discarded and has no
-    /// meaning.
-    pub(super) fn answer(mut self, means: &mut Means, stop: &(dyn Fn() -> bool + Sync)) -> Result<RecommendationAnswer, Problem> {
+    /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer must be discarded.
+    pub(super) fn answer(mut self, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.workpiece.take()) {
-            (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, means, stop),
-            (_, workpiece) => self.on_rectangle(workpiece.as_ref(), means, stop),
+            (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, resources, stop),
+            (_, workpiece) => self.on_rectangle(workpiece.as_ref(), resources, stop),
         }
     }
 
-    fn on_surface(
-        mut self,
-        workpiece: &Workpiece,
-        means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<RecommendationAnswer, Problem> {
+    fn on_surface(mut self, workpiece: &Workpiece, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, means, stop)? else {
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, resources, stop)? else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
+        resources.keep_one_plan(workpiece.mesh.size(), ranking_size(&workpiece.mesh, &simulation.candidates));
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
         let mut not_ranked: Vec<NotRanked> =
@@ -117,10 +111,10 @@ impl Task {
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
-        let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, means, stop)? } else { None };
+        let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, resources, stop)? } else { None };
         let map = if self.parameters.includes(Part::Map) {
-            means.add(BYTES_OF_A_MAP, stop)?;
-            MapAnswer::new(workpiece, &simulation)
+            resources.add(BYTES_OF_A_MAP, stop)?;
+            MapAnswer::new(workpiece, &simulation, stop)
         } else {
             None
         };
@@ -147,13 +141,13 @@ impl Task {
         &mut self,
         workpiece: &Workpiece,
         simulation: &Simulation,
-        means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
+        resources: &mut Resources,
+        stop: Stop,
     ) -> Result<Option<PassesAnswer>, Problem> {
-        let passes = match means.add(PassesAnswer::bytes(workpiece, simulation), stop) {
+        let passes = match resources.add(PassesAnswer::bytes(workpiece, simulation), stop) {
             Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
             Err(BudgetExceeded::Always) => Err("the passes need more memory than one request may use".to_owned()),
-            Ok(()) => PassesAnswer::new(workpiece, simulation).transpose().map_err(|error| error.to_string()),
+            Ok(()) => PassesAnswer::new(workpiece, simulation, stop).transpose().map_err(|error| error.to_string()),
         };
         Ok(passes.unwrap_or_else(|reason| {
             self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out")));
@@ -164,14 +158,14 @@ impl Task {
     fn on_rectangle(
         mut self,
         workpiece: Option<&Workpiece>,
-        means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
+        resources: &mut Resources,
+        stop: Stop,
     ) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
         let feed_rate = self.parameters.machine.limits.feed_rate;
         let slope = if self.shape.steepest_direction.is_some() { self.shape.slope } else { Angle::ZERO };
         let (mut candidates, mut not_ranked) = (Vec::new(), Vec::new());
-        for (index, cutter) in named.iter().enumerate() {
+        for (index, cutter) in named.iter().enumerate().take_while(|_| !stop()) {
             match on_rectangle(cutter, &self.parameters, &self.shape) {
                 Ok(Some(plan)) => candidates.push(RankedCandidate::on_rectangle(index, &plan, slope, feed_rate, named)),
                 _ => not_ranked.push(self.not_ranked(index, NotRankedReason::NoStepOver)),
@@ -186,7 +180,7 @@ impl Task {
         }));
         let published = self.published();
         let critical = published.as_ref().map(|published| published.plan);
-        let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, means, stop)?;
+        let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, resources, stop)?;
         Ok(RecommendationAnswer {
             method: self.parameters.method.into(),
             model: model(self.parameters.model()),
@@ -211,8 +205,8 @@ impl Task {
         published: Option<Recommendation>,
         candidates: &[RankedCandidate],
         workpiece: Option<&Workpiece>,
-        means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
+        resources: &mut Resources,
+        stop: Stop,
     ) -> Result<ConfidenceAnswer, Problem> {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
@@ -220,7 +214,7 @@ impl Task {
         // The order depends on the recommended cutter and the next one.
         let compared: Vec<usize> = candidates.iter().take(2).map(RankedCandidate::cutter).collect();
         let by = Model::Envelope;
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, means, stop)? else {
+        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, resources, stop)? else {
             return Ok((&confidence).into());
         };
         let figures = simulation.ranking.surface;
@@ -236,14 +230,14 @@ impl Task {
         Ok((&confidence.with_simulation(&times)).into())
     }
 
-    /// The published comparison, where exactly one toroidal and one ball-end cutter are compared and it has an answer.
+    /// The published comparison, if the cutters are exactly one toroidal and one ball-end cutter and it has an answer.
     fn published(&self) -> Option<Recommendation> {
         let of_kind = |kind: CutterKind| move |cutter: &Cutter| cutter.kind() == kind;
         let [one, other] = self.parameters.candidates.as_slice() else { return None };
         let pair = [one.candidate.cutter, other.candidate.cutter];
         let toroidal = pair.into_iter().find(of_kind(CutterKind::Toroidal))?;
         let ball_end = pair.into_iter().find(of_kind(CutterKind::BallEnd))?;
-        // The published comparison has its own model, unless the request states another for the rectangle.
+        // The published comparison uses model `analytic`, unless the request states another for method `rectangle`.
         let model = if self.parameters.method == Method::Rectangle { self.parameters.model() } else { Model::Analytic };
         let job = Job::new(toroidal, ball_end, self.parameters.scallop_height, self.parameters.machine.limits, model).ok()?;
         recommend(&job, &self.shape).ok()

@@ -2,7 +2,7 @@
 
 use super::answer::RecommendationAnswer;
 use super::library::Libraries;
-use super::memory::{Means, bytes_of_workpiece, bytes_to_read};
+use super::memory::{Resources, bytes_of_workpiece, bytes_to_read};
 use super::parameters::Parameters;
 use super::plan::Task;
 use super::simulation::on_threads;
@@ -37,44 +37,48 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 )]
 pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     const LONGEST_WAIT: Duration = Work::LONGEST_WAIT_OF_PLAN;
-    let means = Means::none(&work, LONGEST_WAIT);
+    let resources = Resources::none(&work, LONGEST_WAIT);
     let bytes = bytes_to_read(body.json());
     let first = move |memory, cancelled: &CancelFlag| {
         let (task, memory) = read(&body, memory, cancelled)?;
         drop(body);
-        begin(task, means.with(memory), cancelled)
+        attempt(task, resources.with(memory), cancelled)
     };
     match work.run_with_memory(work.budget().open(), bytes, LONGEST_WAIT, first).await?? {
-        Begun::Answered(answer) => Ok(answer),
-        Begun::Waits(task, mut means, bytes) => {
-            let memory = std::mem::replace(&mut means.memory, work.budget().open());
-            let again = move |memory, cancelled: &CancelFlag| answer_to(*task, means.with(memory), cancelled);
+        Attempt::Answered(answer) => Ok(answer),
+        Attempt::NeedsMemory(task, mut resources, bytes) => {
+            let memory = std::mem::replace(&mut resources.memory, work.budget().open());
+            let again = move |mut memory: Reservation, cancelled: &CancelFlag| {
+                memory.begin_work();
+                answer_to(*task, resources.with(memory), cancelled)
+            };
             work.run_with_memory(memory, bytes, LONGEST_WAIT, again).await?
         }
     }
 }
 
-/// How far a recommendation came.
-enum Begun {
+/// The result of an attempt that does not wait for memory.
+enum Attempt {
     Answered(WrittenJson),
-    /// It needs so many bytes more than there were.
-    Waits(Box<Task>, Means, u64),
+    /// The recommendation needs this many bytes more than were free.
+    NeedsMemory(Box<Task>, Resources, u64),
 }
 
-/// Answers where the memory for it is free; where others hold it, returns all but what the task holds.
-fn begin(task: Task, mut means: Means, cancelled: &CancelFlag) -> Result<Begun, Problem> {
+/// Computes the answer if the memory for it is free. Otherwise returns the reserved memory, except that of the task. Few
+/// tasks may wait at once, because together they could hold so much that none gets the rest.
+fn attempt(task: Task, mut resources: Resources, cancelled: &CancelFlag) -> Result<Attempt, Problem> {
     let (mesh, ranking) = task.size();
-    let (needed, _) = means.needed(mesh, ranking);
-    means.memory.shrink_to(needed);
-    let more = needed - means.memory.bytes();
-    match means.memory.try_grow(more) {
+    resources.memory.shrink_to(resources.most(mesh, ranking));
+    let least = resources.least(mesh, ranking);
+    match resources.memory.try_grow(least.saturating_sub(resources.memory.bytes())) {
         Err(BudgetExceeded::Now) => {
             let held = (bytes_of_mesh(mesh) + bytes_prepared(mesh.facets)) as u64;
-            means.memory.shrink_to(held);
-            let more = needed - means.memory.bytes();
-            Ok(Begun::Waits(Box::new(task), means, more))
+            resources.memory.shrink_to(held);
+            resources.memory.begin_wait()?;
+            let more = least.saturating_sub(resources.memory.bytes());
+            Ok(Attempt::NeedsMemory(Box::new(task), resources, more))
         }
-        _ => answer_to(task, means, cancelled).map(Begun::Answered),
+        _ => answer_to(task, resources, cancelled).map(Attempt::Answered),
     }
 }
 
@@ -97,11 +101,11 @@ fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Res
     }
 }
 
-/// Plans within `means`, and writes the answer.
-pub(super) fn answer_to(task: Task, mut means: Means, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+/// Computes the recommendation with `resources`, and writes the answer.
+pub(super) fn answer_to(task: Task, mut resources: Resources, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
     let stop = || cancelled.is_cancelled();
     let (mesh, ranking) = task.size();
-    means.provide(mesh, ranking, &stop)?;
-    let answer = on_threads(means.parallelism.threads, || task.answer(&mut means, &stop))??;
-    WrittenJson::until(cancelled, &answer)?.holding(means.memory)
+    resources.provide(mesh, ranking, &stop)?;
+    let answer = on_threads(resources.parallelism.threads, || task.answer(&mut resources, &stop))??;
+    WrittenJson::until(cancelled, &answer)?.holding(resources.memory)
 }

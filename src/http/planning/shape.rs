@@ -14,7 +14,7 @@ use utoipa::ToSchema;
 pub(super) struct SurfaceAnswer {
     /// The form in which the surface was sent; for a file, the format detected by its content.
     source: Source,
-    /// The number of points from which the shape was computed; 0 where it was computed from facets.
+    /// The number of points from which the shape was computed; 0 if it was computed from facets.
     points: u64,
     /// The number of facets from which the shape was computed; for points or a patch, the number of facets formed from
     /// them.
@@ -22,7 +22,7 @@ pub(super) struct SurfaceAnswer {
     /// The angle between the best-fit plane and the horizontal.
     #[schema(minimum = 0, maximum = 90)]
     slope_deg: f64,
-    /// The mean of the slopes of all facets or samples. Only where facets or a patch have slopes.
+    /// The mean of the slopes of all facets or samples. Only if facets or a patch have slopes.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 90)]
     mean_slope_deg: Option<f64>,
@@ -32,12 +32,12 @@ pub(super) struct SurfaceAnswer {
     /// chi, the area of the equivalent rectangle.
     #[schema(minimum = 0)]
     characteristic_size_mm2: f64,
-    /// The direction along which the surface spreads most. Absent where it spreads equally in every direction, or most
+    /// The direction along which the surface extends most. Absent if it extends equally in every direction, or most
     /// along the vertical.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     principal_direction_deg: Option<f64>,
-    /// The steepest direction of the best-fit plane. Absent where that plane is level.
+    /// The steepest direction of the best-fit plane. Absent if that plane is level.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
     steepest_direction_deg: Option<f64>,
@@ -88,7 +88,7 @@ struct BoundsAnswer {
 }
 
 impl SurfaceAnswer {
-    /// A surface of this shape, with its facets where it has any.
+    /// A surface of this shape, with the figures of its facets if it has any.
     pub(super) fn new(shape: &Shape, source: Source, workpiece: Option<&Workpiece>) -> Self {
         let (points, facets) = if shape.basis == Basis::Points { (shape.elements, 0) } else { (0, shape.elements) };
         let made = workpiece.map_or(0, |workpiece| workpiece.mesh.triangles().len() as u64);

@@ -1,6 +1,6 @@
 //! The facets of a surface, and the simulation of all candidates on them.
 
-use super::memory::Means;
+use super::memory::Resources;
 use super::parameters::Parameters;
 use crate::http::codes::RequestFault;
 use crate::http::problem::Problem;
@@ -17,6 +17,9 @@ use axum::http::StatusCode;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
+/// Whether the work is cancelled.
+pub(super) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// The cells along each side of the raster for the reach of cutters and for maps.
 const SIDE: usize = TRIAL_SIDE;
 
@@ -29,9 +32,9 @@ pub(super) struct Workpiece {
     pub(super) machined_pieces: usize,
     /// Whether each facet of the mesh is selected and not too steep.
     machined: Vec<bool>,
-    /// The facets that a plan is made for.
+    /// The facets to plan for.
     pub(super) facets: Vec<FinishFacet>,
-    /// The position of each facet of the mesh among those of the plan.
+    /// For each facet of the mesh, its index among the planned facets; `None` if it is not planned.
     places: Vec<Option<u32>>,
     pub(super) view: ViewFromAbove,
 }
@@ -73,17 +76,18 @@ impl NoWorkpiece {
 impl Workpiece {
     /// Prepares the facets of a surface.
     ///
-    /// Once `stop` returns true, work ends after the current step, and the result has no meaning.
-    pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters, stop: &dyn Fn() -> bool) -> Result<Self, NoWorkpiece> {
+    /// Once `stop` returns true, work ends early, and the result must be discarded.
+    pub(super) fn new(mesh: MeshBuilder, unit: Unit, parameters: &Parameters, stop: Stop) -> Result<Self, NoWorkpiece> {
         let go_on = || if stop() { Err(NoWorkpiece::NothingToMachine) } else { Ok(()) };
         let mesh = mesh.finish_until(unit, parameters.facing, stop).map_err(NoWorkpiece::Mesh)?;
         go_on()?;
-        let pieces = mesh.pieces();
+        let pieces = mesh.pieces_until(stop);
+        go_on()?;
         let selected = mesh.selected(&parameters.selection, &pieces).map_err(NoWorkpiece::Selection)?;
         go_on()?;
-        let visibility = mesh.visibility(parameters.max_slope);
+        let visibility = mesh.visibility_until(parameters.max_slope, stop);
         go_on()?;
-        let facets = mesh.facets_for_finishing(&visibility, &selected);
+        let facets = mesh.facets_for_finishing_until(&visibility, &selected, stop);
         go_on()?;
         let mut next = 0;
         let mut machined = Vec::with_capacity(selected.len());
@@ -99,16 +103,16 @@ impl Workpiece {
         }
         let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
         let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
-        let view = mesh.seen_from_above(SIDE);
+        let view = mesh.seen_from_above_until(SIDE, stop);
         Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
     }
 
-    /// The position of a cell's facet among those of the plan.
+    /// The index of a cell's facet among the planned facets.
     pub(super) fn facet_of_cell(&self, cell: usize) -> Option<u32> {
         self.view.facet(cell).and_then(|facet| self.places[facet])
     }
 
-    /// The share of the seen area whose facets face the other way than the rest: up to a half.
+    /// The share of the visible area whose facets have the opposite orientation: up to a half.
     fn turned_area_share(&self) -> f64 {
         let seen = self.visible_area_share() * self.visibility.area();
         let from_behind = if seen > 0.0 { (self.visibility.area_from_behind() / seen).min(1.0) } else { 0.0 };
@@ -132,16 +136,16 @@ pub(super) struct Simulation {
 }
 
 impl Simulation {
-    /// Simulates the candidates at these positions in the request, with a larger room if a plan needs it; `None` as
-    /// soon as `stop` returns true.
+    /// Simulates the candidates at these positions in the request, with more room if a plan needs it. Returns `None`
+    /// once `stop` returns true.
     pub(super) fn run(
         workpiece: &Workpiece,
         parameters: &Parameters,
         places: &[usize],
         shape: &Shape,
         model: Model,
-        means: &mut Means,
-        stop: &(dyn Fn() -> bool + Sync),
+        resources: &mut Resources,
+        stop: Stop,
     ) -> Result<Option<Self>, Problem> {
         let mut settings = parameters.settings(shape, model);
         let reach = ReachMap::new(&workpiece.mesh, &workpiece.view, &workpiece.machined);
@@ -153,6 +157,9 @@ impl Simulation {
             // The map of a cutter takes half a MB, so only the figures are kept.
             let tried = places.par_iter().map(|&place| {
                 let candidate = parameters.candidates[place].candidate;
+                if stop() {
+                    return candidate;
+                }
                 let reach = Some((&reach.uncut(candidate.cutter, parameters.scallop_height)).into());
                 CandidateCutter { reach, ..candidate }
             });
@@ -168,20 +175,20 @@ impl Simulation {
         };
         let size = ranking_size(&workpiece.mesh, &candidates);
         let ranking = loop {
-            settings.candidates_at_once = means.parallelism.candidates;
-            let room = means.room;
+            settings.candidates_at_once = resources.parallelism.candidates;
+            let room = resources.room;
             let ranked =
-                on_threads(means.parallelism.threads, || rank_within(&workpiece.facets, &candidates, &settings, evidence, room, stop))?;
+                on_threads(resources.parallelism.threads, || rank_within(&workpiece.facets, &candidates, &settings, evidence, room, stop))?;
             match ranked {
                 Ok(ranking) => break ranking,
-                Err(NoRanking::NoRoom) => means.enlarge(workpiece.mesh.size(), size, stop)?,
+                Err(NoRanking::NoRoom) => resources.enlarge(workpiece.mesh.size(), size, stop)?,
                 Err(NoRanking::Stopped) => return Ok(None),
             }
         };
         Ok(Some(Self { settings, candidates, ranking, reach }))
     }
 
-    /// What a candidate leaves uncut.
+    /// The material that a candidate leaves uncut.
     pub(super) fn uncut(&self, candidate: usize) -> Uncut {
         self.reach.uncut(self.candidates[candidate].cutter, self.settings.scallop_height)
     }
@@ -198,7 +205,7 @@ pub(super) fn ranking_size(mesh: &Mesh, candidates: &[CandidateCutter]) -> Ranki
     RankingSize { facets: mesh.size().facets, candidates: candidates.len(), diameters }
 }
 
-/// Runs `work` on so many threads; a failure to start them is logged.
+/// Runs `work` on this many threads. A failure to start them is logged.
 pub(super) fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> Result<T, Problem> {
     Work::on_threads(count, work).map_err(|error| {
         tracing::error!(%error, "no threads for a recommendation");

@@ -1,9 +1,9 @@
 //! `POST /v1/cutter-recommendation/upload`: a form with the surface file, the parameters and tool libraries. The
-//! surface is read as it arrives; only what the file's format requires is held.
+//! surface is read as it arrives; of the file, only data that its format requires are stored.
 
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
-use super::memory::{Means, bytes_of_workpiece};
+use super::memory::{Resources, bytes_of_workpiece};
 use super::multipart::{Form, Head};
 use super::parameters::Parameters;
 use super::plan::Task;
@@ -45,7 +45,7 @@ described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
-        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used where the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
+        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
         Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))
@@ -70,10 +70,10 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 )]
 pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
     let received = Received::read(&mut form, &work, &metrics).await?;
-    let means = Means::none(&work, Work::LONGEST_WAIT_OF_PLAN);
-    let bytes = received.bytes_to_answer(&means);
+    let resources = Resources::none(&work, Work::LONGEST_WAIT_OF_PLAN);
+    let bytes = received.bytes_to_answer(&resources);
     let budget = work.budget().clone();
-    let answer = move |memory, cancelled: &CancelFlag| received.answer(means.with(memory), &budget, cancelled);
+    let answer = move |memory, cancelled: &CancelFlag| received.answer(resources.with(memory), &budget, cancelled);
     work.run_with_memory(work.budget().open(), bytes, Work::LONGEST_WAIT_OF_PLAN, answer).await?
 }
 
@@ -85,12 +85,12 @@ struct Received {
     libraries: Libraries,
     /// Faults of the form itself.
     faults: Vec<Fault>,
-    /// The memory of surface and libraries, reserved until the answer is ready.
+    /// The reserved memory of surface and libraries, until the answer is ready.
     memory: Vec<Reservation>,
 }
 
 impl Received {
-    /// Reads the whole form, so that the answer has the faults of all parts.
+    /// Reads the whole form, so that the answer lists the faults of all parts.
     async fn read(form: &mut Form, work: &Work, metrics: &Metrics) -> Result<Self, Problem> {
         let mut received = Self::default();
         while let Some(head) = form.next().await? {
@@ -113,25 +113,28 @@ impl Received {
     async fn read_library(&mut self, form: &mut Form, file_name: Option<String>, work: &Work) -> Result<(), Problem> {
         let mut memory = work.reserve(0)?;
         let bytes = read_small(form, LIBRARY, LARGEST_LIBRARY, &mut memory).await?;
-        self.libraries.push(work.run_piece(move || ToolLibrary::read(&bytes, file_name.as_deref())).await);
+        let cancel = CancelOnDrop::default();
+        let cancelled = CancelFlag::clone(&cancel);
+        let library = work.run_piece(move || ToolLibrary::read_until(&bytes, file_name.as_deref(), &cancelled)).await;
+        self.libraries.push(library);
         // A library has at most ten thousand tools, each with a name and figures.
         memory.shrink_to(MEMORY_OF_A_LIBRARY);
         self.memory.push(memory);
         Ok(())
     }
 
-    /// The memory that it takes to make facets to plan on and to rank with plans of the usual size, in bytes.
-    fn bytes_to_answer(&self, means: &Means) -> u64 {
-        /// A candidate in JSON takes more: `{"type":"ball_end","diameter_mm":6}`.
+    /// The memory in bytes to prepare the facets and to rank with plans of the usual size.
+    fn bytes_to_answer(&self, resources: &Resources) -> u64 {
+        /// The fewest bytes of a candidate in JSON; `{"type":"ball_end","diameter_mm":6}` has more.
         const SHORTEST_CANDIDATE: usize = 24;
-        /// Usual for a part of half a metre. What smaller cutters need is added when they are known.
+        /// The usual size of a part of half a metre. Memory for smaller cutters is added when the cutters are known.
         const DIAMETERS: usize = 100;
         let Some(Ok(surface)) = &self.surface else { return 0 };
         let mesh = &surface.surface.mesh;
         let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / SHORTEST_CANDIDATE);
         let candidates = if self.libraries.is_empty() { stated.min(MOST_CUTTERS) } else { MOST_CUTTERS };
-        let (plan, _) = means.needed(mesh.size(), RankingSize { facets: mesh.size().facets, candidates, diameters: DIAMETERS });
-        plan.max(bytes_of_workpiece(mesh))
+        let size = RankingSize { facets: mesh.size().facets, candidates, diameters: DIAMETERS };
+        resources.least(mesh.size(), size).max(bytes_of_workpiece(mesh))
     }
 
     fn refuse_part(&mut self, name: Option<&str>) {
@@ -148,7 +151,7 @@ impl Received {
         self.faults.push(fault);
     }
 
-    fn answer(mut self, means: Means, budget: &MemoryBudget, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+    fn answer(mut self, resources: Resources, budget: &MemoryBudget, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
         self.memory.iter_mut().for_each(Reservation::begin_work);
         let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
@@ -166,7 +169,7 @@ impl Received {
             task.warn(warnings);
             Ok(task)
         })?;
-        answer_to(task, means, cancelled)
+        answer_to(task, resources, cancelled)
     }
 
     /// The surface, with the faults of the form and the file recorded.
@@ -183,8 +186,8 @@ impl Received {
     }
 }
 
-/// Reads the part with the surface file; the outer error is the form's, the inner one the file's. While one block is
-/// parsed, the next is received; only these two are held. `memory` is the file's reservation.
+/// Reads the part with the surface file. The outer error is the form's, the inner one the file's. While one block is
+/// parsed, the next is received; only these two are in memory. `memory` is the file's reservation.
 async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics, memory: Reservation) -> Result<ReadFile, Problem> {
     let cancel = CancelOnDrop::default();
     let mut file = File::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()), memory, &cancel);
@@ -203,7 +206,7 @@ async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics,
             return Ok((Err(fault), file.memory));
         }
     }
-    // A 3MF package is read as a whole, which takes longer than a piece of work may.
+    // A 3MF package is read as a whole, which takes longer than a short task may.
     let (is_archive, metrics) = (file.reader.is_archive(), metrics.clone());
     let finish = move || file.finish(&metrics);
     let finished = if is_archive { work.run_after_upload(move |_| finish()).await? } else { work.run_piece(finish).await };
@@ -221,20 +224,21 @@ struct File {
 }
 
 impl File {
-    /// The reading of a package ends early once `cancel` is set.
+    /// A file to read. Reading ends early once `cancel` is set.
     fn new(hint: FormatHint, memory: Reservation, cancel: &CancelFlag) -> Self {
         let reader = Reader::new(hint).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE).with_archive_limit(LARGEST_ARCHIVE);
         let reader = reader.with_cancel_flag(cancel);
-        Self { reader, surface: ReceivedSurface::new(), memory }
+        Self { reader, surface: ReceivedSurface::until(cancel), memory }
     }
 
-    /// Reads a block. The most memory that it can take is reserved meanwhile, and afterwards what is held.
+    /// Reads a block. Meanwhile the largest memory that it can take is reserved, and afterwards the memory in use.
     fn take(&mut self, block: &Block) -> Result<Result<(), read::Fault>, BudgetExceeded> {
         let bytes: usize = block.pieces.iter().map(Bytes::len).sum();
         let held = self.reader.held_bytes();
-        // A package is collected in one vector, which grows to twice its size.
+        // A package is collected in one vector, which doubles when it grows.
         let collected = if self.reader.is_archive() { 2 * (held + bytes) } else { 0 };
-        self.memory.grow(self.surface.bytes_to_take(bytes, held / size_of::<[f64; 3]>()) + collected as u64)?;
+        let push = self.reader.most_of_push(bytes);
+        self.memory.grow(self.surface.bytes_to_take(push, held / size_of::<[f64; 3]>()) + collected as u64)?;
         let pushed = block.read(&mut self.reader, &mut self.surface);
         self.memory.resize(self.reader.held_bytes() as u64 + self.surface.held_bytes())?;
         Ok(pushed)
@@ -263,10 +267,11 @@ struct Block {
 }
 
 impl Block {
-    /// The most bytes of a block, about: large against the cost of changing threads, small against memory.
+    /// The approximate size of a block in bytes: large enough for the cost of changing threads not to matter, and small
+    /// compared with the memory budget.
     const SIZE: usize = 1 << 20;
 
-    /// The most chunks of a block. A chunk may be one byte, and each keeps its receive buffer in memory.
+    /// The largest number of chunks of a block. A chunk may be one byte, and each keeps its receive buffer in memory.
     const PIECES: usize = 64;
 
     /// Receives the part's next block; an empty one at its end.
@@ -318,7 +323,7 @@ mod tests {
     use super::*;
     use crate::surface::{Facing, Unit};
 
-    /// The shape of a text that arrives in chunks and blocks of these sizes.
+    /// The shape of a surface in text that arrives in chunks and blocks of these sizes.
     fn shape(text: &[u8], piece: usize, pieces: usize) -> String {
         let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::new());
         let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();

@@ -1,4 +1,4 @@
-//! Reads JSON arrays item by item, without holding them as a tree.
+//! Reads JSON arrays item by item, without building a tree of values.
 
 use super::object::describe;
 use super::{Faulted, Faults, JsonPath};
@@ -12,8 +12,8 @@ use std::marker::PhantomData;
 /// The number of items between two checks for cancellation.
 const TURN: usize = 256;
 
-/// Passes every item of the array `raw` to `take`, until one is not a `T` or the reading that `faults` belongs to is
-/// cancelled.
+/// Passes every item of the array `raw` to `take`. Ends at the first item that is not a `T`, or if the reading is
+/// cancelled by the flag of `faults`.
 pub(crate) fn each<'a, T: Deserialize<'a>>(raw: &'a RawValue, faults: &Faults, take: impl FnMut(T)) -> serde_json::Result<()> {
     each_until(raw, faults.cancel_flag(), take)
 }
@@ -51,7 +51,7 @@ pub(crate) fn each_raw<'a>(
         .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))))
 }
 
-/// The unparsed items of the array `raw`. More than `most` are a fault, and are counted but not kept.
+/// The unparsed items of the array `raw`. More than `most` items are a fault; further items are counted, not stored.
 pub(crate) fn items<'a>(raw: &'a RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
     let mut all = Vec::new();
     for_runs_of_items(raw, most, most, path, faults, |_, items| all = items)?;

@@ -1,4 +1,4 @@
-//! Columns of values, which batches read straight into numbers. A column is an array with an item for each contact,
+//! Columns of values, which batches parse directly into numbers. A column is an array with an item for each contact,
 //! null for a contact without a value.
 
 use super::number_array::read_numbers;
@@ -14,7 +14,7 @@ pub(crate) trait PlainColumn: Default {
     /// The type of a row's value in JSON.
     type Plain;
 
-    /// Reads a column of at most `most` rows. An item of another type is a fault of its row, which is found when the
+    /// Reads a column of at most `most` rows. An item of another type is a fault of its row, which is reported when the
     /// row is read.
     fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted>;
 
@@ -56,7 +56,7 @@ impl Rows {
         }
     }
 
-    /// The name of the first column and the number of rows; `None` where there are no columns.
+    /// The name of the first column and the number of rows; `None` if there are no columns.
     pub(crate) fn first(&self) -> Option<(&'static str, usize)> {
         self.first
     }
@@ -115,7 +115,7 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
             }
         });
         if read.is_err() {
-            // The pass above stops at the first item of another type; this pass finds all of them.
+            // The pass above stopped at the first item of another type; this pass finds all of them.
             cells.values.clear();
             count = 0;
             let read = each(raw, faults, |item: &RawValue| {

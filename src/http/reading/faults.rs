@@ -24,7 +24,7 @@ impl Fault {
     }
 }
 
-/// Proof that a fault was recorded, in place of the value that could not be read.
+/// The error type of readers: proof that a fault was recorded in place of the value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Faulted;
 
@@ -94,7 +94,7 @@ impl Faults {
         self.listed.len() + self.unlisted + self.left_out
     }
 
-    /// Adds `others` with their pointers mapped by `pointer`; those mapped to `None` are left out.
+    /// Adds `others` with their pointers mapped by `pointer`; faults whose pointer maps to `None` are left out.
     pub(crate) fn take_in(&mut self, others: Self, pointer: impl Fn(&str) -> Option<String>) {
         self.unlisted += others.unlisted;
         self.left_out += others.left_out;

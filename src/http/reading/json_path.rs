@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// The path to a value, displayed as a JSON pointer (RFC 6901). It is on the stack of the reader and is formatted
-/// only for a fault.
+/// The path to a value, displayed as a JSON pointer (RFC 6901). It lives on the reader's stack and is formatted only
+/// for a fault.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum JsonPath<'p> {
     /// The whole body.
@@ -27,7 +27,7 @@ impl JsonPath<'_> {
         JsonPath::Item(self, index)
     }
 
-    /// Writes the pointer up to the innermost column. Returns the row's index if it is not written yet.
+    /// Writes the pointer up to the innermost column. Returns the row's index if it has not been written yet.
     fn write(&self, f: &mut fmt::Formatter<'_>) -> Result<Option<usize>, fmt::Error> {
         match self {
             JsonPath::Root => Ok(None),

@@ -25,7 +25,8 @@ impl<T> Quantity<T> {
         Self { of, example, minimum: None, hint: "" }
     }
 
-    /// The same, with numbers from `minimum` to the quantity's own bound accepted as well, as `hint` explains.
+    /// The same quantity, which also accepts numbers from `minimum` up to the quantity's own bound. `hint` explains
+    /// them.
     pub(crate) const fn down_to(self, minimum: f64, hint: &'static str) -> Self {
         Self { minimum: Some(minimum), hint, ..self }
     }
@@ -93,7 +94,7 @@ impl Kind for Whole {
     }
 }
 
-/// A vector of any length but zero.
+/// A vector of any length except zero.
 pub(crate) struct Vector {
     pub(crate) example: [f64; 3],
 }

@@ -42,7 +42,7 @@ pub(crate) trait PlainKind: Kind {
         ArrayBuilder::new().items(item).max_items(Some(most)).description(Some(about)).into()
     }
 
-    /// The checked value; `None` where `plain` is faulty.
+    /// The checked value; `None` if `plain` is faulty.
     fn accept(&self, plain: Self::Plain) -> Option<Self::Value>;
 }
 

@@ -1,9 +1,10 @@
-//! The macro that declares the members of an object. It generates the reader, the schema and the fast path of batches.
+//! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
+//! of batches.
 
 use super::{Faults, JsonPath, Object, ObjectSchema, RowText, Rows};
 use serde::de::MapAccess;
 
-/// The members of an object. Each holds its value, or the proof that its fault is recorded.
+/// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
     /// The names on the wire.
     const NAMES: &'static [&'static str];
@@ -23,7 +24,7 @@ pub(crate) trait Members: Sized {
 
 /// Members of a contact in a batch, which are read in one pass as long as there is no fault.
 pub(crate) trait PlainMembers: Members {
-    /// A place for each member's value.
+    /// The values of the members, each `None` until it is read.
     type Slots: Default + Copy;
     /// A column of values for each member.
     type Columns: Default;
@@ -47,7 +48,7 @@ pub(crate) trait PlainMembers: Members {
     /// Compares the number of rows of all columns of the object at `path`.
     fn check_rows(columns: &Self::Columns, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
-    /// The values of a row; `None` where one is of another type.
+    /// The values of a row; `None` if one is of another type.
     fn row(columns: &Self::Columns, index: usize) -> Option<Self::Slots>;
 
     /// Writes a row as members of an object.

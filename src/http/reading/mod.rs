@@ -1,5 +1,5 @@
-//! Reads the JSON of requests and collects all faults with their locations. The same declarations give the schemas of
-//! the OpenAPI document.
+//! Readers of the JSON of requests, which collect all faults with their locations. The schemas of the OpenAPI document
+//! come from the same declarations.
 
 mod array;
 mod columns;

@@ -1,11 +1,12 @@
-//! NaN and Infinity in requests. They are not JSON, but Python and others write them. A body that cannot be parsed is
-//! scanned for them, and each is replaced by a string that the readers of numbers recognize, so that the fault has a
-//! location and affects one contact only.
+//! NaN and Infinity in requests. They are not JSON, but Python and other languages write them. A body that cannot be
+//! parsed is scanned for them, and each is replaced by a string that the readers of numbers recognize, so that the
+//! fault has a location and affects only one contact.
 
 use crate::cancellation::CancelFlag;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 
-/// The tokens and the JSON strings that replace them. A control character distinguishes them from texts of callers.
+/// The tokens and the JSON strings that replace them. A control character distinguishes the strings from those of
+/// callers.
 const MARKS: [(&str, &str); 3] = [("NaN", r#""\u0000NaN""#), ("-Infinity", r#""\u0000-Infinity""#), ("Infinity", r#""\u0000Infinity""#)];
 
 /// The token that the JSON value `value` replaced.

@@ -1,4 +1,4 @@
-//! The fast reader of arrays of numbers and nulls, on all cores, for JSON whose syntax has been checked.
+//! The fast reader of arrays of numbers and nulls. It uses all cores, and needs JSON whose syntax has been checked.
 
 use memchr::{memchr, memchr_iter};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
@@ -33,7 +33,7 @@ pub(super) fn read_numbers(json: &str, most: usize) -> Option<Vec<Option<f64>>> 
     Some(values)
 }
 
-/// Divides `items` into pieces that end between items.
+/// Divides `items` into blocks that end between items.
 fn blocks(items: &str) -> Vec<&str> {
     let mut blocks = Vec::with_capacity(items.len() / BLOCK + 1);
     let mut rest = items;

@@ -1,4 +1,4 @@
-//! The reader of JSON objects, which takes member by member and records all faults.
+//! The reader of JSON objects. Callers take the members one by one; all faults are recorded.
 
 use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members, PlainColumn, not_finite};
 use crate::http::codes::RequestFault;
@@ -16,7 +16,7 @@ pub(crate) struct Object<'a, 'p> {
 }
 
 impl<'a, 'p> Object<'a, 'p> {
-    /// Opens `raw`, at `place`, as an object.
+    /// Opens `raw`, which is at `path`, as an object.
     pub(crate) fn open(raw: &'a RawValue, path: JsonPath<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
         if !raw.get().starts_with('{') {
             return Err(faults.add(&path, RequestFault::WrongType, format_args!("expected an object, found {}", describe(raw))));
@@ -29,7 +29,7 @@ impl<'a, 'p> Object<'a, 'p> {
 
     /// Opens a whole body as an object. The outer error means that the body is not JSON.
     pub(crate) fn open_body(json: &'a [u8], faults: &mut Faults) -> Result<Result<Self, Faulted>, serde_json::Error> {
-        // Reading the members checks the syntax of the whole body; a second pass is needed only where that fails.
+        // Reading the members checks the syntax of the whole body; a second pass is needed only if that fails.
         match serde_json::from_slice::<RawMembers<'a>>(json) {
             Ok(members) => Ok(Ok(Self::of(members, JsonPath::Root))),
             Err(_) => Ok(Self::open(serde_json::from_slice(json)?, JsonPath::Root, faults)),
@@ -153,15 +153,15 @@ pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
     }
 }
 
-/// The members of an object in the order sent, their values unread.
+/// The members of an object in the order sent, with unparsed values.
 struct RawMembers<'a> {
     kept: Vec<(Cow<'a, str>, &'a RawValue)>,
     unkept: usize,
 }
 
 impl RawMembers<'_> {
-    /// The largest number of members kept, more than ten times those of any object. Further ones are counted, so that a
-    /// body takes no more memory than its length.
+    /// The largest number of members stored, more than ten times that of any object. Further ones are counted, so that
+    /// the memory of a body does not exceed its length.
     const MOST: usize = 256;
 }
 

@@ -5,12 +5,12 @@ use utoipa::ToSchema;
 use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, RefBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// Schemas with names, each added where it is first referred to.
+/// Named schemas. A schema is added at the first reference to it.
 #[derive(Default)]
 pub(crate) struct Components(Vec<(String, RefOr<Schema>)>);
 
 impl Components {
-    /// A reference to the schema `name`, which `build` builds. `about` is the description where it is used.
+    /// A reference to the schema `name`, which `build` builds. `about` is the description at the reference.
     pub(crate) fn refer(&mut self, name: &str, about: &str, build: impl FnOnce(&mut Self) -> RefOr<Schema>) -> RefOr<Schema> {
         if !self.0.iter().any(|(known, _)| known == name) {
             let schema = build(self);
@@ -36,7 +36,7 @@ impl Components {
 /// Adds members to a schema.
 pub(crate) type AddMembers = fn(ObjectSchema<'_>) -> ObjectSchema<'_>;
 
-/// The schema of an object that allows no members but its own.
+/// The schema of an object that allows only its own members.
 pub(crate) struct ObjectSchema<'c> {
     builder: ObjectBuilder,
     components: &'c mut Components,

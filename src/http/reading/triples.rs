@@ -1,25 +1,26 @@
-//! Reads arrays of triples of numbers, such as points, in JSON that has been checked already, on all cores.
+//! The fast reader of arrays of triples of numbers, such as points. It uses all cores, and needs JSON whose syntax has
+//! been checked.
 
 use crate::cancellation::CancelFlag;
 use memchr::memchr;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// The bytes that one core reads at once: some thousand triples.
+/// The number of bytes that one thread reads at a time: some thousand triples.
 const BLOCK: usize = 64 * 1024;
 
-/// The blocks that are read before their triples are passed on: what is held of them is bounded, and a cancelled
-/// reading ends soon.
+/// The number of blocks that are read before their results are passed on. It limits the memory of the results, and the
+/// time until a cancelled reading ends.
 const BATCH: usize = 16;
 
 /// A number of a triple, parsed from an item of a JSON array.
 pub(crate) trait TripleNumber: Copy + Default + Send {
-    /// `None` where the item is not a number of this kind as it is usually written.
+    /// Parses an item; `None` if it is not a number of this type in the usual notation.
     fn parse(item: &str) -> Option<Self>;
 }
 
 impl TripleNumber for f64 {
     fn parse(item: &str) -> Option<Self> {
-        // The text is JSON: what begins like a number is one.
+        // The text is valid JSON, so the first byte identifies a number.
         let is_number = matches!(item.as_bytes().first(), Some(b'-' | b'0'..=b'9'));
         item.parse().ok().filter(|value: &f64| is_number && value.is_finite())
     }
@@ -31,9 +32,9 @@ impl TripleNumber for u32 {
     }
 }
 
-/// Passes blocks of the triples of the array `json` to `each`, on all cores, and what it returns to `take`, in order.
-/// `None` where an item is anything but three numbers in double precision, or `cancel` is set; `take` may have been
-/// called before. `json` must be the text of a JSON value.
+/// Reads the array `json`, which must be the text of a JSON value. Its triples are passed to `each` in blocks, on all
+/// cores, and the results of `each` to `take`, in order. Returns `None` if an item is not three finite numbers of type
+/// `N`, or once `cancel` is set; `take` may have been called before.
 pub(crate) fn read_triples<N: TripleNumber, T: Send>(
     json: &str,
     cancel: Option<&CancelFlag>,
@@ -59,7 +60,7 @@ pub(crate) fn read_triples<N: TripleNumber, T: Send>(
     Some(())
 }
 
-/// Divides `items` after the triple that passes the size of a block, and drops the comma.
+/// Splits `items` after the triple with which the block exceeds its size, and drops the comma.
 fn next_block(items: &str) -> Option<(&str, &str)> {
     let Some(end) = items.as_bytes().get(BLOCK..).and_then(|after| memchr(b']', after)) else { return Some((items, "")) };
     // A bracket is one byte in UTF-8, so that both sides are valid text.

@@ -1,5 +1,5 @@
-//! A contact of a batch, with its own parameters. A contact without faults is read in one pass straight into numbers;
-//! any other is read again by the reader that collects faults.
+//! A contact of a batch, with its own parameters. A contact without faults is parsed in one pass directly into numbers.
+//! If that fails, the contact is read again by the reader that collects faults.
 
 use super::contact::{self, AngleMembers, AngleSlots, StatedContact, VectorMembers, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
@@ -55,7 +55,8 @@ impl BatchContact {
         let (contact, parameters) = Self::read_with_faults(raw, stated, path, faults)?;
         let parameters = parameters.or(defaults);
         parameters.step_over(stated, &path, faults)?;
-        // The faults of the defaults are recorded with the request. A contact fails by them only if it uses them.
+        // The faults of the defaults are recorded with the request. A contact fails because of them only if it uses
+        // them.
         if faults.is_empty() { Ok(Self { contact: contact?, parameters }) } else { Err(Faulted) }
     }
 

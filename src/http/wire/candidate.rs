@@ -1,5 +1,4 @@
-//! The cutters to choose from, each with its drive where stated: teeth, spindle speed and the limit on the feed per
-//! tooth.
+//! The cutters to choose from, each with its drive if stated: teeth, spindle speed and the limit on the feed per tooth.
 
 use super::cutter::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
@@ -13,7 +12,7 @@ use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// The largest number of cutters in a request, those of its tool libraries included.
+/// The largest number of cutters in a request, including those of its tool libraries.
 pub(crate) const MOST_CUTTERS: usize = 200;
 
 /// The member `cutters` of a recommendation.
@@ -34,7 +33,7 @@ pub(crate) struct NamedCandidate {
 
 impl From<LibraryTool> for NamedCandidate {
     fn from(tool: LibraryTool) -> Self {
-        // Spindle speeds of libraries are within the bounds, except those under 0.001 rpm.
+        // Spindle speeds of libraries are within the bounds, except speeds under 0.001 rpm.
         let spindle_speed = tool.spindle_speed_rpm.and_then(|rpm| SpindleSpeed::from_rpm(rpm).ok());
         let drive = drive(tool.teeth, spindle_speed, tool.max_feed_per_tooth);
         let candidate = CandidateCutter { drive, flute_length: tool.flute_length, ..CandidateCutter::new(tool.cutter) };
@@ -48,14 +47,14 @@ fn drive(teeth: Option<u32>, spindle_speed: Option<SpindleSpeed>, max_feed_per_t
 }
 
 members! {
-    /// The optional members of a candidate beside its geometry.
+    /// The optional members of a candidate, without its geometry.
     struct CandidateMembers {
         name: optional NAME: Name = ("name", Name, "a name for the cutter, which the answer repeats"),
         teeth: optional TEETH: Whole,
         spindle_speed: optional SPINDLE_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
             "n, the spindle speed; with teeth, the scallop height includes the tooth marks, and step-over and feed are chosen together"),
         max_feed_per_tooth: optional MAX_FEED_PER_TOOTH: Quantity<Length> = ("max_feed_per_tooth_mm", Quantity::length(0.12),
-            "the manufacturer's limit on the feed per tooth; used where teeth and spindle_speed_rpm are given"),
+            "the manufacturer's limit on the feed per tooth; used if teeth and spindle_speed_rpm are given"),
         flute_length: optional FLUTE_LENGTH: Quantity<Length> = ("flute_length_mm", Quantity::length(22.0),
             "the length of the flutes; a surface that is deeper raises a warning"),
     }

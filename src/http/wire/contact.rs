@@ -17,7 +17,7 @@ members! {
         slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(slope, 40.0),
             "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
         feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
-            "angle alpha from the uphill line of steepest slope to the feed, counter-clockwise seen from above (against the tool axis); any finite value, the period is 180; the sign matters only where the surface is twisted (twist_per_mm)"),
+            "angle alpha from the uphill line of steepest slope to the feed, counter-clockwise seen from above (against the tool axis); any finite value, the period is 180; the sign matters only if the surface is twisted (twist_per_mm)"),
     }
 }
 members! {
@@ -44,7 +44,7 @@ fn slope(degrees: f64) -> Result<f64, OutOfRange> {
 /// The member `contact` of a calculation at one contact.
 pub(crate) const CONTACT: Member<ContactKind> = Member {
     name: "contact",
-    about: "slope and feed direction where the cutter touches the surface, by angles or by vectors",
+    about: "slope and feed direction at the point where the cutter touches the surface, by angles or by vectors",
     kind: ContactKind,
 };
 

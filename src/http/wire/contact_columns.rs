@@ -1,4 +1,4 @@
-//! The contacts of a batch as an object of columns, read straight into numbers.
+//! The contacts of a batch as an object of columns, which is parsed directly into numbers.
 
 use super::batch_contact::{BatchContact, Slots};
 use super::contact::{AngleColumns, AngleMembers, VectorColumns, VectorMembers};
@@ -8,7 +8,7 @@ use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, Object
 use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
-/// Columns of contacts and of their own parameters, all of one length. null stands for the default.
+/// Columns of contacts and of their own parameters, all of one length. null means the default.
 #[derive(Debug)]
 pub(crate) struct ContactColumns {
     angles: AngleColumns,
@@ -94,7 +94,8 @@ pub(crate) fn contact_columns_schema(stated: StatedParameters, most: usize, comp
         (false, false) => "ContactColumnsWithCurvature",
     };
     components.refer(name, "", |components| {
-        let about = "Contacts as columns of one length, by angles or by vectors; null stands for the request's value beside the contacts";
+        let about =
+            "Contacts as columns of one length, by angles or by vectors; null means the value that the request states for all contacts";
         let schema = VectorMembers::describe_columns(AngleMembers::describe_columns(ObjectSchema::new(about, components), most), most);
         ParameterColumns::describe(schema, stated, most).build()
     })

@@ -15,7 +15,7 @@ use utoipa::openapi::{RefOr, Schema};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StatedCutter {
     pub(crate) cutter: Cutter,
-    /// z, the number of teeth, where stated.
+    /// z, the number of teeth, if stated.
     pub(crate) teeth: Option<u32>,
 }
 
@@ -103,7 +103,7 @@ pub(super) fn read_geometry(object: &mut Object<'_, '_>, faults: &mut Faults) ->
         Ok(Type::Toroidal) => ToroidalDimensions::read(object, faults).cutter(&path, faults),
         Ok(Type::BallEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::ball_end),
         Ok(Type::FlatEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::flat_end),
-        // Without a type, a corner radius is neither missing nor unknown.
+        // Without a type, a corner radius can be neither missing nor unknown.
         Err(faulted) => {
             let _ = DiameterOnly::read(object, faults);
             object.optional(&CORNER_RADIUS, faults).and(Err(faulted))

@@ -1,4 +1,4 @@
-//! The feed per tooth, where 0 means no tooth marks.
+//! The feed per tooth of a request. 0 means no tooth marks.
 
 use crate::http::reading::{Quantity, members};
 use crate::quantity::{Length, OutOfRange};

@@ -25,7 +25,7 @@ pub(crate) struct Figures {
     pub(crate) limited_by: Option<&'static str>,
     /// The words for the limits that bind, followed by `None`.
     pub(crate) binding_limits: [Option<&'static str>; MOST_WORDS],
-    /// The comparison with the envelope's height, where requested.
+    /// The comparison with the envelope's height, if requested.
     pub(crate) check: Option<Check>,
     effective_radius: Option<Length>,
     transverse_effective_radius: Option<Length>,
@@ -58,7 +58,7 @@ pub(crate) struct Figure {
     about: &'static str,
     kind: FigureKind,
     presence: Presence,
-    /// The figure's value; `None` where it has none.
+    /// The figure's value; `None` if it has none.
     pub(crate) get: fn(&Figures) -> Option<FigureValue>,
 }
 
@@ -76,7 +76,7 @@ enum FigureKind {
     Words(fn(&str, &mut Components) -> RefOr<Schema>),
 }
 
-/// How a single answer shows a figure without a value. A batch has null in its column, as for a contact without an
+/// How a single answer represents a figure without a value. The column of a batch has null, as for a contact without an
 /// answer.
 #[derive(Debug, Clone, Copy)]
 enum Presence {
@@ -135,35 +135,35 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
     Figure::share("feed_share", "the share of the feed height in the scallop height", |figures| {
         figures.height.feed_share().map(FigureValue::Number)
     })
-    .or_absent("where the height is 0"),
+    .or_absent("if the height is 0"),
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
         figures.effective_radius.map(mm)
     })
-    .or_null("where infinite"),
+    .or_null("if infinite"),
     Figure::number("transverse_effective_radius_mm", "TR_eff, the mark's radius of curvature along the feed", |figures| {
         figures.transverse_effective_radius.map(mm)
     })
-    .or_null("where infinite"),
+    .or_null("if infinite"),
     Figure::number("step_over_mm", "s, the step-over along the surface", |figures| Some(mm(figures.step_over))),
     Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| {
         Some(FigureValue::Number(figures.step_over.mm() * figures.spacing_ratio))
     }),
 ];
 
-/// The figures of a batch that are computed only where the request names their columns.
+/// The figures of a batch that are computed only if the request names their columns.
 pub(crate) const CHECK_FIGURES: &[Figure] = &[
     Figure::number("envelope_scallop_height_mm", "the height by the cutter's exact shape (model envelope)", |figures| {
         figures.check.map(|check| FigureValue::Number(check.envelope_scallop_height_mm))
     })
-    .only("where it is named in columns"),
+    .only("if columns names it"),
     Figure {
         kind: FigureKind::Deviation,
         ..Figure::number(
             "deviation",
-            "(height - envelope) / envelope: negative where the model's height is less than the cutter leaves",
+            "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
             |figures| figures.check.and_then(|check| check.deviation).map(FigureValue::Number),
         )
-        .only("where it is named in columns")
+        .only("if columns names it")
     },
 ];
 

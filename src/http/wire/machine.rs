@@ -1,5 +1,5 @@
-//! The machine: a preset's name, the three limits, or a preset with some limits overridden; rapid rate, spindle speed
-//! and clearance are optional.
+//! The machine of a request: a preset's name, the three limits, or a preset with some limits overridden. Rapid rate,
+//! spindle speed and clearance are optional.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, WireObject, members, text};
@@ -61,7 +61,7 @@ impl WireObject for Machine {
     }
 }
 
-/// One limit: the stated one, else the preset's. If the preset has a fault, a missing limit is not a further fault.
+/// One limit: the stated one, otherwise the preset's. If the preset has a fault, a missing limit is not another fault.
 fn limit<T>(
     member: &Member<Quantity<T>>,
     stated: Result<Option<T>, Faulted>,

@@ -1,4 +1,4 @@
-//! A cutter that is not ranked, with the reason.
+//! Wire object of a cutter that is not ranked, with the reason.
 
 use crate::http::codes::NotRankedCode;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 pub(crate) struct NotRanked {
     /// The position of the cutter in the request, from 0; cutters of libraries follow, and then their faulty tools.
     pub(crate) cutter: usize,
-    /// The cutter's name, where it has one.
+    /// The cutter's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub(crate) name: Option<String>,
@@ -21,11 +21,11 @@ pub(crate) struct NotRanked {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 1)]
     pub(crate) uncut_share: Option<f64>,
-    /// The largest height that it leaves there; only with the code `cannot-reach`.
+    /// The largest height that the cutter leaves there; only with the code `cannot-reach`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub(crate) uncut_height_mm: Option<f64>,
-    /// How far that height may be off: the error of the raster on which it is found; only with the code `cannot-reach`.
+    /// The error of that height, due to the raster on which it was computed; only with the code `cannot-reach`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub(crate) uncut_height_error_mm: Option<f64>,

@@ -52,7 +52,7 @@ pub(crate) struct StatedParameters {
     pub(crate) feed_per_tooth: bool,
 }
 
-/// The parameters of a contact as far as one object of a request states them, each with its faults already recorded.
+/// The parameters of a contact that one object of a request states. The faults of each are already recorded.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactParameters {
     step_over: Result<Option<StepOver>, Faulted>,
@@ -75,7 +75,7 @@ impl ContactParameters {
         schema.with::<CurvatureMembers>()
     }
 
-    /// The parameters from values read in one pass; `None` if there is a fault.
+    /// The parameters from values that were read in one pass; `None` if there is a fault.
     pub(super) fn accept(slots: ParameterSlots, stated: StatedParameters) -> Option<Self> {
         let ParameterSlots { step_over, feed, curvature } = slots;
         let unknown =
@@ -102,7 +102,7 @@ impl ContactParameters {
         }
     }
 
-    /// The step-over; a missing one is a fault where `stated` has a step-over.
+    /// The step-over; a missing one is a fault if `stated` requires it.
     pub(crate) fn step_over(
         &self,
         stated: StatedParameters,
@@ -144,7 +144,7 @@ pub(super) struct ParameterSlots {
 }
 
 impl ParameterSlots {
-    /// Reads the value of `name` into its slot. False where no parameter has this name.
+    /// Reads the value of `name` into its slot. False if no parameter has this name.
     pub(super) fn fill<'de, A: MapAccess<'de>>(&mut self, name: &str, map: &mut A) -> Result<bool, A::Error> {
         Ok(StepOverMembers::fill(&mut self.step_over, name, map)?
             || FeedMembers::fill(&mut self.feed, name, map)?
@@ -182,7 +182,7 @@ impl ParameterColumns {
         CurvatureMembers::check_rows(&self.curvature, path, rows, faults);
     }
 
-    /// The values of a row; `None` where one is of another type.
+    /// The values of a row; `None` if one is of another type.
     pub(super) fn row(&self, index: usize) -> Option<ParameterSlots> {
         Some(ParameterSlots {
             step_over: StepOverMembers::row(&self.step_over, index)?,

@@ -1,5 +1,5 @@
-//! Arrays of points in a JSON body, read point by point, so that a body of a million points is never held as a JSON
-//! tree.
+//! Arrays of points in a JSON body. They are read point by point, so that a body of a million points is never stored as
+//! a JSON tree.
 
 use super::source::{ReceivedPart, ReceivedSurface};
 use crate::http::codes::RequestFault;
@@ -26,8 +26,8 @@ pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults
     if read.is_some() && in_bounds { Ok(()) } else { find_faults(raw, path, faults) }
 }
 
-/// Adds every point of the array `json` to `surface`, in parts that all cores sum; `json` must be a part of the text of a
-/// JSON value. `None` where it is anything but an array of points; then some may have been added.
+/// Adds every point of the array `json` to `surface`, in parts that all cores sum. `json` must be a part of the text of
+/// a JSON value. `None` if it is not an array of points; some points may have been added then.
 pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut ReceivedSurface) -> Option<()> {
     let mut in_bounds = true;
     let part = |points: Vec<[f64; 3]>| {

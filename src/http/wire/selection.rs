@@ -17,7 +17,7 @@ pub(crate) const SELECT: Member<SelectKind> = Member {
     kind: SelectKind,
 };
 
-/// The member of `select` that lists pieces, to which the fault of an unknown piece points.
+/// The member of `select` that lists pieces. The fault of an unknown piece points to it.
 pub(crate) const PIECES_NAME: &str = PIECES.name;
 
 fn slope(degrees: f64) -> Result<Angle, OutOfRange> {

@@ -2,9 +2,10 @@
 
 use super::Warning;
 use super::unit::unit_name;
+use crate::cancellation::CancelFlag;
 use crate::http::codes::{FileFault, RequestFault, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::surface::read::{Format, Notes, Summary};
+use crate::surface::read::{Format, MostOfPush, Notes, Summary};
 use crate::surface::{Basis, MeshBuilder, MeshPart, PartedSink, SampledSurface, Shape, Sink, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -31,9 +32,9 @@ pub(crate) enum Source {
     Obj,
     /// A PLY file with a body of text.
     PlyAscii,
-    /// A binary PLY file, little end first.
+    /// A binary PLY file, little-endian.
     PlyLittleEndian,
-    /// A binary PLY file, big end first.
+    /// A binary PLY file, big-endian.
     PlyBigEndian,
     /// A PCD file with data in text.
     Pcd,
@@ -58,13 +59,8 @@ impl From<Format> for Source {
     }
 }
 
-/// The most facets of a surface that are held; more are merged on a raster.
+/// The largest number of facets of a surface; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
-
-/// The memory that a byte of a block takes while it is read, in vectors that grow to twice their size: itself, the number
-/// of a vertex at a corner (4 bytes for each 2), and of each facet (4 bytes at least, in binary PLY) 12 bytes for its
-/// corners, and 36 for the points that it does not share with others and the table that finds them.
-const BYTES_OF_A_BYTE_OF_A_BLOCK: usize = 40;
 
 /// A surface that is being received: the sums for its shape, and its facets.
 #[derive(Debug)]
@@ -78,18 +74,23 @@ impl ReceivedSurface {
         Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS) }
     }
 
-    /// The memory that the facets hold, in bytes.
+    /// The same, which ends early with any surface once `cancel` is set.
+    pub(crate) fn until(cancel: &CancelFlag) -> Self {
+        let Self { sampled, mesh } = Self::new();
+        Self { sampled, mesh: mesh.with_cancel_flag(cancel) }
+    }
+
+    /// The memory of the facets, in bytes.
     pub(crate) fn held_bytes(&self) -> u64 {
         self.mesh.held_bytes() as u64
     }
 
-    /// The further memory in bytes to read `bytes` of a file whose reader holds `vertices` vertices. Few formats state a
-    /// facet in fewer than 4 bytes or a vertex in fewer than 6, and blocks are held with what is read of them.
-    pub(crate) fn bytes_to_take(&self, bytes: usize, vertices: usize) -> u64 {
-        (self.mesh.bytes_to_take(bytes / 4, bytes / 6 + vertices) + BYTES_OF_A_BYTE_OF_A_BLOCK * bytes) as u64
+    /// The additional memory in bytes to read at most `push` of a file whose reader stores `vertices` vertices.
+    pub(crate) fn bytes_to_take(&self, push: MostOfPush, vertices: usize) -> u64 {
+        (self.mesh.bytes_to_take(push.facets, push.corners + vertices) + push.held) as u64
     }
 
-    /// The further memory in bytes to read a package, whatever it contains.
+    /// The additional memory in bytes to read a 3MF package, whatever it contains.
     pub(crate) fn bytes_to_take_package(&self) -> u64 {
         self.mesh.bytes_to_take(MOST_FACETS, 3 * MOST_FACETS) as u64
     }
@@ -115,13 +116,17 @@ impl Sink for ReceivedSurface {
 impl PartedSink for ReceivedSurface {
     type Part = ReceivedPart;
 
+    fn part(&self) -> ReceivedPart {
+        ReceivedPart { sampled: SampledSurface::new(), mesh: self.mesh.part() }
+    }
+
     fn append(&mut self, part: ReceivedPart) {
         self.sampled.merge(&part.sampled);
         self.mesh.append(part.mesh);
     }
 }
 
-/// A part of a surface that a thread of its own receives.
+/// A part of a surface, which one thread fills.
 #[derive(Debug, Default)]
 pub(crate) struct ReceivedPart {
     sampled: SampledSurface,
@@ -162,10 +167,10 @@ impl SurfaceWithSource {
         Self { surface, source: summary.format.into(), unit: summary.unit, notes: summary.notes }
     }
 
-    /// The unit of the coordinates: the request's, else the file's, else mm.
+    /// The unit of the coordinates: the request's, otherwise the file's, otherwise mm.
     ///
     /// A 3MF file always states its unit, and the request must not state another. A text may state a unit in the names
-    /// of its columns; where that is not mm, the request must state the unit.
+    /// of its columns; if that is not mm, the request must state the unit.
     pub(crate) fn unit_of(&self, requested: Option<Unit>, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Unit, Faulted> {
         let Some(own) = self.unit else { return Ok(requested.unwrap_or_default()) };
         match requested {

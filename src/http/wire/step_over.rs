@@ -1,4 +1,4 @@
-//! The step-over: along the surface, or seen from above.
+//! The step-over of a request: along the surface, or seen from above.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};

@@ -12,8 +12,8 @@ pub(crate) struct Check {
     /// The height by the cutter's exact shape (model `envelope`).
     #[schema(minimum = 0)]
     pub(crate) envelope_scallop_height_mm: f64,
-    /// (height - envelope) / envelope: negative where the model's height is less than the cutter leaves. Absent where
-    /// the envelope's height is 0.
+    /// (height - envelope) / envelope: negative if the model's height is less than the cutter leaves. Absent if the
+    /// envelope's height is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = -1)]
     pub(crate) deviation: Option<f64>,
@@ -79,7 +79,7 @@ pub(crate) struct Summary {
     /// The number of contacts without an answer. `failures` beside the summary lists the first thousand of them.
     pub(crate) failures: usize,
     /// The number of contacts whose analytic height is more than 5 % below that of the cutter's exact shape, or whose
-    /// exact shape leaves no height to compare. Only where `columns` names `envelope_scallop_height_mm` or `deviation`:
+    /// exact shape leaves no height to compare. Only if `columns` names `envelope_scallop_height_mm` or `deviation`:
     /// the comparison takes longer than the calculation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]

@@ -2,6 +2,7 @@
 
 use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
 use super::source::{ReceivedSurface, Source, SurfaceWithSource};
+use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
     AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
@@ -45,8 +46,8 @@ impl Kind for StatedSurface {
     type Value = SurfaceWithSource;
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
-        // Points alone, as nearly all bodies of this size have, need no pass to find the members.
-        let mut surface = ReceivedSurface::new();
+        // Nearly all large bodies have only points. They are read without a first pass that finds the members.
+        let mut surface = received(faults);
         if let Some(points) = sole_member(raw.get(), POINTS.name)
             && receive_points(points, faults, &mut surface).is_some()
         {
@@ -92,18 +93,23 @@ impl Kind for StatedSurface {
     }
 }
 
+/// An empty surface for the body that `faults` belongs to.
+fn received(faults: &Faults) -> ReceivedSurface {
+    faults.cancel_flag().map_or_else(ReceivedSurface::new, |cancel| ReceivedSurface::until(&cancel))
+}
+
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
-    let mut surface = ReceivedSurface::new();
+    let mut surface = received(faults);
     if receive_points(raw.get(), faults, &mut surface).is_none() {
         find_faults(raw, path.member(POINTS.name), faults)?;
     }
     Ok(SurfaceWithSource::stated(surface, Source::Points))
 }
 
-/// What stands after the name of the first member of the object `json`, if that is `name`, up to the end of the object. It is the value of this member
-/// where there are no others.
+/// The text from the value of the object's first member to the end of the object, if that member is `name`. If the
+/// object has no other members, the text is the value.
 fn sole_member<'a>(json: &'a str, name: &str) -> Option<&'a str> {
     let rest = json.strip_prefix('{')?.trim_ascii_start().strip_prefix('"')?.strip_prefix(name)?.strip_prefix('"')?;
     rest.trim_ascii_start().strip_prefix(':')?.strip_suffix('}')
@@ -113,10 +119,17 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
-    let mesh = patch.tessellate(samples, ReceivedSurface::new().mesh);
-    let surface = patch.sampled(samples).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
-        faults.add(&object.path().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
-    })?;
+    let cancel = faults.cancel_flag();
+    let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
+    let mesh = patch.tessellate_until(samples, received(faults).mesh, &stop);
+    let surface =
+        patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
+            faults.add(
+                &object.path().member(SAMPLES.name),
+                RequestFault::OutOfRange,
+                format_args!("the number of samples each way {bounds}"),
+            )
+        })?;
     Ok(SurfaceWithSource::stated(surface, Source::Bezier))
 }
 
@@ -146,8 +159,7 @@ impl Kind for GridKind {
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = object.path();
-    let mut grid =
-        Grid::into_sink(rows, columns, ReceivedSurface::new()).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
+    let mut grid = Grid::into_sink(rows, columns, received(faults)).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let Some(raw) = object.take(GRID_POINTS.name, faults) else {
         return object.required(&GRID_POINTS, faults).and(Err(Faulted));
     };
@@ -189,11 +201,18 @@ fn most_items(raw: &RawValue) -> usize {
     memchr::memchr_iter(b'[', text).count().min(text.len() / 8)
 }
 
+/// The number of triangles between two checks for cancellation.
+const TRIANGLES_AT_ONCE: usize = 4096;
+
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = path.member(TRIANGLES.name);
-    let mut surface = ReceivedSurface::new();
+    let mut surface = received(faults);
     let mut result = Ok(());
+    let cancel = faults.cancel_flag();
     for (number, triangle) in triangles.iter().enumerate() {
+        if number.is_multiple_of(TRIANGLES_AT_ONCE) && cancel.as_ref().is_some_and(CancelFlag::is_cancelled) {
+            break;
+        }
         let at = |corner: usize| points.get(triangle[corner] as usize).copied().ok_or(corner);
         match (at(0), at(1), at(2)) {
             (Ok(a), Ok(b), Ok(c)) => surface.facet([a, b, c]),
@@ -231,13 +250,13 @@ impl Kind for Triangles {
         if read_triples(raw.get(), cancel.as_ref(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
             return Ok(triangles);
         }
-        // The pass above stops at the first fault without its location. This pass finds all faults, and accepts whole
-        // numbers written as 1.0 or 1e3.
+        // The pass above stopped at the first fault, without its location. This pass finds all faults, and accepts
+        // whole numbers written as 1.0 or 1e3.
         triangles.clear();
         let mut index = 0;
         each_raw(raw, path, faults, |item, faults| {
-            // Stands for a triangle with a fault, so that the indices of the others are checked as well. A request with
-            // a fault is not planned.
+            // A default replaces a triangle with a fault, so that the indices of the others are checked too. A request
+            // with a fault is not planned.
             triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
             index += 1;
         })?;
@@ -280,8 +299,8 @@ impl WireObject for BezierKind {
     }
 }
 
-/// Rows of control points. At most one row and one point of a row more than the limit are kept, enough to refuse the
-/// patch.
+/// Rows of control points. At most one row, and one point of a row, more than the limit are stored: enough to refuse
+/// the patch.
 pub(crate) struct Net;
 
 const MOST_KEPT: usize = Bezier::LARGEST_ORDER + 1;

@@ -1,16 +1,16 @@
-//! The cutter as a convex solid over the surface, in coordinates from their contact.
+//! The cutter as a convex solid above the surface, in coordinates relative to the contact.
 
 use crate::milling::{Contact, Cutter, SurfaceCurvature};
 use crate::quantity::Angle;
 
-/// The solid that a turning cutter fills, with its side continued upwards: a horizontal disc of radius a = R - r, with
-/// everything above it (the core), and whatever is nearer to that than r. It is a Minkowski sum of convex sets, so it
-/// is convex, and so is the distance to its core.
+/// The solid that a rotating cutter sweeps, with its side continued upwards. Its core is a horizontal disc of radius a
+/// = R - r with everything above it; the solid is the set of all points within r of the core. It is a Minkowski sum of
+/// convex sets, so it is convex, and so is the distance to its core.
 ///
-/// Places are given from the contact: x along the feed, y to its side in the tangent plane, p over the **surface**,
-/// along its normal n at the contact. With u the steepest descent and v = Z x D the level line, the feed is u
-/// cos(theta) + v sin(theta) and the side -u sin(theta) + v cos(theta). The surface is 1/2 u'Ku under the tangent
-/// plane, so that the place is p - 1/2 u'Ku over the tangent plane.
+/// Coordinates are relative to the contact: x along the feed, y to its side in the tangent plane, and p above the
+/// **surface**, along its normal n at the contact. With u the steepest descent and v = Z x D the level line, the feed
+/// is u cos(theta) + v sin(theta) and the side -u sin(theta) + v cos(theta). The surface is 1/2 u'Ku below the tangent
+/// plane, so a point is p - 1/2 u'Ku above the tangent plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     core: f64,
@@ -20,12 +20,12 @@ pub(super) struct Body {
     along_level: f64,
     axis: f64,
     surface: SurfaceCurvature,
-    /// The curvature k_ss along the steepest line and the twist k_sl against the level line, where the surface has a
-    /// concave direction.
+    /// The curvature k_ss along the steepest line and the twist k_sl with the level line, if the surface has a concave
+    /// direction.
     concave: Option<[f64; 2]>,
 }
 
-/// The signed distance of a point from the body, negative inside, with its derivatives along the feed, to the side and
+/// The signed distance of a point from the body, negative inside. With its derivatives along the feed, to the side and
 /// along the normal, and the second derivatives that include the feed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Distance {
@@ -38,17 +38,17 @@ pub(super) struct Distance {
     pub(super) bend_to_height: f64,
 }
 
-/// The radii of curvature of cutter and surface against each other at the contact, in the axes of the feed: the inverse
-/// of C^-1 + K, in mm. Where the cutter is a paraboloid, the groove of a pass has the radius `across`, and its lowest
-/// places beside the contact are `skew`/`across` ahead of it.
+/// The relative radii of curvature of cutter and surface at the contact, in the axes of the feed: the inverse of C^-1 +
+/// K, in mm. For a paraboloid, the groove of a pass has the radius `across`, and its lowest points at the lateral
+/// offset t are t `skew`/`across` ahead of the contact.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RelativeRadii {
     pub(super) across: f64,
     pub(super) skew: f64,
 }
 
-/// A place of a sharp edge, along the feed and to the side, its height over the surface, and how offset and height
-/// change with the angle around the axis.
+/// A point of a sharp edge: its coordinates along the feed and to the side, its height above the surface, and the
+/// derivatives of offset and height by the angle around the axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgePlace {
     pub(super) x: f64,
@@ -58,18 +58,18 @@ pub(super) struct EdgePlace {
     pub(super) height_by_psi: f64,
 }
 
-/// The sine of an overhang under which it is rounding.
+/// The sine of an overhang below which it counts as a rounding error.
 const OVERHANG: f64 = 1e-12;
 
 impl Body {
     pub(super) fn new(cutter: Cutter, contact: Contact, surface: SurfaceCurvature) -> Self {
         let (core, corner, slope) = (cutter.core_radius().mm(), cutter.corner_radius().mm(), contact.slope());
         let (cos, sin) = (contact.theta().cos(), contact.theta().sin());
-        // Under the whole cutter such a surface falls by less than places are rounded, and noise in derivatives would
-        // mislead the search.
+        // Under the whole cutter such a surface falls by less than coordinates are rounded, and noise in derivatives
+        // would mislead the search.
         let is_flat = surface.principal_per_mm().into_iter().all(|curvature| curvature.abs() * (core + corner) <= 1e-14);
         let surface = if is_flat { SurfaceCurvature::PLANE } else { surface };
-        // Neither turning the feed round nor mirroring feed and surface at the steepest line changes what a pass
+        // Reversing the feed, or mirroring feed and surface about the steepest line, does not change what a pass
         // leaves.
         let surface = if (cos < 0.0) == (sin < 0.0) || cos == 0.0 || sin == 0.0 { surface } else { surface.mirrored() };
         Self {
@@ -80,7 +80,7 @@ impl Body {
             along_level: sin.abs(),
             axis: core + corner * slope.sin(),
             surface,
-            // On a wall that the cutter does not gouge the side bends away from the surface everywhere.
+            // On a wall that the cutter does not gouge, the side curves away from the surface everywhere.
             concave: (surface.principal_per_mm()[1] < 0.0 && slope.cos() != 0.0).then(|| {
                 let steepest = surface.turned(-sin.abs(), cos.abs());
                 [steepest.along_per_mm(), steepest.twist_per_mm()]
@@ -88,10 +88,9 @@ impl Body {
         }
     }
 
-    /// The place of a sharp edge at the angle psi from the contact, seen along the axis: its offset to the side and its
-    /// height over the surface, each with its derivative.
+    /// The point of a sharp edge at the angle psi from the contact, seen along the axis.
     ///
-    /// d = R (1 - cos(psi)) towards the axis and R sin(psi) along the level line.
+    /// Its coordinates are d = R (1 - cos(psi)) towards the axis and R sin(psi) along the level line.
     pub(super) fn sharp_edge(&self, psi: f64) -> EdgePlace {
         let (sin, cos) = psi.sin_cos();
         // R (1 - cos(psi)) without cancellation.
@@ -113,9 +112,9 @@ impl Body {
         }
     }
 
-    /// C (1 + K C)^-1 = (C + det(C) adj(K)) / (1 + tr(K C) + det(K) det(C)), where C holds the cutter's radii of
-    /// curvature, r along the steepest line and q = a/sin(S) + r along the level one, turned into the axes of the feed.
-    /// For first guesses only: near the floor q is bounded by what no cut reaches.
+    /// C (1 + K C)^-1 = (C + det(C) adj(K)) / (1 + tr(K C) + det(K) det(C)). C has the cutter's radii of curvature, r
+    /// along the steepest line and q = a/sin(S) + r along the level one, turned into the axes of the feed. For first
+    /// guesses only: near the floor, q is limited to a value that no cut reaches.
     pub(super) fn relative_radii(&self) -> RelativeRadii {
         let (c, s, r) = (self.along_steepest, self.along_level, self.corner);
         let q = if self.core > 0.0 { (self.core / self.slope.sin()).min(1e6 * self.core) + r } else { r };
@@ -123,27 +122,6 @@ impl Body {
         let (k_f, k_t, k_ft) = (self.surface.along_per_mm(), self.surface.across_per_mm(), self.surface.twist_per_mm());
         let whole = 1.0 + k_f * along + 2.0 * k_ft * skew + k_t * across + (k_f * k_t - k_ft * k_ft) * det;
         RelativeRadii { across: (across + det * k_f) / whole, skew: (skew - det * k_ft) / whole }
-    }
-
-    /// The change of a mark's height by the turning of the surface's normal, half a step-over s beside its pass and
-    /// half a mark spacing f ahead.
-    pub(super) fn third_order(&self, s: f64, f: f64) -> f64 {
-        let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
-        let radii = self.relative_radii();
-        let level_curvature = sin / (self.core + r * sin);
-        let height = |x: f64, y: f64| {
-            let surface = &self.surface;
-            let (by_feed, by_side) =
-                (surface.along_per_mm() * x + surface.twist_per_mm() * y, surface.twist_per_mm() * x + surface.across_per_mm() * y);
-            let in_slope =
-                |x: f64, y: f64| (x * self.along_steepest - y * self.along_level, x * self.along_level + y * self.along_steepest);
-            let ((steep, level), (tilt, turn)) = (in_slope(x, y), in_slope(by_feed, by_side));
-            let turned = (r.recip() - level_curvature) * turn * (cos / sin) * steep * level;
-            let tilted = self.core * cos / (self.core + r * sin).powi(2) * tilt * level * level / 2.0;
-            (turned + tilted).abs()
-        };
-        let ahead = radii.skew / radii.across * s / 2.0;
-        height(ahead + f / 2.0, s / 2.0).max(height(ahead - f / 2.0, s / 2.0))
     }
 
     /// An upper bound of the distance from the contact to any point of the cutter's lower body.
@@ -166,11 +144,11 @@ impl Body {
         self.along_level
     }
 
-    /// The lengths from the contact in a direction (along the feed, to the side) at which H can turn from rising to
-    /// falling or back, in order: where the line enters and leaves the flat, is nearest to the axis, and, where it runs
-    /// over the flat, where the parabola of H there is highest. 0 for those that there are not.
+    /// The distances from the contact, in rising order, at which H can change between rising and falling along a
+    /// direction (along the feed, to the side). They are the points at which the line enters and leaves the flat, is
+    /// nearest to the axis, and reaches the maximum of the parabola of H on the flat. Points that do not exist are 0.
     ///
-    /// The flat is the disc of radius a, cos(S) times as long along the steepest line. On it H = tan(S) u_s + r (1 -
+    /// The flat is the disc of radius a, shortened by cos(S) along the steepest line. On it H = tan(S) u_s + r (1 -
     /// 1/cos(S)) + 1/2 u'Ku.
     pub(super) fn turns(&self, direction: [f64; 2]) -> [f64; 4] {
         let (sin, cos) = (self.slope.sin(), self.slope.cos());
@@ -197,13 +175,13 @@ impl Body {
         turns
     }
 
-    /// Whether the section at the height p is known to be convex although the surface is not: because it reaches
-    /// neither the flat nor the side.
+    /// Whether the section at the height p is known to be convex although the surface is not, because the section
+    /// reaches neither the flat nor the side.
     ///
-    /// On the round the cutter's curvature is sin(beta) / (a + r sin(beta)) or more, beta being the angle between its
-    /// normal and the axis, so that H is convex where that exceeds the largest concave curvature k. The section lies
-    /// within the circle about the contact in which the cutter's sphere of radius q = a/sin(S) + r is not higher than p
-    /// over the surface, and along the steepest line within that of the corner's round.
+    /// On the round, the cutter's curvature is at least sin(beta) / (a + r sin(beta)), with beta the angle between its
+    /// normal and the axis. H is convex where this exceeds the largest concave curvature k. The section lies within the
+    /// circle about the contact in which the cutter's sphere of radius q = a/sin(S) + r is at most p above the surface,
+    /// and along the steepest line within that of the corner's round.
     pub(super) fn is_convex_up_to(&self, p: f64) -> bool {
         let (sin, cos, a, r) = (self.slope.sin(), self.slope.cos(), self.core, self.corner);
         let k = -self.surface.principal_per_mm()[1];
@@ -217,23 +195,24 @@ impl Body {
         let reach_squared = 2.0 * p / free;
         let along_steepest = (2.0 * r * (p + 0.5 * k * reach_squared)).sqrt();
         let sin_least = k * a / (1.0 - k * r);
-        // The sine of S - beta, by which the round turns from the contact to where H ceases to be convex.
+        // The sine of S - beta, the angle of the round from the contact to the point where H ceases to be convex.
         let clear_of_flat =
             a == 0.0 || sin_least < sin && along_steepest < r * (sin * (1.0 - sin_least * sin_least).sqrt() - cos * sin_least);
         clear_of_flat && reach_squared < (a + r) * (a + r) && along_steepest < cos * (r - reach_squared / (a + r))
     }
 
-    /// Whether the line from the contact to a place on the body at the height p runs inside the body, as far as a few
-    /// places on it show.
+    /// Whether the line from the contact to a point of the body at the height p is inside the body, tested at a few
+    /// points of the line.
     pub(super) fn reaches(&self, x: f64, y: f64, p: f64) -> bool {
         [0.2, 0.4, 0.6, 0.8].into_iter().all(|share| self.distance(share * x, share * y, p).value <= 1e-9 * p)
     }
 
-    /// Where the surface overhangs uphill of the contact, so that the cutter's straight side would pass through it: how
-    /// far the place is beyond the line from which on it does, or beyond the contact's level line where that is nearer.
+    /// The distance of a point beyond the line from which the surface overhangs, or beyond the contact's level line if
+    /// that is nearer. Uphill of that line the cutter's straight side would pass through the surface.
     ///
-    /// The normal of the surface is n + K u, its part along the axis cos(S) - sin(S) (k_ss u_s + k_sl u_l). Along the
-    /// side, up to where that vanishes, the height over the surface rises, and falls beyond it.
+    /// The normal of the surface is n + K u; its component along the axis is cos(S) - sin(S) (k_ss u_s + k_sl u_l).
+    /// Along the cutter's side, the height above the surface rises up to the point where this component is 0, and falls
+    /// beyond it.
     fn overhang(&self, steep: f64, level: f64) -> Option<Distance> {
         let [bend, twist] = self.concave?;
         let excess = self.slope.sin() * (bend * steep + twist * level) - self.slope.cos();
@@ -256,18 +235,18 @@ impl Body {
 
     /// The signed distance to the body at (x, y, p).
     ///
-    /// From the axis the place has the radius rho = sqrt(b^2 + nu^2), where b = a + r sin(S) - d, and d, nu, e are its
-    /// offsets from the contact along D, v and Z. The distance to the core is sqrt(g^2 + l^2) with g = rho - a outside
-    /// and l = r cos(S) - e below it. With D' = rho - b = nu^2/(rho + b) the distance to the body is
+    /// d, nu and e are the point's offsets from the contact along D, v and Z. Its distance from the axis is rho =
+    /// sqrt(b^2 + nu^2) with b = a + r sin(S) - d. The distance to the core is sqrt(g^2 + l^2) with g = rho - a outside
+    /// the core and l = r cos(S) - e below it. With D' = rho - b = nu^2/(rho + b), the distance to the body is
     ///
     /// sqrt(g^2 + l^2) - r = (2 r (sin(S) D' - p) + (D' - d)^2 + e^2) / (sqrt(g^2 + l^2) + r),
     ///
-    /// where nothing cancels near the contact, because sin(S) d + cos(S) e = p was taken out by hand.
+    /// in which nothing cancels near the contact, because sin(S) d + cos(S) e = p has been substituted.
     #[inline]
     pub(super) fn distance(&self, x: f64, y: f64, p: f64) -> Distance {
         let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
         let (k_f, k_t, k_ft) = (self.surface.along_per_mm(), self.surface.across_per_mm(), self.surface.twist_per_mm());
-        // How the surface falls away, and what of a step along the feed or to the side is a fall.
+        // How far the surface has fallen from the tangent plane, and its derivatives along the feed and to the side.
         let (fall_by_feed, fall_by_side) = (k_f * x + k_ft * y, k_ft * x + k_t * y);
         let p = p - 0.5 * (x * fall_by_feed + y * fall_by_side);
         let steep = x * self.along_steepest - y * self.along_level;
@@ -293,13 +272,12 @@ impl Body {
         {
             return overhang;
         }
-        // The radial unit vector; on the axis the core's floor is nearer than its side, so that its direction does not
+        // The radial unit vector. On the axis the core's floor is nearer than its side, so the direction does not
         // matter.
         let (radial_d, radial_level) = if radius > 0.0 { (-b / radius, level / radius) } else { (-1.0, 0.0) };
-        // A vector's parts along the feed, to the side and along the normal; of these the feed has the parts cos(theta)
-        // and sin(theta) times those of the steepest and the level line, the side -sin(theta) and cos(theta) times
-        // them. Against the surface, a step along the normal is a step over the tangent plane, less what the surface
-        // falls.
+        // The components of a vector along the feed, to the side and along the normal. The feed is cos(theta) times the
+        // steepest line plus sin(theta) times the level line; the side is -sin(theta) and cos(theta) times them. A step
+        // along the feed or to the side also includes the fall of the surface.
         let parts = |d: f64, level: f64, z: f64| {
             let (steep, height) = (d * cos - z * sin, d * sin + z * cos);
             let feed = steep * self.along_steepest + level * self.along_level;
@@ -307,7 +285,7 @@ impl Body {
             (feed - height * fall_by_feed, side - height * fall_by_side, height)
         };
         let (by_feed, by_side, by_height) = parts(out * radial_d, out * radial_level, -down);
-        // The distance bends along the meridian's tangent and around the axis, and with the surface.
+        // The second derivatives have three parts: along the meridian's tangent, around the axis, and from the surface.
         let along = parts(down * radial_d, down * radial_level, out);
         let around = parts(-radial_level, radial_d, 0.0);
         let around_axis = if out > 0.0 && radius > 0.0 { out / radius } else { 0.0 };

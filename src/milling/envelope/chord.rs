@@ -2,7 +2,8 @@
 
 use super::body::{Body, Distance};
 
-/// Two tooth marks of one pass: their distance along the feed, and the depth that each lacks against the deepest tooth.
+/// Two tooth marks of one pass: their distance along the feed, and how much less deep each is than that of the deepest
+/// tooth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Marks {
     pub(super) spacing: f64,
@@ -11,27 +12,27 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// Marks of teeth that all reach equally deep.
+    /// Marks of equally deep teeth.
     pub(super) fn even(spacing: f64) -> Self {
         Self { spacing, front_drop: 0.0, back_drop: 0.0 }
     }
 }
 
-/// The least of the greater of two distances along the feed: from (x, t, p - front drop) and from (x - f, t, p - back
-/// drop) to the body. It is not positive where the section at the height p holds a chord of the length f at the offset
-/// t. With its derivatives, to first order in x.
+/// The minimum over x of the greater of two distances to the body: that of (x, t, p - front drop) and that of (x - f,
+/// t, p - back drop). It is at most 0 if the section at the height p contains a chord of the length f at the offset t.
+/// With its derivatives, to first order in x.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chord {
     pub(super) value: f64,
     pub(super) by_side: f64,
     pub(super) by_height: f64,
     pub(super) by_spacing: f64,
-    /// The greater distance at x itself.
+    /// The greater of the two distances at x itself.
     pub(super) furthest: f64,
     pub(super) shift: Shift,
 }
 
-/// The error of x, and its change with the other unknowns.
+/// The error of x, and the derivatives of x by the other unknowns.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Shift {
     pub(super) off: f64,
@@ -41,7 +42,7 @@ pub(super) struct Shift {
 }
 
 impl Shift {
-    /// The shift of x when the chord moves to the side, up, or becomes longer.
+    /// The shift of x if the chord moves to the side by `aside`, up by `rise`, and becomes longer by `longer`.
     pub(super) fn of(&self, aside: f64, rise: f64, longer: f64) -> f64 {
         self.off + self.by_side * aside + self.by_height * rise + self.by_spacing * longer
     }
@@ -56,29 +57,31 @@ pub(super) struct Accuracy {
 }
 
 impl Accuracy {
-    /// For Newton's method on all unknowns at once, which corrects x along with them.
+    /// The accuracy for Newton's method on all unknowns at once, which also corrects x.
     pub(super) fn rough(p: f64) -> Self {
         Self { crossing: 0.1 * p, round: 0.1 * p, corner: 1e-15 * p }
     }
 
-    /// For a value to a rounding of p. A crossing is then as near as its square. The parabola of a round is only as
-    /// near as it is low, because the second derivative jumps where flat, corner and side meet.
+    /// The accuracy for a value to the rounding of p. At a crossing, the error of the value is the square of that of x.
+    /// On a round, the parabola is accurate only near its minimum, because the second derivative jumps where flat,
+    /// corner and side meet.
     pub(super) fn full(p: f64) -> Self {
         Self { crossing: 1e-9 * p, round: 1e-14 * p, corner: 1e-15 * p }
     }
 }
 
-/// Halving a bracket of any length in play down to a rounding takes some 60 steps, and growing it to there some 40.
+/// The largest number of steps: halving a bracket of any possible length down to rounding takes about 60, and growing
+/// it to that length about 40.
 const MOST_STEPS: usize = 120;
 
 impl Chord {
-    /// Searches the chord at the offset t and the height p, from `x` on, to an accuracy; `x` is then where the search
-    /// ended.
+    /// Searches the chord at the offset t and the height p to an accuracy. `x` is the start, and afterwards the end, of
+    /// the search.
     ///
-    /// The greater of two convex functions is convex, and where it rises or falls brackets its least value. The steps
-    /// are Newton's: to where the greater function is least, or to where both are equal, whichever comes first. Where
-    /// they do not shrink the bracket, tangents from both of its ends are intersected, which ends at once at a sharp
-    /// edge's corner, or it is halved.
+    /// The greater of two convex functions is convex, and the sign of its slope brackets its minimum. The steps are
+    /// Newton's: to the minimum of the greater function, or to the point at which both are equal, whichever comes
+    /// first. If these steps do not shrink the bracket, the tangents at its ends are intersected, which finds the
+    /// corner of a sharp edge at once, or the bracket is halved.
     #[inline]
     pub(super) fn search(body: &Body, x: &mut f64, t: f64, p: f64, marks: &Marks, accuracy: Accuracy, mut reach: f64) -> Self {
         let f = marks.spacing;
@@ -120,8 +123,8 @@ impl Chord {
             }
             if let (Some(falling), Some(rising)) = (falling, rising) {
                 if !crossing {
-                    // At a corner both tangents stay; the value is between the tangents' and the active one, where on a
-                    // round it is as near as the square.
+                    // At a corner the value lies between that of the tangents and the active one; on a round, the error
+                    // is quadratic.
                     let chord = Self::between_places(&rising, &falling);
                     best = Some((*x, chord));
                     if active.value - chord.value <= accuracy.corner {
@@ -167,13 +170,13 @@ impl Chord {
         chord
     }
 
-    /// The chord where the distance does not change along the feed.
+    /// The chord of a distance that does not change along the feed.
     fn flat(at: &Distance) -> Self {
         Self { value: at.value, by_side: at.by_side, by_height: at.by_height, by_spacing: 0.0, furthest: at.value, shift: Shift::default() }
     }
 
-    /// The chord where one distance alone is least and the other one less, on the parabola that it is along the feed.
-    /// `back` is 1 for the place f behind x.
+    /// The chord at the minimum of one distance while the other is smaller, by the parabola of that distance along the
+    /// feed. `back` is 1 for the point f behind x, otherwise 0.
     fn point(at: &Distance, back: f64) -> Self {
         let off = -at.by_feed / at.bend;
         Self {
@@ -186,8 +189,8 @@ impl Chord {
         }
     }
 
-    /// The chord on the tangents at its ends, the front where the distance rises along the feed and the back, f behind
-    /// it, where it falls.
+    /// The chord by the tangents at its ends: at the front the distance rises along the feed, and at the back, f behind
+    /// it, it falls.
     fn between(front: &Distance, back: &Distance) -> Self {
         let steepening = front.by_feed - back.by_feed;
         let share = balance(front.by_feed, back.by_feed);
@@ -207,9 +210,9 @@ impl Chord {
         }
     }
 
-    /// The chord on tangents at two places, one where the distance rises along the feed and one where it falls.
-    /// Balanced, they do not depend on x: a lower bound of the least value, and that value itself at a sharp edge's
-    /// corner.
+    /// The chord by the tangents at two points, one where the distance rises along the feed and one where it falls.
+    /// Their balanced mean does not depend on x. It is a lower bound of the minimum, and the minimum itself at the
+    /// corner of a sharp edge.
     fn between_places((rising_x, rising): &(f64, Distance), (falling_x, falling): &(f64, Distance)) -> Self {
         let share = balance(rising.by_feed, falling.by_feed);
         let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
@@ -224,8 +227,8 @@ impl Chord {
     }
 }
 
-/// The weight of a rising slope against a falling one that makes their mean vanish; any weight does where neither
-/// slopes.
+/// The weight of a rising slope for which the weighted mean with a falling slope is 0. If both slopes are 0, any weight
+/// is valid.
 pub(super) fn balance(rising: f64, falling: f64) -> f64 {
     let whole = rising - falling;
     if whole > 0.0 { (-falling / whole).clamp(0.0, 1.0) } else { 0.5 }

@@ -1,5 +1,5 @@
-//! The condition that a pass clears an offset: the chords along the feed that the cutter's section must contain there,
-//! for teeth of equal depth and with runout.
+//! The condition that a pass clears a lateral offset: the chords along the feed that the cutter's section must contain
+//! there, for teeth of equal depth and with runout.
 
 use super::body::Body;
 use super::chord::{Accuracy, Chord, Marks, Shift};
@@ -7,14 +7,15 @@ use super::chord::{Accuracy, Chord, Marks, Shift};
 /// The marks that clear an offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Clearing {
-    /// Marks of equal depth, `feeds` feeds per tooth apart and `drop` less deep than those of the deepest tooth.
+    /// Marks of equal depth. They are `feeds` feeds per tooth apart, and `drop` less deep than those of the deepest
+    /// tooth.
     Even {
         /// 1 for neighbouring teeth, z for the deepest tooth alone.
         feeds: f64,
-        /// delta for shallow teeth.
+        /// delta for shallow teeth, otherwise 0.
         drop: f64,
     },
-    /// A deep mark beside a shallow one, which is `drop` less deep, before or behind it, whichever clears less.
+    /// A deep mark and a shallow one, `drop` less deep, before or behind it: the order that clears less.
     Mixed {
         /// delta.
         drop: f64,
@@ -29,7 +30,7 @@ pub(super) struct Row {
     pub(super) feed: f64,
 }
 
-/// The least favourable chord, and the change of the chords' ends with the other unknowns.
+/// The chord that limits, and the derivatives of the chords' ends by the other unknowns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Held {
     pub(super) chord: Chord,
@@ -48,7 +49,7 @@ impl Clearing {
         }
     }
 
-    /// The pairs of marks that must all be contained, at a feed per tooth.
+    /// The pairs of marks that the section must all contain, at a feed per tooth.
     fn pairs(&self, feed: f64) -> (Marks, Option<Marks>) {
         match *self {
             Self::Even { feeds, drop } => (Marks { spacing: feeds * feed, front_drop: drop, back_drop: drop }, None),
@@ -59,8 +60,8 @@ impl Clearing {
         }
     }
 
-    /// The chord in a row of whose ends the further one is furthest outside; `x` has each chord's front end, where its
-    /// search starts and ends.
+    /// The chord in a row whose further end is furthest outside. `x` has the front end of each chord: the start of its
+    /// search, and afterwards its result.
     pub(super) fn search(&self, body: &Body, x: &mut [f64; 2], row: Row, accuracy: Accuracy, reach: f64) -> Held {
         let Row { t, p, feed } = row;
         let (one, other) = self.pairs(feed);
@@ -74,7 +75,7 @@ impl Clearing {
             None => first,
         };
         if let Self::Even { feeds, .. } = self {
-            // The marks move apart by so much when the feed grows by 1.
+            // The distance of the marks grows by this much when the feed grows by 1.
             chord.by_spacing *= feeds;
             for shift in &mut shifts {
                 shift.by_spacing *= feeds;
@@ -83,13 +84,13 @@ impl Clearing {
         Held { chord, shifts }
     }
 
-    /// The distance of the chords in a row from the section, negative inside, searched from `x` on.
+    /// The distance of the chords in a row from the section, negative inside. The search starts at `x`.
     pub(super) fn outside(&self, body: &Body, mut x: [f64; 2], row: Row, reach: f64) -> f64 {
         self.search(body, &mut x, row, Accuracy::full(row.p), reach).chord.value
     }
 
-    /// Whether the chords and the lines from the contact to their ends run inside the body, as far as a few places on
-    /// them show.
+    /// Whether the chords and the lines from the contact to their ends are inside the body, tested at a few points on
+    /// them.
     pub(super) fn is_seen(&self, body: &Body, x: [f64; 2], Row { t, p, feed }: Row) -> bool {
         let (one, other) = self.pairs(feed);
         [Some(one), other].into_iter().zip(x).filter_map(|(marks, x)| Some((marks?, x))).all(|(marks, x)| {

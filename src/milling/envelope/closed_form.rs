@@ -1,4 +1,5 @@
-//! Heights and inverses that have a closed form: on planes at floors and walls, of balls, and of sharp edges.
+//! Heights and inverses with a closed form: on plane floors and walls, for ball-end cutters, and for sharp edges on
+//! planes.
 
 use super::Envelope;
 use super::section::Pattern;
@@ -7,10 +8,10 @@ use crate::numerics::bracketed_root;
 use std::convert::Infallible;
 
 impl Envelope {
-    /// h on a plane for marks of equal depth, where it has a closed form.
+    /// h on a plane for marks of equal depth; `None` if it has no closed form.
     pub(super) fn closed_form(&self, s: f64, f: f64) -> Option<f64> {
-        // Only the cylinder touches a wall. On a floor the corners of the rectangle between two teeth of two passes lie
-        // on the flat or on the corner's round.
+        // Only the cylindrical side touches a wall. On a floor, the corners of the rectangle between two teeth of two
+        // passes lie on the flat or on the corner's round.
         if let Some(disc) = self.disc() {
             return Some(disc.height((s * disc.shares[0]).hypot(f * disc.shares[1])));
         }
@@ -24,8 +25,8 @@ impl Envelope {
 
     /// Whether a ball-end cutter touches the ridge with its ball and not with its side.
     ///
-    /// On the sphere the lowest rectangle is centred over the contact, R - h below the centre; its highest corner is
-    /// (s |sin(theta)| + f |cos(theta)|) / 2 up the slope and has to be below the centre.
+    /// On the sphere the lowest rectangle is centred over the contact, R - h below the centre. Its highest corner is (s
+    /// |sin(theta)| + f |cos(theta)|) / 2 up the slope and must be below the centre.
     pub(super) fn ball_alone(&self, s: f64, f: f64) -> bool {
         let (slope, theta, radius) = (self.contact().slope(), self.contact().theta(), self.cutter.outer_radius().mm());
         let half_diagonal = s.hypot(f) / 2.0;
@@ -35,17 +36,17 @@ impl Envelope {
 
     /// h1 of a flat-end cutter between floor and wall.
     ///
-    /// The outline seen along the feed is half of the edge's circle, the half within 90 deg of the feed's line seen
-    /// from above, and the side over both its ends. Where the circle is at the angle delta from the contact it is R
-    /// sin(S) (1 - cos(delta)) high. Ridges between two edges are the ends of a chord along the level line, of which
-    /// the outline shows the part cos(theta):
+    /// The outline seen along the feed consists of half of the edge's circle, and the side above both of its ends. The
+    /// half is the one within 90 deg of the feed's line seen from above. At the angle delta from the contact the circle
+    /// is R sin(S) (1 - cos(delta)) high. A ridge between two edges is at the ends of a chord along the level line,
+    /// which appears shortened by cos(theta) in the outline:
     ///
-    /// h1 = R sin(S) (1 - cos(delta)), sin(delta) = s / (2 R cos(theta)), while delta <= 90 deg - alpha, where the side
-    /// begins.
+    /// h1 = R sin(S) (1 - cos(delta)), sin(delta) = s / (2 R cos(theta)), for delta <= 90 deg - alpha, at which the
+    /// side begins.
     ///
-    /// Ridges between edge and side lie on the circle at s cos(S) / cos(climb) from the side, seen from above: at the
-    /// angle epsilon from where it begins, with R (1 - cos(epsilon)) that distance, and at delta = epsilon - (90 deg -
-    /// alpha) from the contact.
+    /// A ridge between edge and side is on the circle at the distance s cos(S) / cos(climb) from the side, seen from
+    /// above. With R (1 - cos(epsilon)) equal to this distance, it is at the angle epsilon from the beginning of the
+    /// side, and at delta = epsilon - (90 deg - alpha) from the contact.
     fn edge_height(&self, s: f64) -> f64 {
         let (outer, sin) = (self.cutter.outer_radius().mm(), self.contact().slope().sin());
         let (along_steepest, alpha) = (self.contact().theta().cos().abs(), self.contact().alpha());
@@ -58,15 +59,15 @@ impl Envelope {
     }
 }
 
-/// The cutter on a plane floor or wall, where its section at every height is a disc, of a flat and a round at its rim,
-/// or a strip.
+/// The cutter on a plane floor or wall. On a floor its section at every height is a disc, of the flat and the round at
+/// its rim; on a wall it is a strip.
 #[derive(Debug, Clone, Copy)]
 struct Disc {
     /// The radius of the flat.
     flat: f64,
     /// The radius of the round.
     round: f64,
-    /// The factors of the passes' and of the marks' distance seen from above.
+    /// The factors from the distances of passes and of marks to those seen from above.
     shares: [f64; 2],
 }
 
@@ -83,16 +84,16 @@ impl Disc {
         if beyond_flat > 0.0 { circle_height(self.round, beyond_flat) } else { 0.0 }
     }
 
-    /// Half of the chord at the height p whose middle is half of `across` from the centre.
+    /// Half of the chord at the height p whose midpoint is `across` / 2 from the centre.
     fn half_chord(&self, p: f64, across: f64) -> Option<f64> {
         let radius = self.radius(p);
         (p >= 0.0 && radius >= across / 2.0).then(|| ((radius - across / 2.0) * (radius + across / 2.0)).sqrt())
     }
 }
 
-/// With runout a chord ends in the section of a deep mark or of a shallow one, which is that of the height p - delta.
-/// All sections are centred over the contact, so that of the intervals that alternating marks and deep marks alone
-/// clear one holds the other.
+/// With runout, a chord ends in the section of a deep mark or of a shallow one, which is the section at the height p -
+/// delta. All sections are centred over the contact. Therefore one of the two intervals, that of alternating marks and
+/// that of deep marks alone, contains the other.
 impl Envelope {
     fn disc(&self) -> Option<Disc> {
         let (slope, outer) = (self.contact().slope(), self.cutter.outer_radius().mm());
@@ -112,7 +113,7 @@ impl Envelope {
         let disc = self.disc()?;
         let (across, along) = (s * disc.shares[0], pattern.spacing * disc.shares[1]);
         let by_deep = across.hypot(pattern.deep_spacing * disc.shares[1]);
-        // The largest step-over and feed lie on this border to a rounding.
+        // The largest step-over and feed are on this limit, up to rounding.
         let by_deep = (by_deep <= 2.0 * (disc.flat + disc.round) * (1.0 + 8.0 * f64::EPSILON)).then(|| disc.height(by_deep));
         let (least, drop) = (disc.height(across.hypot(along)), pattern.drop);
         let alternating = if pattern.shallow_pairs {
@@ -126,8 +127,7 @@ impl Envelope {
         Some(by_deep.map_or(alternating, |by_deep| by_deep.min(alternating)))
     }
 
-    /// The largest feed per tooth that keeps the height p on a plane floor or wall in passes s apart; 0 where none
-    /// does.
+    /// The largest feed per tooth that keeps the height p on a plane floor or wall in passes s apart; 0 if none does.
     pub(super) fn feed_on_floor_or_wall(&self, p: f64, s: f64) -> Option<f64> {
         let disc = self.disc()?;
         let pattern = self.pattern(1.0);
@@ -138,19 +138,20 @@ impl Envelope {
         Some(at_share(by_deep.max(alternating), disc.shares[1]))
     }
 
-    /// The largest step-over that keeps the height p on a plane floor or wall; 0 where none does.
+    /// The largest step-over that keeps the height p on a plane floor or wall; 0 if none does.
     pub(super) fn step_over_on_floor_or_wall(&self, p: f64, pattern: &Pattern) -> Option<f64> {
         let disc = self.disc()?;
         let along = pattern.spacing * disc.shares[1];
-        // Chords of a disc lie as far from its centre as they are long in a disc that is turned by a quarter.
+        // Half-length and distance from the centre of a chord are interchangeable, so the same function serves for
+        // both.
         let by_deep = disc.half_chord(p, pattern.deep_spacing * disc.shares[1]).unwrap_or(0.0);
         let alternating = if p < pattern.drop {
             0.0
         } else if pattern.shallow_pairs || pattern.is_even() {
             disc.half_chord(p - pattern.drop, along).unwrap_or(0.0)
         } else {
-            // Two circles whose centres are a feed apart meet at this distance from the line between them, unless the
-            // smaller one's widest place is inside the other.
+            // Two circles with centres one feed apart meet at this distance from the line of their centres, unless the
+            // widest point of the smaller one is inside the other.
             let (deep, shallow) = (disc.radius(p), disc.radius(p - pattern.drop));
             let from_shallow = (along - (deep - shallow) * (deep + shallow) / along) / 2.0;
             if from_shallow <= 0.0 { shallow } else { ((shallow - from_shallow) * (shallow + from_shallow)).max(0.0).sqrt() }
@@ -159,14 +160,14 @@ impl Envelope {
     }
 }
 
-/// The length of which the share `share` is `length`; 0 for 0 whatever the share.
+/// `length` divided by `share`; 0 if `length` is 0.
 fn at_share(length: f64, share: f64) -> f64 {
     if length > 0.0 { length / share } else { 0.0 }
 }
 
-/// P - sqrt(P^2 - c^2/4), what circles of radius P leave at the distance c <= 2P, without cancellation.
+/// P - sqrt(P^2 - c^2/4) without cancellation: the height between circles of radius P at the distance c <= 2P.
 pub(super) fn circle_height(radius: f64, chord: f64) -> f64 {
-    // A rounding may put c over 2P where the caller's own comparison did not.
+    // Rounding may make c larger than 2P although the caller's comparison did not.
     let ratio = (chord / (2.0 * radius)).min(1.0);
     chord / 2.0 * ratio / (1.0 + ((1.0 - ratio) * (1.0 + ratio)).sqrt())
 }

@@ -1,5 +1,5 @@
-//! The model on concave surfaces, where the section at a height need not be convex: the results of the searches are
-//! compared with the section's outline, and searched again from there if they differ.
+//! The model on concave surfaces, on which the section at a height need not be convex. Results of the other searches
+//! are compared with the section's outline; if they differ, the search is repeated from the outline.
 
 use super::Envelope;
 use super::clearing::Clearing;
@@ -8,14 +8,14 @@ use super::outline::{Cleared, Outline, Outlook};
 use super::section::{Pattern, Section};
 use crate::quantity::Length;
 
-/// The share of a height by which the outline, a polygon inside the section, may be wider than the result. A width
-/// differs by half as much.
+/// The outline, a polygon inside the section, may give a height that is lower than the result by this share. Widths may
+/// differ by half as much.
 const COARSE: f64 = 0.03;
 
-/// The share by which it may be narrower, because the polygon cuts off thin tips of the section.
+/// The outline may give a height that is higher by this share, because the polygon cuts off thin tips of the section.
 const CUT_OFF: f64 = 0.3;
 
-/// Steps that narrow a height on the outline down to a tenth of [`COARSE`].
+/// The largest number of steps of the search for a height on the outline, more than a tenth of [`COARSE`] needs.
 const MOST_STEPS: usize = 40;
 
 impl Envelope {
@@ -28,8 +28,8 @@ impl Envelope {
         deep.cleared_by(pattern, shallow.as_ref())
     }
 
-    /// h for passes s apart: `found`, where the outline agrees with it, otherwise what is found from the outline;
-    /// `None` where no height clears s. Where `found` is known to clear s, only lower heights are in question.
+    /// h for passes s apart: `found` if the outline agrees with it, otherwise the result of a search from the outline;
+    /// `None` if no height clears s. `is_clear` states that `found` clears s, so that only lower heights are searched.
     pub(super) fn height_on_concave(&self, s: f64, pattern: Pattern, found: Option<f64>, is_clear: bool) -> Option<f64> {
         let highest = 4.0 * self.cutter.outer_radius().mm();
         let found = found.filter(|found| *found < highest);
@@ -60,7 +60,7 @@ impl Envelope {
                 if is_clear {
                     return Some(found);
                 }
-                // Where the outline is wide enough above, the height found is right.
+                // If the outline is wide enough at a slightly higher p, `found` is right.
                 p = found * (1.0 + CUT_OFF);
                 continue;
             }
@@ -97,8 +97,8 @@ impl Envelope {
         Some(quick.or_else(general).unwrap_or(high))
     }
 
-    /// The largest step-over that keeps the height p, at most `largest`: `found`, which keeps it, where the outline has
-    /// no larger one, otherwise what is found from the outline.
+    /// The largest step-over, at most `largest`, that keeps the height p. It is `found`, which keeps p, unless the
+    /// outline has a larger one; then it is the result of a search from the outline.
     pub(super) fn step_over_on_concave(&self, p: f64, pattern: Pattern, found: Option<f64>, largest: f64) -> f64 {
         let under = p * (1.0 - COARSE);
         let outlook = Outlook::new(&self.body, under);
@@ -118,8 +118,8 @@ impl Envelope {
         quick.filter(agrees).or_else(general).unwrap_or_else(|| width(p))
     }
 
-    /// The largest feed per tooth that keeps the height p in passes s apart, at most `largest`: `found`, which keeps
-    /// it, where the outline has no larger one, otherwise what is found from the outline.
+    /// The largest feed per tooth, at most `largest`, that keeps the height p in passes s apart. It is `found`, which
+    /// keeps p, unless the outline has a larger one; then it is the result of a search from the outline.
     pub(super) fn feed_on_concave(&self, p: f64, s: f64, found: Option<f64>, largest: f64) -> Option<f64> {
         let outlook = Outlook::new(&self.body, p * (1.0 - COARSE));
         let with_shallow = |deep: Outline, p: f64| (deep, (self.drop > 0.0 && p > self.drop).then(|| outlook.at(p - self.drop, &deep)));
@@ -159,7 +159,7 @@ impl Envelope {
         Some(quick.or_else(|| general().filter(agrees)).unwrap_or(low))
     }
 
-    /// The ridge by the quick search from where the outline has it.
+    /// The ridge by Newton's method, starting from the ridge on the outline.
     fn polished(&self, pattern: &Pattern, lengths: Lengths, cleared: &Cleared, sought: Sought) -> Option<Lengths> {
         if !pattern.is_even() || !self.is_quick(pattern.spacing) {
             return None;

@@ -1,19 +1,19 @@
 //! Model `envelope`: the height that the cutter's exact lower body leaves.
 //!
-//! The analytic radii are curvatures at one point. Near the horizontal the groove is far narrower than the circle of
-//! its curvature, at oblique feed neighbouring tooth marks meet along the feed and not in its normal plane, and on
-//! steep walls the cutter's side cuts beside its corner. Here the height is that of the highest place that some phase
-//! between the teeth of neighbouring passes can leave uncut: a bound, and reached.
+//! The analytic radii are radii of curvature at one point. They fail in three cases: on gentle slopes the groove is far
+//! narrower than the circle of its curvature; with an oblique feed, neighbouring tooth marks meet along the feed and
+//! not in its normal plane; and on steep walls the cutter's side cuts beside its corner. Here the height is that of the
+//! highest point that any phase between the teeth of neighbouring passes can leave uncut: a bound that is reached.
 //!
-//! Assumptions: a tooth cuts the shape of the whole body, that is, the feed per revolution is small compared with the
-//! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel, and the
-//! surface is of the second order: what changes along it is left out.
+//! Assumptions: a tooth cuts the shape of the whole body, so the feed per revolution is small compared with the
+//! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel; the surface is
+//! of the second order, so that changes of its curvature are left out.
 //!
-//! - `mod` (this file): the model's answers, each by the quickest way that has one
-//! - `closed_form`: planes at floors and walls, balls, sharp edges on planes
-//! - `newton`: all unknowns at once, with a proof of the outcome; `clearing` and `runout`: the same with runout;
-//!   `sharp_edge`: sharp edges on curved surfaces
-//! - `section`: the general search; `chord`: what all searches do along the feed
+//! - `mod` (this file): the model's answers, each by the fastest search that has one
+//! - `closed_form`: plane floors and walls, ball-end cutters, sharp edges on planes
+//! - `newton`: the fast search on all unknowns at once, with a proof of the result; `clearing` and `runout`: the same
+//!   with runout; `sharp_edge`: sharp edges on curved surfaces
+//! - `section`: the general search; `chord`: the search along the feed, which the other searches use
 //! - `concave` and `outline`: surfaces on which the section need not be convex
 //! - `body`: the cutter's solid over the surface
 
@@ -27,9 +27,11 @@ mod outline;
 mod runout;
 mod section;
 mod sharp_edge;
+mod third_order;
+mod turning_marks;
 
 use super::gouging;
-use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
+use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Angle, Length};
 use body::Body;
@@ -38,32 +40,33 @@ use section::{Pattern, Section};
 use std::convert::Infallible;
 use std::num::NonZeroU32;
 
-/// The envelope model at one contact. It has an answer at every slope from 0 to 90 deg, for every cutter.
+/// The envelope model at one contact. It covers every slope from 0 to 90 deg and every cutter.
 ///
-/// **Heights.** h is the lowest height at which the cutter's section parallel to the surface holds two chords along the
-/// feed, both as long as the tooth marks are apart and lying the step-over s apart. h1 is the same with chords of no
-/// length, and the feed's share is h - h1. Both grow with s and with the feed.
+/// **Heights.** h is the lowest height at which the cutter's section parallel to the surface contains two chords along
+/// the feed, each as long as the distance of the tooth marks, and the step-over s apart. h1 is the same with chords of
+/// length 0, and the feed's part is h - h1. Both grow with s and with the feed.
 ///
-/// **Where passes overlap.** Seen from above a pass clears a strip 2R wide, and the teeth print circles of radius R.
-/// With d the passes' distance and f the marks' distance seen from above, something stays uncut from top to bottom
-/// unless d^2 + f^2 <= 4 R^2; that is an error. On a wall along which the feed runs d is 0 whatever s.
+/// **Overlap.** Seen from above, a pass clears a strip 2R wide, and the marks of the teeth are circles of radius R.
+/// With d the passes' distance and f the marks' distance seen from above, material stays uncut from top to bottom
+/// unless d^2 + f^2 <= 4 R^2; that is an error. For a feed along a wall, d is 0 for every s.
 ///
-/// **Curved surfaces.** Heights count over the surface 1/2 u'Ku under the tangent plane, in which the relative
-/// curvature of cutter and surface is exact; the third order is left out.
+/// **Curved surfaces.** Heights are measured from the surface 1/2 u'Ku below the tangent plane. The relative curvature
+/// of cutter and surface is then exact; the third order is left out.
 ///
-/// **Runout.** Heights count from the surface that the deepest tooth touches, whose radius is R + |rr|. The shallowest
-/// tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep. A pass clears what a deep mark and a shallow one, the
-/// feed per tooth apart, leave in the worse order; or what deep marks alone leave, z f_z apart.
+/// **Runout.** Heights are measured from the surface that the deepest tooth touches, whose radius is R + |rr|. The
+/// shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep. A pass clears the offsets that a deep and a
+/// shallow mark, one feed per tooth apart, clear in the worse order, and those that deep marks alone, z f_z apart,
+/// clear.
 #[derive(Debug, Clone, Copy)]
 pub struct Envelope {
     pass: Pass,
     cutter: Cutter,
     body: Body,
     climb: Angle,
-    /// delta, by how much the shallowest tooth reaches less deep than the deepest.
+    /// delta, how much less deep the shallowest tooth reaches than the deepest.
     drop: f64,
     relative_curvature: f64,
-    /// The curvature of the groove against the surface, for first guesses.
+    /// The curvature of the groove relative to the surface, for first guesses.
     groove_curvature: f64,
 }
 
@@ -86,49 +89,12 @@ impl Envelope {
         self.relative_curvature
     }
 
-    /// The largest change, as a share of the ridge's height, that the third order of the surface makes to a mark's
-    /// height at the ridge between passes s apart, their marks f apart; an estimate by the curvature at the contact.
-    ///
-    /// From the contact to a mark beside the ridge the normal turns by K u, so that the cutter's line of steepest slope
-    /// turns by (K u)_level / tan(S) in the tangent plane and the slope changes by (K u)_steepest. Both change C^-1 =
-    /// diag(1/r, 1/q), q = (R - r)/sin(S) + r, hence the mark's height by 1/2 u' (change of C^-1) u. The changes of
-    /// both passes' marks have opposite signs, so that h itself changes with the square of this share.
-    pub(super) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        if self.pass.surface.is_plane() {
-            return 0.0;
-        }
-        let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
-        let share = self.body.third_order(s, f) * 8.0 / (s * s * self.groove_curvature);
-        // At an exact floor, and for a sharp edge, a product of 0 and infinity: the normal does not turn there, or
-        // everything turns with it.
-        if share.is_nan() { f64::INFINITY } else { share }
-    }
-
-    /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
-    ///
-    /// # Errors
-    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
-    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0))?;
-        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(step_over.mm(), self.pattern(feed.mm())))?;
-        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds
-        // for both.
-        let step_over_height = step_over_height.min(total);
-        // h is never under h1; where marks leave next to nothing, rounding may put it there.
-        let feed = (total - step_over_height).max(0.0);
-        Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
-    }
-
-    /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
-    ///
-    /// # Errors
-    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
-    /// step-over in [`Envelope::scallop_height`].
-    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+    /// [`Envelope::max_feed_per_tooth`] to second order.
+    fn second_order_max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
         let step_over_height = Length::computed(self.height(s, Pattern::even(0.0))?);
         let used_up = || {
-            let max_step_over = self.max_step_over(tolerance, None)?;
+            let max_step_over = self.second_order_max_step_over(tolerance, None)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
         };
         if step_over_height >= tolerance {
@@ -158,8 +124,8 @@ impl Envelope {
         }
     }
 
-    /// The largest feed per tooth up to `largest` at which the pass clears the step-over s down to the height p; `None`
-    /// where none does from [`Length::SMALLEST`] on.
+    /// The largest feed per tooth, from [`Length::SMALLEST`] to `largest`, at which the passes clear the step-over s
+    /// down to the height p; `None` if there is none.
     fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
         let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
         if excess(largest) <= 0.0 {
@@ -203,20 +169,15 @@ impl Envelope {
         Some(logarithm.exp())
     }
 
-    /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
-    ///
-    /// # Errors
-    /// - [`NoAnswer::FeedUsesUpTolerance`] where even passes [`Length::SMALLEST`] apart leave the tolerance;
-    /// - [`NoAnswer::MarksDoNotOverlap`];
-    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] where no step-over up to the largest one leaves the tolerance.
-    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+    /// [`Envelope::max_step_over`] to second order.
+    fn second_order_max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
         let largest = self.largest_step_over(pattern.spacing);
         if largest < Length::SMALLEST {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(Length::SMALLEST)) });
         }
         let p = tolerance.mm();
-        // From above: the groove's parabola, or near the floor what the cutter's flat and corner leave there.
+        // A guess above the result: the groove's parabola, or near the floor the width of the cutter's flat and corner.
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         let on_floor = 2.0 * (core + (2.0 * corner * p).sqrt());
         let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
@@ -237,14 +198,14 @@ impl Envelope {
         } else {
             self.step_over_on_concave(p, pattern, quick, largest)
         };
-        // Where only the passes' overlap ends the interval, it ends there to a rounding.
+        // If only the overlap of the passes limits the step-over, the result is that limit.
         if width >= largest * (1.0 - 1e-12) {
             Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
         } else if width < Length::SMALLEST {
             Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(self.height(Length::SMALLEST, pattern)?) })
         } else {
             if self.body.is_concave() && width > self.body.reach() {
-                // Wider than the cutter on a concave surface: only where the height grows up to there.
+                // On a concave surface, the height is evaluated to check that passes this wide still overlap.
                 self.height(width, pattern)?;
             }
             let confirmed = self.confirmed(width, p, |step_over| self.level(step_over, pattern)).map(Length::computed);
@@ -252,10 +213,10 @@ impl Envelope {
         }
     }
 
-    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` where the
-    /// smallest does not keep it.
+    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` if the smallest
+    /// value does not.
     ///
-    /// Where the section is not convex an inverse and the height can differ by what their outlines do. The height
+    /// If the section is not convex, an inverse and the height can differ by the error of their outlines. The height
     /// decides, so that no answer exceeds the tolerance.
     fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         if self.is_convex_up_to(tolerance) {
@@ -277,19 +238,19 @@ impl Envelope {
         Pattern { spacing: feed, deep_spacing: f64::from(teeth) * feed, drop: self.drop, shallow_pairs: teeth > 2 }
     }
 
-    /// The ridge by the quick search; `None` where its outcome is not proved, and where a sharp edge or a wall makes
-    /// that hopeless.
+    /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
+    /// wall.
     fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
         if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
     }
 
-    /// Whether a sharp edge without marks cuts a concave surface, where the edge's own curve has the ridge.
+    /// Whether a sharp edge without marks cuts a concave surface, in which case `sharp_edge` finds the ridge.
     fn is_sharp_on_concave(&self, mark_spacing: f64) -> bool {
         mark_spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd && self.body.is_concave()
     }
 
-    /// Whether the quick search can end: not on plane floors and walls, where the section's edges are straight along
-    /// the feed, nor for a sharp edge without marks.
+    /// Whether the fast search can converge. It cannot on plane floors and walls, where the section's edges are
+    /// straight along the feed, nor for a sharp edge without marks.
     fn is_quick(&self, mark_spacing: f64) -> bool {
         let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
         let is_straight = self.pass.surface.is_plane() && (slope.sin() == 0.0 || slope.cos() == 0.0);
@@ -311,7 +272,8 @@ impl Envelope {
         self.level(s, pattern).ok_or_else(|| self.no_height(s))
     }
 
-    /// h for passes and marks that overlap seen from above; `None` where on a curved surface no height clears s.
+    /// h for passes and marks that overlap seen from above; `None` if no height clears s, which can happen on a curved
+    /// surface.
     fn level(&self, s: f64, pattern: Pattern) -> Option<f64> {
         let f = pattern.spacing;
         if !pattern.is_even() {
@@ -340,28 +302,23 @@ impl Envelope {
         self.pass.contact
     }
 
-    /// d/s, how near the passes come seen from above: cos(S) / cos(climb), by which a square with a side along the feed
-    /// shrinks, less its shrinking along the feed. On a wall 1 for the vertical feed and 0 for any other, whatever
-    /// alpha; only theta distinguishes feeds there.
+    /// d/s, the ratio of the passes' distance seen from above to that along the surface: cos(S) / cos(climb). Seen from
+    /// above, a unit square with a side along the feed has the area cos(S), and that side the length cos(climb). On a
+    /// wall the ratio is 1 for the vertical feed and 0 for any other; only theta distinguishes feeds there.
     fn spacing_ratio(&self) -> f64 {
         if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
     }
 
-    /// About h, for a search to start from: the parabola of the groove, and along the feed that of radius R. For the
-    /// groove that is less than h near the floor, from where Newton's steps rise steadily; from far above they
-    /// overshoot.
+    /// An approximation of h, from which a search starts: the parabola of the groove, and along the feed the parabola
+    /// of radius R. Near the floor the groove's parabola is less than h. From below, Newton's steps rise monotonically;
+    /// from far above they would overshoot.
     fn guess(&self, s: f64, pattern: Pattern) -> f64 {
         let outer = self.cutter.outer_radius().mm();
-        let f = if pattern.is_even() {
-            pattern.spacing
-        } else {
-            // Circles of radius P that meet their copies raised by delta do so as if they were f + 2 P delta / f apart.
-            pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
-        };
+        let f = self.even_spacing(&pattern);
         // Above the whole cutter there is no section.
         let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
-        // Near the floor the rectangle between four marks lies on the flat, of which its furthest corner has the
-        // height, or beyond it on the corner's round.
+        // Near the floor, the rectangle between four marks lies on the flat, whose height at the furthest corner
+        // counts, or beyond it on the corner's round.
         let (slope, theta) = (self.contact().slope(), self.contact().theta());
         let steep = s * theta.sin().abs() + f * theta.cos().abs() + 0.1 * (s + f);
         let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
@@ -370,8 +327,17 @@ impl Envelope {
         guess.min(outer / 4.0)
     }
 
-    /// About the largest feed per tooth near a plane floor, where the tolerance p exceeds the height of the whole flat:
-    /// the marks lie on the flat and on the corner's round. 0 elsewhere.
+    /// An approximation of the distance at which marks of equal depth leave the same height. Circles of radius P, f apart
+    /// and with every second one raised by delta, meet as if they were f + 2 P delta / f apart.
+    fn even_spacing(&self, pattern: &Pattern) -> f64 {
+        if pattern.is_even() {
+            return pattern.spacing;
+        }
+        pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
+    }
+
+    /// An approximation of the largest feed per tooth near a plane floor, if the tolerance p exceeds the height of the
+    /// whole flat, so that the marks lie on the flat and on the corner's round. Otherwise 0.
     fn feed_on_flat(&self, p: f64, s: f64) -> f64 {
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         let over_flat = (p - 2.0 * core * self.contact().slope().sin()).min(corner);
@@ -391,8 +357,8 @@ impl Envelope {
         self.height_on_concave(s, pattern, level, false)
     }
 
-    /// The reason why passes s apart leave no height although they and their marks overlap seen from above: on a curved
-    /// surface the grooves, or with them the marks, do not meet.
+    /// The reason why passes s apart have no height although they and their marks overlap seen from above: on a curved
+    /// surface the grooves, or the marks, do not meet.
     fn no_height(&self, s: f64) -> NoAnswer {
         let outer = self.cutter.outer_radius().mm();
         let levels = [0.25, 1.0, 2.0].map(|share| share * outer);
@@ -414,8 +380,8 @@ impl Envelope {
         NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_mark_spacing) }
     }
 
-    /// The largest feed per tooth up to `largest` that keeps the height p in passes s apart, from a guess; `quick` is
-    /// the result of the fast search.
+    /// The largest feed per tooth, at most `largest`, that keeps the height p in passes s apart. `quick` is the result
+    /// of the fast search; otherwise the search starts from `guess`.
     fn feed_at(&self, p: f64, s: f64, quick: Option<f64>, guess: f64, largest: f64) -> Option<f64> {
         if !self.is_convex_up_to(p) {
             return self.feed_on_concave(p, s, quick, largest);
@@ -424,7 +390,8 @@ impl Envelope {
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved
-    /// surface. A rounding less, so that it is in the domain itself; at most the largest accepted length.
+    /// surface. It is reduced by a rounding error, so that it is itself in the domain, and is at most the largest
+    /// accepted length.
     fn largest_step_over(&self, f: f64) -> f64 {
         let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
         on_plane.min(2.0 / self.pass.surface.across_per_mm().abs())
@@ -436,8 +403,8 @@ impl Envelope {
     }
 }
 
-/// The length whose part `ratio` and the leg `leg` have the hypotenuse `hypotenuse`, a rounding less; at most the
-/// largest accepted length.
+/// The length x for which `ratio` x and `leg` are the legs of a right triangle with the hypotenuse `hypotenuse`. It is
+/// reduced by a rounding error, and at most the largest accepted length.
 fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
     let room = ((hypotenuse - leg) * (hypotenuse + leg)).max(0.0).sqrt();
     (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)

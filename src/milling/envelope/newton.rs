@@ -1,24 +1,25 @@
-//! Newton's method on all unknowns of the ridge at once: the fast search, which has an answer only if the result is
+//! The fast search: Newton's method on all unknowns of the ridge at once. It has an answer only if the result is
 //! proved.
 //!
-//! The ridge is where four places lie on the body: the ends of two chords along the feed, both as long as the marks are
-//! apart (f), lying the step-over (s) apart, at one height p. Any of p, s and f can be sought when the others are
-//! given: the body's section at a height never shrinks with the height, so the largest s, or f, that the section at a
-//! tolerance holds is the largest one that keeps the tolerance.
+//! At the ridge, four points at one height p lie on the body: the ends of two chords along the feed. Both chords are as
+//! long as the distance of the marks, f, and they are the step-over s apart. Any of p, s and f can be the unknown if
+//! the others are given. The body's section never shrinks with the height, so the largest s, or f, that fits into the
+//! section at a tolerance is the largest one that keeps the tolerance.
 //!
-//! Convexity proves the result. The distance to the body is nowhere less than a tangent, hence the greatest of four
-//! distances nowhere less than a mean of their tangents. With weights that make the mean independent of where the
-//! chords lie, its root bounds what is sought on one side; four places that are not outside the body bound it on the
-//! other. If both bounds agree within a few rounding errors, the path of the search does not matter.
+//! Convexity proves the result. The distance to the body is nowhere less than its tangent, so the greatest of four
+//! distances is nowhere less than a weighted mean of their tangents. With weights for which the mean does not depend on
+//! the positions of the chords, its root bounds the unknown on one side. Four points that are not outside the body
+//! bound it on the other side. If both bounds agree within a few rounding errors, the path of the search does not
+//! matter.
 //!
-//! On a concave surface the distance is convex near the contact only. There the outcome is taken where the lines from
-//! the contact to all four places, and the chords, run inside the body.
+//! On a concave surface the distance is convex only near the contact. There a result is accepted if the lines from the
+//! contact to all four points, and the chords, are inside the body.
 
 use super::body::Body;
 use super::chord::{Accuracy, balance};
 use super::clearing::{Clearing, Held, Row};
 
-/// The height of the ridge, the step-over and the distance of the marks, in mm.
+/// The height p of the ridge, the step-over s and the distance f of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lengths {
     pub(super) level: f64,
@@ -26,7 +27,7 @@ pub(super) struct Lengths {
     pub(super) mark_spacing: f64,
 }
 
-/// The unknown of the three.
+/// The unknown among the three.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sought {
     Level,
@@ -34,29 +35,29 @@ pub(super) enum Sought {
     MarkSpacing,
 }
 
-/// Quadratic convergence takes four to six steps from a guess that is right to a few percent, and some more from
-/// elsewhere.
+/// The largest number of steps. Quadratic convergence takes four to six from a guess within a few percent, and some
+/// more from others.
 const MOST_STEPS: usize = 24;
 
-/// Steps with roughly searched chords. Where these do not suffice a chord's parabola is misleading: it runs across an
-/// edge of the body.
+/// The number of first steps for which the chords are searched roughly. If these do not suffice, the parabola of a
+/// chord is misleading because it crosses an edge of the body, and chords are searched accurately.
 const ROUGH_STEPS: usize = 8;
 
-/// A ridge: its lengths, and where its chords lie.
+/// A ridge: its lengths, and the positions of its chords.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ridge {
     pub(super) lengths: Lengths,
     pub(super) place: Place,
 }
 
-/// The ridge on the body for marks of equal depth, of whose lengths the sought one is only a guess; `None` unless the
-/// outcome is proved.
+/// The ridge on the body for marks of equal depth. In `lengths`, the unknown is a guess. `None` unless the result is
+/// proved.
 pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths) -> Option<Lengths> {
     let both = [Clearing::EVEN; 2];
     solve_from(body, sought, lengths, Place::start(body, lengths.step_over, both, lengths.mark_spacing), both).map(|ridge| ridge.lengths)
 }
 
-/// The ridge from a place near it, whose near and far edges are cleared by marks of their own.
+/// The ridge, searched from a position near it. Different marks may clear its near and its far edge.
 pub(super) fn solve_from(
     body: &Body,
     sought: Sought,
@@ -64,7 +65,7 @@ pub(super) fn solve_from(
     mut place: Place,
     [near_marks, far_marks]: [Clearing; 2],
 ) -> Option<Ridge> {
-    // Where edges of the body meet, a chord's end is followed only as nearly as it was found.
+    // If edges of the body meet there, the position of a chord's end is only as accurate as its search.
     let mut is_close = false;
     for step in 0..MOST_STEPS {
         let s = lengths.step_over;
@@ -76,8 +77,8 @@ pub(super) fn solve_from(
         let far_held = far_marks.search(body, &mut place.neighbour_x, row(place.t - s), accuracy, reach);
         let (near, far) = (&near_held.chord, &far_held.chord);
         if !(near.by_side > 0.0 && far.by_side < 0.0) {
-            // The chords have to lie on both sides of the deepest one; the change of slope between them shows about
-            // where that is.
+            // The chords must be on both sides of the deepest one. The change of slope between them shows where that
+            // approximately is.
             let aside = -s * f64::midpoint(near.by_side, far.by_side) / (near.by_side - far.by_side);
             if aside.is_nan() {
                 return None;
@@ -118,7 +119,7 @@ pub(super) fn solve_from(
     None
 }
 
-/// The changes of the lengths by a step; all but one are 0.
+/// The changes of the lengths in a step; all except that of the unknown are 0.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     rise: f64,
@@ -130,13 +131,13 @@ impl Change {
     const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
 }
 
-/// A change that leaves a quarter of the length at least and makes it four times as long at most: from far off a
-/// tangent may point below 0 or to the horizon. The level needs the former only, since no tangent leads above h.
+/// The change, limited so that a length shrinks at most to a quarter and grows at most fourfold: far from the root, a
+/// tangent may lead below 0 or very far away. The height needs only the former limit, because no tangent leads above h.
 fn bounded(change: f64, length: f64) -> f64 {
     change.clamp(-0.75 * length, 3.0 * length)
 }
 
-/// Moves the place by a step of t, and x of both chords as the step changes them.
+/// Moves the position by a step of t, and the ends of both chords accordingly.
 fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Change) {
     place.t += aside;
     for (x, shift) in place.x.iter_mut().zip(&near.shifts) {
@@ -147,8 +148,8 @@ fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Ch
     }
 }
 
-/// Where the search for the ridge stands: the offset t, and where both edges' chords end along the feed, two of each
-/// where deep and shallow marks alternate.
+/// The current position of the search: the offset t, and the front ends of the chords at both edges along the feed.
+/// Each edge has two chords if deep and shallow marks alternate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) t: f64,
@@ -157,11 +158,11 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Half-way between the passes, the chords where the body is a paraboloid.
+    /// The position half-way between the passes, with the chords of a paraboloid with the body's curvature.
     pub(super) fn start(body: &Body, step_over: f64, [near, far]: [Clearing; 2], feed: f64) -> Self {
         let (half_step, radii) = (step_over / 2.0, body.relative_radii());
-        // A sharp edge fed along the level line has no radius across the feed; its lowest places are somewhere on the
-        // cutter.
+        // A sharp edge fed along the level line has no radius across the feed, so the guess is limited to the extent of
+        // the cutter.
         let ahead = (radii.skew * half_step / radii.across.max(f64::MIN_POSITIVE)).clamp(-body.reach(), body.reach());
         Self { t: half_step, x: [near.spacing(feed) / 2.0 + ahead; 2], neighbour_x: [far.spacing(feed) / 2.0 - ahead; 2] }
     }

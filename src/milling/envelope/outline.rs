@@ -1,32 +1,33 @@
-//! The cutter's section at a height as it is seen from the contact, as a polygon: coarse, but without other lobes of
-//! the section.
+//! The outline of the cutter's section at a height, as a polygon: the part of the section that is visible from the
+//! contact. The polygon is coarse, but never includes another lobe of the section.
 //!
-//! On a concave surface {H <= p} need not be convex, and it can have several parts. The part that matters is the one
-//! **visible from the contact**: a place belongs to it where H stays under p on the whole line from the contact to the
-//! place. That part never shrinks when p rises, and it changes continuously with every input, because the greatest H on
-//! a line does; where a ridge beside the contact is passed, it grows at once, so that step-overs jump there and heights
-//! do not. On planes and convex surfaces it is the whole section.
+//! On a concave surface {H <= p} need not be convex, and it can have several parts. The part that counts is the one
+//! **visible from the contact**: a point belongs to it if H stays below p on the whole line from the contact to the
+//! point. This part never shrinks when p rises. It changes continuously with every input, because the greatest H on a
+//! line does, except when p passes a ridge of H beside the contact: there it grows suddenly, so that the step-over
+//! jumps and the height does not. On planes and convex surfaces it is the whole section.
 //!
-//! A pass clears the offset t down to p where the row of that part at t holds an interval as long as the marks are
-//! apart, whatever else the row holds; and the height for a step-over s is the least p at which such offsets fill an
-//! interval as wide as s.
+//! A row is the set of points of this part at one offset t. A pass clears the offset t down to p if its row contains an
+//! interval as long as the distance of the marks. The height for a step-over s is the least p at which the cleared
+//! offsets fill an interval as wide as s.
 
 use super::body::Body;
 use super::section::Pattern;
 
-/// Lines from the contact, by which the polygon is made: a first round of them evenly, then where the polygon's sides
-/// are longest, the last ones beside its corners furthest across the feed.
+/// The number of lines from the contact, each of which has one corner of the polygon. The first [`FIRST_LINES`] are
+/// spread evenly. The next, up to [`EVEN_LINES`], divide the longest side of the polygon. The last ones are next to the
+/// corners that are furthest across the feed.
 const LINES: usize = 48;
 const FIRST_LINES: usize = 16;
 const EVEN_LINES: usize = 36;
 
-/// Steps that narrow an edge down to [`CLOSE`].
+/// The largest number of steps of the search for a corner, more than [`CLOSE`] needs.
 const MOST_STEPS: usize = 40;
 
-/// How near to the edge a corner of the polygon is, as a share of its distance from the contact.
+/// The relative accuracy of a corner's distance from the contact.
 const CLOSE: f64 = 1e-6;
 
-/// The directions of the lines, chosen for the section at one height and used for all.
+/// The directions of the lines, which are chosen at one height and used at all heights.
 #[derive(Debug)]
 pub(super) struct Outlook<'a> {
     body: &'a Body,
@@ -35,13 +36,14 @@ pub(super) struct Outlook<'a> {
     height: f64,
 }
 
-/// The section at a height, its corners as places (x, t), the furthest seen in each direction.
+/// The outline at a height: the furthest visible point (x, t) in each direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outline {
     corners: [[f64; 2]; LINES],
 }
 
-/// The offsets that a pass clears, and where the marks end along the feed at both ends of them.
+/// The interval of offsets that a pass clears. At each of its ends, the coordinate along the feed of the chord between
+/// the marks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cleared {
     pub(super) left: f64,
@@ -110,7 +112,7 @@ impl<'a> Outlook<'a> {
         &self.first
     }
 
-    /// The outline at the height p; `near` is one at another height, to start from.
+    /// The outline at the height p. The search starts from `near`, an outline at another height.
     pub(super) fn at(&self, p: f64, near: &Outline) -> Outline {
         let corners = std::array::from_fn(|i| {
             let reached = self.exit(self.directions[i], p, distance_of(near.corners[i]));
@@ -119,11 +121,11 @@ impl<'a> Outlook<'a> {
         Outline { corners }
     }
 
-    /// The extent of the section from the contact in a direction, up to the first point outside.
+    /// The distance from the contact to the first point outside the section in a direction.
     ///
-    /// Along a line H is convex on either side of the flat, and a parabola on it. The line is therefore evaluated where
-    /// it enters and leaves the flat, where it is nearest to the axis and where the parabola is highest; between two
-    /// neighbouring ones of these it crosses the edge at most once.
+    /// Along a line, H is convex before and after the flat, and a parabola on the flat. H is therefore evaluated where
+    /// the line enters and leaves the flat, where it is nearest to the axis, and where the parabola is highest. Between
+    /// neighbouring points of these, the line crosses the section's edge at most once.
     fn exit(&self, direction: [f64; 2], p: f64, start: f64) -> f64 {
         let outside = |length: f64| self.body.distance(length * direction[0], length * direction[1], p);
         let (mut low, mut high) = (0.0, f64::INFINITY);
@@ -180,7 +182,7 @@ fn distance_of([x, t]: [f64; 2]) -> f64 {
 /// The largest distance that is considered, in mm.
 const FURTHEST: f64 = 2e6;
 
-/// A row of the outline: its intervals' ends in order.
+/// A row of the outline: the ends of its intervals, in rising order.
 #[derive(Debug, Clone, Copy)]
 struct Row {
     ends: [f64; 8],
@@ -188,7 +190,7 @@ struct Row {
 }
 
 impl Outline {
-    /// The row at the offset t. More than four intervals need not be kept.
+    /// The row at the offset t. At most four intervals are stored.
     fn row(&self, t: f64) -> Row {
         let mut row = Row { ends: [0.0; 8], count: 0 };
         let mut from = self.corners[LINES - 1];
@@ -203,7 +205,7 @@ impl Outline {
         row
     }
 
-    /// The widest interval of offsets that marks of equal depth, f apart, clear; `None` where there is none.
+    /// The widest interval of offsets that marks of equal depth, f apart, clear; `None` if there is none.
     pub(super) fn cleared(&self, f: f64) -> Option<Cleared> {
         self.widest(f, |t| {
             let row = self.row(t);
@@ -212,8 +214,8 @@ impl Outline {
         })
     }
 
-    /// The widest interval of offsets that a pattern of deep and shallow marks clears; `shallow` is the outline for the
-    /// shallow ones, `None` where these do not reach as deep.
+    /// The widest interval of offsets that a pattern of deep and shallow marks clears. `shallow` is the outline for the
+    /// shallow marks; `None` if these do not reach the height.
     pub(super) fn cleared_by(&self, pattern: &Pattern, shallow: Option<&Self>) -> Option<Cleared> {
         let f = pattern.spacing;
         self.widest(f, |t| {
@@ -231,8 +233,8 @@ impl Outline {
         })
     }
 
-    /// The widest interval of offsets at which `excess` is not negative, between the rows through the corners by
-    /// proportion.
+    /// The widest interval of offsets at which `excess` is not negative. It is evaluated at the rows through the
+    /// corners and interpolated linearly between them.
     fn widest(&self, f: f64, excess: impl Fn(f64) -> Option<(f64, f64)>) -> Option<Cleared> {
         let mut offsets = self.corners.map(|corner| corner[1]);
         offsets.sort_unstable_by(f64::total_cmp);
@@ -244,7 +246,7 @@ impl Outline {
         let mut best = None::<Cleared>;
         let mut open = None::<(f64, f64)>;
         let mut before = None::<(f64, f64, f64)>;
-        // At the outermost corners rows have no length.
+        // The rows at the outermost corners have no length.
         for i in 0..=LINES {
             let t = if i == LINES { offsets[LINES - 1] } else { offsets[i] };
             let found = if i == LINES { None } else { excess(t) };

@@ -1,10 +1,10 @@
-//! The fast search with runout: a pass clears the offsets of deep and shallow marks side by side, and those of the
-//! deepest tooth's marks alone.
+//! The fast search with runout. A pass clears the offsets that neighbouring deep and shallow marks clear, and those
+//! that the marks of the deepest tooth alone clear.
 //!
-//! Each of the two clears an interval of offsets, of which each has a right and a left edge. Where the intervals meet
-//! the pass clears both together, so that a ridge can lie between an edge of one and an edge of the other. With all
-//! edges of one kind of marks, and with one edge of each, the search is that for one convex function, and its outcome
-//! is proved as without runout.
+//! Each of the two kinds of marks clears an interval of offsets with a left and a right edge. If the intervals meet,
+//! the pass clears their union, so that a ridge can be between an edge of one and an edge of the other. In every case,
+//! with both edges of one kind or one edge of each, the search is for the root of a convex function, and its result is
+//! proved as without runout.
 
 use super::Envelope;
 use super::clearing::{Clearing, Row};
@@ -12,8 +12,8 @@ use super::newton::{self, Lengths, Place, Ridge, Sought};
 use super::section::Pattern;
 use crate::quantity::Length;
 
-/// The depth inside, as a share of the height, from which a point counts as cleared by the other marks as well: some
-/// hundred rounding errors.
+/// The depth, as a share of the height, at which a point counts as cleared by the other marks too: some hundred
+/// rounding errors.
 const INSIDE: f64 = 1e-13;
 
 /// A ridge between marks of one kind.
@@ -24,7 +24,7 @@ struct Found {
 }
 
 impl Envelope {
-    /// The marks that alternate in depth, and those of the deepest tooth alone.
+    /// The two kinds: marks that alternate in depth, and marks of the deepest tooth alone.
     fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
         let drop = self.drop;
         let alternating = if pattern.shallow_pairs { Clearing::Even { feeds: 1.0, drop } } else { Clearing::Mixed { drop } };
@@ -37,7 +37,7 @@ impl Envelope {
         newton::solve_from(&self.body, sought, lengths, place, both).map(|ridge| Found { ridge, marks })
     }
 
-    /// Whether a ridge between marks of the kinds `marks` has the two intervals meet.
+    /// Whether the intervals of both kinds in `marks` meet at a ridge.
     fn meet(&self, ridge: &Ridge, marks: [Clearing; 2]) -> bool {
         let Lengths { level, step_over, mark_spacing } = ridge.lengths;
         let Place { t, x, neighbour_x } = ridge.place;
@@ -51,8 +51,8 @@ impl Envelope {
         })
     }
 
-    /// The ridge with one edge of `best` and one of `other` marks where it is better than `best` itself, otherwise
-    /// `best`; `None` where the search for it ends without an answer.
+    /// The ridge between an edge of `best` and an edge of `other` marks if it is better than `best`, otherwise `best`;
+    /// `None` if the search ends without an answer.
     fn or_with(&self, sought: Sought, best: Found, other: Clearing) -> Option<Ridge> {
         let Lengths { level, step_over, mark_spacing } = best.ridge.lengths;
         let Place { t, x, neighbour_x } = best.ridge.place;
@@ -70,7 +70,7 @@ impl Envelope {
         newton::solve_from(&self.body, sought, best.ridge.lengths, place, marks).filter(|ridge| self.meet(ridge, marks))
     }
 
-    /// h for passes s apart; `None` where the search's outcome is not proved.
+    /// h for passes s apart; `None` if the search's result is not proved.
     pub(super) fn quick_level_with_runout(&self, s: f64, pattern: &Pattern) -> Option<f64> {
         if !self.is_quick(pattern.spacing) {
             return None;
@@ -86,7 +86,7 @@ impl Envelope {
             None => None,
         };
         if let Some(by_deep) = by_deep.filter(|found| found.ridge.lengths.level <= self.drop) {
-            // Shallow teeth do not reach that deep.
+            // Shallow teeth do not reach this depth.
             return Some(by_deep.ridge.lengths.level);
         }
         let by_both = self.ridge_between(Sought::Level, lengths(even(pattern.spacing) + self.drop), alternating)?;
@@ -100,8 +100,8 @@ impl Envelope {
         Some(ridge.lengths.level)
     }
 
-    /// The largest feed per tooth that keeps the height p in passes s apart, which alone leave `step_over_height` < p;
-    /// `None` where the search's outcome is not proved.
+    /// The largest feed per tooth that keeps the height p in passes s apart, whose step-over alone leaves
+    /// `step_over_height` < p; `None` if the search's result is not proved.
     pub(super) fn quick_feed_with_runout(&self, p: f64, s: f64, step_over_height: f64, guess: f64) -> Option<f64> {
         let pattern = self.pattern(guess);
         if !self.is_quick(guess) {
@@ -113,7 +113,7 @@ impl Envelope {
         if p <= self.drop {
             return Some(by_deep.ridge.lengths.mark_spacing);
         }
-        // Without marks the shallow teeth leave delta more than the deepest.
+        // Without marks, shallow teeth leave delta more than the deepest.
         let is_held = step_over_height + self.drop < p;
         let by_both = if is_held { Some(self.ridge_between(Sought::MarkSpacing, lengths(guess), alternating)?) } else { None };
         let ridge = match by_both {
@@ -125,16 +125,16 @@ impl Envelope {
         Some(ridge.lengths.mark_spacing)
     }
 
-    /// The largest step-over that keeps the height p; 0 where the marks leave more, `None` where the search's outcome
-    /// is not proved.
+    /// The largest step-over that keeps the height p; 0 if the marks alone leave more; `None` if the search's result is
+    /// not proved.
     pub(super) fn quick_step_over_with_runout(&self, p: f64, pattern: &Pattern, guess: f64) -> Option<f64> {
         if !self.is_quick(pattern.spacing) {
             return None;
         }
         let [alternating, deep] = self.kinds(pattern);
         let lengths = |level: f64, step_over: f64| Lengths { level, step_over, mark_spacing: pattern.spacing };
-        // The interval of offsets that marks of one kind clear, from the right; empty where passes side by side leave
-        // more.
+        // The right and the left end of the interval of offsets that marks of one kind clear; empty if they leave more
+        // than p at every offset.
         let interval = |marks: Clearing| {
             if let Some(found) = self.ridge_between(Sought::StepOver, lengths(p, guess), marks) {
                 let right = found.ridge.place.t;

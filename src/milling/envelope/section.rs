@@ -1,16 +1,16 @@
-//! The cutter's section at a height over the surface: the lateral offsets that a pass clears down to that height for
-//! any phase of its teeth, and the height at which their interval is as wide as the step-over.
+//! The general search, on the cutter's section at a height over the surface: the lateral offsets that a pass clears
+//! down to that height for any phase of its teeth, and the height at which their interval is as wide as the step-over.
 //!
-//! A place at the height p over the surface stays uncut if no tooth's body covers it. Let the section {H <= p} have a
-//! chord of the length l(t) along the feed at the lateral offset t. One pass, its teeth f apart, leaves the places at t
-//! uncut for some phase exactly when l(t) < f. So something is left at the height p, for some phase of each pass,
-//! exactly when the interval {t: l(t) >= f} is narrower than the step-over s. The height that is left in the worst case
-//! is the least p at which it is s wide:
+//! A point at the height p over the surface stays uncut if no tooth's body covers it. Let l(t) be the length of the
+//! chord of the section {H <= p} along the feed at the lateral offset t. A pass whose teeth are f apart leaves points
+//! at t uncut for some phase exactly if l(t) < f. So material is left at the height p, for some phases of the passes,
+//! exactly if the interval {t: l(t) >= f} is narrower than the step-over s. The height left in the worst case is the
+//! least p at which this interval is s wide:
 //!
 //! h = min p such that (x, t, p), (x - f, t, p), (x', t - s, p) and (x' - f, t - s, p) all lie in the body.
 //!
-//! With runout a shallow tooth's chord end lies in the section at the height p - delta. Neither the position of the
-//! lowest point nor symmetry is assumed. A feed f = 0 leaves two points and gives h1.
+//! With runout, the end of a chord that a shallow tooth cuts lies in the section at the height p - delta. Neither the
+//! position of the lowest point nor symmetry is assumed. For a feed f = 0 the chords are points, and the result is h1.
 //!
 //! In terms of the signed distance to the body, c(t, p) = min over x of max(distance(x, t, p), distance(x - f, t, p)).
 //! On planes and convex surfaces c is convex.
@@ -20,16 +20,16 @@ use super::chord::{Accuracy, Chord, Marks};
 use crate::quantity::Length;
 use std::cell::Cell;
 
-/// The marks of one pass, with teeth that reach delta deeper or less deep than their neighbours.
+/// The marks of one pass, whose teeth may differ in depth by delta.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pattern {
-    /// The distance of neighbouring teeth's marks along the feed.
+    /// The distance of the marks of neighbouring teeth along the feed.
     pub(super) spacing: f64,
-    /// The distance of the deepest tooth's own marks.
+    /// The distance of the marks of the deepest tooth.
     pub(super) deep_spacing: f64,
-    /// delta, the depth that the shallowest tooth lacks against the deepest.
+    /// delta, how much less deep the shallowest tooth cuts than the deepest.
     pub(super) drop: f64,
-    /// Whether two shallow teeth can follow each other: with three teeth or more.
+    /// Whether two shallow teeth can follow each other, as with three teeth or more.
     pub(super) shallow_pairs: bool,
 }
 
@@ -38,7 +38,7 @@ impl Pattern {
         Self { spacing, deep_spacing: spacing, drop: 0.0, shallow_pairs: false }
     }
 
-    /// Whether all teeth reach equally deep, or only the same tooth marks.
+    /// Whether all marks have the same depth, because all teeth cut equally deep or only one tooth cuts.
     pub(super) fn is_even(&self) -> bool {
         self.drop == 0.0 || self.deep_spacing <= self.spacing
     }
@@ -74,20 +74,20 @@ impl Interval {
 pub(super) struct Section<'a> {
     body: &'a Body,
     pattern: Pattern,
-    /// Widths beyond this need not be distinguished.
+    /// The largest width of interest; wider intervals are cut off at it.
     widest: f64,
     /// The number of chords that may still be searched.
     budget: Cell<u32>,
 }
 
-/// Chords that a search on a concave surface may take: if the section has lobes it may not terminate, and the outline
-/// then has the answer. A bound of 150 is exceeded by searches that end with an exact answer.
+/// The largest number of chords that a search on a concave surface evaluates. If the section has lobes, the search may
+/// not terminate; the outline then has the answer. Searches that end with an exact answer can take more than 150.
 const CONCAVE_BUDGET: u32 = 1000;
 
 /// No offset beyond this one is searched, in mm: twice the largest accepted length.
 const FURTHEST: f64 = 2.0 * Length::LARGEST;
 
-/// Bracketing and halving take some 60 steps at the most; Newton's method 3 to 6.
+/// The largest number of steps: bracketing and bisection take about 60 at most, Newton's method 3 to 6.
 const MOST_STEPS: usize = 80;
 
 impl<'a> Section<'a> {
@@ -96,17 +96,16 @@ impl<'a> Section<'a> {
         Self { body, pattern, widest, budget }
     }
 
-    /// The width of the cleared interval at the height p, at most the widest one that is distinguished; 0 where the
-    /// pass clears nothing down to p.
+    /// The width of the cleared interval at the height p, at most `widest`; 0 if the pass clears nothing down to p.
     pub(super) fn width(&self, p: f64) -> f64 {
         self.interval(p, None).map_or(0.0, |interval| interval.width().max(0.0))
     }
 
     /// The height at which the cleared interval is `width` wide, starting from `guess`.
     ///
-    /// The square of the width is nearly linear in the height (for a paraboloid it is), so Newton's method works on
-    /// that square, inside a bracket. An interval that is cut off at the widest width has no derivative; there, and
-    /// where three steps have not halved the bracket, the bracket is divided.
+    /// The square of the width is nearly linear in the height, exactly for a paraboloid. Newton's method is therefore
+    /// applied to this square, inside a bracket. An interval that is cut off at the widest width has no derivative.
+    /// Then, or if three steps have not halved the bracket, the bracket is divided.
     pub(super) fn level(&self, width: f64, guess: f64) -> f64 {
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut p = guess;
@@ -126,8 +125,8 @@ impl<'a> Section<'a> {
                 p - excess * (at + width) / (2.0 * at * slope)
             });
             last = found;
-            // Newton's step squares the error, so that after one of 1e-12 the rest is below every rounding; the edges'
-            // own roundings can keep it from ever falling further.
+            // Newton's step squares the error, so that after a step of 1e-12 the error is below rounding. The rounding
+            // of the edges can keep steps from becoming smaller.
             if (newton - p).abs() <= 1e-12 * p {
                 return newton;
             }
@@ -146,17 +145,17 @@ impl<'a> Section<'a> {
             } else if low == 0.0 {
                 p / 64.0
             } else {
-                // In ratios while they are large: the height's size is unknown.
+                // The bracket is divided by ratio while it is wide, because the magnitude of the height is unknown.
                 if high > 4.0 * low { (low * high).sqrt() } else { f64::midpoint(low, high) }
             };
         }
         high.min(f64::MAX)
     }
 
-    /// The cleared interval at the height p. `near` is one at another height, to start from.
+    /// The cleared interval at the height p. The search starts from `near`, an interval at another height.
     ///
-    /// With runout a place is cleared where the deep mark meets a shallow one before it and one behind it (or shallow
-    /// marks each other, where two can be neighbours), or where deep marks alone meet.
+    /// With runout, an offset is cleared in two cases. Either the deep mark meets a shallow one before it and one
+    /// behind it; if two shallow marks can be neighbours, these must meet too. Or the deep marks alone meet.
     fn interval(&self, p: f64, near: Option<&Interval>) -> Option<Interval> {
         let pattern = &self.pattern;
         if pattern.is_even() {
@@ -165,8 +164,8 @@ impl<'a> Section<'a> {
             let right = self.edge(p, &marks, 1.0, near.map(|near| &near.right), left.t + self.widest)?;
             return Some(Interval { left, right });
         }
-        // Between two shallow marks no less stays than between a deep and a shallow one, so that they alone count where
-        // two can be neighbours.
+        // Two shallow marks leave at least as much as a deep and a shallow one. If two can be neighbours, only they
+        // count.
         let before =
             Marks { spacing: pattern.spacing, front_drop: pattern.drop, back_drop: if pattern.shallow_pairs { pattern.drop } else { 0.0 } };
         let behind = if pattern.shallow_pairs { before } else { Marks { front_drop: 0.0, back_drop: pattern.drop, ..before } };
@@ -192,19 +191,19 @@ impl<'a> Section<'a> {
                 left: if a.left.t < b.left.t { a.left } else { b.left },
                 right: if a.right.t > b.right.t { a.right } else { b.right },
             }),
-            // Between two intervals that do not meet something stays, so that only the wider one counts.
+            // Two intervals that do not meet leave material between them, so that only the wider one counts.
             (Some(a), Some(b)) => Some(if a.width() >= b.width() { a } else { b }),
             (one, other) => one.or(other),
         }
     }
 
-    /// The furthest offset on `side` (1 or -1) at which the section holds a chord, `furthest` times `side` at the most.
+    /// The furthest offset on `side` (1 or -1) at which the section contains a chord, at most `furthest` times `side`.
     fn edge(&self, p: f64, marks: &Marks, side: f64, near: Option<&Edge>, furthest: f64) -> Option<Edge> {
         let start = near.map_or_else(|| self.start(p, marks, side), |near| (near.t, near.x));
         self.edge_from(p, marks, side, start, furthest)
     }
 
-    /// Where the edge of a paraboloid with the curvature at the contact is.
+    /// The edge of a paraboloid with the curvature at the contact, as a first guess.
     fn start(&self, p: f64, marks: &Marks, side: f64) -> (f64, f64) {
         let (radii, reach) = (self.body.relative_radii(), self.body.reach());
         let t = (2.0 * p * radii.across).sqrt().max(p).min(reach) * side;
@@ -212,12 +211,13 @@ impl<'a> Section<'a> {
         (t, ahead + marks.spacing / 2.0)
     }
 
-    /// The edge by Newton's method on c over t, which from outside the section approaches steadily where c is convex; a
-    /// bracket keeps it there.
+    /// The edge by Newton's method on c(t), which converges monotonically from outside the section if c is convex. A
+    /// bracket secures convergence otherwise.
     fn edge_from(&self, p: f64, marks: &Marks, side: f64, start: (f64, f64), furthest: f64) -> Option<Edge> {
         let (mut t, mut x) = start;
         let mut reach = t.abs() + marks.spacing;
-        // Offsets times `side`: inside the section, or on its other side; and outside on this side.
+        // The bracket, as offsets times `side`: `inner` is inside the section or on its other side, `outer` is outside
+        // on this side.
         let (mut inner, mut outer) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut is_inside = false;
         let (mut on_inner, mut on_outer) = (None::<(f64, Chord)>, None::<(f64, Chord)>);
@@ -258,7 +258,8 @@ impl<'a> Section<'a> {
             } else if is_inside {
                 f64::midpoint(inner, outer)
             } else if let (Some((inner_t, inner_chord)), Some((outer_t, outer_chord))) = (on_inner, on_outer) {
-                // Both outside, on either side of the section: where their tangents meet c is not less than there.
+                // Both ends are outside, on either side of the section. Where their tangents meet, they bound c from
+                // below.
                 let meet = (outer_chord.by_side * outer_t - inner_chord.by_side * inner_t - outer_chord.value + inner_chord.value)
                     / (outer_chord.by_side - inner_chord.by_side);
                 if inner_chord.value + inner_chord.by_side * (meet - inner_t) > 1e-9 * p * inner_chord.by_height.abs() {

@@ -1,19 +1,19 @@
-//! Ridges of a flat-end cutter without marks, on curved surfaces: where both sides of its sharp edge are equally high
-//! over the surface.
+//! Ridges of a flat-end cutter on curved surfaces, without tooth marks: the points at which both sides of its sharp
+//! edge are equally high above the surface.
 //!
-//! Along the edge height and offset to the side are functions of one angle, so that Newton's method needs no search for
-//! the edge's corner. An answer is a candidate only: the flat or the side can clear more, which the section's outline
-//! shows.
+//! Along the edge, the height and the lateral offset are functions of one angle, to which Newton's method is applied
+//! directly. The result is only a candidate: the flat or the side of the cutter can clear more, so the caller compares
+//! it with the section's outline.
 
 use super::body::{Body, EdgePlace};
 
-/// Quadratic convergence takes four to six steps.
+/// The largest number of steps; quadratic convergence takes four to six.
 const MOST_STEPS: usize = 20;
 
-/// How near the heights and offsets of the last step are to those sought, as a share.
+/// The relative accuracy of the height and the offset at which the iteration ends.
 const CLOSE: f64 = 1e-14;
 
-/// The height at which the edge's offsets to both sides of the contact are s apart.
+/// The height at which the two sides of the edge are s apart; `None` if the iteration finds none.
 pub(super) fn level(body: &Body, s: f64) -> Option<f64> {
     let ahead = body.sharp_edge(0.0).t_by_psi;
     let (mut left, mut right) = (-s / (2.0 * ahead), s / (2.0 * ahead));
@@ -35,7 +35,7 @@ pub(super) fn level(body: &Body, s: f64) -> Option<f64> {
     None
 }
 
-/// The distance of the edge's offsets where it is at the height p on both sides of the contact.
+/// The lateral distance of the two points of the edge at the height p; `None` if the iteration finds none.
 pub(super) fn step_over(body: &Body, p: f64, guess: f64) -> Option<f64> {
     let ahead = body.sharp_edge(0.0).t_by_psi;
     let side = |mut psi: f64| {
@@ -58,8 +58,8 @@ pub(super) fn step_over(body: &Body, p: f64, guess: f64) -> Option<f64> {
     is_held(body, left, right, p).then(|| body.sharp_edge(right).t - body.sharp_edge(left).t)
 }
 
-/// Whether the edge rises from the contact to both ends, and its offsets with it, and whether both ends are seen from
-/// the contact.
+/// Whether a result is valid: height and offset rise monotonically along the edge from the contact to both ends, and
+/// both ends are visible from the contact.
 fn is_held(body: &Body, left: f64, right: f64, p: f64) -> bool {
     let rises = |end: f64| {
         [0.25, 0.5, 0.75, 1.0].into_iter().all(|share| {

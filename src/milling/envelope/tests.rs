@@ -2,7 +2,7 @@
 
 use super::closed_form::circle_height;
 use super::*;
-use crate::milling::{Analytic, Runout, SurfaceCurvature};
+use crate::milling::{Analytic, Runout, ScallopHeight, SurfaceCurvature};
 use proptest::prelude::*;
 
 fn mm(value: f64) -> Length {

@@ -1,23 +1,24 @@
-//! The height at which a cutter rests on a surface, found without looking at every cell under it.
+//! The height at which a cutter rests on a surface, found without evaluating every cell below it.
 
 use super::profile;
 use crate::milling::Cutter;
 use crate::numerics::raster::Frame;
 use crate::surface::mesh::ViewFromAbove;
 
-/// The heights of a view, and the highest of each block of 2 x 2, 4 x 4, ... cells.
+/// The heights of a view from above, and the maximum of each block of 2 x 2, 4 x 4, ... cells.
 ///
-/// A block whose highest point would touch the cutter lower than one already found is passed over with all its cells.
+/// A block is skipped with all its cells if the cutter, resting on the block's highest point, would be lower than on a
+/// cell already found.
 #[derive(Debug, Clone)]
 pub struct RestingHeights {
     frame: Frame,
-    /// The height in mm from which the stored ones count.
+    /// The reference height in mm: stored heights are relative to it.
     level: f64,
-    /// The cells, then blocks of twice the side each, up to a single one.
+    /// The cells, then blocks of twice the side each, up to a single block.
     blocks: Vec<Blocks>,
 }
 
-/// The highest point of each block of one size, row after row; minus infinity where there is no surface.
+/// The highest point of each block of one size, row by row; minus infinity where there is no surface.
 #[derive(Debug, Clone)]
 struct Blocks {
     columns: usize,
@@ -26,7 +27,7 @@ struct Blocks {
 }
 
 impl RestingHeights {
-    /// The heights of a view in single precision: rounded by up to 6e-8 of the surface's height.
+    /// Takes the heights of a view in single precision, which rounds them by up to 6e-8 of the surface's height.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "heights in single precision; the rounding is documented")]
     pub fn new(view: &ViewFromAbove) -> Self {
@@ -46,7 +47,7 @@ impl RestingHeights {
         Self { frame: view.frame, level, blocks }
     }
 
-    /// The height in mm from which those of [`RestingHeights::cells`] count.
+    /// The reference height in mm of [`RestingHeights::cells`].
     pub(super) fn level(&self) -> f64 {
         self.level
     }
@@ -57,24 +58,24 @@ impl RestingHeights {
     }
 
     /// t(x, y), the lowest height of the tip at (x, y) in mm at which the cutter does not cut into the surface;
-    /// `None` where there is no surface under the cutter.
+    /// `None` if there is no surface under the cutter.
     ///
-    /// On a smooth surface it is too low by up to e^2/(2 r cos^3 S), on a level plane by nothing; beside a sharp edge
-    /// by the change of p over half a cell.
+    /// On a smooth surface it is too low by up to e^2/(2 r cos^3 S), on a level plane it is exact. Near a sharp edge it
+    /// is too low by the change of p over half a cell.
     #[must_use]
     pub fn lowest_tip(&self, cutter: Cutter, at: [f64; 2]) -> Option<f64> {
         Some(self.highest(cutter, at, f64::NEG_INFINITY) + self.level).filter(|height| height.is_finite())
     }
 
-    /// The lowest height to which a tip at `tip` must be raised so that the cutter does not cut into the surface:
-    /// t(x, y), or the tip's own height where that is higher. The nearer the tip is to that height, the fewer cells are
-    /// visited.
+    /// The lowest height to which a tip at `tip` must be raised so that the cutter does not cut into the surface: t(x,
+    /// y), or the tip's own height if that is higher. The nearer the tip is to that height, the fewer cells are
+    /// evaluated.
     #[must_use]
     pub fn raised(&self, cutter: Cutter, [x, y, z]: [f64; 3]) -> f64 {
         z.max(self.highest(cutter, [x, y], z - self.level) + self.level)
     }
 
-    /// The greater of `least` and max z(x + u) - p(|u|) over the cells, both over the level.
+    /// The greater of `least` and max z(x + u) - p(|u|) over the cells, both relative to the reference height.
     #[expect(clippy::cast_precision_loss, reason = "counts of cells are far under 2^53")]
     fn highest(&self, cutter: Cutter, [x, y]: [f64; 2], least: f64) -> f64 {
         let (radius, cell) = (cutter.outer_radius().mm(), self.frame.cell);
@@ -117,7 +118,7 @@ impl RestingHeights {
 }
 
 impl Blocks {
-    /// Blocks of twice the side.
+    /// The blocks of twice the side.
     fn merged(&self) -> Self {
         let (columns, rows) = (self.columns.div_ceil(2), self.rows.div_ceil(2));
         let mut heights = vec![f32::NEG_INFINITY; columns * rows];

@@ -10,8 +10,8 @@ fn mm(value: f64) -> Length {
     Length::from_mm(value).unwrap()
 }
 
-/// A mesh of the heights over the box from 0 to (w, l), on a grid of `columns` x `rows` points, and where it is
-/// machined.
+/// A mesh of the heights over the box from 0 to (w, l), on a grid of `columns` x `rows` points, and whether each facet
+/// is machined.
 fn surface(w: f64, l: f64, columns: u32, rows: u32, z: impl Fn(f64, f64) -> f64) -> (Mesh, Vec<bool>) {
     let mut grid = Grid::into_sink(rows as usize, columns as usize, MeshBuilder::new()).unwrap();
     for row in 0..rows {
@@ -57,8 +57,8 @@ fn tips_and_cuts_are_those_of_the_definition() {
                 let m = disc.iter().map(|&(dx, dy, p)| tip(x + dx, y + dy) + p).fold(f64::INFINITY, f64::min);
                 let cell = usize::try_from(y * columns + x).unwrap();
                 if let Some(left) = result.map.values[cell] {
-                    // Roundings of heights of 2 mm in single precision. Cells that seem uncut may be reached by a tip
-                    // beside those of the raster.
+                    // The tolerance is the rounding of heights of 2 mm in single precision. A cell that seems uncut may
+                    // be reached by a tip between those of the raster.
                     let (left, on_raster) = (f64::from(left), m - z(x, y));
                     assert!(left <= on_raster + 1e-6, "{left} {on_raster}");
                     if on_raster <= result.level_error.mm() {
@@ -76,7 +76,7 @@ fn every_cutter_cuts_a_plane_whole() {
     for cutter in [Cutter::ball_end(mm(10.0)), Cutter::toroidal(mm(12.0), mm(1.0)).unwrap(), Cutter::flat_end(mm(20.0))] {
         let uncut = uncut(&plane, cutter);
         assert_eq!(uncut.share, 0.0);
-        // At the plane's border the cutter hangs over; inside nothing but rounding is left.
+        // At the plane's border the cutter hangs over the edge; inside, only rounding is left.
         assert!(uncut.height.mm() <= 1e-5, "{uncut:?}");
     }
 }
@@ -101,7 +101,7 @@ fn a_ball_rests_on_the_edges_of_a_narrow_groove() {
             found.height.mm(),
             found.height_error.mm()
         );
-        // Cells of 21/256 mm, times the stride; edges are seen half a cell off.
+        // Cells of 21/256 mm, multiplied by the stride; edges are up to half a cell off.
         assert!(found.height_error.mm() < 0.6 * left, "{radius} {} of {left}", found.height_error.mm());
         // The groove takes 5 of 21 mm, more along its arc.
         assert!(found.share > 0.15 && found.share < 0.35, "{}", found.share);
@@ -138,8 +138,8 @@ fn fillets_of_3_mm_refuse_a_10_mm_ball_and_take_a_4_mm_one() {
     assert!(small.share < 0.005, "{} {}", small.share, small.height.mm());
     let bull = Cutter::toroidal(mm(10.0), mm(2.0)).unwrap();
     assert!(uncut(&pocket, bull).share < large.share);
-    // The corner of a flat cutter runs up the fillet; only in the corners of the outline, of 3 mm at the floor, it
-    // fits no more.
+    // The corner of a flat cutter follows the fillet. Only in the corners of the outline, with 3 mm at the floor, it
+    // does not fit.
     let flat = uncut(&pocket, Cutter::flat_end(mm(6.0)));
     assert!(flat.share < 0.02, "{} {}", flat.share, flat.height.mm());
 }
@@ -155,7 +155,7 @@ fn a_larger_ball_never_leaves_less() {
 #[test]
 fn only_the_machined_area_counts() {
     let (mesh, mut machined) = pocket();
-    // Only the level floor, whose corners have a radius of 3 mm: a flat cutter cuts it whole, a ball rests on the
+    // Only the level floor, whose corners have a radius of 3 mm: a flat cutter cuts all of it, a ball rests on the
     // fillet along its border.
     for (facet, machined) in machined.iter_mut().enumerate() {
         let (normal, _) = mesh.normal_and_area(facet);
@@ -170,7 +170,7 @@ fn only_the_machined_area_counts() {
 
 #[test]
 fn the_lowest_tip_clears_the_surface() {
-    // On a plane of slope S a ball's tip stands R (1/cos S - 1) over the plane.
+    // On a plane of slope S, a ball's tip is R (1/cos S - 1) above the plane.
     let (plane, _) = surface(40.0, 30.0, 5, 4, |x, _| 0.75 * x);
     let resting = RestingHeights::new(&plane.seen_from_above(512));
     let ball = Cutter::ball_end(mm(8.0));
@@ -185,7 +185,7 @@ fn the_lowest_tip_clears_the_surface() {
     assert_relative_eq!(bull, 15.0 + 3.0 * 0.75 + 0.25, epsilon = 0.02);
 }
 
-/// Blocks only spare work: the heights are those of all cells under the cutter.
+/// Blocks only save work: the heights are those of all cells below the cutter.
 #[test]
 fn resting_heights_are_the_highest_of_all_cells() {
     let (waves, _) = surface(13.0, 7.0, 41, 23, |x, y| (1.3 * x).sin() + 0.4 * (2.0 * y + x).cos());
@@ -207,8 +207,8 @@ fn resting_heights_are_the_highest_of_all_cells() {
     }
 }
 
-/// A ball that just fits, in grooves whose radius it nearly has: the tips of a raster alone leave a tenth of a
-/// millimetre there.
+/// A ball that just fits, in grooves of nearly its radius: the tips of the raster alone leave a tenth of a millimetre
+/// there.
 #[test]
 fn a_ball_that_just_fits_reaches_the_whole_groove() {
     let (rho, a): (f64, f64) = (4.0, 3.5);
@@ -222,7 +222,7 @@ fn a_ball_that_just_fits_reaches_the_whole_groove() {
             let found = uncut(&groove, Cutter::ball_end(mm(2.0 * radius)));
             assert!(found.share < 1e-3, "{side}, R {radius}: {} {}", found.share, found.height.mm());
         }
-        // A little wider than the groove: its edges hold the ball.
+        // A ball a little wider than the groove rests on its edges.
         let left = (rho - edge) - (4.2 - (4.2_f64 * 4.2 - a * a).sqrt());
         let found = uncut(&groove, Cutter::ball_end(mm(8.4)));
         assert!((found.height.mm() - left).abs() <= found.height_error.mm(), "{} {left}", found.height.mm());
@@ -238,7 +238,7 @@ fn cutters_of_any_size_have_an_answer() {
     }
 }
 
-/// The work is bounded by the raster, not by how often the surface would fit under the cutter.
+/// The work is bounded by the raster, not by the ratio of the cutter's size to the surface's.
 #[test]
 fn a_surface_far_smaller_than_any_rounding_of_the_cutter_is_reached() {
     for side in [1e-3, 1e-12, 1e-30] {

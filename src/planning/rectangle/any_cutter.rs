@@ -1,4 +1,5 @@
-//! The zigzag of one cutter of any kind on the equivalent rectangle of a surface, for comparison with a simulation.
+//! The zigzag of one cutter of any kind on the equivalent rectangle of a surface, for comparison with the simulation on
+//! the surface.
 
 use super::{InclinedRectangle, Zigzag};
 use crate::milling::{Contact, Cutter, CutterKind, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
@@ -9,8 +10,8 @@ use crate::surface::Shape;
 /// A zigzag on the rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectanglePlan {
-    /// The line of the passes: the principal direction of a ball-end cutter, the steepest of others; `None` where the
-    /// surface has none.
+    /// The direction of the passes: the principal direction for a ball-end cutter, the steepest for others; `None` if
+    /// the surface has none.
     pub direction: Option<Angle>,
     /// Step-over, passes, length and time.
     pub zigzag: Zigzag,
@@ -19,11 +20,11 @@ pub struct RectanglePlan {
 /// The zigzag of a cutter on the equivalent rectangle of a surface: a ball-end cutter along the long side, a toroidal
 /// or flat-end cutter up and down the slope [Herraz et al. 2020, section 6.1].
 ///
-/// The step-over is at most the cutter's diameter, which is also the answer on a level surface where model `analytic`
-/// has none. `None` where the model has no step-over.
+/// The step-over is at most the cutter's diameter. On a level surface, on which model `analytic` has no answer, it is
+/// the diameter. `None` if the model has no step-over.
 ///
 /// # Errors
-/// [`OutOfRange`] with the bounds in mm, when a side of the rectangle is outside them.
+/// [`OutOfRange`] with the bounds in mm, if a side of the rectangle is outside them.
 pub fn plan_on_rectangle(
     cutter: Cutter,
     shape: &Shape,

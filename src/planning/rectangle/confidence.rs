@@ -1,7 +1,8 @@
-//! The confidence in a recommendation by method rectangle: the weaknesses of the method on the surface.
+//! The confidence in a recommendation by method `rectangle`, and the weaknesses of the method on the surface that lower
+//! it.
 //!
-//! Herraz et al. 2020 name these weaknesses, mostly in section 7, but give few figures. Each threshold here states
-//! where it comes from.
+//! Herraz et al. 2020 name these weaknesses, mostly in section 7, but give few figures. The source of each threshold is
+//! stated below.
 
 mod evidence;
 
@@ -18,67 +19,69 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Weakness {
-    /// Steepest and principal direction are not perpendicular; figure: the angle between them, in deg. The rectangle
-    /// has its long side level, so the further they are from it, the less the times hold [Herraz et al. 2020, section
-    /// 7.1].
+    /// Steepest and principal direction are not perpendicular. Figure: the angle between them, in deg. The rectangle
+    /// has its long side level, so the times are less accurate the further the angle is from 90 deg [Herraz et al.
+    /// 2020, section 7.1].
     ///
-    /// Passes that cross the rectangle at an angle d from its short side are 1/cos(d) times as long: 1.035 for d = 15
-    /// deg, less than the 5 % by which the paper's own times err (section 4.2.2). At d = 35 deg it is 1.22, and the
-    /// range is left in which a torus outdoes a ball whatever its size (section 2.1).
+    /// Passes that cross the rectangle at an angle d from its short side are 1/cos(d) times as long. For d = 15 deg
+    /// that is 1.035, less than the 5 % error of the paper's own times (section 4.2.2). For d = 35 deg it is 1.22,
+    /// outside the range in which a torus is better than a ball at any size (section 2.1).
     DirectionsNotPerpendicular,
-    /// The surface has no principal direction, or hardly one; figure: the form factor. It comes from eigenvalues that
-    /// differ by mu^2 - 1, 0.21 at 1.1, and unevenness of the samples of 2 % turns the direction by 0.02/0.21 = 5
-    /// deg. The choice itself is hardly touched, because there the toroidal cutter is faster on all but steep slopes.
+    /// The principal direction is weakly defined. Figure: the form factor. The eigenvalues differ by mu^2 - 1, which is
+    /// 0.21 at 1.1, so that an unevenness of the samples of 2 % turns the direction by 0.02/0.21 = 5 deg. The choice of
+    /// the cutter is hardly affected, because at such form factors the toroidal cutter is faster on all except steep
+    /// slopes.
     FormFactorNearOne,
-    /// The principal direction is vertical or does not exist; figure: the form factor.
+    /// The principal direction is vertical or does not exist. Figure: the form factor.
     NoPrincipalDirection,
-    /// The surface is almost level, so that its steepest direction is that of its unevenness, and the toroidal
-    /// cutter's groove is no circle any more; figure: the slope, in deg. At 1 deg a circle of the effective radius
-    /// leaves 10 % less than a torus of R = 5 mm, r = 2 mm, and at 0.2 deg 40 % less.
+    /// The surface is almost level, so that unevenness determines its steepest direction, and the toroidal cutter's
+    /// groove is not a circle. Figure: the slope, in deg. A circle of the effective radius leaves 10 % less than a
+    /// torus of R = 5 mm, r = 2 mm at 1 deg, and 40 % less at 0.2 deg.
     SlopeNearZero,
-    /// The surface is not flat; figure: sqrt(l3/l1). The method is more accurate where normals vary slowly (section
-    /// 7.3), and the third eigenvalue shows it (section 7.4), without a figure in the paper, whose test surfaces have
-    /// 0.08 and 0.10. A dome whose normals lean by up to 30 deg has 0.15, one of 45 deg 0.23.
+    /// The surface is not flat. Figure: sqrt(l3/l1). The method is more accurate if normals vary slowly (section 7.3),
+    /// which the third eigenvalue measures (section 7.4). The paper gives no threshold; its test surfaces have 0.08 and
+    /// 0.10. A dome whose normals are inclined by up to 30 deg has 0.15, one of 45 deg 0.23.
     NotFlat,
-    /// The slope is near the critical slope; figure: the difference in deg. The paper's test surface 2 has a critical
-    /// slope of 62.6 deg by the method and of 54.7 deg by simulation, 8 deg apart (section 6.2.2).
+    /// The slope is near the critical slope. Figure: the difference in deg. The paper's test surface 2 has a critical
+    /// slope of 62.6 deg by the method and of 54.7 deg by simulation, a difference of 8 deg (section 6.2.2).
     SlopeNearCritical,
-    /// Both candidates take nearly the same time; figure: the difference as a share of the longer time. The paper's
-    /// times err by up to 5 % on average (section 4.2.2), so a smaller difference decides nothing.
+    /// Both candidates take nearly the same time. Figure: the difference as a share of the longer time. The error of
+    /// the paper's times is up to 5 % on average (section 4.2.2), so a smaller difference is not significant.
     TimesNearlyEqual,
-    /// Mean slope and slope of the best plane lie on either side of the critical slope; figure: the mean slope in
-    /// deg, with the critical slope as threshold. The paper uses either as the surface's slope and had no case in which
-    /// they disagree (section 7.3).
+    /// The mean slope and the slope of the best-fit plane are on opposite sides of the critical slope. Figure: the mean
+    /// slope in deg, with the critical slope as threshold. The paper uses either as the surface's slope and has no case
+    /// in which they disagree (section 7.3).
     MeanSlopeDisagrees,
-    /// A pass up the slope is too short to reach the feed rate, which the paper assumes and calls acceptable but for
-    /// very small surfaces (section 7.2); figure: its length in mm. Times still follow the drives' limits.
+    /// A pass up the slope is too short to reach the feed rate. The paper assumes that passes reach it, and calls the
+    /// assumption acceptable except for very small surfaces (section 7.2). Figure: the length of the pass in mm. The
+    /// times are still computed with the limits of the drives.
     ShortPasses,
-    /// A step from pass to pass is so long that it is not limited by the jerk alone, which the paper assumes (section
-    /// 7.2); figure: the larger step-over in mm. Times still follow the drives' limits.
+    /// A step from pass to pass is so long that not only the jerk limits it, as the paper assumes (section 7.2).
+    /// Figure: the larger step-over in mm. The times are still computed with the limits of the drives.
     LongSteps,
-    /// The surface is smaller than the 100 mm^2 from which the paper shows its critical slope to be unique (section
-    /// 7.2); figure: the characteristic size in mm^2.
+    /// The surface is smaller than 100 mm^2, from which on the paper shows that the critical slope is unique (section
+    /// 7.2). Figure: the characteristic size in mm^2.
     SmallSurface,
-    /// The passes are so few that their quotient, which is not rounded, matters: the paper's largest error, about one
-    /// pass (section 4.2.2); figure: the smaller number of passes. One pass in 20 is its 5 %, one in 5 a fifth.
+    /// There are so few passes that it matters that their number is not rounded, which is the paper's largest error,
+    /// about one pass (section 4.2.2). Figure: the smaller number of passes. One pass in 20 is 5 %, one in 5 a fifth.
     FewPasses,
-    /// The toroidal cutter's step-over is wider than the cutter, because the model's groove is a circle; figure: the
+    /// The toroidal cutter's step-over is wider than the cutter, because the model's groove is a circle. Figure: the
     /// step-over in mm.
     StepOverExceedsCutter,
-    /// The mean slope is far from the slope of the best plane; figure: the difference in deg. The step-over of a
-    /// torus follows the slope: at 17 deg the effective radius of R = 5 mm, r = 2 mm is 12.3 mm, at 22 deg 10.0 mm,
-    /// which is 11 % of step-over and time.
+    /// The mean slope is far from the slope of the best-fit plane. Figure: the difference in deg. The step-over of a
+    /// torus depends on the slope: the effective radius of R = 5 mm, r = 2 mm is 12.3 mm at 17 deg and 10.0 mm at 22
+    /// deg, which changes step-over and time by 11 %.
     MeanSlopeFarFromPlane,
-    /// The area is far from the characteristic size of the rectangle; figure: their difference as a share of the
-    /// characteristic size. The time goes with the area.
+    /// The area is far from the characteristic size of the rectangle. Figure: their difference as a share of the
+    /// characteristic size. The time is proportional to the area.
     AreaFarFromSize,
-    /// The surface is in several pieces, which no rectangle can represent; figure: their number.
+    /// The surface has several pieces, which no rectangle can represent. Figure: their number.
     SeveralPieces,
-    /// The simulation on the surface takes another time than the rectangle; figure: the difference as a share of the
-    /// simulated time, the larger one of both candidates.
+    /// The time simulated on the surface differs from that on the rectangle. Figure: the difference as a share of the
+    /// simulated time, the larger of both candidates.
     SimulationDisagrees,
-    /// The simulation on the surface favours the other cutter; figure: the additional time of the recommended one, as a
-    /// share of the faster one's time.
+    /// In the simulation on the surface the other cutter is faster. Figure: the additional time of the recommended one,
+    /// as a share of the faster one's time.
     SimulationPrefersOther,
 }
 
@@ -101,7 +104,7 @@ impl fmt::Display for Reason {
         match self.weakness {
             Weakness::DirectionsNotPerpendicular => write!(
                 f,
-                "steepest and principal direction are {figure:.1} deg apart; the method takes them for perpendicular, and is sound from {threshold} deg on"
+                "steepest and principal direction are {figure:.1} deg apart; the method assumes that they are perpendicular, and is accurate from {threshold} deg on"
             ),
             Weakness::FormFactorNearOne => {
                 write!(f, "the form factor, {figure:.4}, is under {threshold}, so the principal direction is uncertain")
@@ -109,20 +112,20 @@ impl fmt::Display for Reason {
             Weakness::NoPrincipalDirection => {
                 write!(
                     f,
-                    "the surface has no principal direction seen from above (form factor {figure:.4}), so the ball-end cutter's is free"
+                    "the surface has no principal direction seen from above (form factor {figure:.4}), so the ball-end cutter's direction is free"
                 )
             }
             Weakness::SlopeNearZero => {
-                write!(f, "the slope, {figure:.4} deg, is under {threshold} deg, where a surface has hardly a steepest direction")
+                write!(f, "the slope, {figure:.4} deg, is under {threshold} deg, so the steepest direction is uncertain")
             }
             Weakness::NotFlat => write!(
                 f,
-                "the flatness figure, {figure:.3}, exceeds {threshold}: the surface's normals vary much, and a plane stands for it badly"
+                "the flatness figure, {figure:.3}, exceeds {threshold}: the surface's normals vary much, and a plane is a poor approximation of it"
             ),
             Weakness::SlopeNearCritical => {
                 write!(
                     f,
-                    "the slope is {figure:.2} deg from the critical slope, nearer than the {threshold} deg by which that may be wrong"
+                    "the slope is {figure:.2} deg from the critical slope, less than the error of the critical slope, {threshold} deg"
                 )
             }
             Weakness::TimesNearlyEqual => write!(
@@ -133,14 +136,17 @@ impl fmt::Display for Reason {
             ),
             Weakness::MeanSlopeDisagrees => write!(
                 f,
-                "the mean slope, {figure:.2} deg, lies on the other side of the critical slope, {threshold:.2} deg, than the slope of the plane that fits best"
+                "the mean slope, {figure:.2} deg, and the slope of the best-fit plane are on opposite sides of the critical slope, {threshold:.2} deg"
             ),
             Weakness::ShortPasses => {
-                write!(f, "a pass up the slope is {figure:.3} mm long and does not reach the feed rate, which takes {threshold:.3} mm")
+                write!(
+                    f,
+                    "a pass up the slope is {figure:.3} mm long and does not reach the feed rate, for which it must be {threshold:.3} mm long"
+                )
             }
             Weakness::LongSteps => write!(
                 f,
-                "the larger step-over, {figure:.3} mm, is long enough to reach the feed rate or the acceleration, from {threshold:.3} mm on"
+                "the larger step-over, {figure:.3} mm, is long enough to reach the feed rate or the acceleration, as steps from {threshold:.3} mm on are"
             ),
             Weakness::SmallSurface => write!(f, "the characteristic size, {figure:.3} mm2, is under {threshold} mm2"),
             Weakness::FewPasses => {
@@ -152,7 +158,7 @@ impl fmt::Display for Reason {
             ),
             Weakness::MeanSlopeFarFromPlane => write!(
                 f,
-                "the mean slope differs by {figure:.2} deg from that of the plane that fits best, more than {threshold} deg; step-overs follow the slope"
+                "the mean slope differs by {figure:.2} deg from that of the best-fit plane, more than {threshold} deg; step-overs depend on the slope"
             ),
             Weakness::AreaFarFromSize => write!(
                 f,
@@ -160,7 +166,7 @@ impl fmt::Display for Reason {
                 100.0 * figure,
                 100.0 * threshold
             ),
-            Weakness::SeveralPieces => write!(f, "the surface is in {figure:.0} pieces; one rectangle stands for all of them"),
+            Weakness::SeveralPieces => write!(f, "the surface has {figure:.0} pieces, which one rectangle represents together"),
             Weakness::SimulationDisagrees => write!(
                 f,
                 "the time differs by {:.1} % from that of passes simulated on the surface, more than {:.0} %",
@@ -184,7 +190,7 @@ pub struct Confidence {
 }
 
 impl Confidence {
-    /// The level: the lowest of its reasons', high without any.
+    /// The level: the lowest of the reasons' levels, high if there are none.
     #[must_use]
     pub fn level(&self) -> Level {
         self.level
@@ -207,8 +213,8 @@ impl Confidence {
         Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons }
     }
 
-    /// The confidence in the rectangle that stands for a surface of this shape, for cutters that are not one toroidal
-    /// and one ball-end. `times` are those of the candidates on it, fastest first.
+    /// The confidence in the equivalent rectangle of a surface of this shape, if the cutters are not exactly one
+    /// toroidal and one ball-end cutter. `times` are those of the candidates on the rectangle, fastest first.
     #[must_use]
     pub fn of_shape(shape: &Shape, times: &[Time]) -> Self {
         let mut reasons = [of_directions(shape), of_form(shape)].concat();
@@ -219,19 +225,19 @@ impl Confidence {
     }
 }
 
-/// The reason that a figure gives by falling under `moderate`, or further under `low`.
+/// The reason for a figure below the threshold `moderate`, or below the lower threshold `low`.
 fn under(weakness: Weakness, figure: f64, moderate: f64, low: f64) -> Option<Reason> {
     let (level, threshold) = if figure < low { (Level::Low, low) } else { (Level::Moderate, moderate) };
     (figure < moderate).then_some(Reason { weakness, level, figure, threshold })
 }
 
-/// The reason that a figure gives by rising over `moderate`, or further over `low`.
+/// The reason for a figure above the threshold `moderate`, or above the higher threshold `low`.
 fn over(weakness: Weakness, figure: f64, moderate: f64, low: f64) -> Option<Reason> {
     let (level, threshold) = if figure > low { (Level::Low, low) } else { (Level::Moderate, moderate) };
     (figure > moderate).then_some(Reason { weakness, level, figure, threshold })
 }
 
-/// A threshold that no figure crosses: the weakness has one level only.
+/// A threshold that no figure crosses, for a weakness with only one level.
 const NEVER_LOW: f64 = f64::NEG_INFINITY;
 
 fn of_directions(shape: &Shape) -> Vec<Reason> {

@@ -15,12 +15,12 @@ pub enum CriticalSlope {
     At(Angle),
     /// The toroidal cutter is faster on every slope up to a wall.
     ToroidalAlways,
-    /// The ball-end cutter is faster on every slope down to 1e-6 deg, a floor for every purpose.
+    /// The ball-end cutter is faster on every slope down to 1e-6 deg, which counts as a floor.
     BallEndAlways,
 }
 
 impl CriticalSlope {
-    /// s_c as an angle: 90 deg where the toroidal cutter is always faster, 0 where the ball-end cutter is.
+    /// s_c as an angle: 90 deg if the toroidal cutter is always faster, 0 if the ball-end cutter is.
     #[must_use]
     pub fn angle(self) -> Angle {
         match self {
@@ -51,7 +51,7 @@ pub enum CriticalFormFactor {
 }
 
 impl CriticalFormFactor {
-    /// mu_c: 1 where the ball-end cutter is always faster.
+    /// mu_c: 1 if the ball-end cutter is always faster.
     #[must_use]
     pub fn form_factor(self) -> FormFactor {
         match self {
@@ -61,8 +61,8 @@ impl CriticalFormFactor {
     }
 }
 
-/// The relative difference up to which two times count as equal: each is the result of a dozen rounded operations,
-/// 3e-15, and equal cutters on a square must have equal times.
+/// Two times count as equal up to this relative difference. Each is the result of a dozen rounded operations, 3e-15,
+/// and equal cutters on a square must have equal times.
 const TIE: f64 = 1e-13;
 
 /// The flattest slope at which times are compared, in degrees: 17 nm over a metre. A flatter slope counts as a
@@ -71,9 +71,9 @@ const FLATTEST: f64 = 1e-6;
 
 /// The critical slope s_c(mu, chi) of a rectangle: T1(s_c) = T2.
 ///
-/// In closed form where passes reach the feed rate and steps between them are limited by the jerk alone [Herraz et
-/// al. 2020, eq. 10-14, eq. 13 with its sign corrected], else by bracketing the root; T1 grows with s, so there is
-/// one at most.
+/// It has a closed form if passes reach the feed rate and only the jerk limits the steps between them [Herraz et al.
+/// 2020, eq. 10-14, eq. 13 with its sign corrected]. Otherwise the root is bracketed; T1 grows with s, so there is at
+/// most one.
 ///
 /// # Errors
 /// The [`NoAnswer`] of the step-over on a slope that the search evaluates.
@@ -91,17 +91,17 @@ pub fn critical_slope(job: &Job, rectangle: InclinedRectangle) -> Result<Critica
     }
 }
 
-/// ln(T1/T2) at a slope, negative where the toroidal cutter is faster.
+/// ln(T1/T2) at a slope, negative if the toroidal cutter is faster.
 fn excess_at_slope(job: &Job, rectangle: InclinedRectangle, slope: Angle) -> Result<f64, NoAnswer> {
     let zigzag = rectangle.up_and_down(job.toroidal_step_over(slope)?, job.machine());
     Ok((zigzag.time.seconds() / ball_end_time(job, rectangle)).ln())
 }
 
-/// The critical slope of a rectangle on which the ball-end cutter is faster on a wall. T1 is nearly a power of s on
-/// gentle slopes, so both are taken by their logarithms.
+/// The critical slope of a rectangle on which the ball-end cutter is faster on a wall. The search uses the logarithms
+/// of T1 and s, because T1 is nearly a power of s on gentle slopes.
 fn critical_slope_by_bracketing(job: &Job, rectangle: InclinedRectangle) -> Result<CriticalSlope, NoAnswer> {
     let (flattest, wall) = (FLATTEST.to_radians(), Angle::RIGHT.radians());
-    // The exponential of the wall's logarithm may be a rounding more than the wall.
+    // The exponential of the wall's logarithm may exceed the wall by a rounding error.
     let slope = |logarithm: f64| Angle::from_radians(logarithm.exp().min(wall));
     if excess_at_slope(job, rectangle, slope(flattest.ln()))? >= 0.0 {
         return Ok(CriticalSlope::BallEndAlways);
@@ -115,9 +115,9 @@ fn ball_end_time(job: &Job, rectangle: InclinedRectangle) -> f64 {
     rectangle.along_the_long_side(job.ball_end_step_over(), job.machine()).time.seconds()
 }
 
-/// With z = cbrt(sod1), T1 = T2 reads z^3 - p z - q = 0, p = 4 w / (T2 cbrt(2J)), q = w t(h) / T2. `None` where the
-/// assumptions fail: the analytic model, a pass that reaches the feed rate, a step that the jerk alone limits, and a
-/// single real root.
+/// The critical slope in closed form. With z = cbrt(sod1), T1 = T2 reads z^3 - p z - q = 0, p = 4 w / (T2 cbrt(2J)), q
+/// = w t(h) / T2. `None` unless the assumptions hold: the analytic model, passes that reach the feed rate, steps that
+/// only the jerk limits, and a single real root.
 fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Option<Angle> {
     let machine = job.machine();
     if job.model() != Model::Analytic || !TravelCase::of(rectangle.height(), machine).reaches_feed_rate() {
@@ -130,7 +130,8 @@ fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Opt
     if discriminant < 0.0 {
         return None;
     }
-    // Cardano's two cube roots have the product p/3; the smaller one would cancel, so it is taken from the product.
+    // Cardano's two cube roots have the product p/3. Computing the smaller one directly would cancel, so it is derived
+    // from the product.
     let larger = (q / 2.0 + discriminant.sqrt()).cbrt();
     let step_over = (larger + p / (3.0 * larger)).powi(3);
     if TravelCase::of(Length::computed(step_over), machine) != TravelCase::JerkOnly {
@@ -145,8 +146,8 @@ fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Opt
 
 /// The critical form factor mu_c(s, chi) of rectangles of one size at one slope: T1(mu_c) = T2(mu_c).
 ///
-/// In closed form where passes reach the feed rate [Herraz et al. 2020, eq. 21 and 22], else by bracketing the root;
-/// T1 grows and T2 falls with mu.
+/// It has a closed form if passes reach the feed rate [Herraz et al. 2020, eq. 21 and 22]. Otherwise the root is
+/// bracketed; T1 grows and T2 falls with mu.
 ///
 /// # Errors
 /// The [`NoAnswer`] of the step-over at that slope.
@@ -163,16 +164,16 @@ pub fn critical_form_factor(job: &Job, characteristic_size: Area, slope: Angle) 
     Ok(CriticalFormFactor::At(closed.unwrap_or_else(|| critical_form_factor_by_bracketing(job, characteristic_size, toroidal))))
 }
 
-/// ln(T1/T2) at a form factor, with the toroidal cutter's step-over, negative where the toroidal cutter is faster.
+/// ln(T1/T2) at a form factor, with the toroidal cutter's step-over; negative if the toroidal cutter is faster.
 fn excess_at_form_factor(job: &Job, characteristic_size: Area, toroidal: Length, mu: f64) -> f64 {
     let rectangle = InclinedRectangle::of_any_size(mu, characteristic_size);
     (rectangle.up_and_down(toroidal, job.machine()).time.seconds() / ball_end_time(job, rectangle)).ln()
 }
 
-/// The critical form factor at a step-over with which the toroidal cutter is faster on a square.
+/// The critical form factor, by bracketing, at a step-over with which the toroidal cutter is faster on a square.
 fn critical_form_factor_by_bracketing(job: &Job, characteristic_size: Area, toroidal: Length) -> FormFactor {
-    // T1 >= w/V = sqrt(mu chi)/V, and T2 is at most what it is on a square: they cross before these two do. Twice as
-    // far, rounding is no matter.
+    // T1 >= w/V = sqrt(mu chi)/V, and T2 is at most its value on a square, so T1 and T2 cross before these bounds do.
+    // The bracket ends at twice that form factor, so that rounding does not matter.
     let square = InclinedRectangle::of_any_size(1.0, characteristic_size);
     let longest = job.machine().feed_rate.mm_s() * ball_end_time(job, square);
     let high = (2.0 * longest * longest / characteristic_size.mm2()).ln();
@@ -182,9 +183,9 @@ fn critical_form_factor_by_bracketing(job: &Job, characteristic_size: Area, toro
     FormFactor::computed(logarithm.exp())
 }
 
-/// With k = sod2/sod1 and t0 what the stops cost a pass, T1 = T2 reads a mu + b sqrt(mu) + c = 0, a = k (t0 +
-/// t(sod1)), b = -(1 - k) sqrt(chi)/V, c = -(t0 + t(sod2)); c/a < 0, so one root is positive. `None` where a pass
-/// would not reach the feed rate, or mu be under 1.
+/// The critical form factor in closed form. With k = sod2/sod1 and t0 the time that a pass loses to stops, T1 = T2
+/// reads a mu + b sqrt(mu) + c = 0, a = k (t0 + t(sod1)), b = -(1 - k) sqrt(chi)/V, c = -(t0 + t(sod2)); c/a < 0, so
+/// one root is positive. `None` if a pass would not reach the feed rate, or mu would be under 1.
 fn critical_form_factor_in_closed_form(job: &Job, characteristic_size: Area, toroidal: Length) -> Option<FormFactor> {
     let (machine, ball_end) = (job.machine(), job.ball_end_step_over());
     let ratio = ball_end.mm() / toroidal.mm();
@@ -193,7 +194,7 @@ fn critical_form_factor_in_closed_form(job: &Job, characteristic_size: Area, tor
     let b = (ratio - 1.0) * characteristic_size.mm2().sqrt() / machine.feed_rate.mm_s();
     let c = -(stops + travel_time(ball_end, machine)).seconds();
     let root_of_discriminant = (b * b - 4.0 * a * c).sqrt();
-    // Of the two equal forms of the root, the one whose terms do not cancel.
+    // The root has two equivalent forms; this is the one whose terms do not cancel.
     let root = if b < 0.0 { (root_of_discriminant - b) / (2.0 * a) } else { -2.0 * c / (b + root_of_discriminant) };
     let mu = root * root;
     if mu < 1.0 {
@@ -318,8 +319,8 @@ mod tests {
         #[test]
         fn both_cutters_take_the_same_time_at_the_critical_slope(job in jobs(), (mu, chi) in forms()) {
             if let CriticalSlope::At(slope) = critical_slope(&job, rectangle(mu, chi)).unwrap() {
-                // T1 changes at most in proportion to the slope, but near 90 deg the slope comes from a sine, good to
-                // its rounding only: there sin(s) is right all the same, and T1 depends on nothing else.
+                // T1 changes at most in proportion to the slope. Near 90 deg the slope comes from a sine and is
+                // accurate only to the root of its rounding, but sin(s) is accurate, and T1 depends only on it.
                 assert_abs_diff_eq!(excess_at_slope(&job, rectangle(mu, chi), slope).unwrap(), 0.0, epsilon = 1e-12);
             }
         }
@@ -330,8 +331,8 @@ mod tests {
             let has_root = excess_at_slope(&job, rectangle, Angle::RIGHT).unwrap() > TIE;
             if let Some(closed) = critical_slope_in_closed_form(&job, rectangle).filter(|_| has_root) {
                 let bracketed = critical_slope_by_bracketing(&job, rectangle).unwrap().angle();
-                // Compared by their sines, on which the times depend: near 90 deg an angle is good to the root of a
-                // rounding only.
+                // The slopes are compared by their sines, on which the times depend: near 90 deg an angle is accurate
+                // only to the square root of a rounding error.
                 assert_relative_eq!(closed.sin(), bracketed.sin(), max_relative = 1e-11);
             }
         }
@@ -350,8 +351,8 @@ mod tests {
         fn critical_slope_and_critical_form_factor_are_inverse(job in jobs(), (mu, chi) in forms()) {
             if let CriticalSlope::At(slope) = critical_slope(&job, rectangle(mu, chi)).unwrap() {
                 let back = critical_form_factor(&job, Area::from_mm2(chi).unwrap(), slope).unwrap();
-                // ln(T1/T2) changes with ln(mu) at least by some hundredths, so its rounding of 1e-14 comes back
-                // enlarged.
+                // The derivative of ln(T1/T2) by ln(mu) is at least some hundredths, which enlarges its rounding of
+                // 1e-14.
                 assert_relative_eq!(back.form_factor().ratio(), mu, max_relative = 1e-9);
             }
         }
@@ -368,8 +369,8 @@ mod tests {
         fn the_critical_slope_falls_with_the_form_factor_and_the_feed_rate_and_rises_with_the_size(
             mu in 1.1..8.0_f64, chi in 1e3..1e5_f64, factor in 1.05..2.0_f64,
         ) {
-            // The paper's machine and cutters, with which it states these laws; 1/8 of 1000 mm^2 makes passes of 11
-            // mm, at double the feed rate 21 mm would be needed for the closed form, so both solutions are met.
+            // The paper states these laws for its machine and cutters. 1000 mm^2 with mu = 8 has passes of 11 mm; at
+            // double the feed rate, the closed form needs 21 mm. So both solutions are tested.
             let of = |job: &Job, mu, chi| degrees(critical_slope(job, rectangle(mu, chi)).unwrap());
             let here = of(&published(), mu, chi);
             prop_assert!(of(&published(), mu * factor, chi) < here);

@@ -24,7 +24,7 @@ impl fmt::Display for HeightExceedsWidth {
 impl std::error::Error for HeightExceedsWidth {}
 
 impl InclinedRectangle {
-    /// From its level side w and the side h up the slope.
+    /// A rectangle with the level side w and the side h up the slope.
     ///
     /// # Errors
     /// [`HeightExceedsWidth`] unless w >= h.
@@ -32,10 +32,10 @@ impl InclinedRectangle {
         if width >= height { Ok(Self { width, height }) } else { Err(HeightExceedsWidth) }
     }
 
-    /// From mu = w/h and chi = w h: w = sqrt(mu chi), h = sqrt(chi/mu) [Herraz et al. 2020, eq. 5].
+    /// A rectangle with mu = w/h and chi = w h: w = sqrt(mu chi), h = sqrt(chi/mu) [Herraz et al. 2020, eq. 5].
     ///
     /// # Errors
-    /// [`OutOfRange`] with the bounds of a length in mm, when a side is outside them.
+    /// [`OutOfRange`] with the bounds of a length in mm, if a side is outside them.
     pub fn from_form(form_factor: FormFactor, characteristic_size: Area) -> Result<Self, OutOfRange> {
         let Self { width, height } = Self::of_any_size(form_factor.ratio(), characteristic_size);
         Ok(Self { width: Length::from_mm(width.mm())?, height: Length::from_mm(height.mm())? })
@@ -84,10 +84,10 @@ impl InclinedRectangle {
     }
 }
 
-/// Passes to and fro, with a stop at each corner.
+/// A zigzag: passes in alternating directions, with a stop at each corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zigzag {
-    /// sod, the distance of the passes.
+    /// sod, the distance between passes.
     pub step_over: Length,
     /// n = side across the passes / sod, the model's quotient, not rounded.
     pub passes: f64,

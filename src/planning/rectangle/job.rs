@@ -23,7 +23,7 @@ pub enum JobError {
     NotToroidal,
     /// The second cutter is not a ball-end.
     NotBallEnd,
-    /// The scallop would reach beyond the round of a cutter that leaves it.
+    /// The scallop would be higher than the round of a cutter.
     ScallopTooHigh {
         /// The smaller of the toroidal cutter's corner radius and the ball's radius.
         largest: Length,
@@ -50,8 +50,8 @@ impl fmt::Display for JobError {
 impl std::error::Error for JobError {}
 
 impl Job {
-    /// A job whose scallops lie within the round of both cutters: sh <= r of the toroidal and R of the ball-end
-    /// cutter. The cutters need not have the same diameter.
+    /// A job whose scallops are within the round of both cutters: sh <= r of the toroidal and R of the ball-end cutter.
+    /// The cutters may have different diameters.
     ///
     /// # Errors
     /// [`JobError`]
@@ -111,8 +111,8 @@ impl Job {
         self.machine
     }
 
-    /// The model that gives the step-over which leaves the scallop height; the published method, and its closed
-    /// forms, use the analytic one.
+    /// The model that computes the step-over for the scallop height. The published method and its closed forms use the
+    /// analytic one.
     #[must_use]
     pub fn model(&self) -> Model {
         self.model
@@ -121,9 +121,9 @@ impl Job {
 
 /// The largest step-over of a pass along the steepest slope of a plane.
 ///
-/// In model `analytic` that is the published chord, which does not depend on the cutter's width: near the floor it
-/// exceeds the diameter, and the confidence has a reason for it. Limited to the diameter, the times would not be
-/// those of the published critical slope.
+/// In model `analytic` that is the published chord, which does not depend on the cutter's width. Near the floor it
+/// exceeds the diameter, for which the confidence has a reason. It is not limited to the diameter, because the times
+/// would then differ from those of the published critical slope.
 fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length) -> Result<Length, NoAnswer> {
     let contact = Contact::up_the_slope(slope);
     if model == Model::Analytic {
@@ -132,12 +132,12 @@ fn step_over(model: Model, cutter: Cutter, slope: Angle, scallop_height: Length)
         if height >= radius {
             return Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(2.0 * radius) });
         }
-        // The root of the product, factor by factor, because the product can leave the range of numbers.
+        // The root of the product is taken factor by factor, because the product can overflow or underflow.
         return Ok(Length::computed(2.0 * height.sqrt() * (2.0 * radius - height).sqrt()));
     }
     let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
     match EvaluatedPass::new(model, pass)?.max_step_over(scallop_height, None) {
-        // A scallop as high as the corner radius, to a rounding: the passes have their largest distance.
+        // The scallop is as high as the corner radius, up to rounding: the passes have their largest distance.
         Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over }) => Ok(largest_step_over),
         found => found,
     }
@@ -164,8 +164,7 @@ mod tests {
         assert_eq!(job(toroidal, toroidal, 0.01), Err(JobError::NotBallEnd));
         assert_eq!(job(toroidal, ball, 2.1), Err(JobError::ScallopTooHigh { largest: mm(2.0) }));
         assert_eq!(job(toroidal, Cutter::ball_end(mm(1.0)), 1.0), Err(JobError::ScallopTooHigh { largest: mm(0.5) }));
-        // A scallop as high as the ball's radius is a tip between grooves that touch in a point: no step-over is the
-        // largest.
+        // With a scallop as high as the ball's radius, the grooves only touch, so that there is no largest step-over.
         assert!(matches!(
             job(toroidal, Cutter::ball_end(mm(1.0)), 0.5),
             Err(JobError::BallEnd(NoAnswer::ToleranceLimitsNoStepOver { .. }))

@@ -1,4 +1,4 @@
-//! The recommendation of method rectangle: the faster of two cutters, its direction, and both plans.
+//! The recommendation by method `rectangle`: the faster of two cutters, its direction, and both plans.
 
 use super::{Confidence, CriticalFormFactor, CriticalSlope, InclinedRectangle, Job, Zigzag, critical_form_factor, critical_slope};
 use crate::milling::NoAnswer;
@@ -20,9 +20,9 @@ pub enum CutterChoice {
 pub struct Candidate {
     /// The cutter.
     pub cutter: CutterChoice,
-    /// The line along which it runs, seen from above, in [0, pi) from X: the steepest direction for the toroidal
-    /// cutter, the principal direction for the ball-end cutter. `None` where the surface has no such direction, or
-    /// was given without its place in XY.
+    /// The direction of its passes seen from above, a line in [0, pi) from X: the steepest direction for the toroidal
+    /// cutter, the principal direction for the ball-end cutter. `None` if the surface has no such direction, or its
+    /// position in XY is not known.
     pub direction: Option<Angle>,
     /// Step-over, passes, length and time.
     pub zigzag: Zigzag,
@@ -39,7 +39,7 @@ pub struct Plan {
     pub toroidal: Candidate,
     /// The ball-end cutter along the long side.
     pub ball_end: Candidate,
-    /// The toroidal cutter below the critical slope, else the ball-end cutter [Herraz et al. 2020, section 6.1].
+    /// The toroidal cutter below the critical slope, otherwise the ball-end cutter [Herraz et al. 2020, section 6.1].
     pub recommended: CutterChoice,
 }
 
@@ -66,7 +66,7 @@ pub struct Recommendation {
 /// The reason why there is no plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PlanError {
-    /// A side of the rectangle that stands for the surface is outside these bounds, in mm.
+    /// A side of the surface's equivalent rectangle is outside these bounds, in mm.
     Size(OutOfRange),
     /// The toroidal cutter has no step-over; on a level surface the analytic model has none.
     Toroidal(NoAnswer),
@@ -75,7 +75,7 @@ pub enum PlanError {
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Size(bounds) => write!(f, "both sides of the rectangle that stands for the surface {bounds} mm"),
+            Self::Size(bounds) => write!(f, "both sides of the surface's equivalent rectangle {bounds} mm"),
             Self::Toroidal(no_answer) => write!(f, "the toroidal cutter up the slope: {no_answer}"),
         }
     }
@@ -86,7 +86,7 @@ impl std::error::Error for PlanError {}
 /// Both candidates on a rectangle at a slope from 0 to pi/2, without directions.
 ///
 /// # Errors
-/// [`NoAnswer`], when the toroidal cutter has no step-over: at slope 0 in the analytic model.
+/// [`NoAnswer`] if the toroidal cutter has no step-over, as at slope 0 in the analytic model.
 pub fn plan(job: &Job, rectangle: InclinedRectangle, slope: Angle) -> Result<Plan, NoAnswer> {
     let critical_slope = critical_slope(job, rectangle)?;
     let up_and_down = rectangle.up_and_down(job.toroidal_step_over(slope)?, job.machine());
@@ -104,8 +104,8 @@ pub fn plan(job: &Job, rectangle: InclinedRectangle, slope: Angle) -> Result<Pla
 /// The recommendation for a surface, by the rectangle that has its form factor and characteristic size, at its slope
 /// [Herraz et al. 2020, section 6.1].
 ///
-/// A surface without steepest direction is level: its slope is only rounding error, from which a groove with a radius
-/// of kilometres would result.
+/// A surface without a steepest direction counts as level: its slope is only a rounding error, with which the groove
+/// would have a radius of kilometres.
 ///
 /// # Errors
 /// [`PlanError`]
@@ -167,7 +167,7 @@ mod tests {
             let rectangle = InclinedRectangle::from_form(FormFactor::new(mu).unwrap(), Area::from_mm2(chi).unwrap());
             let Ok(rectangle) = rectangle else { return Err(TestCaseError::reject("sides")) };
             let slope = Angle::from_degrees(slope).unwrap();
-            // Quantities are checked to be finite where they come into being, in debug builds.
+            // In debug builds, the constructors of quantities check that these are finite.
             let plan = plan(&job, rectangle, slope);
             if slope.sin() < 1e-290 {
                 prop_assert!(plan.is_ok() || plan == Err(NoAnswer::FlatFloor));

@@ -1,17 +1,17 @@
-//! A candidate cutter with its drive: teeth, spindle speed and feed limit.
+//! A candidate cutter: its shape, its drive (teeth, spindle speed, feed limit) and its reach.
 
 use crate::milling::Cutter;
 use crate::motion::Machine;
 use crate::planning::reach::Uncut;
 use crate::quantity::{Length, SpindleSpeed};
 
-/// A cutter to choose from.
+/// A candidate of the ranking.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CandidateCutter {
     /// The cutter.
     pub cutter: Cutter,
-    /// Teeth and spindle speed; `None` where they are not stated, so that the scallop height covers the step-over
-    /// alone and the cutter runs at the machine's feed rate.
+    /// Teeth and spindle speed; `None` if they are not stated. The scallop height is then that of the step-over alone,
+    /// and the cutter runs at the machine's feed rate.
     pub drive: Option<Drive>,
     /// The length of the flutes.
     pub flute_length: Option<Length>,
@@ -45,7 +45,7 @@ pub struct ReachFigures {
     pub uncut_share: f64,
     /// The largest height that stays uncut.
     pub uncut_height: Length,
-    /// The error of that height: that of the raster on which it was found.
+    /// The error of that height, due to the raster on which it was computed.
     pub uncut_height_error: Length,
 }
 

@@ -1,4 +1,4 @@
-//! The check of a plan against the envelope with the surface's own curvature, and the spacing that follows from it.
+//! The check of a plan: scallop heights and spacings at single facets, by model `envelope` with the curvature of each.
 
 use super::contacts::{FacetContact, NoContact};
 use super::imprint::Imprints;
@@ -9,7 +9,7 @@ use super::settings::ZigzagSettings;
 use super::simulate::{Operation, Simulated, simulate};
 use super::spacing::FeedLaw;
 use super::workpiece::Workpiece;
-use crate::milling::{Cutter, Model, NoAnswer};
+use crate::milling::{Cutter, CutterKind, Model, NoAnswer};
 use crate::quantity::Length;
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
@@ -25,30 +25,32 @@ pub struct ScallopFigures {
     pub p99: Length,
     /// The largest of all heights that were calculated.
     pub max: Length,
-    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, to which
-    /// spacings are found.
+    /// The share of the area whose height exceeds the scallop height by more than a third of a per cent, the accuracy
+    /// of the spacing.
     pub over_tolerance_share: f64,
     /// The share of the area whose height exceeds the scallop height by more than 3 %.
     pub far_over_share: f64,
     /// The share of the area where the cutter gouges the surface beside the contact, or leaves uncut material between
-    /// the passes: it has no height and is not in the percentiles. Facets that are too steep to set a spacing are in
-    /// none of these shares.
+    /// the passes. This area has no height and is not in the percentiles. Facets that are too steep to set a spacing
+    /// count in none of these shares.
     pub without_height_share: f64,
     /// The number of points at which the height was calculated.
     pub places: usize,
 }
 
-/// The number of points drawn by area.
+/// The number of points sampled in proportion to area.
 const DRAWN: usize = 400;
 
 /// The number of further points, about: those that determine the strips.
 const CHOSEN: usize = 1000;
 
-/// Spacings are set to this share of the tolerance, and heights over `OVER` of it count as too high.
+/// Shares of the tolerance: spacings are set to `AIM`, with feed marks to `AIM_WITH_MARKS`, because the feed of a
+/// spacing under the largest one exceeds the tolerance by up to 1.4 %; heights above `OVER` are too high.
 const AIM: f64 = 0.99;
+const AIM_WITH_MARKS: f64 = 0.975;
 const OVER: f64 = 1.0033;
 
-/// Heights over this share of the tolerance are more than a plan may have on a thousandth of the area.
+/// A plan whose heights exceed this share of the tolerance on more than a thousandth of the area loses confidence.
 const FAR_OVER: f64 = 1.03;
 
 /// The steps in which spacing and feed are brought together.
@@ -68,20 +70,19 @@ const NEAR_GOUGING: f64 = 0.6;
 /// The least share of the tolerance from which on the envelope's height is compared with that of imprints.
 const LEAST_COMPARED: f64 = 0.4;
 
-/// The share of the height by which the third order may change the marks at a ridge before imprints are compared.
-const THIRD_ORDER: f64 = 0.03;
-
 /// The largest number of steps in which a spacing is reduced to the height of its imprints.
 const IMPRINT_STEPS: usize = 6;
 
 /// The data for the check of a plan.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub(super) struct Inspector<'a> {
     pub(super) facets: &'a [FinishFacet],
     pub(super) cutter: Cutter,
     pub(super) tolerance: f64,
     pub(super) feeds: &'a FeedLaw,
     pub(super) teeth_per_second: Option<f64>,
+    /// Once it returns true, the check ends early with a result that has no meaning.
+    pub(super) stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// A height at a point, and its strip.
@@ -115,13 +116,19 @@ pub(super) fn checked(
 }
 
 impl<'a> Inspector<'a> {
-    pub(super) fn new(facets: &'a [FinishFacet], prepared: &'a Prepared, settings: &ZigzagSettings) -> Self {
+    pub(super) fn new(
+        facets: &'a [FinishFacet],
+        prepared: &'a Prepared,
+        settings: &ZigzagSettings,
+        stop: &'a (dyn Fn() -> bool + Sync),
+    ) -> Self {
         Self {
             facets,
             cutter: prepared.candidate.cutter,
             tolerance: settings.scallop_height.mm(),
             feeds: &prepared.feeds,
             teeth_per_second: prepared.range.map(|range| range.teeth_per_second),
+            stop,
         }
     }
 
@@ -130,15 +137,15 @@ impl<'a> Inspector<'a> {
         self.evaluate_all(spaced, planes, &Self::by_strip(spaced, planes, facets)).into_iter().map(|evaluated| evaluated.height).collect()
     }
 
-    /// The heights at the drawn facets and at those that determine the strips, in this order.
+    /// The heights at the sampled facets, followed by those at the facets that determine the strips.
     fn evaluate(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Evaluated> {
-        let tightest = tightest(spaced, planes, self.cutter, CHOSEN).into_iter();
+        let tightest = tightest(spaced, planes, self, CHOSEN).into_iter();
         let chosen = tightest.map(|Tightest { strip, place }| (strip, spaced.sweep.covered[place as usize].facet));
         let places: Vec<(usize, u32)> = Self::by_strip(spaced, planes, drawn).into_iter().chain(chosen).collect();
         self.evaluate_all(spaced, planes, &places)
     }
 
-    /// Each facet with the strip in which its middle lies.
+    /// Pairs each facet with the strip that contains its centroid.
     fn by_strip(spaced: &Spaced, planes: &[Plane], facets: &[u32]) -> Vec<(usize, u32)> {
         let heading = spaced.sweep.heading;
         let middle = |facet: u32| {
@@ -149,14 +156,14 @@ impl<'a> Inspector<'a> {
     }
 
     fn evaluate_all(&self, spaced: &Spaced, planes: &[Plane], places: &[(usize, u32)]) -> Vec<Evaluated> {
-        let evaluate = |&(strip, facet): &(usize, u32)| {
-            let spacing = planes[strip].after;
-            Evaluated { strip, facet, height: self.height(spaced, facet, spacing) }
-        };
-        places.par_iter().with_min_len(64).map(evaluate).collect()
+        let height = |&(strip, facet): &(usize, u32)| (!(self.stop)()).then(|| self.height(spaced, facet, planes[strip].after));
+        let heights = places.par_iter().with_min_len(64).map(height).collect::<Option<Vec<_>>>();
+        // Cancelled: the heights have no meaning.
+        let heights = heights.unwrap_or_else(|| vec![None; places.len()]);
+        places.iter().zip(heights).map(|(&(strip, facet), height)| Evaluated { strip, facet, height }).collect()
     }
 
-    /// The height at a facet; `None` where there is none, and infinite where uncut material stands between the passes.
+    /// The height at a facet; `None` if the model has none, infinite if material stays uncut between the passes.
     fn height(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
         let index = facet as usize;
         let tangent = &spaced.workpiece.tangents[index];
@@ -170,7 +177,8 @@ impl<'a> Inspector<'a> {
         }
     }
 
-    /// The height at a facet that is not too steep: by the envelope, or where the third order counts by imprints.
+    /// The height at a facet that is not too steep: by the envelope, and by imprints for a flat-end cutter on a
+    /// curved surface, whose marks are of the second order in the envelope.
     fn height_at(&self, spaced: &Spaced, index: usize, spacing: f64) -> Result<f64, NoContact> {
         let e = spaced.sweep.heading.e;
         let contact = FacetContact::new(&self.facets[index], e)?;
@@ -179,7 +187,7 @@ impl<'a> Inspector<'a> {
         let feed = self.feed(spaced, index, spacing).map(Length::computed);
         let height = evaluated.scallop_height(step_over, feed).map_err(NoContact::Model)?;
         let total = height.total().mm();
-        if total < LEAST_COMPARED * self.tolerance || evaluated.third_order_share(step_over, feed) <= THIRD_ORDER {
+        if total < LEAST_COMPARED * self.tolerance || self.cutter.kind() != CutterKind::FlatEnd || contact.is_plane() {
             return Ok(total);
         }
         let by_imprints = Imprints::new(self.cutter, &self.facets[index], e).height(spacing, 0.0) + height.feed.mm();
@@ -195,19 +203,20 @@ impl<'a> Inspector<'a> {
         self.teeth_per_second.map(|teeth| self.feeds.rate(tangent, cos_alpha, taken) / teeth)
     }
 
-    /// The widest spacing that keeps [`AIM`] of the tolerance at a facet, with the feed that belongs to `spacing`: by
-    /// the envelope, or where the third order counts by imprints.
+    /// The widest spacing that keeps [`AIM`] of the tolerance at a facet that meets a strip `spacing` wide: by the
+    /// envelope, and by imprints for a flat-end cutter on a curved surface, where the envelope leaves out the third
+    /// order, and where passes run level, which gives heights a narrow peak within the facet.
     pub(super) fn widest(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
         let (index, e) = (facet as usize, spaced.sweep.heading.e);
         let contact = FacetContact::new(&self.facets[index], e).ok()?;
         let evaluated = contact.evaluated(self.cutter, Model::Envelope).ok()?;
-        let inverse = |feed: Option<f64>| {
-            match evaluated.max_step_over(Length::computed(AIM * self.tolerance), feed.map(Length::computed)) {
-                Ok(step_over) | Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: step_over }) => {
-                    Some(step_over.mm() * contact.contact.spacing_ratio())
-                }
-                Err(_) => None,
+        let aim = if self.teeth_per_second.is_some() { AIM_WITH_MARKS } else { AIM };
+        let inverse = |feed: Option<f64>| match evaluated.max_step_over(Length::computed(aim * self.tolerance), feed.map(Length::computed))
+        {
+            Ok(step_over) | Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: step_over }) => {
+                Some(step_over.mm() * contact.contact.spacing_ratio())
             }
+            Err(_) => None,
         };
         let without_marks = inverse(None)?;
         let mut widest = without_marks;
@@ -218,14 +227,14 @@ impl<'a> Inspector<'a> {
                 widest = inverse(self.feed(spaced, index, widest))?;
             }
         }
-        let step_over = Length::computed(contact.step_over(without_marks));
+        let imprints = Imprints::new(self.cutter, &self.facets[index], e);
+        let range = self.range_along(spaced, index);
+        let is_flat = self.cutter.kind() == CutterKind::FlatEnd;
         // A facet that allows far more than the strip's width does not bind it.
-        if widest > BINDING * spacing || evaluated.third_order_share(step_over, None) <= THIRD_ORDER {
+        if widest > BINDING * spacing || contact.is_plane() || !(is_flat || imprints.run_level(range)) {
             return Some(widest);
         }
-        let imprints = Imprints::new(self.cutter, &self.facets[index], e);
-        let widens = self.teeth_per_second.is_none() && evaluated.relative_curvature() > NEAR_GOUGING;
-        let range = self.range_along(spaced, index);
+        let widens = is_flat && self.teeth_per_second.is_none() && evaluated.relative_curvature() > NEAR_GOUGING;
         // Imprints have no tooth marks: the spacing with marks shrinks as that without does.
         Some(widest * self.share_by_imprints(&imprints, without_marks.min(spaced.widest), range, widens))
     }
@@ -266,8 +275,8 @@ impl<'a> Inspector<'a> {
     }
 }
 
-/// The strip in which a place across the passes lies: that after the last plane before it, the first one's before the
-/// first plane.
+/// The index of the strip that contains a coordinate across the passes. Strip i begins at plane i; coordinates before
+/// the first plane belong to strip 0.
 fn strip_of(planes: &[Plane], at: f64) -> usize {
     planes.partition_point(|plane| plane.at <= at).saturating_sub(1)
 }
@@ -294,8 +303,8 @@ fn figures(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, toleran
     }
 }
 
-/// The share of the area whose height exceeds a limit. The chosen facets stand for themselves, those drawn by area
-/// for the rest.
+/// The share of the area whose height exceeds a limit. A chosen facet counts with its own area; the sampled facets
+/// represent the rest.
 fn share_over(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, limit: f64) -> f64 {
     let is_over = |place: &Evaluated| place.height.is_some_and(|height| height.is_finite() && height > limit);
     let (by_area, chosen) = evaluated.split_at(drawn);
@@ -315,8 +324,8 @@ fn share_over(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, limi
     if whole > 0.0 { ((over + of_rest) / whole).min(1.0) } else { 0.0 }
 }
 
-/// About `count` facets, each of which stands for the same area, or all of them where they are fewer; none that are
-/// too steep to set a spacing.
+/// About `count` facets, each of which represents the same area, or all facets if they are fewer. Facets that are too
+/// steep to set a spacing are left out.
 fn drawn_by_area(workpiece: &Workpiece, count: usize) -> Vec<u32> {
     let facets = || (0_u32..).zip(workpiece.areas.iter().zip(&workpiece.tangents)).filter(|(_, (_, tangent))| !tangent.is_steep);
     let area: f64 = facets().map(|(_, (area, _))| area).sum();
@@ -327,7 +336,7 @@ fn drawn_by_area(workpiece: &Workpiece, count: usize) -> Vec<u32> {
     let mut drawn = Vec::with_capacity(count);
     for (index, (area, _)) in facets() {
         passed += area;
-        // A large facet is drawn as often as its area is due.
+        // A facet larger than the represented area is drawn several times.
         while passed >= due && drawn.len() < count {
             drawn.push(index);
             due += share;

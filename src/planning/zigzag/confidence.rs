@@ -1,4 +1,4 @@
-//! The confidence in the order of simulated plans.
+//! The confidence in the ranking of simulated plans, and the reasons that lower it.
 
 use super::plan::ZigzagPlan;
 use super::workpiece::SurfaceFigures;
@@ -6,7 +6,7 @@ use crate::planning::Level;
 use crate::quantity::Length;
 use std::fmt;
 
-/// The properties of the mesh that its facets alone do not show.
+/// Properties of the mesh that cannot be derived from the planned facets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceEvidence {
     /// The share of the area that is visible from above, 0 to 1.
@@ -18,35 +18,35 @@ pub struct SurfaceEvidence {
 }
 
 impl Default for SurfaceEvidence {
-    /// One piece, visible as a whole, of one orientation.
+    /// One piece, completely visible, with one orientation.
     fn default() -> Self {
         Self { visible_area_share: 1.0, pieces: 1, turned_area_share: 0.0 }
     }
 }
 
-/// A weakness of the order of simulated plans.
+/// A weakness of the ranking of simulated plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceWeakness {
-    /// The fastest plan leads by less than 2 %, about the error of the simulation; figure: the lead over the next plan
+    /// The fastest plan leads by less than 2 %, about the error of the simulation. Figure: the lead over the next plan
     /// as a share of its time.
     SmallLead,
-    /// Facets are wide against the step-over although the surface is curved, so that slopes and curvatures between
-    /// passes are those of the tessellation; figure: the size of a facet over the median step-over. At 2 one facet
-    /// decides about two strips, at 8 about eight. Facets that lie within a tenth of the scallop height of the
-    /// surface are fine whatever their size.
+    /// Facets are wide compared with the step-over although the surface is curved, so that slopes and curvatures
+    /// between passes are those of the tessellation. Figure: the size of a facet over the median step-over. At 2, one
+    /// facet determines two strips; at 8, eight. Facets within a tenth of the scallop height of the surface are
+    /// accurate enough at any size.
     CoarseTessellation,
-    /// Some of the area is steeper than the largest slope and sets no spacing; figure: its share.
+    /// A part of the area is steeper than the largest slope and sets no spacing. Figure: its share.
     SteepArea,
-    /// Some of the area is hidden from above and is not machined; figure: its share.
+    /// A part of the area is hidden from above and is not machined. Figure: its share.
     HiddenArea,
-    /// The surface is in several pieces, which a plan by pieces would finish with fewer links; figure: their number.
+    /// The surface has several pieces; finished one by one, they would need fewer links. Figure: their number.
     SeveralPieces,
-    /// Some facets face the other way than the rest, so that the mesh does not show which side is the part; figure:
+    /// Some facets have the opposite orientation, so that the mesh does not show on which side the part is. Figure:
     /// their share of the area.
     InconsistentOrientation,
-    /// More than a thousandth of the area exceeds the scallop height by more than 3 % in the recommended plan, or has
-    /// no height because passes do not overlap or the cutter gouges there; figure: that share.
+    /// In the recommended plan, more than a thousandth of the area exceeds the scallop height by more than 3 %, or has
+    /// no height because passes do not overlap or the cutter gouges. Figure: that share.
     OverTolerance,
 }
 
@@ -106,7 +106,7 @@ pub struct SurfaceConfidence {
 }
 
 impl SurfaceConfidence {
-    /// The level: the lowest of its reasons', high without any.
+    /// The level: the lowest of the reasons' levels, high if there are none.
     #[must_use]
     pub fn level(&self) -> Level {
         self.level
@@ -145,7 +145,7 @@ impl SurfaceConfidence {
     }
 }
 
-/// The reason that a figure gives by rising over `moderate`, or further over `low`.
+/// The reason for a figure above the threshold `moderate`, or above the higher threshold `low`.
 fn over(weakness: SurfaceWeakness, figure: f64, moderate: f64, low: f64) -> Option<SurfaceReason> {
     let (level, threshold) = if figure > low { (Level::Low, low) } else { (Level::Moderate, moderate) };
     (figure > moderate).then_some(SurfaceReason { weakness, level, figure, threshold })

@@ -13,11 +13,11 @@ pub(super) enum NoContact {
     Model(NoAnswer),
 }
 
-/// A facet passed in a direction seen from above.
+/// The contact at a facet for one direction of passes, with the facet's curvature in the axes of the feed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FacetContact {
     pub(super) contact: Contact,
-    /// Curvature along the feed, across it and between both, in 1/mm.
+    /// Curvature along the feed, across it and the mixed one, in 1/mm.
     pub(super) curvature: [f64; 3],
 }
 
@@ -32,6 +32,11 @@ impl FacetContact {
         let curvature =
             [facet.curvature_between(feed, feed), facet.curvature_between(across, across), facet.curvature_between(feed, across)];
         Ok(Self { contact, curvature })
+    }
+
+    /// Whether the facet is one of a plane.
+    pub(super) fn is_plane(&self) -> bool {
+        self.curvature == [0.0; 3]
     }
 
     /// The step-over along the surface of planes `spacing` apart seen from above, in mm.

@@ -49,13 +49,18 @@ impl Imprints {
     pub(super) fn highest(&self, spacing: f64, [low, high]: [f64; 2]) -> (f64, f64) {
         let at = |along: f64| (along, self.height(spacing, along));
         let middle = at(0.0);
-        let level = -self.gradient[0] / self.hessian[0];
-        let reach = high.max(-low);
-        if level.is_nan() || level.abs() > 2.0 * reach {
+        if !self.run_level([low, high]) {
             return middle;
         }
+        let level = -self.gradient[0] / self.hessian[0];
         let others = [low, high, level.clamp(low, high)].map(at);
         others.into_iter().fold(middle, |highest, place| if place.1 > highest.1 { place } else { highest })
+    }
+
+    /// Whether passes run level within twice this range around the facet's middle.
+    pub(super) fn run_level(&self, [low, high]: [f64; 2]) -> bool {
+        let level = -self.gradient[0] / self.hessian[0];
+        level.abs() <= 2.0 * high.max(-low)
     }
 
     /// The height that passes in planes `spacing` apart leave half-way between their contacts at a place along them,

@@ -1,19 +1,19 @@
-//! A lower bound of the time of any zigzag: every point is finished with the widest step-over of any direction, without
-//! stops.
+//! A lower bound of the time of any zigzag: the time to finish every point with the widest step-over of any direction,
+//! without stops.
 
 use super::prepared::Prepared;
 use super::workpiece::{Tangent, Workpiece};
 
-/// The number of directions at each facet. Step-overs squared are nearly linear in cos^2(alpha), so that the widest
-/// lies within 2.5 deg of one of them and exceeds it by at most 0.2 %, which [`SLACK`] covers.
+/// The number of directions at each facet. Step-overs squared are nearly linear in cos^2(alpha). The widest lies within
+/// 2.5 deg of one of these directions and exceeds its step-over by at most 0.2 %, which [`SLACK`] covers.
 const DIRECTIONS: u32 = 36;
 const SLACK: f64 = 0.998;
 
 /// Facets beyond this number are sampled.
 const MOST_FACETS: usize = 1_500;
 
-/// The integral over the surface of dA / (v s), v s the largest product of feed rate and step-over of any direction
-/// at a facet, in s. Facets that set no spacing take no time.
+/// The integral of dA / (v s) over the surface, in s. v s is the largest product of feed rate and step-over of any
+/// direction at the facet. Facets that set no spacing add no time.
 pub(super) fn least_seconds(workpiece: &Workpiece, prepared: &Prepared) -> f64 {
     let sampled;
     let workpiece = if workpiece.len() > MOST_FACETS {

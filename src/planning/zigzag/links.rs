@@ -7,11 +7,11 @@ use crate::quantity::{Length, Speed};
 /// The end of a run.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct End {
-    /// Along the passes, across them, height.
+    /// The coordinates along the passes, across them and upwards.
     pub(super) place: [f64; 3],
-    /// The stretch of the run along the passes.
+    /// The interval of the run along the passes.
     pub(super) along: [f64; 2],
-    /// The number of the run's plane.
+    /// The index of the run's plane.
     pub(super) plane: usize,
 }
 
@@ -30,7 +30,7 @@ pub(super) struct Links {
     on_surface: MachineLimits,
     rapid: MachineLimits,
     pattern: Pattern,
-    /// The longest link on the surface but for runs beside each other, in mm.
+    /// The longest link on the surface, in mm, except between runs that overlap in neighbouring planes.
     pub(super) longest: f64,
     clearance: f64,
 }
@@ -47,9 +47,9 @@ impl Links {
         }
     }
 
-    /// A link stays on the surface between neighbouring passes whose runs lie beside each other, so that the strip
-    /// between them connects both ends however far they are apart, and to any place nearer than the gaps over which
-    /// runs are joined.
+    /// A link stays on the surface in two cases. Between overlapping runs of neighbouring planes, the strip between
+    /// them connects both ends, however far apart these are. Other links stay on the surface if they are shorter than
+    /// the gaps over which runs are joined.
     pub(super) fn between(&self, from: End, to: End) -> Link {
         let (start, end) = (from.place, to.place);
         let across = (end[0] - start[0]).hypot(end[1] - start[1]);

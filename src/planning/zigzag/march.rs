@@ -1,22 +1,23 @@
-//! The positions of the planes of passes, as far apart as the worst point of each strip allows.
+//! Placement of the planes of passes, as far apart as the worst point of each strip allows.
 
+use super::prepared::Prepared;
 use super::spacing::CutterSpacing;
 use super::sweep::{Covered, Sweep};
 use super::workpiece::{Tangent, Workpiece};
 
-/// The most planes that a plan may have; beyond it a direction counts as having no spacing.
+/// The largest number of planes of a plan. A direction that needs more has no plan.
 pub(super) const MOST_PLANES: usize = 50_000;
 
-/// The number of the tightest facets of a strip that are considered for the share that may be left out.
+/// The number of a strip's tightest facets from which the share that may be left out is taken.
 const TIGHTEST: usize = 8;
 
-/// Facets of one direction with the spacings that they allow one cutter.
+/// The facets in the order of one direction, with the spacings that they allow one cutter.
 #[derive(Debug)]
 pub(super) struct Spaced<'a> {
     pub(super) workpiece: &'a Workpiece,
     pub(super) sweep: &'a Sweep,
     pub(super) spacing: &'a CutterSpacing,
-    /// The spacings that facets allow, in the order of the sweep; steep facets set none.
+    /// The spacings that facets allow, in the order of the sweep; infinite for steep facets.
     pub(super) allowed: Vec<f32>,
     /// The widest spacing, the cutter's diameter, in mm.
     pub(super) widest: f64,
@@ -24,18 +25,30 @@ pub(super) struct Spaced<'a> {
     pub(super) left_out: f64,
 }
 
+/// The number of facets between two checks for cancellation while their spacings are computed.
+const FACETS_AT_ONCE: usize = 8192;
+
 impl<'a> Spaced<'a> {
-    pub(super) fn new(workpiece: &'a Workpiece, sweep: &'a Sweep, spacing: &'a CutterSpacing, widest: f64, left_out: f64) -> Self {
+    /// The facets with their spacings for the cutter of `prepared`; `left_out` is the share of a strip's area that may
+    /// allow less. Once `stop` returns true, it ends early with fewer spacings.
+    pub(super) fn new(
+        workpiece: &'a Workpiece,
+        sweep: &'a Sweep,
+        prepared: &'a Prepared,
+        left_out: f64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
+        let (spacing, widest) = (&prepared.spacing, prepared.diameter());
         let allowed = |covered: &Covered| {
             #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
             let allowed = squared_spacing(&workpiece.tangents[covered.facet as usize], sweep, spacing).sqrt() as f32;
             allowed
         };
-        let allowed = sweep.covered.iter().map(allowed).collect();
+        let allowed = sweep.covered.chunks(FACETS_AT_ONCE).take_while(|_| !stop()).flatten().map(allowed).collect();
         Self { workpiece, sweep, spacing, allowed, widest, left_out }
     }
 
-    /// The squared spacing that a facet allows; infinite on a steep one.
+    /// The squared spacing that a facet allows; infinite for a steep facet.
     pub(super) fn squared(&self, facet: usize) -> f64 {
         squared_spacing(&self.workpiece.tangents[facet], self.sweep, self.spacing)
     }
@@ -54,7 +67,7 @@ fn squared_spacing(tangent: &Tangent, sweep: &Sweep, spacing: &CutterSpacing) ->
     spacing.squared(tangent, cos_alpha, sin_alpha)
 }
 
-/// A facet that the planes have reached.
+/// A facet that may meet the current plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reached {
     /// Its position in the order of the sweep.
@@ -63,12 +76,12 @@ pub(super) struct Reached {
     pub(super) high: f64,
     /// The spacing that it allows.
     allowed: f64,
-    /// Its area over its width across the passes.
+    /// Its area divided by its width across the passes.
     density: f64,
 }
 
-/// A plane of passes with the spacings to its neighbours; the first and the last have their one neighbour's on both
-/// sides.
+/// A plane of passes with the spacings to its neighbours. The first and the last plane have one neighbour, whose
+/// spacing counts on both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plane {
     pub(super) at: f64,
@@ -88,7 +101,7 @@ impl Plane {
 /// The reason why there are no planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum NoPlanes {
-    /// More planes or runs than there is room for.
+    /// The plan needs more planes or runs than its room has.
     NoRoom,
     /// The work was cancelled.
     Cancelled,
@@ -98,19 +111,21 @@ pub(super) enum NoPlanes {
     TooManyPlanes,
     /// There would be more than [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them.
     TooManyRuns,
-    /// The strips would meet more than [`MOST_MET`] facets.
+    /// The strips would contain facets more than [`MOST_MET`] times, counted once for each strip.
     TooManyMet,
 }
 
-/// The number of planes between two checks for cancellation.
-const PLANES_AT_ONCE: usize = 32;
+/// The number of facets that planes meet between two checks for cancellation, about a millisecond; each plane counts
+/// as [`FACETS_OF_A_PLANE`] more.
+const MET_AT_ONCE: usize = 65_536;
+const FACETS_OF_A_PLANE: usize = 2_048;
 
-/// The most facets that strips may meet, over all strips: some 0.2 s. A mesh of a million facets meets 5e6; half a
-/// million facets that each cover a whole part meet it in every strip.
+/// The largest number of facets in strips, counted once for each strip: about 0.2 s of work. An ordinary mesh of a
+/// million facets has 5e6. Half a million facets that each cover the whole part would all be in every strip.
 pub(super) const MOST_MET: usize = 50_000_000;
 
-/// Walks across the passes from band to band, and calls `visit` with each plane and the facets that may meet it. The
-/// visitor keeps those that reach beyond the plane, and may end the walk.
+/// Places the planes band by band, and calls `visit` with each plane and the facets that it may meet. The visitor
+/// removes the facets that end at the plane, and may end the placement.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -119,20 +134,17 @@ pub(super) fn march(
     stop: &(dyn Fn() -> bool + Sync),
     mut visit: impl FnMut(Plane, &mut Vec<Reached>) -> Result<(), NoPlanes>,
 ) -> Result<(), NoPlanes> {
-    let (mut planes, mut met) = (0_usize, 0_usize);
+    let (mut planes, mut met, mut met_at_check) = (0_usize, 0_usize, 0_usize);
+    if stop() {
+        // Facets and spacings may be missing.
+        return Err(NoPlanes::Cancelled);
+    }
     for band in spaced.sweep.bands(spaced.widest) {
-        let mut walk = Walk {
-            spaced,
-            next: band.start,
-            end: band.end,
-            reached: Vec::new(),
-            hint: spaced.widest,
-            tightest: Vec::new(),
-            binding: None,
-        };
+        let mut walk =
+            Walk { spaced, next: band.start, end: band.end, reached: Vec::new(), hint: spaced.widest, tightest: Vec::new(), binding: None };
         let first = walk.widest_from(band.low)?;
         let mut is_last = band.high - band.low < first;
-        // As far from the border as from the next plane's half; in a band of less than one spacing in the middle.
+        // The first plane is half a spacing from the border; in a band narrower than one spacing, in the middle.
         let mut plane = Plane {
             at: if is_last { f64::midpoint(band.low, band.high) } else { band.low + first / 2.0 },
             before: first,
@@ -148,20 +160,23 @@ pub(super) fn march(
             if met > MOST_MET {
                 return Err(NoPlanes::TooManyMet);
             }
-            if planes.is_multiple_of(PLANES_AT_ONCE) && stop() {
-                return Err(NoPlanes::Cancelled);
+            if met + planes * FACETS_OF_A_PLANE - met_at_check >= MET_AT_ONCE {
+                met_at_check = met + planes * FACETS_OF_A_PLANE;
+                if stop() {
+                    return Err(NoPlanes::Cancelled);
+                }
             }
             let rest = band.high - plane.at;
             let widest = if is_last { plane.before } else { walk.widest_from(plane.at)? };
             plane.binding = walk.binding;
             if is_last || rest <= widest / 2.0 {
-                // The half spacing beyond the last plane leaves as much as a whole one between two planes.
+                // Half a spacing beyond the last plane leaves the same height as a whole spacing between two planes.
                 plane.after = plane.before;
                 visit(plane, &mut walk.reached)?;
                 break;
             }
-            // Beyond the border there is nothing to cut: half a spacing before it is enough, and the strip up to the
-            // border allows that.
+            // There is no material beyond the border: the last plane may be half a spacing before it, and the strip up
+            // to the border allows that spacing.
             is_last = widest > rest;
             plane.after = if is_last { rest - widest / 2.0 } else { widest };
             if planes == 1 {
@@ -174,31 +189,31 @@ pub(super) fn march(
     Ok(())
 }
 
-/// A walk across one band.
+/// The placement of planes in one band.
 struct Walk<'a> {
     spaced: &'a Spaced<'a>,
     /// The next facet in the order of the sweep.
     next: usize,
     end: usize,
     reached: Vec<Reached>,
-    /// The width of the search: somewhat more than the last spacing.
+    /// The width to search first: somewhat more than the last spacing.
     hint: f64,
-    /// The tightest facets of the strip: the width that they allow it, and which of the reached facets they are.
+    /// The tightest facets of the strip: the width that each allows, and its index among the reached facets.
     tightest: Vec<(f64, usize)>,
     /// The place of the facet that binds the last strip; those left out do not.
     binding: Option<u32>,
 }
 
 impl Walk<'_> {
-    /// The largest d that all facets allow that meet the strip from `at` to `at` + d, but for the share of its area
-    /// that may be left out.
+    /// The largest d allowed by all facets in the strip from `at` to `at` + d, except the share of its area that may be
+    /// left out.
     fn widest_from(&mut self, at: f64) -> Result<f64, NoPlanes> {
         let widest = self.spaced.widest;
         loop {
             let width = self.hint.min(widest);
             let found = self.widest_within(at, width);
             if found < width || width >= widest {
-                // Under a nanometre there is none: as many planes as are allowed would cover 0.05 mm.
+                // A spacing under a nanometre counts as none: the largest number of planes would cover 0.05 mm.
                 if found.is_nan() || found <= 1e-6 {
                     return Err(NoPlanes::NoSpacing);
                 }
@@ -209,7 +224,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The same, searching at most up to `width`.
+    /// The same with an upper limit: the result is at most `width`.
     fn widest_within(&mut self, at: f64, width: f64) -> f64 {
         let end = at + width;
         while self.next < self.end {
@@ -227,17 +242,16 @@ impl Walk<'_> {
             self.next += 1;
         }
         self.tightest.clear();
-        // Only facets with bounds under this one are among the tightest.
+        // Only facets that allow less than this limit can be among the tightest.
         let mut limit = width;
         let mut area = 0.0;
         for (index, reached) in self.reached.iter().enumerate() {
-            // Facets that end at the previous plane are still included.
-            if reached.high <= at {
-                continue;
-            }
-            // A strip that ends before the facet begins is not bound by it.
+            // A strip may extend to the facet's beginning in any case.
             let (own, begins) = (reached.allowed, reached.low - at);
             let bound = if own > begins { own } else { begins };
+            // Facets that end at the previous plane are still in the list, and have no area in the strip. They are as
+            // frequent as others, so that a branch to skip them would be mispredicted often.
+            let bound = if reached.high > at { bound } else { f64::INFINITY };
             let (from, to) = (if reached.low > at { reached.low } else { at }, if reached.high < end { reached.high } else { end });
             area += reached.density * if to > from { to - from } else { 0.0 };
             if bound < limit {
@@ -251,8 +265,8 @@ impl Walk<'_> {
                 }
             }
         }
-        // The area of a strip grows in proportion to its width, about. A strip may be as wide as the bound of a facet
-        // if a wider one, up to the next bound, would hold more of tighter facets than may be left out.
+        // The area of a strip is about proportional to its width. The strip may extend to the bound of the first facet
+        // that cannot be left out: with it, the tighter facets would exceed the share that may be left out.
         let left_out_per_width = self.spaced.left_out * area / width;
         let next_bound = |index: usize| self.tightest.get(index + 1).map_or(width, |&(bound, _)| bound);
         let holds_too_much = |index: &usize| {
@@ -263,7 +277,8 @@ impl Walk<'_> {
             };
             self.tightest[..=*index].iter().map(overlap).sum::<f64>() > left_out_per_width * wider
         };
-        // Where all that are kept may be left out, those that were dropped may not: the widest of them binds.
+        // If all recorded facets could be left out, the facets that were not recorded might exceed the share: then the
+        // last recorded facet binds.
         let first = (0..self.tightest.len()).find(holds_too_much).or((self.tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
         self.binding = first.map(|first| self.reached[self.tightest[first].1].place);
         first.map_or(width, |first| self.tightest[first].0)

@@ -1,4 +1,4 @@
-//! The passes of a plan point by point: contacts, normals, tips and feeds, in cutting order.
+//! The points of a plan's passes in cutting order: contacts, normals, tips and feeds.
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
@@ -23,23 +23,22 @@ use std::fmt;
 /// The passes of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Passes {
-    /// The position in `points` at which each run begins; the cutter links from the end of a run to the start of the
-    /// next.
+    /// The index in `points` at which each run begins. A link leads from the end of a run to the start of the next.
     pub run_starts: Vec<usize>,
     /// All points in cutting order.
     pub points: Vec<PassPoint>,
-    /// The time in which the tips pass all runs and links. The time of a plan is that of the contacts, whose way is
-    /// shorter where the contact wanders over the cutter's bottom, and where tips are raised.
+    /// The time of all runs and links along the path of the tips. The time of a plan is that of the contacts, whose
+    /// path is shorter if the contact moves over the cutter's bottom or tips are raised.
     pub time: Time,
-    /// The largest distance of omitted contacts and tips from the lines between the kept ones.
+    /// The largest distance of omitted contacts and tips from the lines between the ones kept.
     pub chord_tolerance: Length,
 }
 
 /// A point of a pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassPoint {
-    /// Where the cutter touches the surface, in mm; `None` where the tip is raised because the cutter would gouge the
-    /// surface elsewhere.
+    /// The point at which the cutter touches the surface, in mm; `None` if the tip is raised because the cutter would
+    /// gouge the surface elsewhere.
     pub contact: Option<[f64; 3]>,
     /// The unit normal of the surface there.
     pub normal: [f64; 3],
@@ -50,16 +49,15 @@ pub struct PassPoint {
     /// The largest feed per tooth that keeps the scallop height, within the limits of cutter and machine; `None` for
     /// cutters without a drive.
     pub feed_per_tooth: Option<Length>,
-    /// The feed rate: that of the feed per tooth, else the machine's.
+    /// The feed rate: that of the feed per tooth; the machine's for cutters without a drive.
     pub feed_rate: Speed,
-    /// The scallop height that step-over and feed leave, by the model of the plan; `None` where the model has none.
+    /// The scallop height that step-over and feed leave, by the model of the plan; `None` if the model has none.
     pub scallop_height: Option<Length>,
-    /// The curvature of the surface along the feed, across it and between both, in 1/mm, positive where convex.
+    /// The curvature of the surface along the feed, across it and the mixed one, in 1/mm, positive where convex.
     pub curvature: [f64; 3],
 }
 
-/// The passes have more points than allowed, even without those between the ends of runs that are not needed for the
-/// shape.
+/// The passes have more points than allowed, even with the largest chord tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyPoints {
     /// The largest number of points.
@@ -74,18 +72,17 @@ impl fmt::Display for TooManyPoints {
 
 impl std::error::Error for TooManyPoints {}
 
-/// The chord tolerance as a share of the scallop height, to begin with.
+/// The first chord tolerance that is tried, as a share of the scallop height.
 const CHORD_SHARE: f64 = 0.1;
 
-/// The number of doublings of the chord tolerance, up to a thousand times, before passes count as having too many
-/// points.
+/// The largest number of doublings of the chord tolerance, to about a thousand times, before the passes count as having
+/// too many points.
 const DOUBLINGS: u32 = 10;
 
-/// The depth of a tip under the height at which the cutter rests, as a share of the scallop height, above which the tip
-/// is raised.
+/// A tip is raised if it is deeper below the height at which the cutter rests than this share of the scallop height.
 const SUNK_SHARE: f64 = 0.5;
 
-/// A run in cutting order and sense.
+/// A run in the direction of cutting.
 struct OrderedRun {
     plane: Plane,
     places: Vec<Place>,
@@ -101,14 +98,14 @@ struct Place {
     tip: [f64; 3],
 }
 
-/// The passes of `plan`, which [`super::rank`] made from the same facets, candidate and settings, with at most
-/// `limit` points.
+/// The passes of `plan` with at most `limit` points. `plan` must be a result of [`super::rank`] for the same facets,
+/// candidate and settings.
 ///
-/// Contacts lie where the planes cross the facets' middles and at the ends of runs; a point is left out where contact
-/// and tip are within the chord tolerance of the lines between their neighbours: a tenth of the scallop height,
-/// doubled until the points are few enough. `raised` takes a tip and returns the lowest height, at least the tip's
-/// own, at which the cutter does not cut into the surface; tips that are deeper than half a scallop height under it
-/// are raised to it.
+/// There is a contact at the middle of each facet's cut and at the ends of runs. A point is left out if contact and tip
+/// are within the chord tolerance of the lines between their neighbours. The chord tolerance is a tenth of the scallop
+/// height, doubled until the points are few enough. `raised` takes a tip and returns the lowest height, at least the
+/// tip's own, at which the cutter does not cut into the surface. Tips more than half a scallop height below it are
+/// raised to it.
 ///
 /// # Errors
 /// [`TooManyPoints`]
@@ -120,16 +117,35 @@ pub fn passes(
     raised: &(dyn Fn([f64; 3]) -> f64 + Sync),
     limit: usize,
 ) -> Result<Passes, TooManyPoints> {
-    let workpiece = Workpiece::new(facets, settings.max_slope.cos());
-    let sweep = Sweep::new(&workpiece, plan.direction);
-    let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece));
-    let spaced = Spaced::new(&workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
-    // The plan is there: it has had its room.
+    passes_until(plan, facets, candidate, settings, raised, limit, &|| false)
+}
+
+/// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+///
+/// # Errors
+/// [`TooManyPoints`]
+pub fn passes_until(
+    plan: &ZigzagPlan,
+    facets: &[FinishFacet],
+    candidate: &CandidateCutter,
+    settings: &ZigzagSettings,
+    raised: &(dyn Fn([f64; 3]) -> f64 + Sync),
+    limit: usize,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Passes, TooManyPoints> {
+    let workpiece = Workpiece::new(facets, settings.max_slope.cos(), stop);
+    let sweep = Sweep::new(&workpiece, plan.direction, stop);
+    let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece), stop);
+    let spaced = Spaced::new(&workpiece, &sweep, &prepared, settings.left_out_share, stop);
+    if stop() {
+        return Err(TooManyPoints { limit });
+    }
+    // The plan exists, so it fits the largest room.
     let room = Room::new(PlanRoom::LARGEST);
-    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings, &room), candidate.cutter);
+    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings, &room), candidate.cutter, stop);
     let mut chord = CHORD_SHARE * settings.scallop_height.mm();
     let kept = (0..=DOUBLINGS).find_map(|_| {
-        let kept: Vec<Vec<usize>> = runs.par_iter().map(|run| thinned(&run.places, chord)).collect();
+        let kept: Vec<Vec<usize>> = runs.par_iter().map(|run| thinned(&run.places, chord, stop)).collect();
         let fits = kept.iter().map(Vec::len).sum::<usize>() <= limit;
         if !fits {
             chord *= 2.0;
@@ -141,7 +157,7 @@ pub fn passes(
     let points: Vec<Vec<PassPoint>> = runs
         .par_iter()
         .zip(&kept)
-        .map(|(run, kept)| kept.iter().map(|&index| pointing.point(&run.plane, run.places[index])).collect())
+        .map(|(run, kept)| kept.iter().take_while(|_| !stop()).map(|&index| pointing.point(&run.plane, run.places[index])).collect())
         .collect();
     let time = time_of_tips(&runs, &points, &spaced, prepared.operation(settings, &room));
     let mut run_starts = Vec::with_capacity(points.len());
@@ -153,8 +169,8 @@ pub fn passes(
     Ok(Passes { run_starts, points: points.into_iter().flatten().collect(), time, chord_tolerance: Length::computed(chord) })
 }
 
-/// The memory in bytes of [`passes`] with at most `limit` points, beside the memory of ranking a candidate: the points
-/// of all planes before and after thinning.
+/// The memory in bytes of [`passes`] with at most `limit` points, in addition to the memory of ranking a candidate: the
+/// points of all planes before and after thinning.
 #[must_use]
 pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
     let heading = Heading::new(plan.direction);
@@ -164,24 +180,32 @@ pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) 
         before(across.into_iter().fold(f64::NEG_INFINITY, f64::max)) - before(across.into_iter().fold(f64::INFINITY, f64::min))
     };
     let cuts: usize = facets.par_iter().with_min_len(4096).map(crossed).sum();
-    // A run has two places beside those of its cuts; the simulation, whose gaps may be a little wider, joins some
-    // runs. The cuts of a plane make way for its places.
+    // A run has one place for each cut and two for its ends. The simulation joins over slightly wider gaps, so that it
+    // has fewer runs: up to twice as many are counted here. The cuts of a plane are dropped before its places are
+    // stored.
     let places = cuts + (2 * cuts).min(4 * plan.tour.runs);
     places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
 }
 
-/// A place, in a vector that moves to twice its size, and its number while places are thinned.
+/// A place and, during thinning, its index; twice, because a growing vector is copied to one of twice its size.
 const BYTES_OF_A_PLACE: usize = 2 * size_of::<Place>() + 2 * size_of::<usize>();
 
 /// The vectors of a plane: its cuts, its runs, their places.
 const BYTES_OF_A_PLANE: usize = 512;
 
-/// A point, its copy in the order of cutting, and its figures in columns and in text.
+/// A point, its copy in cutting order, and its figures in columns and as text.
 const BYTES_OF_A_POINT: usize = 1000;
 
-/// The runs of all planes with their places, in cutting order and sense.
-fn runs_in_order(plan: &ZigzagPlan, facets: &[FinishFacet], spaced: &Spaced, operation: Operation, cutter: Cutter) -> Vec<OrderedRun> {
-    let by_plane = cuts_by_plane(&plan.passes, spaced);
+/// The runs of all planes with their places, in the order and direction of cutting.
+fn runs_in_order(
+    plan: &ZigzagPlan,
+    facets: &[FinishFacet],
+    spaced: &Spaced,
+    operation: Operation,
+    cutter: Cutter,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Vec<OrderedRun> {
+    let by_plane = cuts_by_plane(&plan.passes, spaced, stop);
     let of_plane = |(number, (plane, cuts)): (usize, (&Plane, Vec<Cut>))| runs_of(number, plane.at, cuts, facets, spaced, cutter);
     let runs: Vec<(Stretch, Vec<Place>)> = plan.passes.par_iter().zip(by_plane).enumerate().flat_map_iter(of_plane).collect();
     let stretches: Vec<Stretch> = runs.iter().map(|&(stretch, _)| stretch).collect();
@@ -198,8 +222,8 @@ fn runs_in_order(plan: &ZigzagPlan, facets: &[FinishFacet], spaced: &Spaced, ope
     ordered.collect()
 }
 
-/// The time of all runs and links of the tips: each run with the mean of its points' feeds, as the contacts in
-/// [`TourFigures`](super::TourFigures).
+/// The time of all runs and links along the tips. Each run has the mean of its points' feed rates, as in
+/// [`TourFigures`](super::TourFigures) along the contacts.
 fn time_of_tips(runs: &[OrderedRun], points: &[Vec<PassPoint>], spaced: &Spaced, operation: Operation) -> Time {
     let links = operation.links(spaced);
     let (heading, origin) = (spaced.sweep.heading, spaced.workpiece.origin);
@@ -234,15 +258,27 @@ struct Cut {
     ends: [[f64; 2]; 2],
 }
 
-/// The cuts of each plane.
-fn cuts_by_plane(planes: &[Plane], spaced: &Spaced) -> Vec<Vec<Cut>> {
+/// The number of facets and cuts between two checks for cancellation.
+const TURN: usize = 16_384;
+
+/// The cuts of each plane; none once `stop` returns true.
+fn cuts_by_plane(planes: &[Plane], spaced: &Spaced, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Cut>> {
     let mut by_plane = vec![Vec::new(); planes.len()];
+    let mut examined = 0;
     for (covered, slice) in spaced.sweep.covered.iter().zip(&spaced.sweep.slices) {
+        examined += 1;
+        if examined >= TURN {
+            examined = 0;
+            if stop() {
+                return vec![Vec::new(); planes.len()];
+            }
+        }
         let first = planes.partition_point(|plane| plane.at < covered.low);
         for (plane, cuts) in planes[first..].iter().zip(&mut by_plane[first..]) {
             if plane.at >= covered.high {
                 break;
             }
+            examined += 1;
             let [from, to] = slice.cut(plane.at);
             if to > from {
                 let ends = [[from, slice.height(from, plane.at)], [to, slice.height(to, plane.at)]];
@@ -253,7 +289,7 @@ fn cuts_by_plane(planes: &[Plane], spaced: &Spaced) -> Vec<Vec<Cut>> {
     by_plane
 }
 
-/// The runs of one plane: cuts in order along it, split at gaps wider than the cutter.
+/// The runs of one plane: its cuts, sorted along it and split at gaps wider than the cutter.
 fn runs_of(
     plane: usize,
     at: f64,
@@ -269,7 +305,7 @@ fn runs_of(
         Place { facet, contact, tip: tip_of(cutter, contact, facets[facet as usize].normal) }
     };
     let mut runs: Vec<(Stretch, Vec<Place>)> = Vec::new();
-    // The facet whose cut reaches farthest in the last run.
+    // The index of the cut that reaches farthest in the current run.
     let mut farthest = 0;
     for &Cut { facet, ends: [from, to] } in &cuts {
         let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
@@ -296,14 +332,15 @@ fn runs_of(
     runs
 }
 
-/// Which places to keep so that none left out is farther from the line between its kept neighbours than `chord`: the
-/// two ends, and again and again the farthest place (Douglas and Peucker), by contact and tip.
-fn thinned(places: &[Place], chord: f64) -> Vec<usize> {
+/// The indices of the places to keep, so that contact and tip of each omitted one are at most `chord` from the lines
+/// between its kept neighbours. The algorithm of Douglas and Peucker: it keeps the two ends, then repeatedly the
+/// farthest place. Once `stop` returns true, it ends early.
+fn thinned(places: &[Place], chord: f64, stop: &(dyn Fn() -> bool + Sync)) -> Vec<usize> {
     let mut keep = vec![false; places.len()];
     let Some(last) = places.len().checked_sub(1) else { return Vec::new() };
     (keep[0], keep[last]) = (true, true);
     let mut open = vec![(0, last)];
-    while let Some((from, to)) = open.pop() {
+    while let Some((from, to)) = open.pop().filter(|_| !stop()) {
         let far = |index: usize| {
             let contact = distance(places[index].contact, places[from].contact, places[to].contact);
             contact.max(distance(places[index].tip, places[from].tip, places[to].tip))
@@ -350,7 +387,7 @@ impl Pointing<'_> {
         let (cos_alpha, _) = tangent.alpha(e);
         let spacing = plane.spacing();
         let mut step_over = spacing / tangent.ratio_squared(cos_alpha).sqrt();
-        // The feed of the plan: where the model has a better answer, it follows.
+        // The feed of the plan, which is used if the model has no answer.
         let planned = self.prepared.feeds.rate(tangent, cos_alpha, spacing * spacing / self.spaced.squared(index));
         let range = self.prepared.range;
         let mut feed = range.map(|range| planned / range.teeth_per_second);
@@ -376,10 +413,10 @@ impl Pointing<'_> {
         }
     }
 
-    /// The largest feed per tooth that keeps the scallop height within the feed's range; `None` where the step-over
-    /// alone uses it up.
+    /// The largest feed per tooth within the range that keeps the scallop height; `None` if the step-over alone uses up
+    /// the scallop height.
     fn largest_feed(&self, evaluated: &EvaluatedPass, step_over: f64, range: FeedRange) -> Option<f64> {
-        // Most feeds are bound by the range, which one height shows.
+        // The range limits most feeds; evaluating one height shows this without a search.
         let tolerance = self.settings.scallop_height;
         let at_largest = evaluated.scallop_height(Length::computed(step_over), Some(Length::computed(range.largest)));
         if at_largest.is_ok_and(|height| height.total() <= tolerance) {

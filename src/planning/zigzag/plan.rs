@@ -9,18 +9,19 @@ use crate::planning::RectanglePlan;
 use crate::quantity::{Angle, Length, Speed, Time};
 use std::fmt;
 
-/// The plan of one candidate: zigzag in its fastest direction.
+/// The plan of one candidate: a zigzag in its fastest direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZigzagPlan {
     /// The position of the cutter among the candidates.
     pub candidate: usize,
-    /// The line of the passes seen from above, in [0, pi) from X unless it was stated otherwise.
+    /// The direction of the passes seen from above, counted from X. It is in [0, pi), unless the request states
+    /// another.
     pub direction: Angle,
     /// The time of all runs and links.
     pub time: Time,
     /// Runs, links and their lengths.
     pub tour: TourFigures,
-    /// The number of planes in which the passes lie.
+    /// The number of planes with passes.
     pub planes: usize,
     /// The spacing of the planes, seen from above.
     pub step_over: SpacingFigures,
@@ -30,16 +31,16 @@ pub struct ZigzagPlan {
     pub feed_per_tooth: Option<Length>,
     /// The scallop height over the area.
     pub scallop_height: ScallopFigures,
-    /// A lower bound: no zigzag that keeps the scallop height is faster.
+    /// A lower bound: no zigzag that keeps the scallop height takes less time.
     pub least_time: Time,
-    /// The time of each direction that was tried; `None` where it has no plan. That of `direction` is `time`. The
-    /// others are estimates: times before the check, multiplied by the factor by which the check changed the time of
-    /// the fastest direction.
+    /// The time of each direction that was tried; `None` if it has no plan. The time of `direction` is `time`. The
+    /// others are estimates: the times before the check, multiplied by the factor by which the check changed the time
+    /// of the fastest direction.
     pub by_direction: Vec<(Angle, Option<Time>)>,
     /// The area that the cutter cannot reach.
     pub reach: Option<ReachFigures>,
-    /// The same cutter on the rectangle of the published method, for comparison; `None` without a shape or a
-    /// step-over there.
+    /// The same cutter by the published method on a rectangle, for comparison; `None` without a shape, or if that
+    /// method finds no step-over.
     pub rectangle: Option<RectanglePlan>,
     /// Whether the flutes are shorter than the surface is deep.
     pub flutes_too_short: bool,
@@ -89,16 +90,16 @@ pub struct NotRanked {
 pub enum NotRankedReason {
     /// The cutter leaves more of the area uncut than allowed.
     CannotReach(ReachFigures),
-    /// In every direction some slope of the surface has no step-over that keeps the scallop height.
+    /// In every direction, some part of the surface has no step-over that keeps the scallop height.
     NoStepOver,
     /// Step-overs that keep the scallop height are so small that there would be more than 50,000 passes.
     TooManyPasses,
     /// The passes fall into more than 65,536 runs.
     TooManyRuns,
-    /// The facets overlap so often that the passes meet more than 50,000,000 of them.
+    /// The facets overlap so much that the passes meet facets more than 50,000,000 times.
     TooMuchWork,
-    /// The cutter gouges the surface beside the contact, or leaves uncut material between its passes, on so much of
-    /// the area: with its flat end it has no passes there.
+    /// On a large share of the area the cutter gouges the surface beside the contact, or leaves uncut material between
+    /// its passes, so that it cannot finish that area.
     NoHeight {
         /// The share of the area.
         share: f64,
@@ -106,7 +107,7 @@ pub enum NotRankedReason {
 }
 
 impl From<NoPlanes> for NotRankedReason {
-    /// A plan that was cancelled, or has no room, is discarded with the whole ranking, whatever its reason.
+    /// A cancelled plan, or one without room, is discarded with the whole ranking, so its reason does not matter.
     fn from(reason: NoPlanes) -> Self {
         match reason {
             NoPlanes::NoSpacing | NoPlanes::Cancelled | NoPlanes::NoRoom => Self::NoStepOver,

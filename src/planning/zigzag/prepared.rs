@@ -1,4 +1,4 @@
-//! A candidate, prepared once for all directions.
+//! A candidate with the tables that do not depend on the direction.
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::room::Room;
@@ -21,15 +21,24 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    pub(super) fn new(index: usize, candidate: &CandidateCutter, settings: &ZigzagSettings, rows: &[bool]) -> Self {
+    /// The candidate with spacings at the rows of slopes that `rows` marks. Once `stop` returns true, it ends early with
+    /// spacings that have no meaning.
+    pub(super) fn new(
+        index: usize,
+        candidate: &CandidateCutter,
+        settings: &ZigzagSettings,
+        rows: &[bool],
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
         let feed_rate = settings.machine.limits.feed_rate.mm_s();
         let range = candidate.drive.map(|drive| FeedRange::of(drive, &settings.machine));
-        let (spacing, feeds) = CutterSpacing::new(candidate.cutter, settings.scallop_height, settings.model, range, rows, feed_rate);
+        let (height, model) = (settings.scallop_height, settings.model);
+        let (spacing, feeds) = CutterSpacing::new(candidate.cutter, height, model, range, &|row| rows[row] && !stop(), feed_rate);
         let link_rate = range.map_or(feed_rate, |range| range.rate(range.largest));
         Self { index, candidate: *candidate, spacing, feeds, range, link_rate }
     }
 
-    /// The widest spacing, in mm: a rounding of single precision less than the diameter, where passes still overlap.
+    /// The widest spacing, in mm: the diameter less a rounding error of single precision, so that passes still overlap.
     pub(super) fn diameter(&self) -> f64 {
         2.0 * self.candidate.cutter.outer_radius().mm() * (1.0 - 1e-6)
     }
@@ -40,7 +49,7 @@ impl Prepared {
     }
 }
 
-/// Which rows of the tables the slopes of the workpiece need.
+/// For each row of the tables, whether a slope of the workpiece needs it.
 pub(super) fn rows_of(workpiece: &Workpiece) -> Vec<bool> {
     let mut rows = vec![false; sines().len()];
     for tangent in &workpiece.tangents {

@@ -1,4 +1,4 @@
-//! The ranking of all candidates on a surface: the checked fastest plan of each, sorted by time.
+//! The ranking of all candidates on a surface: the fastest plan of each after the check, sorted by time.
 
 use super::candidate::CandidateCutter;
 use super::check::{Inspector, ScallopFigures, checked};
@@ -32,14 +32,13 @@ pub struct Ranking {
     pub confidence: Option<SurfaceConfidence>,
 }
 
-/// The area without a height from which on a cutter is not ranked.
+/// A cutter with more than this share of the area without a height is not ranked.
 const LARGEST_SHARE_WITHOUT_HEIGHT: f64 = 0.5;
 
 /// Plans zigzag passes for each candidate over the facets and ranks them by time.
 ///
-/// The facets must be visible from above, with n_z > 0; `evidence` holds the mesh's properties beside them.
-/// `stop` is called before each candidate and direction and every 32 planes; the result is `None` as soon as it returns
-/// true.
+/// The facets must be visible from above, with n_z > 0; `evidence` has the properties of the mesh that the facets do
+/// not show. `stop` is called about every millisecond, by all threads. The result is `None` soon after it returns true.
 #[must_use]
 pub fn rank(
     facets: &[FinishFacet],
@@ -56,12 +55,11 @@ pub fn rank(
 pub enum NoRanking {
     /// `stop` returned true.
     Stopped,
-    /// A plan has more planes or runs than its room allows, but would fit a larger room.
+    /// A plan needs more planes or runs than the room has, but fewer than a larger room has.
     NoRoom,
 }
 
-/// The same as [`rank`] with bounds on the size of plans, and thereby on memory. The result does not depend on the
-/// room.
+/// The same as [`rank`] with limits on the size of plans, and so on memory. A result does not depend on the limits.
 ///
 /// # Errors
 /// [`NoRanking`]
@@ -74,7 +72,7 @@ pub fn rank_within(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Ranking, NoRanking> {
     let room = Room::new(room);
-    // A plan that does not fit ends the others as well.
+    // A plan that does not fit ends the whole ranking.
     let ranking = ranked(facets, candidates, settings, evidence, &room, &|| room.is_exceeded() || stop());
     ranking.ok_or(if room.is_exceeded() { NoRanking::NoRoom } else { NoRanking::Stopped })
 }
@@ -87,7 +85,7 @@ fn ranked(
     room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Ranking> {
-    let workpiece = Workpiece::new(facets, settings.max_slope.cos());
+    let workpiece = Workpiece::new(facets, settings.max_slope.cos(), stop);
     let surface = workpiece.figures();
     let mut not_ranked = Vec::new();
     let mut reaching = Vec::new();
@@ -98,13 +96,13 @@ fn ranked(
         }
     }
     let rows = rows_of(&workpiece);
-    let prepare = |&index: &usize| (!stop()).then(|| Prepared::new(index, &candidates[index], settings, &rows));
+    let prepare = |&index: &usize| (!stop()).then(|| Prepared::new(index, &candidates[index], settings, &rows, stop));
     let prepared: Vec<Prepared> = reaching.par_iter().map(prepare).collect::<Option<_>>()?;
     let times = times_by_direction(&workpiece, &prepared, settings, room, stop)?;
     let work: Vec<_> = prepared.iter().zip(times).collect();
     let mut plans = Vec::new();
-    // A candidate in work holds all facets in the order of its direction: no more of them at once than there are
-    // threads.
+    // Each candidate in progress stores all facets in the order of its direction. More candidates at once than threads
+    // would only take memory.
     for group in work.chunks(settings.candidates_at_once.clamp(1, rayon::current_num_threads())) {
         let planned: Vec<Result<ZigzagPlan, NotRanked>> = group
             .par_iter()
@@ -130,7 +128,7 @@ fn ranked(
     Some(Ranking { plans, not_ranked, surface, confidence })
 }
 
-/// Drops the planes of all plans but the fastest: fifty thousand planes of two hundred cutters would take half a
+/// Drops the planes of all plans except the fastest: fifty thousand planes of two hundred cutters would take half a
 /// gigabyte.
 fn keep_planes_of_fastest(plans: &mut [ZigzagPlan]) {
     let fastest = plans.iter().enumerate().min_by(|(_, a), (_, b)| a.time.seconds().total_cmp(&b.time.seconds())).map(|(index, _)| index);
@@ -140,21 +138,22 @@ fn keep_planes_of_fastest(plans: &mut [ZigzagPlan]) {
 /// The largest number of directions in which the plan of a candidate is checked.
 const MOST_CHECKED: usize = 3;
 
-/// The smallest angle between checked directions, in deg: nearer ones have nearly the same spacings.
+/// The smallest angle between checked directions, in deg. Directions nearer to each other have nearly the same
+/// spacings.
 const CHECKED_APART: f64 = 5.0;
 
-/// A direction's zigzag after its check.
+/// The zigzag of one direction after its check.
 struct CheckedPlan {
     direction: Angle,
     simulated: Simulated,
     scallop_height: ScallopFigures,
 }
 
-/// The fastest zigzag of a candidate after the check, and the times of all directions: those that were not checked,
-/// multiplied by the factor by which the check changed the fastest one.
+/// The fastest zigzag of a candidate after the check, and the times of all directions. The times that were not checked
+/// are multiplied by the factor by which the check changed the fastest one.
 ///
-/// The spacing follows from the check, so that a direction may lose its lead. Where the check makes the fastest one
-/// slower than others were before theirs, these are checked as well.
+/// The check changes the spacing, so that the fastest direction may become slower than another. Directions whose time
+/// before the check is less than the fastest after it are therefore checked as well.
 fn fastest_checked(
     facets: &[FinishFacet],
     workpiece: &Workpiece,
@@ -164,8 +163,8 @@ fn fastest_checked(
     room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<(CheckedPlan, Vec<TimeOfDirection>), NotRankedReason> {
-    let inspector = Inspector::new(facets, prepared, settings);
-    // By model `analytic` the spacing is the published one; it is checked, but does not follow.
+    let inspector = Inspector::new(facets, prepared, settings, stop);
+    // With model `analytic` the spacing is the published one: it is checked, but not corrected.
     let follows = settings.model == Model::Envelope;
     let mut best: Option<CheckedPlan> = None;
     let mut reason = times.iter().filter_map(|time| time.seconds.err()).max().map_or(NotRankedReason::NoStepOver, NotRankedReason::from);
@@ -179,8 +178,8 @@ fn fastest_checked(
         if best.as_ref().zip(next.seconds.ok()).is_some_and(|(best, seconds)| seconds >= best.simulated.figures.seconds) {
             break;
         }
-        let sweep = Sweep::new(workpiece, next.direction);
-        let spaced = Spaced::new(workpiece, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+        let sweep = Sweep::new(workpiece, next.direction, stop);
+        let spaced = Spaced::new(workpiece, &sweep, prepared, settings.left_out_share, stop);
         let seconds = match checked(spaced, prepared.operation(settings, room), inspector, follows, stop) {
             Ok((simulated, scallop_height)) if simulated.figures.runs > 0 => {
                 let seconds = simulated.figures.seconds;
@@ -248,7 +247,7 @@ fn plan(
     })
 }
 
-/// The published method with its own model; sides outside the bounds of lengths give none.
+/// The plan by the published method with its own model; `None` if a side is outside the range of lengths.
 fn on_rectangle(cutter: Cutter, settings: &ZigzagSettings) -> Option<RectanglePlan> {
     let shape = settings.shape.as_ref()?;
     plan_on_rectangle(cutter, shape, settings.scallop_height, settings.machine.limits, Model::Analytic).ok().flatten()

@@ -6,7 +6,6 @@ use super::march::{NoPlanes, Plane, Spaced};
 use super::room::Room;
 use super::simulate::planes_of;
 use super::workpiece::Tangent;
-use crate::milling::Cutter;
 use rayon::prelude::*;
 
 /// The number of facets that are refined in a round, over all strips.
@@ -14,6 +13,9 @@ const REFINED: usize = 1_200;
 
 /// The largest number of facets refined in a strip in each of the two orders.
 const MOST_OF_STRIP: usize = 16;
+
+/// The number of facets and strips between two checks for cancellation.
+const TURN: usize = 16_384;
 
 /// The largest number of rounds. The planes of a round lie elsewhere than those before, so that other facets bind; two
 /// rounds bring nearly all of them.
@@ -38,7 +40,7 @@ pub(super) fn refine(spaced: &mut Spaced, inspector: &Inspector, room: &Room, st
     for _ in 0..ROUNDS {
         let planes = planes_of(spaced, room, stop)?;
         let bound = planes.iter().enumerate().filter_map(|(strip, plane)| Some(Tightest { strip, place: plane.binding? }));
-        let mut wanted = tightest(spaced, &planes, inspector.cutter, REFINED);
+        let mut wanted = tightest(spaced, &planes, inspector, REFINED);
         wanted.extend(bound);
         wanted.retain(|one| !is_refined[one.place as usize]);
         wanted.sort_unstable_by_key(|one| one.place);
@@ -46,11 +48,11 @@ pub(super) fn refine(spaced: &mut Spaced, inspector: &Inspector, room: &Room, st
         if wanted.is_empty() {
             break;
         }
-        let widest: Vec<Option<f64>> = wanted
-            .par_iter()
-            .with_min_len(16)
-            .map(|one| inspector.widest(spaced, spaced.sweep.covered[one.place as usize].facet, planes[one.strip].after))
-            .collect();
+        let widest = |one: &Tightest| {
+            let facet = spaced.sweep.covered[one.place as usize].facet;
+            (!stop()).then(|| inspector.widest(spaced, facet, planes[one.strip].after))
+        };
+        let widest = wanted.par_iter().with_min_len(16).map(widest).collect::<Option<Vec<_>>>().ok_or(NoPlanes::Cancelled)?;
         for (&Tightest { place, .. }, widest) in wanted.iter().zip(widest) {
             is_refined[place as usize] = true;
             // Where the cutter gouges, the estimate stays.
@@ -79,16 +81,23 @@ pub(super) struct Tightest {
 /// Estimates err where the surface's curvature is not small against that of the cutter's body, 1/((R - r)/sin(S) + r).
 /// Half of the facets of a strip are those with the smallest estimates, the other half those whose estimates, or the
 /// spacings of a plane, are smallest once lowered by that ratio, or because the passes run level on the facet.
-pub(super) fn tightest(spaced: &Spaced, planes: &[Plane], cutter: Cutter, count: usize) -> Vec<Tightest> {
-    let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+pub(super) fn tightest(spaced: &Spaced, planes: &[Plane], inspector: &Inspector, count: usize) -> Vec<Tightest> {
+    let (core, corner) = (inspector.cutter.core_radius().mm(), inspector.cutter.corner_radius().mm());
     let stride = planes.len().div_ceil(count).max(1);
     // The estimates of a ball are exact to second order.
     let most = if core == 0.0 { 2 } else { MOST_OF_STRIP };
     let of_strip = (count / (2 * planes.len().max(1))).clamp(1, most);
     let mut by_estimate: Vec<Least> = vec![Least::default(); planes.len()];
     let mut by_risk = by_estimate.clone();
-    let mut first = 0;
+    let (mut first, mut examined) = (0, 0);
     for (place, (covered, &allowed)) in (0_u32..).zip(spaced.sweep.covered.iter().zip(&spaced.allowed)) {
+        examined += 1;
+        if examined >= TURN {
+            examined = 0;
+            if (inspector.stop)() {
+                break;
+            }
+        }
         while planes.get(first + 1).is_some_and(|next| next.at <= covered.low) {
             first += 1;
         }
@@ -104,7 +113,11 @@ pub(super) fn tightest(spaced: &Spaced, planes: &[Plane], cutter: Cutter, count:
         let on_plane = spaced.squared_on_plane(covered.facet as usize).sqrt();
         let at_risk = allowed.min(on_plane) / if is_level { LEVEL } else { (1.0 + ratio).sqrt() };
         let reached = planes.iter().enumerate().skip(first).take_while(|(strip, plane)| *strip == first || plane.at < covered.high);
-        for (strip, plane) in reached.filter(|(strip, _)| strip % stride == 0) {
+        for (strip, plane) in reached {
+            examined += 1;
+            if strip % stride != 0 {
+                continue;
+            }
             if allowed < NEAR * plane.after {
                 by_estimate[strip].add(place, allowed, of_strip);
             }

@@ -1,26 +1,28 @@
-//! The order in which runs are cut: region by region, in each region plane by plane.
+//! The order in which runs are cut: region by region, and within a region plane by plane.
 //!
-//! A region is a chain of runs in consecutive planes, each beside exactly one run of the next plane and alone beside
-//! it; where a gap begins or ends, regions divide or join. A region is finished before the cutter leaves it, so that a
-//! gap costs a lift for each region that it makes and not for each plane that it crosses. The next region, and the
-//! corner at which the cutter enters it, are those with the quickest link.
+//! A region is a chain of runs in consecutive planes. Each of its runs overlaps exactly one run of the next plane,
+//! which overlaps no other run of this plane. A gap that begins or ends divides or joins regions. A region is finished
+//! before the cutter leaves it, so that a gap costs one lift for each region and not one for each plane that it
+//! crosses. The next region, and the corner at which the cutter enters it, are those with the quickest link.
 
 use super::links::{End, Links};
 use super::settings::Pattern;
+use std::collections::VecDeque;
 
 /// The position of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stretch {
-    /// The number of its plane, in rising order across the passes.
+    /// The index of its plane, rising across the passes.
     pub(super) plane: usize,
     /// The coordinate of the plane across the passes.
     pub(super) at: f64,
-    /// Both ends, along the pass and in height, the lower one along the pass first.
+    /// Both ends, each with its coordinate along the pass and its height; the end with the smaller coordinate comes
+    /// first.
     pub(super) ends: [[f64; 2]; 2],
 }
 
 impl Stretch {
-    /// The place of its lower (0) or its upper (1) end along the pass.
+    /// Its first (0) or its second (1) end.
     pub(super) fn end(&self, side: usize) -> End {
         let [along, height] = self.ends[side];
         End { place: [along, self.at, height], along: [self.ends[0][0], self.ends[1][0]], plane: self.plane }
@@ -30,30 +32,31 @@ impl Stretch {
 /// A run in the order of cutting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Leg {
-    /// The position of the run among all.
+    /// The index of the run.
     pub(super) run: usize,
     /// Whether it is cut in the direction of the passes.
     pub(super) forward: bool,
 }
 
-/// The largest number of links to other regions that are compared, over all regions together, which takes some
-/// milliseconds.
+/// The largest number of links to other regions that are compared, over all regions together. The comparisons take a
+/// few milliseconds.
 const MOST_COMPARED: usize = 16_384;
 
-/// The order of runs that come plane by plane, and in each plane along it.
+/// The order of cutting. `runs` are sorted by plane, and within a plane along it.
 pub(super) fn in_order(runs: &[Stretch], pattern: Pattern, links: &Links) -> Vec<Leg> {
     if pattern == Pattern::OneWay {
         return (0..runs.len()).map(|run| Leg { run, forward: true }).collect();
     }
-    let mut regions = regions(runs, links.longest);
+    // Those that are compared are the first ones, so that the removal of one moves few.
+    let mut regions = VecDeque::from(regions(runs, links.longest));
     let mut legs: Vec<Leg> = Vec::with_capacity(runs.len());
     let compared = (MOST_COMPARED / regions.len().max(1)).clamp(1, 64);
     while !regions.is_empty() {
         let (index, from_last, forward) = match legs.last() {
             None => (0, false, true),
-            Some(last) => quickest(&regions[..compared.min(regions.len())], runs, runs[last.run].end(usize::from(last.forward)), links),
+            Some(last) => quickest(regions.iter().take(compared), runs, runs[last.run].end(usize::from(last.forward)), links),
         };
-        let region = regions.remove(index);
+        let Some(region) = regions.remove(index) else { break };
         let mut forward = forward;
         let mut add = |run: usize| {
             legs.push(Leg { run, forward });
@@ -64,11 +67,11 @@ pub(super) fn in_order(runs: &[Stretch], pattern: Pattern, links: &Links) -> Vec
     legs
 }
 
-/// The region with the quickest link from `end`, whether it is entered at its last plane, and whether its first run
-/// is cut in the direction of the passes.
-fn quickest(regions: &[Vec<usize>], runs: &[Stretch], end: End, links: &Links) -> (usize, bool, bool) {
+/// The region with the quickest link from `end`; whether it is entered at its last plane; and whether its first run is
+/// cut in the direction of the passes.
+fn quickest<'a>(regions: impl Iterator<Item = &'a Vec<usize>>, runs: &[Stretch], end: End, links: &Links) -> (usize, bool, bool) {
     let mut best = (f64::INFINITY, (0, false, true));
-    for (index, region) in regions.iter().enumerate() {
+    for (index, region) in regions.enumerate() {
         for from_last in [false, true] {
             let first = if from_last { region.last() } else { region.first() };
             for forward in [true, false] {
@@ -84,7 +87,7 @@ fn quickest(regions: &[Vec<usize>], runs: &[Stretch], end: End, links: &Links) -
 
 /// The chains of runs, in the order of their first runs.
 fn regions(runs: &[Stretch], longest_link: f64) -> Vec<Vec<usize>> {
-    /// The runs of the next plane, or of the plane before, beside a run.
+    /// The runs of the next or the previous plane that overlap a run along the passes.
     #[derive(Clone, Copy)]
     enum Beside {
         None,
@@ -101,7 +104,7 @@ fn regions(runs: &[Stretch], longest_link: f64) -> Vec<Vec<usize>> {
         if pair[1][0].plane == pair[0][0].plane + 1 && pair[1][0].at - pair[0][0].at <= longest_link {
             let mut first = 0;
             for (index, run) in pair[0].iter().enumerate() {
-                // Runs of a plane come in order, so that those that end before this one begins are passed for good.
+                // Runs of a plane are sorted: a run that ends before this one begins also ends before all later ones.
                 while first < pair[1].len() && pair[1][first].ends[1][0] <= run.ends[0][0] {
                     first += 1;
                 }
@@ -154,7 +157,7 @@ mod tests {
             runs.extend([run(plane, 0.0, 10.0), run(plane, 20.0, 30.0)]);
         }
         runs.push(run(4, 0.0, 30.0));
-        // Up on the right side, where the first run ends, over the last plane, and down on the left side.
+        // Up on the right side, where the first run ends, across the last plane, and down on the left side.
         let order: Vec<usize> = ordered(&runs).into_iter().map(|(run, _)| run).collect();
         assert_eq!(order, [0, 2, 4, 6, 7, 5, 3, 1]);
     }

@@ -1,11 +1,11 @@
-//! Bounds on the planes and runs of a plan, which keep its memory within the reservation.
+//! Limits on the planes and runs of a plan, so that its memory stays within the reservation.
 
 use super::march::{MOST_PLANES, NoPlanes};
 use super::simulate::MOST_RUNS;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The largest numbers of planes and runs of each candidate's plan. Most plans have some hundred of each; memory for
-/// more is reserved only for plans that need it.
+/// The largest numbers of planes and runs of each candidate's plan. Most plans have a few hundred of each. Memory for
+/// more is reserved only if a plan needs it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlanRoom {
     /// The most planes.
@@ -18,10 +18,10 @@ impl PlanRoom {
     /// Enough for a part of 200 mm with passes 0.1 mm apart.
     pub const USUAL: Self = Self { planes: 2_000, runs: 6_000 };
 
-    /// The bounds of all plans: with more planes or runs a direction has no plan.
+    /// The limits of every plan: a direction that needs more planes or runs has no plan.
     pub const LARGEST: Self = Self { planes: MOST_PLANES, runs: MOST_RUNS };
 
-    /// The next larger room: five times as much, at most the largest.
+    /// The next larger room: five times this one, at most the largest.
     #[must_use]
     pub fn larger(self) -> Self {
         Self { planes: (5 * self.planes).min(MOST_PLANES), runs: (5 * self.runs).min(MOST_RUNS) }
@@ -40,7 +40,7 @@ impl Room {
         Self { room, is_exceeded: AtomicBool::new(false) }
     }
 
-    /// Records that a plan with these planes and runs needs more room, if it does.
+    /// Checks that a plan with these planes and runs fits, and records it if it does not.
     ///
     /// # Errors
     /// [`NoPlanes::TooManyPlanes`] and [`NoPlanes::TooManyRuns`] if even the largest room is exceeded,
@@ -59,7 +59,7 @@ impl Room {
         }
     }
 
-    /// Whether a plan needed more.
+    /// Whether a plan did not fit.
     pub(super) fn is_exceeded(&self) -> bool {
         self.is_exceeded.load(Ordering::Relaxed)
     }

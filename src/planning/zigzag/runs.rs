@@ -1,10 +1,10 @@
-//! Runs: the parts of a plane that cut facets, joined over narrow gaps.
+//! Runs: the intersections of a plane with facets, joined over narrow gaps.
 
 use super::march::{Plane, Reached, Spaced};
 use super::regions::Stretch;
 use super::spacing::FeedLaw;
 
-/// A stretch along a plane that is cut without leaving the surface.
+/// A part of a pass that is cut without leaving the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Run {
     pub(super) stretch: Stretch,
@@ -14,7 +14,7 @@ pub(super) struct Run {
     pub(super) seconds: f64,
 }
 
-/// The part of a plane between two gaps, at least; its ends and the lengths in it.
+/// The cuts that begin in one cell of a plane: their outer ends, the sum of their lengths and that of their times.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     ends: [[f64; 2]; 2],
@@ -24,14 +24,14 @@ struct Cell {
 
 const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]], length: 0.0, seconds: 0.0 };
 
-/// Collects the runs of one plane after the other.
+/// Finds the runs of one plane after another.
 ///
-/// A plane is divided into cells as wide as the gaps over which runs are joined. Two cuts that begin in one cell are
-/// therefore in one run, so that sums by cells give the same runs as sorting all cuts.
+/// A plane is divided into cells as wide as the gaps over which runs are joined. Two cuts that begin in one cell
+/// therefore belong to one run. Sums by cell give the same runs as sorting all cuts, in less time.
 #[derive(Debug)]
 pub(super) struct RunFinder {
     cells: Vec<Cell>,
-    /// The cells with cuts. A part of a kilometre has 1e5 cells, and most planes have few cuts.
+    /// The cells with cuts: a part of a kilometre has 1e5 cells, but most planes have few cuts.
     filled: Vec<usize>,
     /// A buffer for the positions of the facets that a plane cuts.
     cut: Vec<u32>,
@@ -41,23 +41,24 @@ pub(super) struct RunFinder {
 }
 
 impl RunFinder {
-    /// For gaps up to `gap`.
+    /// A finder that joins runs over gaps of up to `gap`, in mm.
     pub(super) fn new(spaced: &Spaced, gap: f64) -> Self {
         let [low, high] = spaced.sweep.along;
-        // A part of a kilometre and a cutter of a micrometre would make 1e9 cells; wider cells join wider gaps.
+        // A part of a kilometre and a cutter of a micrometre would need 1e9 cells. Wider cells join wider gaps, which
+        // is accurate enough there.
         let gap = gap.max((high - low) / 100_000.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 1e5")]
         let count = ((high - low) / gap) as usize + 2;
         Self { cells: vec![EMPTY; count], filled: Vec::new(), cut: Vec::new(), origin: low, gap, runs: Vec::new() }
     }
 
-    /// Adds the runs of the plane with this number, and drops the facets that do not reach beyond it.
+    /// Adds the runs of the plane with this index, and removes the facets that end at it.
     pub(super) fn find(&mut self, spaced: &Spaced, reached: &mut Vec<Reached>, number: usize, plane: &Plane, feeds: &FeedLaw) {
         let workpiece = spaced.workpiece;
         let (at, spacing) = (plane.at, plane.spacing());
         let constant_pace = if let FeedLaw::Constant { rate } = feeds { Some(rate.recip()) } else { None };
         let per_gap = self.gap.recip();
-        // Whether a facet is cut or kept is nearly random, so both lists grow without branches.
+        // Whether a facet is cut or kept is nearly random, so both lists are filled without branches.
         self.cut.resize(reached.len(), 0);
         let (mut kept, mut count) = (0, 0);
         for index in 0..reached.len() {
@@ -99,7 +100,7 @@ impl RunFinder {
     /// Joins the cells' cuts to runs, and empties the cells.
     fn join(&mut self, plane: usize, at: f64) {
         let mut run: Option<Cell> = None;
-        // Gaps over which a run is joined add nothing to its length.
+        // A gap within a run adds nothing to the run's length.
         let finished = |Cell { ends, length, seconds }: Cell| Run { stretch: Stretch { plane, at, ends }, length, seconds };
         self.filled.sort_unstable();
         for index in self.filled.drain(..) {

@@ -16,17 +16,18 @@ pub(super) struct TimeOfDirection {
     pub(super) direction: Angle,
     /// The time in s, or the reason why there is none.
     pub(super) seconds: Result<f64, NoPlanes>,
-    /// Whether it is from the first pass on sampled facets, and rougher than the others.
+    /// Whether it is from the first round on sampled facets, with a larger error than the others.
     pub(super) is_rough: bool,
 }
 
-/// Facets beyond this number are sampled in the first pass over all directions, whose times then err by about 1 %.
+/// In the first round over all directions, more facets than this are sampled; the error of the times is then about 1 %.
 const MOST_AT_FIRST: usize = 3_000;
 
-/// Facets beyond this number are sampled around the best direction as well, where times then err by some 0.7 %.
+/// In the rounds around the best direction, more facets than this are sampled; the error of the times is then about 0.7
+/// %.
 const MOST_FACETS: usize = 6_000;
 
-/// The number of the fastest directions of the first pass that are simulated again.
+/// The number of the fastest directions of the first round that are simulated again.
 const BEST_AT_FIRST: usize = 2;
 
 /// The times of each contender in the requested directions, in rising order of direction; `None` as soon as `stop`
@@ -52,14 +53,14 @@ pub(super) fn times_by_direction(
             coarse.extend(beside.iter().filter(|angle| !is_among(&coarse, **angle)).copied().collect::<Vec<_>>());
             let first = sampled(workpiece, MOST_AT_FIRST);
             simulated(first.as_ref().unwrap_or(workpiece), for_all(contenders, &coarse), &mut times);
-            // The best are simulated again with the same facets as the directions around them, so that times are
-            // comparable.
+            // The fastest are simulated again with the same facets as the directions around them, so that their times
+            // are comparable.
             if first.is_some() {
                 let best = take_fastest(&mut times);
                 simulated(around, best.iter().map(|&(contender, time)| (contender, time.direction)).collect(), &mut times);
                 correct_rough(&mut times, &best);
             }
-            // 2 deg, 1 deg and half a degree on both sides of the best so far.
+            // 2 deg, 1 deg and half a degree to both sides of the fastest direction so far.
             for steps in [[-4, 4], [-2, 2], [-1, 1]] {
                 let near = |(contender, found): (usize, &Vec<TimeOfDirection>)| {
                     let best = fastest(found);
@@ -94,7 +95,7 @@ fn sampled(workpiece: &Workpiece, count: usize) -> Option<Workpiece> {
     (workpiece.len() > count).then(|| workpiece.sampled(count))
 }
 
-/// Takes the fastest directions of each contender out of the times, and returns them.
+/// Removes the fastest directions of each contender from the times, and returns them.
 fn take_fastest(times: &mut [Vec<TimeOfDirection>]) -> Vec<(usize, TimeOfDirection)> {
     let mut taken = Vec::new();
     for (contender, times) in times.iter_mut().enumerate() {
@@ -109,7 +110,8 @@ fn take_fastest(times: &mut [Vec<TimeOfDirection>]) -> Vec<(usize, TimeOfDirecti
 }
 
 /// Multiplies the rough times of each contender by the largest factor by which one of its `best` changed when it was
-/// simulated again. No rough time is then under the fastest of those, because the others were no faster before.
+/// simulated again. All rough times were at least as long as those of `best` before, so that none becomes shorter than
+/// the shortest of `best`.
 fn correct_rough(times: &mut [Vec<TimeOfDirection>], best: &[(usize, TimeOfDirection)]) {
     for (contender, times) in times.iter_mut().enumerate() {
         let factor = |rough: &TimeOfDirection| {
@@ -139,7 +141,7 @@ struct Simulation<'a> {
     stop: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// Simulates pairs of contender and direction; the order of the facets is shared by all contenders of a direction.
+/// Simulates pairs of contender and direction. All contenders of a direction share one sorted list of facets.
 fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found: &mut [Vec<TimeOfDirection>]) {
     let Simulation { facets, contenders, settings, room, is_rough, stop } = *simulation;
     wanted.sort_by(|a, b| a.1.radians().total_cmp(&b.1.radians()));
@@ -151,10 +153,10 @@ fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found:
                 return Vec::new();
             }
             let direction = of_direction[0].1;
-            let sweep = Sweep::new(facets, direction);
+            let sweep = Sweep::new(facets, direction, stop);
             let time = |&(contender, _): &(usize, Angle)| {
                 let prepared = &contenders[contender];
-                let spaced = Spaced::new(facets, &sweep, &prepared.spacing, prepared.diameter(), settings.left_out_share);
+                let spaced = Spaced::new(facets, &sweep, prepared, settings.left_out_share, stop);
                 let seconds = simulate(&spaced, prepared.operation(settings, room), stop).map(|simulated| simulated.figures.seconds);
                 (contender, TimeOfDirection { direction, seconds, is_rough })
             };
@@ -172,13 +174,13 @@ fn half_degrees(count: i32) -> Angle {
     Angle::from_degrees(f64::from(count.rem_euclid(360)) / 2.0).unwrap_or(Angle::ZERO)
 }
 
-/// The line turned by half degrees, within [0, 180) deg.
+/// The direction turned by half degrees, reduced to [0, 180) deg.
 fn turned(direction: Angle, half_degrees: i32) -> Angle {
     let degrees = (direction.degrees() + f64::from(half_degrees) / 2.0).rem_euclid(180.0);
     Angle::from_degrees(degrees).unwrap_or(direction)
 }
 
-/// Whether a line is among others, to a thousandth of a degree.
+/// Whether `lines` contains `line`, to a thousandth of a degree.
 fn is_among(lines: &[Angle], line: Angle) -> bool {
     lines.iter().any(|other| {
         let apart = (other.degrees() - line.degrees()).abs();

@@ -8,10 +8,10 @@ use crate::surface::Shape;
 /// The pattern of passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pattern {
-    /// Passes alternate in sense.
+    /// Passes alternate in direction.
     #[default]
     Zigzag,
-    /// All passes have one sense; the cutter returns at the rapid rate over the clearance height.
+    /// All passes have the same direction; the cutter returns at the rapid rate at the clearance height.
     OneWay,
 }
 
@@ -27,18 +27,18 @@ pub struct ZigzagSettings {
     pub pattern: Pattern,
     /// The model by which passes are spaced.
     pub model: Model,
-    /// The slope up to which facets set spacings; steeper ones count as steep.
+    /// The slope up to which facets set spacings. Steeper facets set none and count as steep.
     pub max_slope: Angle,
     /// The directions of passes.
     pub directions: Directions,
     /// The share of a strip's area that may allow less than the strip's spacing, so that a single bad facet does not
-    /// determine it.
+    /// determine the spacing.
     pub left_out_share: f64,
-    /// The share of the area up to which a cutter may leave the surface uncut and be ranked.
+    /// The largest share of the area that a ranked cutter may leave uncut.
     pub max_uncut_share: f64,
     /// The largest number of candidates that are planned at once, each of which takes memory.
     pub candidates_at_once: usize,
-    /// The shape of the surface, for the comparison with the published method; `None` leaves it out.
+    /// The shape of the surface, for the comparison with the published method; `None` omits the comparison.
     pub shape: Option<Shape>,
 }
 
@@ -65,11 +65,11 @@ impl ZigzagSettings {
 /// The directions that are simulated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Directions {
-    /// Every 5 deg and those of `beside`, then around the best down to 0.5 deg.
+    /// Every 5 deg and the directions in `beside`; then around the best, in steps down to 0.5 deg.
     All {
         /// Further directions, such as the principal and the steepest one.
         beside: Vec<Angle>,
     },
-    /// Only these.
+    /// Only these directions.
     Only(Vec<Angle>),
 }

@@ -27,8 +27,8 @@ impl Operation<'_> {
     }
 }
 
-/// The most runs of a zigzag, some more than there are planes at most: with their order each takes some 200 bytes,
-/// and a comb of thin strips has thousands in each plane.
+/// The largest number of runs of a zigzag, somewhat more than the largest number of planes. A run takes some 200 bytes
+/// with its order, and a comb of thin strips has thousands of runs in each plane.
 pub(super) const MOST_RUNS: usize = 65_536;
 
 /// A zigzag in one direction.
@@ -48,7 +48,7 @@ pub(super) fn simulate(spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -
     march(spaced, stop, |plane, reached| {
         finder.find(spaced, reached, planes.len(), &plane, operation.feeds);
         planes.push(plane);
-        // Runs are held until their order is known.
+        // All runs stay in memory until their order is known.
         operation.room.check(planes.len(), finder.runs.len())
     })?;
     let figures = TourFigures::of(&finder.runs, operation.machine, operation.pattern, &operation.links(spaced));

@@ -2,11 +2,11 @@
 
 use std::sync::LazyLock;
 
-/// The sines of the rows' slopes, rising from 0 to 1: 0, then in steps of a quarter from 0.02 deg to 10 deg, then
-/// every 2.5 deg.
+/// The sines of the rows' slopes, rising from 0 to 1: slope 0, then from 0.02 deg to 10 deg each a quarter larger than
+/// the one before, then every 2.5 deg.
 ///
-/// The square of the step-over is proportional to 1/sin(S) where the cutter's corner makes the groove, and constant
-/// where its flat does.
+/// The square of the step-over is proportional to 1/sin(S) at slopes at which the cutter's corner makes the groove, and
+/// constant at those at which its flat does.
 static SINES: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let mut degrees = vec![0.0];
     let mut next: f64 = 0.02;
@@ -18,7 +18,6 @@ static SINES: LazyLock<Vec<f64>> = LazyLock::new(|| {
     degrees.into_iter().map(|slope| if slope >= 90.0 { 1.0 } else { slope.to_radians().sin() }).collect()
 });
 
-/// The sines of the slopes at which tables have rows.
 pub(super) fn sines() -> &'static [f64] {
     &SINES
 }
@@ -32,7 +31,8 @@ pub(super) struct SlopePlace {
     pub(super) weight: f64,
 }
 
-/// The place of a slope: linear in 1/sin(S), but in sin(S) between the floor and the first row over it.
+/// The position of a slope between two rows: linear in 1/sin(S), except between the floor and the first row above it,
+/// where it is linear in sin(S).
 pub(super) fn place_of(sin: f64) -> SlopePlace {
     let sines = sines();
     let row = sines.partition_point(|&row| row <= sin).saturating_sub(1).min(sines.len() - 2);

@@ -7,22 +7,21 @@ use crate::milling::{Contact, Cutter, CutterKind, CuttingLimits, EvaluatedPass, 
 use crate::quantity::Length;
 use rayon::prelude::*;
 
-/// The columns of a table less one: they lie at cos(alpha) = 0, 1/24, ... 1.
+/// The number of intervals between a table's columns, which lie at cos(alpha) = 0, 1/24, ... 1.
 const COLUMNS: usize = 24;
 
-/// The largest step-over of a cutter over slope and direction on a plane, seen from above, and the feed that belongs
-/// to it.
+/// The largest spacing of a cutter on planes, as a function of slope and direction, and the feed that belongs to it.
 ///
-/// A ball-end cutter, and any cutter in model `analytic` without feed marks, have closed forms. Elsewhere a table of
-/// squared spacings is interpolated, linearly in cos^2(alpha) and 1/sin(S), in which the squares of circles' chords
-/// are linear; it is taken [`CutterSpacing::MARGIN`] smaller than interpolated, more than interpolation errs.
+/// A ball-end cutter, and any cutter in model `analytic` without feed marks, have closed forms. For others a table of
+/// squared spacings is interpolated, linearly in cos^2(alpha) and 1/sin(S), in which the squares of circles' chords are
+/// linear. The result is reduced by [`CutterSpacing::MARGIN`], which is more than the error of the interpolation.
 #[derive(Debug, Clone)]
 pub(super) struct CutterSpacing {
     cutter: Cutter,
     /// 8 h, which turns a squared spacing into a curvature.
     eight_heights: f64,
     diameter_squared: f64,
-    /// Whether the curvature of the surface counts: in model `envelope` only.
+    /// Whether the curvature of the surface changes the spacing, as it does in model `envelope`.
     on_curved: bool,
     law: Law,
 }
@@ -31,17 +30,17 @@ pub(super) struct CutterSpacing {
 enum Law {
     /// The chord of a circle of the effective radius, 2 sqrt(2 P h - h^2).
     Circle { core: f64, corner: f64, height: f64 },
-    /// A step-over along the surface that is the same everywhere.
+    /// The same step-over along the surface everywhere.
     Constant { squared: f64 },
-    /// Squared spacings seen from above, row after row.
+    /// Squared spacings seen from above, row by row.
     Table { squared: Vec<f64> },
 }
 
 /// The feed as a function of the spacing.
 #[derive(Debug, Clone)]
 pub(super) enum FeedLaw {
-    /// One feed rate everywhere, in mm/s: the machine's, or the largest feed per tooth, which the best step-over
-    /// takes at every contact.
+    /// One feed rate everywhere, in mm/s: the machine's, or that of the largest feed per tooth if this is the best at
+    /// every contact.
     Constant { rate: f64 },
     /// Feeds from a table.
     Table(FeedTable),
@@ -51,7 +50,7 @@ pub(super) enum FeedLaw {
 #[derive(Debug, Clone)]
 pub(super) struct FeedTable {
     range: FeedRange,
-    /// The feed per tooth and the squared ratio of the best step-over to that without feed marks, row after row.
+    /// The feed per tooth, and the squared ratio of the best step-over to the one without feed marks, row by row.
     nodes: Vec<[f64; 2]>,
 }
 
@@ -64,27 +63,27 @@ struct Best {
 }
 
 impl CutterSpacing {
-    /// The share by which tables are taken smaller than interpolated. Over random cutters, slopes and directions
-    /// linear interpolation exceeds the model's spacing by at most 0.5 %; it falls short of it by up to 2 %, under 3
-    /// deg of slope by up to 10 %, which the check of a plan makes good.
+    /// The share by which interpolated values are reduced. Over random cutters, slopes and directions, linear
+    /// interpolation exceeds the model's spacing by at most 0.5 %. It falls short of it by up to 2 %, and by up to 10 %
+    /// at slopes under 3 deg; the check of a plan corrects that.
     pub(super) const MARGIN: f64 = 0.006;
 
-    /// The same with feed marks, where interpolation exceeds by at most 1.1 %: along the tolerance the area per time
-    /// is flat around its maximum, and step-over and feed are found to half a per cent.
+    /// The same with feed marks. There the interpolation exceeds the model's spacing by at most 1.1 %: the area per
+    /// time is flat around its maximum, so that step-over and feed are found only to half a per cent.
     pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
 
-    /// The spacings of a cutter for the scallop height `height`, with feed marks where `feeds` is given, and its
-    /// feeds. `rows` marks the rows of a table that are needed; `feed_rate` is the machine's, in mm/s.
+    /// The spacings and feeds of a cutter for the scallop height `height`. It includes feed marks if `feeds` is given.
+    /// `is_needed` marks the rows of a table that are needed; `feed_rate` is the machine's, in mm/s.
     pub(super) fn new(
         cutter: Cutter,
         height: Length,
         model: Model,
         feeds: Option<FeedRange>,
-        rows: &[bool],
+        is_needed: &(dyn Fn(usize) -> bool + Sync),
         feed_rate: f64,
     ) -> (Self, FeedLaw) {
         let h = height.mm();
-        // A rounding of single precision less than the diameter, where passes still overlap.
+        // The diameter less a rounding error of single precision, so that passes still overlap.
         let diameter = 2.0 * cutter.outer_radius().mm() * (1.0 - 1e-6);
         let (law, feed_law) = match (cutter.kind(), model, feeds) {
             (_, Model::Analytic, None) | (CutterKind::BallEnd, _, None) => (
@@ -92,19 +91,19 @@ impl CutterSpacing {
                 FeedLaw::Constant { rate: feed_rate },
             ),
             (CutterKind::BallEnd, _, Some(range)) => {
-                // A ball leaves the same at every slope and direction.
+                // A ball-end cutter leaves the same height at every slope and in every direction.
                 let best = best_step_over(cutter, Contact::from_degrees(0.0, 0.0).ok(), model, height, Some(range.largest), diameter);
                 let (step_over, feed) = best.map_or((0.0, range.largest), |best| (best.step_over, best.feed_per_tooth));
                 (Law::Constant { squared: step_over * step_over }, constant_or_table(range, vec![[feed, share(step_over, cutter, h)]]))
             }
-            _ => tabulated(cutter, height, model, feeds, rows, feed_rate),
+            _ => tabulated(cutter, height, model, feeds, is_needed, feed_rate),
         };
         let on_curved = model == Model::Envelope;
         (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
     }
 
-    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 where no spacing keeps
-    /// the scallop height.
+    /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 if no spacing keeps the
+    /// scallop height.
     pub(super) fn squared(&self, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
         let ratio_squared = tangent.ratio_squared(cos_alpha);
         let on_plane = match &self.law {
@@ -128,42 +127,45 @@ impl CutterSpacing {
         squared.min(self.diameter_squared)
     }
 
-    /// A squared spacing on the curved surface, from that on a plane: the relative curvature across the feed grows by
-    /// the difference of the Schur complements k_c - k_p, so that 8 h / d^2 grows by their difference over the
-    /// squared ratio of d to s.
+    /// The squared spacing on the curved surface, computed from that on a plane. The relative curvature across the feed
+    /// grows by the difference of the Schur complements, k_c - k_p. So 8 h / d^2 grows by this difference divided by
+    /// the squared ratio of d to s.
     ///
-    /// Where the second order has no answer because the cutter gouges, the plane's spacing is left as it is: hollows
-    /// only widen it.
+    /// If the second order has no answer because the cutter gouges, the plane's spacing is kept: a hollow can only
+    /// widen it.
     fn on_curved_surface(&self, on_plane: f64, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
         let [steepest, twist, level] = tangent.curvature;
         if steepest == 0.0 && twist == 0.0 && level == 0.0 {
             return on_plane;
         }
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
-        // 1/((R - r)/sin(S) + r), the body's curvature along the level line.
-        let across = tangent.sin / (core + corner * tangent.sin);
-        // Twice the forms of the body and of body and surface along the feed, times r, for the feed's direction
+        // n/q = 1/((R - r)/sin(S) + r), the body's curvature along the level line; 1/r for a ball at every slope. All
+        // forms are multiplied by q, which leaves one division for all.
+        let (n, q) = if core > 0.0 { (tangent.sin, core + corner * tangent.sin) } else { (1.0, corner) };
+        // Twice the forms of the body and of body and surface along the feed, times r q, for the feed's direction
         // lifted into the tangent plane: (cos(alpha)/cos(S), sin(alpha)), whose squared length cancels against the
         // ratio of d to s but for cos^2(S).
-        let per_cos = tangent.cos.recip();
-        let up = cos_alpha * per_cos;
-        let body = up * up + corner * across * sin_alpha * sin_alpha;
-        let both = body + corner * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
-        let determinant = (1.0 + corner * steepest) * (across + level) - corner * twist * twist;
+        let up = cos_alpha * tangent.per_cos;
+        let body = up * up * q + corner * n * sin_alpha * sin_alpha;
+        let both = body + corner * q * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
+        let determinant = (1.0 + corner * steepest) * (n + level * q) - corner * twist * twist * q;
         if !(determinant > 0.0 && both > 0.0 && body > 0.0) {
             return on_plane;
         }
-        let rise = (determinant / both - across / body) * per_cos * per_cos;
-        let curvature = self.eight_heights / on_plane + rise;
-        if curvature > 0.0 { self.eight_heights / curvature } else { self.diameter_squared }
+        // 8 h / (8 h / d^2 + determinant/both - n/body), the rise over cos^2(S), multiplied by d^2 both body.
+        let (heights, product) = (self.eight_heights, both * body);
+        let rise = (determinant * body - n * both) * tangent.per_cos * tangent.per_cos;
+        let curvature = heights * product + rise * on_plane;
+        if curvature > 0.0 { heights * on_plane * product / curvature } else { self.diameter_squared }
     }
 }
 
 impl FeedLaw {
-    /// The feed rate in mm/s on a facet of whose squared spacing the share `taken_of_allowed` is taken.
+    /// The feed rate in mm/s on a facet, if the plan's squared spacing is the share `taken_of_allowed` of the squared
+    /// spacing that the facet allows.
     ///
-    /// The height of step-over and feed marks together is taken for a sum of squares, h (s/s0)^2 + b f^2, with s0 the
-    /// step-over without marks. What s leaves of h is the feed's.
+    /// The height of step-over and feed marks together is approximated by a sum of squares, h (s/s0)^2 + b f^2, with s0
+    /// the step-over without marks. The feed uses the part of h that s leaves.
     pub(super) fn rate(&self, tangent: &Tangent, cos_alpha: f64, taken_of_allowed: f64) -> f64 {
         match self {
             Self::Constant { rate } => *rate,
@@ -180,12 +182,19 @@ impl FeedTable {
     }
 }
 
-/// A table for the rows that are needed.
-fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRange>, rows: &[bool], feed_rate: f64) -> (Law, FeedLaw) {
+/// The tables of spacings and feeds for the rows that are needed.
+fn tabulated(
+    cutter: Cutter,
+    height: Length,
+    model: Model,
+    feeds: Option<FeedRange>,
+    is_needed: &(dyn Fn(usize) -> bool + Sync),
+    feed_rate: f64,
+) -> (Law, FeedLaw) {
     let diameter = 2.0 * cutter.outer_radius().mm();
     let limit = feeds.map(|range| range.largest);
     let row_of = |(row, &sin): (usize, &f64)| -> Vec<([f64; 2], f64)> {
-        // Contacts of walls have no alpha; the last row is taken just before.
+        // A contact on a wall has no alpha, so the last row is slightly less steep.
         let slope = sin.asin().to_degrees().min(89.9);
         let node = |column: usize| {
             #[expect(clippy::cast_precision_loss, reason = "under 25")]
@@ -204,7 +213,7 @@ fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRan
             };
             ([best.feed_per_tooth, share], seen_from_above * seen_from_above)
         };
-        if rows[row] { (0..=COLUMNS).map(node).collect() } else { vec![([limit.unwrap_or(0.0), 0.0], 0.0); COLUMNS + 1] }
+        if is_needed(row) { (0..=COLUMNS).map(node).collect() } else { vec![([limit.unwrap_or(0.0), 0.0], 0.0); COLUMNS + 1] }
     };
     let nodes: Vec<([f64; 2], f64)> = sines().par_iter().enumerate().flat_map_iter(row_of).collect();
     let kept = 1.0 - if feeds.is_some() { CutterSpacing::MARGIN_WITH_FEEDS } else { CutterSpacing::MARGIN };
@@ -216,7 +225,7 @@ fn tabulated(cutter: Cutter, height: Length, model: Model, feeds: Option<FeedRan
     (Law::Table { squared }, feed_law)
 }
 
-/// One feed rate where every node has the largest feed, else the table.
+/// One feed rate if every node has the largest feed, otherwise the table.
 fn constant_or_table(range: FeedRange, nodes: Vec<[f64; 2]>) -> FeedLaw {
     if nodes.iter().all(|&[feed, _]| feed >= range.largest) {
         FeedLaw::Constant { rate: range.rate(range.largest) }
@@ -225,14 +234,14 @@ fn constant_or_table(range: FeedRange, nodes: Vec<[f64; 2]>) -> FeedLaw {
     }
 }
 
-/// The squared ratio of a ball's step-over to the one without feed marks, 2 sqrt(2 R h - h^2).
+/// The squared ratio of a ball-end cutter's step-over to the one without feed marks, 2 sqrt(2 R h - h^2).
 fn share(step_over: f64, ball: Cutter, height: f64) -> f64 {
     let squared = 4.0 * height * (2.0 * ball.outer_radius().mm() - height);
     if squared > 0.0 { (step_over * step_over / squared).min(0.999) } else { 0.0 }
 }
 
-/// The step-over and feed that finish the most area per time under the scallop height: with a largest feed, where s
-/// f_z is largest; without feed marks, the largest step-over. At most `widest`. `None` where the model has no
+/// The step-over, at most `widest`, and feed that finish the most area per time within the scallop height. With a
+/// largest feed, that is the maximum of s f_z; without feed marks, the largest step-over. `None` if the model has no
 /// step-over.
 fn best_step_over(
     cutter: Cutter,
@@ -246,7 +255,7 @@ fn best_step_over(
     let widest = widest.min(Length::LARGEST);
     let evaluated = match EvaluatedPass::new(model, pass) {
         Ok(evaluated) => evaluated,
-        // The circle's radius is infinite: nothing but the cutter's width limits the step-over.
+        // The circle's radius is infinite: only the cutter's width limits the step-over.
         Err(NoAnswer::FlatFloor) => return Some(Best { step_over: widest, feed_per_tooth: largest_feed.unwrap_or(0.0) }),
         Err(_) => return None,
     };
@@ -265,7 +274,7 @@ fn best_step_over(
     if rate(&at_largest) > 0.0 && rate(&at_largest) >= rate(&at(0.97 * largest)) {
         return Some(at_largest);
     }
-    // A smaller feed gains more by the step-over than it loses: search.
+    // A smaller feed may allow a step-over that more than makes up for it, so the best pair is searched.
     let limits = CuttingLimits::new(Some(Length::computed(largest)), None, Some(Length::computed(widest))).ok()?;
     let best = evaluated.fastest(height, &limits).ok()?;
     Some(Best { step_over: best.step_over.mm(), feed_per_tooth: best.feed_per_tooth.mm() })
@@ -318,21 +327,20 @@ mod tests {
 
     fn tangent(slope: f64) -> Tangent {
         let (sin, cos) = slope.to_radians().sin_cos();
-        Tangent { down_hill: [1.0, 0.0], sin, cos, gradient: [-sin / cos, 0.0], curvature: [0.0; 3], place: place_of(sin), is_steep: false }
+        Tangent { down_hill: [1.0, 0.0], sin, cos, per_cos: cos.recip(), curvature: [0.0; 3], place: place_of(sin), is_steep: false }
     }
 
-    /// Spacing by the law over that of the model, for random cutters, heights, slopes and directions: the least and
-    /// the largest ratio.
+    /// The least and the largest ratio of the interpolated spacing to the model's, for random cutters, heights, slopes
+    /// and directions.
     fn compared(model: Model, feeds: Option<FeedRange>, slopes: impl Fn(f64) -> f64) -> [f64; 2] {
         let mut state = 7;
         let mut range = [f64::INFINITY, 0.0_f64];
-        let rows = vec![true; sines().len()];
         for _ in 0..10 {
             let diameter = 2.0 + 14.0 * random(&mut state);
             let corner = (0.02 + 0.9 * random(&mut state)) * diameter / 2.0;
             let cutter = Cutter::toroidal(Length::computed(diameter), Length::computed(corner)).unwrap();
             let height = Length::computed(0.002 * 15.0_f64.powf(random(&mut state)));
-            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &rows, 80.0);
+            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &|_| true, 80.0);
             for _ in 0..100 {
                 let (slope, alpha) = (slopes(random(&mut state)), 90.0 * random(&mut state));
                 let contact = Contact::from_degrees(slope, alpha).unwrap();
@@ -351,7 +359,7 @@ mod tests {
     #[test]
     fn the_circles_closed_form_is_that_of_the_model() {
         let [least, most] = compared(Model::Analytic, None, |unit| 85.0 * unit);
-        // The angle's cosine is squared and rooted again: some units of 2e-16, over ratios of 100.
+        // The square root of a squared cosine has an error of some units of 2e-16, which ratios of 100 enlarge.
         approx::assert_relative_eq!(least, 1.0, max_relative = 1e-9);
         approx::assert_relative_eq!(most, 1.0, max_relative = 1e-9);
     }
@@ -362,7 +370,7 @@ mod tests {
         for feeds in [None, feeds] {
             let [least, most] = compared(Model::Envelope, feeds, |unit| 3.0 + 82.0 * unit);
             assert!(most <= 1.0 && least > 0.96, "{least} {most}");
-            // Near the floor the groove turns from the corner's to the flat's.
+            // Near the floor, the flat takes over from the corner in making the groove.
             let [least, most] = compared(Model::Envelope, feeds, |unit| 0.01 * 300.0_f64.powf(unit));
             assert!(most <= 1.0 && least > 0.88, "{least} {most}");
         }

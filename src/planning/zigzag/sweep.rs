@@ -1,6 +1,6 @@
-//! The facets of a workpiece in the order in which planes of one direction meet them.
+//! The facets of a workpiece, sorted in the order in which the planes of one direction meet them.
 
-use super::workpiece::Workpiece;
+use super::workpiece::{Tangent, Workpiece};
 use crate::quantity::Angle;
 
 /// A direction of passes: e along the passes, q across them to the left, both seen from above.
@@ -25,48 +25,53 @@ impl Heading {
     }
 }
 
-/// A facet and the stretch across the passes that it covers.
+/// A facet and the interval across the passes that it covers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Covered {
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) facet: u32,
-    /// The area of the facet over its width across the passes, in mm.
+    /// The area of the facet divided by its width across the passes, in mm.
     pub(super) density: f32,
 }
 
-/// A facet as planes of one direction cut it: one cut costs a few multiplications.
+/// A facet prepared for intersection with the planes of one direction: an intersection takes a few multiplications.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slice {
     low: f64,
     middle: f64,
-    /// The coordinate along the passes of the corner that is first across them, and its height.
+    /// The coordinate along the passes of the first corner in the order across them.
     first: f64,
     height: f64,
-    /// How fast the edge from the first corner to the last runs along the passes per length across them.
+    /// The slope of the edge from the first corner to the last: length along the passes per length across them.
     long: f64,
-    /// The edges before and after the middle corner: a place on each, across and along the passes, and how fast it
-    /// runs.
+    /// The edges before and after the middle corner: the coordinates of a point on each, across and along the passes,
+    /// and its slope.
     short: [[f64; 3]; 2],
     /// The rise of the facet along and across the passes, per length seen from above.
     rise: [f64; 2],
-    /// The length in space of a cut per length seen from above, times the weight of the facet.
+    /// The length in space of a cut per length seen from above, multiplied by the weight of the facet.
     stretch: f64,
 }
 
+/// The positions of three numbers in rising order, indexed by [`order_of`], which is never 3 or 4.
+const ORDERS: [[usize; 3]; 8] = [[2, 1, 0], [2, 0, 1], [1, 2, 0], [0, 1, 2], [2, 1, 0], [0, 2, 1], [1, 0, 2], [0, 1, 2]];
+
+/// The order of three numbers as an index of [`ORDERS`]. Its bits state whether the first number is at most the second,
+/// the second at most the third, and the first at most the third. It has no branches, which would be mispredicted often.
+fn order_of([a, b, c]: [f64; 3]) -> usize {
+    usize::from(a <= b) | usize::from(b <= c) << 1 | usize::from(a <= c) << 2
+}
+
 impl Slice {
-    /// Of a facet that rises by `gradient` per length along X and Y.
-    fn new(corners: &[[f64; 3]; 3], gradient: [f64; 2], weight: f64, heading: Heading) -> Self {
-        let mut corners = corners.map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
-        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
-            if corners[i][0] > corners[j][0] {
-                corners.swap(i, j);
-            }
-        }
-        let [low, middle, high] = corners;
-        // Infinite where an edge lies along the passes; it is not cut then.
+    /// Prepares a facet.
+    fn new(corners: &[[f64; 3]; 3], tangent: &Tangent, weight: f64, heading: Heading) -> Self {
+        let corners = corners.map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
+        let [low, middle, high] = ORDERS[order_of(corners.map(|corner| corner[0]))].map(|corner| corners[corner]);
+        // Infinite for an edge along the passes, which no plane intersects.
         let edge = |a: [f64; 3], b: [f64; 3]| (b[1] - a[1]) / (b[0] - a[0]);
-        let rise = [heading.along(gradient[0], gradient[1]), heading.across(gradient[0], gradient[1])];
+        let ((cos_alpha, sin_alpha), tan) = (tangent.alpha(heading.e), tangent.sin * tangent.per_cos);
+        let rise = [-tan * cos_alpha, tan * sin_alpha];
         Self {
             low: low[0],
             middle: middle[0],
@@ -79,11 +84,11 @@ impl Slice {
         }
     }
 
-    /// Both ends of the cut at `at`, which must lie from the first corner to before the last, along the passes, the
-    /// lower one first.
+    /// The coordinates along the passes of both ends of the cut at `at`, the smaller one first. `at` must be at or
+    /// after the first corner and before the last.
     pub(super) fn cut(&self, at: f64) -> [f64; 2] {
         let long = self.first + self.long * (at - self.low);
-        // Indexed, because a branch here is taken by chance.
+        // Indexed, because a branch would be mispredicted half of the time.
         let [across, along, edge] = self.short[usize::from(at >= self.middle)];
         let short = along + edge * (at - across);
         [if long < short { long } else { short }, if long < short { short } else { long }]
@@ -94,33 +99,39 @@ impl Slice {
         self.height + self.rise[0] * (along - self.first) + self.rise[1] * (at - self.low)
     }
 
-    /// The length in space of a cut per length seen from above, times the number of facets that this one stands for.
+    /// The length in space of a cut per length seen from above, multiplied by the number of facets that this one
+    /// represents.
     pub(super) fn stretch(&self) -> f64 {
         self.stretch
     }
 }
 
-/// The facets in rising order of where they begin across the passes.
+/// The facets in rising order of their first coordinate across the passes.
 #[derive(Debug)]
 pub(super) struct Sweep {
     pub(super) heading: Heading,
     pub(super) covered: Vec<Covered>,
-    /// The same facets in the same order.
+    /// The facets prepared for intersection, in the same order.
     pub(super) slices: Vec<Slice>,
     /// The least and largest coordinate along the passes.
     pub(super) along: [f64; 2],
-    /// The stretches across the passes that facets cover without any gap.
+    /// The intervals across the passes that facets cover without a gap.
     covered_bands: Vec<Band>,
 }
 
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 8192;
+
 impl Sweep {
-    pub(super) fn new(workpiece: &Workpiece, direction: Angle) -> Self {
+    /// The facets in the order of this direction. Once `stop` returns true, it ends early with fewer of them.
+    pub(super) fn new(workpiece: &Workpiece, direction: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Self {
         let heading = Heading::new(direction);
         let mut along = [f64::INFINITY, f64::NEG_INFINITY];
         let mut across = [f64::INFINITY, f64::NEG_INFINITY];
         let unordered: Vec<Covered> = (0_u32..)
             .zip(&workpiece.corners)
             .zip(&workpiece.areas)
+            .take_while(|((facet, _), _)| !(*facet as usize).is_multiple_of(TURN) || !stop())
             .map(|((facet, corners), area)| {
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
                 for &[x, y, _] in corners {
@@ -134,18 +145,17 @@ impl Sweep {
                 Covered { low, high, facet, density }
             })
             .collect();
-        let covered = ordered(unordered, across);
+        let covered = if stop() { Vec::new() } else { ordered(unordered, across) };
         let slice = |covered: &Covered| {
             let facet = covered.facet as usize;
-            Slice::new(&workpiece.corners[facet], workpiece.tangents[facet].gradient, workpiece.weights[facet], heading)
+            Slice::new(&workpiece.corners[facet], &workpiece.tangents[facet], workpiece.weights[facet], heading)
         };
-        let slices = covered.iter().map(slice).collect();
+        let slices = covered.chunks(TURN).take_while(|_| !stop()).flatten().map(slice).collect();
         let covered_bands = bands_of(&covered);
         Self { heading, covered, slices, along, covered_bands }
     }
 
-    /// The stretches across the passes that facets cover without a gap wider than `gap`, each as the facets in it and
-    /// its two ends.
+    /// The intervals across the passes that facets cover without a gap wider than `gap`.
     pub(super) fn bands(&self, gap: f64) -> Vec<Band> {
         let mut bands: Vec<Band> = Vec::new();
         for next in &self.covered_bands {
@@ -161,7 +171,7 @@ impl Sweep {
     }
 }
 
-/// A stretch across the passes that is covered without wide gaps.
+/// An interval across the passes that is covered without wide gaps: its facets and its two ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Band {
     /// The first of its facets in the order of the sweep.
@@ -172,7 +182,7 @@ pub(super) struct Band {
     pub(super) high: f64,
 }
 
-/// The stretches that facets in rising order cover without a gap.
+/// The intervals that facets in rising order cover without a gap.
 fn bands_of(covered: &[Covered]) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
     for (index, covered) in covered.iter().enumerate() {
@@ -187,8 +197,8 @@ fn bands_of(covered: &[Covered]) -> Vec<Band> {
     bands
 }
 
-/// Sorts by `low`, of which `range` holds the least and the largest: a counting sort into as many buckets as there
-/// are facets, then insertion within each, because comparing all takes three times as long.
+/// Sorts by `low`, whose smallest and largest value are in `range`. It is a counting sort into as many buckets as there
+/// are facets, with an insertion sort within each: a comparison sort takes three times as long.
 fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
     let count = unordered.len();
     let width = range[1] - range[0];
@@ -214,8 +224,8 @@ fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
         sorted[*place as usize] = *covered;
         *place += 1;
     }
-    // Hundreds of facets of a mesh in rows begin at the same coordinate; such a run is long but in order, or sorted by
-    // comparison.
+    // In a mesh of rows, hundreds of facets begin at the same coordinate and fall into one bucket. Such a bucket is
+    // usually in order already; if not, it is sorted by comparison.
     if sorted.windows(2).any(|pair| pair[0].low > pair[1].low) {
         let mut start = 0;
         for end in 1..=count {
@@ -228,4 +238,22 @@ fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
         }
     }
     sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_numbers_are_ordered_without_branches() {
+        let numbers = [-1.5, 0.0, 2.0];
+        for a in numbers {
+            for b in numbers {
+                for c in numbers {
+                    let ordered = ORDERS[order_of([a, b, c])].map(|position| [a, b, c][position]);
+                    assert!(ordered[0] <= ordered[1] && ordered[1] <= ordered[2], "{a} {b} {c}: {ordered:?}");
+                }
+            }
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! The time and length of a zigzag: its runs one after the other, and the links between them.
+//! The time and length of a zigzag: the sums over its runs and the links between them.
 
 use super::links::{Links, straight};
 use super::regions::{Stretch, in_order};
@@ -22,14 +22,14 @@ pub struct TourFigures {
     pub link_length: f64,
     /// The number of links over the clearance height.
     pub lifts: usize,
-    /// The time of these links, in s.
+    /// The time of the lifts, in s.
     pub lift_seconds: f64,
     /// The time that the runs would take without stops, in s.
     pub cutting_seconds: f64,
 }
 
 impl TourFigures {
-    /// The figures of runs that come plane by plane, and in each plane along it.
+    /// The figures of a zigzag. `runs` are sorted by plane, and within a plane along it.
     pub(super) fn of(runs: &[Run], machine: &Machine, pattern: Pattern, links: &Links) -> Self {
         let stretches: Vec<Stretch> = runs.iter().map(|run| run.stretch).collect();
         let mut figures = Self::default();
@@ -56,7 +56,7 @@ impl TourFigures {
     }
 }
 
-/// The time of a run from rest to rest with its mean speed.
+/// The time of a run from rest to rest at its mean speed.
 pub(super) fn run_time(length: f64, seconds: f64, machine: &Machine) -> f64 {
     straight(length, MachineLimits { feed_rate: Speed::computed(length / seconds), ..machine.limits })
 }

@@ -1,14 +1,14 @@
-//! The facets of a surface, prepared for marching over them in any direction.
+//! The facets of a surface, prepared for simulation in any direction.
 
 use super::slopes::{SlopePlace, place_of};
 use crate::quantity::{Angle, Area, Length};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
 
-/// Facets with what the simulation needs of each: once for all cutters and directions.
+/// The data of the facets that the simulation needs, computed once for all cutters and directions.
 ///
-/// Corners are kept relative to the middle of the surface, so that coordinates far from the origin lose nothing in
-/// differences.
+/// Corners are stored relative to the middle of the surface, so that differences of coordinates far from the origin do
+/// not lose digits.
 #[derive(Debug, Clone)]
 pub(super) struct Workpiece {
     pub(super) corners: Vec<[[f64; 3]; 3]>,
@@ -20,10 +20,11 @@ pub(super) struct Workpiece {
     pub(super) top: f64,
     /// The area of all facets, in mm^2.
     pub(super) area: f64,
-    /// The factor by which a facet's share of a length is multiplied: 1, or where facets were sampled what each one
-    /// stands for.
+    /// The factor by which a facet's part of a length is multiplied: 1, or the number of facets that a sampled one
+    /// represents.
     pub(super) weights: Vec<f64>,
-    /// The gap between cuts along a plane that sampling alone hardly ever makes; 0 where all facets are there.
+    /// The largest gap between the cuts of a plane that is likely to be due to sampling; 0 if the facets were not
+    /// sampled.
     pub(super) sampling_gap: f64,
 }
 
@@ -34,11 +35,11 @@ pub(super) struct Tangent {
     pub(super) down_hill: [f64; 2],
     pub(super) sin: f64,
     pub(super) cos: f64,
-    /// The rise of the facet along X and Y, per length seen from above.
-    pub(super) gradient: [f64; 2],
-    /// Curvature along the steepest line, between both lines, and along the level line, in 1/mm, positive where convex.
+    /// 1/cos(S)
+    pub(super) per_cos: f64,
+    /// Curvature along the steepest line, the mixed one, and that along the level line, in 1/mm, positive where convex.
     pub(super) curvature: [f64; 3],
-    /// The place of the slope in the tables of spacings.
+    /// The position of the slope in the tables of spacings.
     pub(super) place: SlopePlace,
     /// Whether the facet is too steep to set a spacing.
     pub(super) is_steep: bool,
@@ -55,7 +56,7 @@ impl Tangent {
         let level = [-down_hill[1], down_hill[0], 0.0];
         let curvature =
             [facet.curvature_between(steepest, steepest), facet.curvature_between(steepest, level), facet.curvature_between(level, level)];
-        Self { down_hill, sin, cos, gradient: [-x / z, -y / z], curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
+        Self { down_hill, sin, cos, per_cos: length / z, curvature, place: place_of(sin), is_steep: cos < cos_of_steepest }
     }
 
     /// cos(alpha) and sin(alpha) of a direction seen from above, alpha counted from the steepest line down the slope.
@@ -72,8 +73,10 @@ impl Tangent {
 }
 
 impl Workpiece {
-    /// Prepares the facets; `cos_of_steepest` is the cosine of the slope up to which they set spacings.
-    pub(super) fn new(facets: &[FinishFacet], cos_of_steepest: f64) -> Self {
+    /// Prepares the facets; `cos_of_steepest` is the cosine of the slope up to which they set spacings. Once `stop`
+    /// returns true, no facets are prepared.
+    pub(super) fn new(facets: &[FinishFacet], cos_of_steepest: f64, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+        let facets = if stop() { &[] } else { facets };
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in facets.iter().flat_map(|facet| &facet.corners) {
             for axis in 0..3 {
@@ -84,9 +87,12 @@ impl Workpiece {
         let origin = [0, 1, 2].map(|axis| if facets.is_empty() { 0.0 } else { f64::midpoint(low[axis], high[axis]) });
         let corners =
             facets.par_iter().with_min_len(4096).map(|facet| facet.corners.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]));
+        let corners: Vec<_> = corners.collect();
+        let facets = if stop() { &[] } else { facets };
+        let corners = if facets.is_empty() { Vec::new() } else { corners };
         let tangents = facets.par_iter().with_min_len(4096).map(|facet| Tangent::of(facet, cos_of_steepest));
         Self {
-            corners: corners.collect(),
+            corners,
             areas: facets.iter().map(|facet| facet.area).collect(),
             tangents: tangents.collect(),
             origin,
@@ -123,9 +129,9 @@ impl Workpiece {
         }
     }
 
-    /// About `count` facets that stand for all of them, drawn evenly by area: facet after facet is passed over until
-    /// its share of the area is due. What a drawn facet adds to a length counts as often as its area is contained in
-    /// the area that it stands for.
+    /// A sample of about `count` facets, drawn evenly by area: a facet is drawn whenever the accumulated area passes a
+    /// multiple of the total area over `count`. A drawn facet's part of a length is multiplied by the area that it
+    /// represents over its own.
     pub(super) fn sampled(&self, count: usize) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let share = self.area / count as f64;
@@ -135,15 +141,15 @@ impl Workpiece {
         for (index, &area) in self.areas.iter().enumerate() {
             passed += area;
             if passed >= due {
-                // A facet larger than the share stands for itself.
+                // A facet larger than the share represents itself.
                 let times = ((passed - due) / share).floor() + 1.0;
                 due += times * share;
                 drawn.push((index, (times * share / area).max(1.0)));
             }
         }
-        // A plane cuts as many facets per length as there are in a strip of their width. Gaps between random places
-        // 12 times as wide as the mean have a probability of e^-12, one in 100 planes of a thousand cuts; places
-        // drawn evenly have fewer.
+        // A plane cuts as many facets per length as there are in a strip of their width. A gap between random places is
+        // 12 times as wide as the mean with a probability of e^-12, one in 100 planes of a thousand cuts; places drawn
+        // evenly have fewer.
         let widths: f64 = drawn.iter().map(|&(index, _)| (2.0 * self.areas[index]).sqrt()).sum();
         let sampling_gap = if widths > 0.0 { 12.0 * self.area / widths } else { 0.0 };
         Self {
@@ -168,8 +174,10 @@ pub struct SurfaceFigures {
     pub mean_slope: Angle,
     /// The share of the area that is steeper than the largest slope and sets no spacing.
     pub steep_area_share: f64,
-    /// The edge length of a square of the mean facet's area: two triangles to a square of it are as many facets.
+    /// The side of a square with twice the area of the mean facet: squares of this side, each split into two triangles,
+    /// are as many facets.
     pub facet_size: Length,
-    /// The distance of facets of that size from the surface, by the mean curvature k over the area: k size^2 / 8.
+    /// The distance of facets of that size from the surface: k size^2 / 8, with k the mean of the curvature over the
+    /// area.
     pub sagitta: Length,
 }

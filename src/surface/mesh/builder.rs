@@ -1,28 +1,30 @@
 //! The builder of a mesh from facets or points as they arrive, within a bound on memory.
 
+use super::left_out::LeftOut;
 use super::merge::HeightLattice;
-use super::part::MeshPart;
+use super::part::{MeshPart, PartFacets};
 use super::thinning::PointCloud;
 use super::weld::Welder;
 use super::{Mesh, MeshError, cross};
-use crate::surface::{Bounds, Facing, LARGEST_COORDINATE, Sink, Unit, triangulation};
+use crate::cancellation::CancelFlag;
+use crate::surface::{Bounds, Facing, Sink, Unit, triangulation};
 
-/// A sink that welds facets into a [`Mesh`], or triangulates points.
+/// A sink that welds facets into a [`Mesh`], or triangulates single points.
 ///
-/// Corners with equal coordinates become one point. Facets without area are counted and left out. Where there are
-/// facets, single points are ignored; without facets the points are triangulated in the XY plane.
+/// Corners with equal coordinates become one point. Facets without area are counted and left out. If there are facets,
+/// single points are ignored; otherwise the points are triangulated in the XY plane.
 ///
 /// # Memory
-/// At most [`MeshBuilder::facet_limit`] facets are held, N = 2,000,000 by default. A facet takes 12 bytes, a point 24
-/// bytes and 5 to 10 bytes of the welding table; while these grow, old and new storage exist together. A closed mesh
-/// has N/2 points: about 70 MB for the default, and at most 140 MB while it grows. The worst case, facets that share no
-/// corner, has 3 N points: 230 MB, 420 MB while it grows.
+/// At most [`MeshBuilder::facet_limit`] facets are stored, N = 2,000,000 by default. A facet takes 12 bytes, a point 24
+/// bytes and 5 to 10 bytes of the welding table. While these grow, old and new storage exist together. A closed mesh
+/// has N/2 points: with the default about 70 MB, and at most 140 MB while it grows. The worst case, facets that share
+/// no corner, has 3 N points: 230 MB, and 420 MB while it grows.
 ///
 /// At the first facet beyond the bound, the builder merges all facets, earlier and later ones, into the height of the
 /// surface seen from above on a square lattice of sqrt(N/2) x sqrt(N/2) nodes, 8 bytes each. The spacing of the
 /// lattice, a power of two of the file's unit, is the smallest that covers all facets; [`Mesh::merged_cell`] has it.
-/// Heights at the nodes are exact; walls become slopes one spacing wide, and undercuts disappear. Of single points at
-/// most N/2 are held; beyond, one point is kept for each cell of a lattice in the same way.
+/// Heights at the nodes are exact; walls become slopes one spacing wide, and undercuts disappear. At most N/2 single
+/// points are stored; if there are more, one point is kept for each cell of a lattice in the same way.
 #[derive(Debug)]
 pub struct MeshBuilder {
     limit: usize,
@@ -31,10 +33,10 @@ pub struct MeshBuilder {
     lattice: Option<HeightLattice>,
     cloud: PointCloud,
     facets: u64,
-    degenerate: u64,
+    left_out: LeftOut,
     bounds: Bounds,
-    out_of_range: bool,
     turned_over: bool,
+    cancel: CancelFlag,
 }
 
 /// The facets and points of a mesh.
@@ -79,11 +81,17 @@ impl MeshBuilder {
             lattice: None,
             cloud: PointCloud::new(limit / 2),
             facets: 0,
-            degenerate: 0,
+            left_out: LeftOut::default(),
             bounds: Bounds::NONE,
-            out_of_range: false,
             turned_over: false,
+            cancel: CancelFlag::default(),
         }
+    }
+
+    /// The same builder, which merges no more facets once `cancel` is set: its mesh has no meaning then.
+    #[must_use]
+    pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
+        Self { cancel: cancel.clone(), ..self }
     }
 
     /// N, the largest number of facets held.
@@ -99,8 +107,8 @@ impl MeshBuilder {
         self.welder.held_bytes() + self.triangles.capacity() * size_of::<[u32; 3]>() + lattice + self.cloud.held_bytes()
     }
 
-    /// The further memory in bytes to add `facets` facets or points with `corners` new corners: vectors grow to twice
-    /// their size, and facets beyond the limit move to a lattice, which is rebuilt when its cells grow.
+    /// The additional memory in bytes to add `facets` facets or points with `corners` new corners. Vectors double in
+    /// size, and facets beyond the limit are merged on a lattice, which is rebuilt when its spacing doubles.
     #[must_use]
     pub fn bytes_to_take(&self, facets: usize, corners: usize) -> usize {
         let lattice = self.limit / 2 * size_of::<f64>();
@@ -126,12 +134,12 @@ impl MeshBuilder {
         MeshSize { facets: self.triangles.len(), points: self.welder.len() }
     }
 
-    /// The further memory in bytes that [`MeshBuilder::finish`] takes, beside the held data and the mesh itself.
+    /// The additional memory in bytes that [`MeshBuilder::finish`] takes, without the stored data and the mesh itself.
     #[must_use]
     pub fn bytes_to_finish(&self) -> usize {
         let MeshSize { facets, points } = self.size();
         if self.lattice.is_some() {
-            // The vectors of points and triangles grow to twice their size.
+            // The vectors of points and triangles double in size.
             2 * (points * size_of::<[f64; 3]>() + facets * size_of::<[u32; 3]>())
         } else if self.triangles.is_empty() {
             points * BYTES_TO_TRIANGULATE
@@ -146,17 +154,17 @@ impl MeshBuilder {
     /// turned over. A facet whose back is seen from above is handled by [`Mesh::visibility`], for either `facing`.
     ///
     /// # Errors
-    /// [`MeshError`] where no facet has an area, too few points were added, or a coordinate was out of bounds.
+    /// [`MeshError`] if no facet has an area, too few points were added, or a coordinate was out of bounds.
     pub fn finish(self, unit: Unit, facing: Facing) -> Result<Mesh, MeshError> {
         self.finish_until(unit, facing, &|| false)
     }
 
-    /// The same; ends early with any result once `stop` returns true.
+    /// The same as [`MeshBuilder::finish`], but returns early, with any result, once `stop` returns true.
     ///
     /// # Errors
     /// As [`MeshBuilder::finish`].
     pub fn finish_until(self, unit: Unit, facing: Facing, stop: &dyn Fn() -> bool) -> Result<Mesh, MeshError> {
-        if self.out_of_range {
+        if self.left_out.is_out_of_range {
             return Err(MeshError::CoordinateOutOfRange);
         }
         let mut merged = None;
@@ -165,8 +173,8 @@ impl MeshBuilder {
             let (points, triangles) = lattice.finish();
             (points, triangles, false)
         } else if self.triangles.is_empty() {
-            if self.degenerate > 0 && self.cloud.is_empty() {
-                return Err(MeshError::OnlyDegenerateFacets { count: self.degenerate });
+            if self.left_out.degenerate > 0 && self.cloud.is_empty() {
+                return Err(MeshError::OnlyDegenerateFacets { count: self.left_out.degenerate });
             }
             let received = self.cloud.received();
             merged = self.cloud.cell().map(|cell| cell * unit.mm());
@@ -185,7 +193,7 @@ impl MeshBuilder {
             let [a, b, c] = [a, b, c].map(|&index| points[index as usize]);
             cross(a, b, c)[2]
         };
-        // A lattice and a triangulation face up by construction.
+        // The facets of a lattice and of a triangulation face up by construction.
         let given_sides = merged.is_none() && !from_points;
         let mut turned_over = given_sides && self.turned_over;
         if given_sides && facing == Facing::Up {
@@ -207,29 +215,38 @@ impl MeshBuilder {
             // No facet covers a node: all are smaller than the spacing, or walls.
             return Err(MeshError::NothingFromAbove);
         }
-        Ok(Mesh::assembled(points, triangles, self.degenerate, self.facets, merged, from_points))
+        Ok(Mesh::assembled(points, triangles, self.left_out.degenerate, self.facets, merged, from_points))
+    }
+
+    /// An empty part for facets or points that follow.
+    #[must_use]
+    pub fn part(&self) -> MeshPart {
+        if self.lattice.is_some() { MeshPart::of_separate_facets() } else { MeshPart::default() }
     }
 
     /// Adds a part, as if its facets or points had come one by one.
     pub fn append(&mut self, part: MeshPart) {
-        let MeshPart { welder, triangles, degenerate, bounds, out_of_range, points } = part;
-        self.out_of_range |= out_of_range;
-        self.degenerate += degenerate;
+        let MeshPart { facets, left_out, bounds, points } = part;
+        self.left_out.merge(left_out);
         if self.facets == 0 {
             for point in points {
                 self.cloud.add(point);
             }
         }
-        if self.lattice.is_none() && self.triangles.len() + triangles.len() <= self.limit {
-            self.facets += triangles.len() as u64;
-            self.bounds.merge(&bounds);
-            let numbers: Vec<u32> = welder.points().iter().map(|&point| self.welder.index(point)).collect();
-            self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|corner| numbers[corner as usize])));
-            return;
-        }
-        let corners = welder.into_points();
-        for triangle in triangles {
-            self.add(triangle.map(|corner| corners[corner as usize]));
+        match facets {
+            PartFacets::Welded { welder, triangles } if self.lattice.is_none() && self.triangles.len() + triangles.len() <= self.limit => {
+                self.facets += triangles.len() as u64;
+                self.bounds.merge(&bounds);
+                let numbers: Vec<u32> = welder.points().iter().map(|&point| self.welder.index(point)).collect();
+                self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|corner| numbers[corner as usize])));
+            }
+            PartFacets::Welded { welder, triangles } => {
+                let corners = welder.into_points();
+                for triangle in triangles {
+                    self.add(triangle.map(|corner| corners[corner as usize]));
+                }
+            }
+            PartFacets::Separate(facets) => facets.into_iter().for_each(|corners| self.add(corners)),
         }
     }
 
@@ -240,7 +257,10 @@ impl MeshBuilder {
             self.bounds.include(corner);
         }
         if let Some(lattice) = &mut self.lattice {
-            lattice.add(corners);
+            // A facet as large as the part takes a millisecond.
+            if !self.cancel.is_cancelled() {
+                lattice.add(corners);
+            }
         } else if self.triangles.len() == self.limit {
             self.merge().add(corners);
         } else {
@@ -252,11 +272,11 @@ impl MeshBuilder {
     fn merge(&mut self) -> &mut HeightLattice {
         let (welder, triangles) = (std::mem::take(&mut self.welder), std::mem::take(&mut self.triangles));
         let bounds = self.bounds;
-        let limit = self.limit;
+        let (limit, cancel) = (self.limit, &self.cancel);
         self.lattice.get_or_insert_with(|| {
             let mut lattice = HeightLattice::new(limit, &bounds);
             let points = welder.into_points();
-            for triangle in triangles {
+            for triangle in triangles.into_iter().take_while(|_| !cancel.is_cancelled()) {
                 lattice.add(triangle.map(|index| points[index as usize]));
             }
             lattice
@@ -266,33 +286,18 @@ impl MeshBuilder {
 
 impl Sink for MeshBuilder {
     fn point(&mut self, point: [f64; 3]) {
-        if !in_range(point) {
-            self.out_of_range = true;
-        } else if self.facets == 0 {
+        if self.left_out.accepts_point(point) && self.facets == 0 {
             self.cloud.add(point);
         }
     }
 
     fn facet(&mut self, corners: [[f64; 3]; 3]) {
-        if !corners.into_iter().all(in_range) {
-            self.out_of_range = true;
-            return;
+        if self.left_out.accepts_facet(corners) {
+            self.add(corners);
         }
-        let [a, b, c] = corners;
-        let [x, y, z] = cross(a, b, c);
-        if x == 0.0 && y == 0.0 && z == 0.0 {
-            self.degenerate += 1;
-            return;
-        }
-        self.add(corners);
     }
 
     fn turn_over(&mut self) {
         self.turned_over = !self.turned_over;
     }
-}
-
-/// Whether all coordinates are numbers of at most [`LARGEST_COORDINATE`] in magnitude.
-pub(super) fn in_range(point: [f64; 3]) -> bool {
-    point.iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE)
 }

@@ -1,28 +1,29 @@
 //! The curvature of the surface that a mesh approximates, estimated at its facets.
 //!
 //! **Method** (after Rusinkiewicz 2004, doi:10.1109/TDPVT.2004.1335277). Each corner of a facet has a normal: the mean
-//! of the normals of the facets around that point that are within [`CREASE_ANGLE_DEG`] of the facet's own normal,
-//! weighted by their angles there. Along each edge from p to q the curvature tensor K should turn the normal as K (q -
-//! p) = n_q - n_p: K is the symmetric tensor in the facet's plane that fits best in the sense of least squares, with
-//! all equations divided by the edge's length. The equations of the neighbours, which are the facets that share a point
-//! and lie within the crease angle, together count a quarter of the facet's own.
+//! of the normals of the facets around that point, weighted by their angles there. Only facets within
+//! [`CREASE_ANGLE_DEG`] of the facet's own normal count. Along each edge from p to q the curvature tensor K turns the
+//! normal: K (q - p) = n_q - n_p. K is the symmetric tensor in the facet's plane that fits these equations best by
+//! least squares, with each equation divided by the edge's length. The neighbours are the facets that share a point and
+//! are within the crease angle. Their equations together have a quarter of the weight of the facet's own.
 //!
-//! **Planes beside fillets.** CAD systems write a plane as a few large facets, and the fillet that touches it as
-//! narrow strips. At the border between them the surface has the normal of the plane; the first strip is a chord,
-//! turned by half of its angle. So a facet counts at a corner, and as a neighbour, by the area of its flat region
-//! (`flat_regions`): regions under a quarter of the largest there have no part in the corner's normal, and facets
-//! whose regions differ by more than that are not neighbours. A facet inside a flat region has the curvature 0. A
-//! plane is therefore a plane up to its border, and the first strip of a fillet has the curvature of the fillet.
+//! **Planes beside fillets.** CAD systems write a plane as a few large facets, and the fillet that touches it as narrow
+//! strips. At the border between them the surface has the normal of the plane; the first strip is a chord, turned by
+//! half of its angle. Whether a facet counts at a corner, and as a neighbour, therefore depends on the area of its flat
+//! region (`flat_regions`). Regions smaller than a quarter of the largest at the corner do not count for the corner's
+//! normal. Facets whose regions differ by more than this factor are not neighbours. A facet inside a flat region has
+//! the curvature 0. As a result, a plane has no curvature up to its border, and the first strip of a fillet has the
+//! curvature of the fillet.
 //!
 //! **Borders and creases.** At a corner with facets on one side only, the mean normal is that of a point further
 //! inside. An edge that points into the open side of the fan has a thousandth of the weight of others, so that the
 //! neighbours' equations determine the curvature there.
 //!
-//! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at
-//! each point the mean of the two facets' normals is the cylinder's own normal. The same holds for a fillet tessellated
-//! by a CAD system. This holds from 11 facets around (360/11 = 33 deg); with fewer, each edge is a crease and all
-//! facets count as plane. In return, two planes that meet at less than the crease angle get a curvature, that of the
-//! arc that touches both in the middle of their facets, unless one is over four times as large as the other. Where a
+//! **A cylinder of flat facets** has the curvature 1/R of the cylinder through its points, across, and 0 along: at each
+//! point the mean of the two facets' normals is the cylinder's own normal. The same holds for a fillet tessellated by a
+//! CAD system, if there are at least 11 facets in a full turn (360/11 = 33 deg). With fewer, each edge is a crease and
+//! all facets count as plane. The converse: two planes that meet at less than the crease angle get the curvature of the
+//! arc that touches both in the middle of their facets, unless one is over four times as large as the other. If a
 //! fillet's strips are as large as the plane beside it, the facets on both sides of the border get a value between both
 //! curvatures.
 //!
@@ -36,18 +37,18 @@ use rayon::prelude::*;
 /// The angle between normals, in deg, above which facets do not belong to one smooth surface.
 pub const CREASE_ANGLE_DEG: f64 = 35.0;
 
-/// The largest number of facets around a point that are examined if some are across a crease; of more, this many are
-/// taken, evenly spread in the order of the file. It bounds the time for a million facets around one point.
+/// The largest number of facets around a point that are examined if some are beyond a crease. If there are more, this
+/// many are taken, evenly spread in the order of the file. This bounds the time for a million facets around one point.
 pub(super) const LARGEST_FAN: usize = 64;
 
-/// The weight of all neighbours' equations together, against the facet's own.
+/// The weight of all neighbours' equations together, relative to the facet's own.
 const NEIGHBOURS: f64 = 0.25;
 
-/// The least ratio of the areas of two flat regions whose facets count for each other.
+/// The smallest ratio of the areas of two flat regions at which their facets count as neighbours.
 const LEAST_AREA_RATIO: f64 = 0.25;
 
-/// A facet in a flat region of at least this many times its area has no curvature where all normals around it are
-/// those of the region.
+/// If a facet's flat region has at least this many times its area, and all normals around the facet are those of the
+/// region, the facet has no curvature.
 const MUCH_LARGER: f64 = 8.0;
 
 /// The factor by which the weight of an edge's equation is reduced if the edge points into the open side of a fan.
@@ -59,14 +60,14 @@ pub(super) struct Fans {
     facets: Vec<u32>,
 }
 
-/// Each facet's unit normal, turned where its back is seen, and the area of the flat region that it is in.
+/// Each facet's unit normal, reversed if its back is seen, and the area of its flat region.
 struct Sides {
     normals: Vec<[f64; 3]>,
     areas: Vec<f64>,
 }
 
-/// The mean normal at a corner, and the direction in which its fan is open: the integral of the unit vectors from the
-/// point over the fan, the null vector for a fan that closes.
+/// The mean normal at a corner, and the side on which its fan is open, as the integral over the fan of the unit vectors
+/// from the point: the zero vector for a closed fan.
 #[derive(Clone, Copy)]
 struct CornerNormal {
     normal: [f64; 3],
@@ -85,8 +86,8 @@ struct Equations {
 impl Mesh {
     /// The curvature tensor at each of the `wanted` facets, as
     /// [`FinishFacet::curvature`](super::FinishFacet::curvature) describes it. Facets seen from behind count as
-    /// turned.
-    pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32]) -> Vec<[f64; 6]> {
+    /// turned. Once `stop` returns true, it ends early with a result that has no meaning.
+    pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32], stop: &(dyn Fn() -> bool + Sync)) -> Vec<[f64; 6]> {
         let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
         let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
             .into_par_iter()
@@ -95,15 +96,22 @@ impl Mesh {
                 (if visibility.is_seen_from_behind(facet) { normal.map(|part| -part) } else { normal }, area)
             })
             .unzip();
+        if stop() {
+            return Vec::new();
+        }
         let fans = Fans::of(self);
-        let areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas);
+        let areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas, stop);
         let sides = Sides { normals, areas };
         let normals = &sides.normals;
-        // Where all facets around a point are near their mean, and hence each other, all corners there have one normal.
+        // If all facets around a point are near their mean normal, and so near each other, all corners there have the
+        // same normal.
         let cos_half = (CREASE_ANGLE_DEG / 2.0).to_radians().cos();
         let at_points: Vec<Option<CornerNormal>> = (0..self.points().len())
             .into_par_iter()
             .map(|point| {
+                if stop() {
+                    return None;
+                }
                 let fan = fans.around(point);
                 let mean = self.corner_normal(point, fan.iter(), &sides)?;
                 fan.iter().all(|&facet| dot(normals[facet as usize], mean.normal) >= cos_half).then_some(mean)
@@ -112,6 +120,9 @@ impl Mesh {
         let equations: Vec<Equations> = (0..self.triangles().len())
             .into_par_iter()
             .map(|facet| {
+                if stop() {
+                    return Equations::default();
+                }
                 let own = normals[facet];
                 let corners = self.triangles()[facet].map(|point| {
                     let point = point as usize;
@@ -135,9 +146,12 @@ impl Mesh {
         wanted
             .par_iter()
             .map(|&facet| {
+                if stop() {
+                    return [0.0; 6];
+                }
                 let facet = facet as usize;
                 let own = normals[facet];
-                // Normals that do not turn are those of a plane, whatever lies beside it.
+                // If the normals do not turn, the facet is in a plane, whatever its neighbours are.
                 if equations[facet].turns.iter().all(|&turn| turn == 0.0) {
                     return [0.0; 6];
                 }
@@ -148,7 +162,7 @@ impl Mesh {
                         if other as usize != facet && dot(normals[other as usize], own) >= cos_crease {
                             let ratio = sides.areas[other as usize] / sides.areas[facet];
                             let ratio = ratio.min(ratio.recip());
-                            // Also false for a facet whose area was rounded to 0.
+                            // The comparison is also false for a facet whose area was rounded to 0.
                             if ratio >= LEAST_AREA_RATIO {
                                 around.add(&equations[other as usize], ratio * ratio);
                                 count += 1;
@@ -165,8 +179,8 @@ impl Mesh {
             .collect()
     }
 
-    /// The mean of the normals of these facets around a point, by their angles there, of those whose flat regions are
-    /// large enough; `None` for no facets, or normals that cancel.
+    /// The mean of the normals of these facets around a point, weighted by their angles there. Facets with too small
+    /// flat regions do not count. `None` if there are no facets, or their normals cancel.
     fn corner_normal<'a>(&self, point: usize, facets: impl Iterator<Item = &'a u32> + Clone, sides: &Sides) -> Option<CornerNormal> {
         let (mut sum, mut open) = ([0.0; 3], [0.0; 3]);
         let least = LEAST_AREA_RATIO * facets.clone().fold(0.0, |largest: f64, &facet| largest.max(sides.areas[facet as usize]));
@@ -181,8 +195,8 @@ impl Mesh {
             let weight = if sides.areas[facet as usize] >= least { angle } else { 0.0 };
             for axis in 0..3 {
                 sum[axis] += weight * normal[axis];
-                // The contributions of shared edges cancel, so the ends of the fan remain. Turned facets run the other
-                // way round.
+                // The contributions of shared edges cancel, so that only the ends of the fan remain. Turned facets have
+                // the opposite orientation.
                 open[axis] += if dot(sine, normal) >= 0.0 { v[axis] - u[axis] } else { u[axis] - v[axis] };
             }
         }
@@ -245,8 +259,8 @@ impl Equations {
         }
     }
 
-    /// The symmetric K in the plane across `normal` with the least sum of w |K e - d/l|^2: K S + S K = Q with S the
-    /// directions and Q the turns, solved in the axes of S, where K_ij = Q_ij/(s_i + s_j).
+    /// The symmetric K in the plane perpendicular to `normal` with the least sum of w |K e - d/l|^2. It solves K S + S
+    /// K = Q with S the directions and Q the turns; in the principal axes of S, K_ij = Q_ij/(s_i + s_j).
     fn solve(&self, normal: [f64; 3]) -> [f64; 6] {
         let (t, u) = tangents(normal);
         let (stt, stu, suu) = (between(&self.directions, t, t), between(&self.directions, t, u), between(&self.directions, u, u));
@@ -255,7 +269,8 @@ impl Equations {
         let first = [0, 1, 2].map(|axis| cos * t[axis] + sin * u[axis]);
         let second = [0, 1, 2].map(|axis| cos * u[axis] - sin * t[axis]);
         let (s1, s2) = (between(&self.directions, first, first), between(&self.directions, second, second));
-        // The edges of a triangle with an area have two directions, which may differ only by a rounding error.
+        // The edges of a triangle with an area have at least two directions, but these may differ only by a rounding
+        // error.
         let quotient = |turn: f64, weight: f64| if weight > 1e-12 { turn / weight } else { 0.0 };
         let k11 = quotient(between(&self.turns, first, first), 2.0 * s1);
         let k12 = quotient(between(&self.turns, first, second), s1 + s2);

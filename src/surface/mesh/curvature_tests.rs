@@ -26,7 +26,7 @@ fn assert_in_tangent_plane(facet: &FinishFacet) {
 
 #[test]
 fn a_sphere_is_convex_by_its_radius_in_every_direction() {
-    // A cap of 60 deg of a sphere of 25 mm, facets of 4 deg; triangles of a polar net, uneven in size.
+    // A cap of 60 deg of a sphere of 25 mm, as a polar net of triangles of 4 deg, uneven in size.
     let sphere = |radius: f64| {
         move |u: f64, v: f64| {
             let ((s, c), (sp, cp)) = ((-0.9 + 1.8 * u).sin_cos(), (-0.9 + 1.8 * v).sin_cos());
@@ -36,7 +36,8 @@ fn a_sphere_is_convex_by_its_radius_in_every_direction() {
     for facet in finish_facets(&grid(31, 31, sphere(25.0))) {
         let (least, most) = extremes(&facet);
         // The mean of the normals around a point is the sphere's up to the asymmetry of the fan, (4 deg)^2 = 0.005,
-        // times a factor of order 1; at the border the normals lie inside, where neighbours decide by 250 to 1.
+        // times a factor of order 1; at the border the normals are those of points further inside, and the neighbours'
+        // equations outweigh the facet's by 250 to 1.
         assert!(least > 0.95 / 25.0 && most < 1.05 / 25.0, "{least} {most}");
         assert_in_tangent_plane(&facet);
     }
@@ -50,8 +51,8 @@ fn a_sphere_is_convex_by_its_radius_in_every_direction() {
 
 #[test]
 fn a_saddle_is_convex_one_way_and_concave_the_other_and_twisted_between() {
-    // z = (x^2 - y^2)/60: curvatures -1/30 along x (up, concave), 1/30 along y; z = x y/30 is the same turned by 45
-    // deg.
+    // z = (x^2 - y^2)/60 has the curvature -1/30 along x, where it is concave, and 1/30 along y. z = x y/30 is the same
+    // surface turned by 45 deg.
     let at = |f: fn(f64, f64) -> f64| move |u: f64, v: f64| [4.0 * u - 2.0, 4.0 * v - 2.0, f(4.0 * u - 2.0, 4.0 * v - 2.0)];
     let (x, y) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     for facet in finish_facets(&grid(21, 21, at(|x, y| (x * x - y * y) / 60.0))) {
@@ -80,8 +81,8 @@ fn a_plane_has_no_curvature_in_any_tessellation() {
     }
 }
 
-/// Facets of a cylinder along y with `around` flat strips of two triangles on the whole turn; of them those from `from`
-/// to `to` deg, from X.
+/// Facets of a cylinder along y, with `around` flat strips of two triangles in a full turn; only the strips between the
+/// angles `from` and `to`, in deg from X.
 fn strips(around: u32, radius: f64, from: f64, to: f64, length: f64) -> Vec<[[f64; 3]; 3]> {
     let at = |i: u32, y: f64| {
         let (sin, cos) = (2.0 * PI * f64::from(i) / f64::from(around)).sin_cos();
@@ -166,8 +167,8 @@ fn a_fillet_keeps_its_curvature_beside_a_plane_and_the_plane_has_none() {
             let across = [facet.normal[2], 0.0, -facet.normal[0]];
             let k = facet.curvature_between(across, across);
             match facet.slope().degrees() {
-                // Also at the border, and whatever the tessellation of the plane: any curvature would refuse flat
-                // cutters.
+                // This also holds at the border, and for any tessellation of the plane: with any curvature, flat-end
+                // cutters would be refused.
                 0.0 => assert!(facet.curvature.iter().all(|&k| k == 0.0), "{quads} {rows}: {facet:?}"),
                 // The chord's curvature, cos(2.8 deg)/3; the strips at both ends have neighbours on one side only.
                 slope => assert!((k * 3.0 + 1.0).abs() < 0.05, "{quads} {rows} at {slope}: {k}"),

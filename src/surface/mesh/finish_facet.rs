@@ -1,4 +1,4 @@
-//! A facet of the input of planning: corners, unit normal, area, and the curvature of the surface.
+//! The facet that planning receives: corners, unit normal, area, and the curvature of the surface.
 
 use crate::quantity::Angle;
 
@@ -13,7 +13,7 @@ pub struct FinishFacet {
     pub area: f64,
     /// The curvature tensor of the surface in 1/mm, positive where the surface is convex: the symmetric 3 x 3 matrix K
     /// as xx, xy, xz, yy, yz, zz. It maps the normal to 0; the normal curvature along a unit tangent vector t is t'Kt,
-    /// the twist between tangents t and u is t'Ku.
+    /// the twist of perpendicular tangents t and u is t'Ku.
     pub curvature: [f64; 6],
 }
 
@@ -26,8 +26,8 @@ impl FinishFacet {
         Angle::from_radians(x.hypot(y).atan2(z))
     }
 
-    /// t'Ku for vectors t and u: with t = u a unit tangent vector the normal curvature along it, with t and u
-    /// perpendicular the twist.
+    /// t'Ku. If t = u is a unit tangent vector, that is the normal curvature along it; if t and u are perpendicular,
+    /// the twist.
     #[must_use]
     pub fn curvature_between(&self, t: [f64; 3], u: [f64; 3]) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.curvature;

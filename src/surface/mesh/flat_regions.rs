@@ -1,23 +1,35 @@
-//! Flat regions of a mesh: facets that lie in one plane and touch each other.
+//! Flat regions of a mesh: connected facets in one plane.
 
 use super::curvature::{Fans, LARGEST_FAN};
 use super::dot;
 
-/// The angle in rad up to which two normals are those of one plane. Files in single precision round coordinates of
-/// 100 mm by 4e-6 mm, which turns the normals of facets of 0.1 mm by 4e-5 rad.
+/// The largest angle in rad between normals of one plane. Files in single precision round coordinates of 100 mm by 4e-6
+/// mm, which turns the normals of facets of 0.1 mm by 4e-5 rad.
 pub(super) const SAME_PLANE: f64 = 1e-4;
 
-/// For each facet the area of its flat region, in mm^2: of all facets that are reached from the region's first facet
-/// by common points and whose normals are that facet's. A region is compared with its first facet, so that a gently
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 1024;
+
+/// For each facet, the area of its flat region in mm^2. A region has all facets that are connected with its first facet
+/// by common points and have the same normal. All normals are compared with that of the first facet, so that a gently
 /// curved surface does not become one region.
 ///
-/// Points with more than [`LARGEST_FAN`] facets do not extend a region; it would take the square of their number. The
-/// facets of such a fan touch each other at its rim as well.
-pub(super) fn areas_of_flat_regions(triangles: &[[u32; 3]], fans: &Fans, normals: &[[f64; 3]], areas: &[f64]) -> Vec<f64> {
+/// Points with more than [`LARGEST_FAN`] facets do not extend a region, because the time would grow with the square of
+/// their number. The facets of such a fan are also connected at its rim.
+///
+/// Once `stop` returns true, it ends early; areas are then missing.
+pub(super) fn areas_of_flat_regions(
+    triangles: &[[u32; 3]],
+    fans: &Fans,
+    normals: &[[f64; 3]],
+    areas: &[f64],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Vec<f64> {
     // 1 - cos(x) = x^2/2, to 1e-17 for an angle of 1e-4.
     let least_cos = 1.0 - 0.5 * SAME_PLANE * SAME_PLANE;
     let mut of_regions = vec![f64::NAN; triangles.len()];
     let mut members: Vec<u32> = Vec::new();
+    let mut examined = 0_usize;
     for (first, normal) in normals.iter().enumerate() {
         if !of_regions[first].is_nan() {
             continue;
@@ -30,6 +42,10 @@ pub(super) fn areas_of_flat_regions(triangles: &[[u32; 3]], fans: &Fans, normals
         while next < members.len() {
             let facet = members[next] as usize;
             next += 1;
+            examined += 1;
+            if examined.is_multiple_of(TURN) && stop() {
+                return of_regions;
+            }
             area += areas[facet];
             for point in triangles[facet] {
                 let fan = fans.around(point as usize);

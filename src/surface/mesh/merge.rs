@@ -2,32 +2,35 @@
 //! bounded for any file.
 
 use crate::numerics::raster::scan;
+use crate::numerics::rounding::{ceil, floor};
 use crate::surface::Bounds;
 
-/// Largest heights at the nodes (i cell, j cell) for whole i and j, cell a power of two.
+/// The largest heights at the nodes (i cell, j cell) for whole numbers i and j; cell is a power of two.
 ///
-/// Every second node of a lattice is a node of the next coarser one, so that doubling the spacing gives exactly the
-/// heights of a lattice with this spacing from the start. Node (i, j) is stored at (i mod side, j mod side): no two
-/// nodes of a range of `side` share a place, and the range can grow without moving stored heights.
+/// Every second node of a lattice is a node of the next coarser one. Doubling the spacing therefore gives exactly the
+/// heights of a lattice that had this spacing from the start. Node (i, j) is stored at (i mod side, j mod side): no two
+/// nodes in a range of `side` share a slot, and the range can grow without moving stored heights.
 #[derive(Debug)]
 pub(super) struct HeightLattice {
     side: i64,
     exponent: i32,
+    /// The reciprocal of the spacing, which is exact for a power of two.
+    by_cell: f64,
     /// The largest height at each node; minus infinity where there is no surface.
     heights: Vec<f64>,
     low: [i64; 2],
     high: [i64; 2],
-    /// Nodes and rows visited since the last doubling of the spacing.
+    /// The number of nodes and rows visited since the spacing last doubled.
     visits: u64,
 }
 
-/// The visits after which the spacing doubles, about a second of work. Without it, a file with many facets, each as
-/// large as the part, would take facets times nodes.
+/// The number of visits after which the spacing doubles, about a second of work. Without this limit, many facets that
+/// are each as large as the part would take the product of facets and nodes.
 const VISITS: u64 = 400_000_000;
 
 impl HeightLattice {
-    /// A lattice for at most `limit` facets, two for each square between nodes, fine enough for `bounds`, which more
-    /// facets may enlarge.
+    /// A lattice for at most `limit` facets, two for each square between nodes, with the smallest spacing that covers
+    /// `bounds`. Further facets may enlarge the bounds.
     pub(super) fn new(limit: usize, bounds: &Bounds) -> Self {
         let side = (limit / 2).isqrt().max(2);
         #[expect(clippy::cast_precision_loss, reason = "under 2^53")]
@@ -37,9 +40,15 @@ impl HeightLattice {
         #[expect(clippy::cast_possible_truncation, reason = "logarithms of doubles are within 1100")]
         let exponent = spacing.log2().ceil() as i32;
         let side = i64::try_from(side).expect("a square root of a bound of 1e9");
-        let mut lattice = Self { side, exponent, heights: Vec::new(), low: [i64::MAX; 2], high: [i64::MIN; 2], visits: 0 };
+        let mut lattice = Self::empty(side, exponent);
         lattice.heights = vec![f64::NEG_INFINITY; lattice.nodes()];
         lattice
+    }
+
+    /// A lattice whose nodes are not there yet.
+    fn empty(side: i64, exponent: i32) -> Self {
+        let by_cell = 2.0_f64.powi(-exponent);
+        Self { side, exponent, by_cell, heights: Vec::new(), low: [i64::MAX; 2], high: [i64::MIN; 2], visits: 0 }
     }
 
     /// The spacing, in the unit of the coordinates.
@@ -62,16 +71,14 @@ impl HeightLattice {
 
     pub(super) fn add(&mut self, corners: [[f64; 3]; 3]) {
         loop {
-            // Exact, and equal to a division by the spacing, since both are powers of two.
-            let by_cell = self.cell().recip();
-            let corners = corners.map(|[x, y, z]| [x * by_cell, y * by_cell, z]);
+            let corners = corners.map(|[x, y, z]| [x * self.by_cell, y * self.by_cell, z]);
             let mut bounds = Bounds::NONE;
             for corner in corners {
                 bounds.include(corner);
             }
             let (first, last) = ([0, 1].map(|axis| ceil(bounds.min[axis])), [0, 1].map(|axis| floor(bounds.max[axis])));
             if first[0] > last[0] || first[1] > last[1] {
-                // Between nodes.
+                // The facet covers no node.
                 return;
             }
             let low = [0, 1].map(|axis| self.low[axis].min(first[axis]));
@@ -97,8 +104,7 @@ impl HeightLattice {
     }
 
     fn double(&mut self) {
-        let mut coarse =
-            Self { side: self.side, exponent: self.exponent + 1, heights: Vec::new(), low: [i64::MAX; 2], high: [i64::MIN; 2], visits: 0 };
+        let mut coarse = Self::empty(self.side, self.exponent + 1);
         coarse.heights = vec![f64::NEG_INFINITY; self.nodes()];
         if self.low[0] <= self.high[0] {
             coarse.low = self.low.map(|i| -((-i).div_euclid(2)));
@@ -121,7 +127,7 @@ impl HeightLattice {
         if self.low[0] > self.high[0] || self.low[1] > self.high[1] {
             return (points, triangles);
         }
-        // The numbers of the points of the row before, and of this one.
+        // The indices of the points of the previous row, and of this one.
         let mut below: Vec<Option<u32>> = Vec::new();
         for row in self.low[1]..=self.high[1] {
             let mut here = Vec::with_capacity(below.len());
@@ -153,31 +159,5 @@ impl HeightLattice {
             below = here;
         }
         (points, triangles)
-    }
-}
-
-/// The smallest whole number that is not below `value`. Casts saturate, far beyond what fits the lattice; the library's
-/// functions are calls where the processor's instructions are not assumed to have them.
-#[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "numbers beyond 2^52 are whole")]
-fn ceil(value: f64) -> i64 {
-    let truncated = value as i64;
-    truncated.saturating_add(i64::from((truncated as f64) < value))
-}
-
-/// The largest whole number that is not above `value`, likewise.
-fn floor(value: f64) -> i64 {
-    ceil(-value).saturating_neg()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    #[expect(clippy::cast_possible_truncation, reason = "as in the lattice")]
-    fn whole_numbers_on_both_sides_are_those_of_the_library() {
-        for value in [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.5, -2.5, 1e12, -1e12, 4_503_599_627_370_495.5, 1e300, -1e300, 1e-300] {
-            assert_eq!((ceil(value), floor(value)), (value.ceil() as i64, (value.floor() as i64).max(-i64::MAX)), "{value}");
-        }
     }
 }

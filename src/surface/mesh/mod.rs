@@ -6,6 +6,7 @@ mod curvature;
 mod curvature_tests;
 mod finish_facet;
 mod flat_regions;
+mod left_out;
 mod merge;
 mod part;
 mod pieces;
@@ -33,12 +34,13 @@ use super::{Bounds, Sink};
 use nalgebra::Vector3;
 use std::fmt;
 
-/// |n_z| of a unit normal up to which a facet counts as a wall, as for the moments of a surface: within 0.006 deg of
-/// vertical. Single precision moves corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half a
-/// metre from the origin by 3e-5.
+/// A facet is a wall if |n_z| of its unit normal is at most this, as in the sums over a surface: within 0.006 deg of
+/// vertical. Single precision rounds corners by 6e-8 of their coordinates, which turns the normal of a 1 mm facet half
+/// a metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
-/// Points in mm, and triangles by the numbers of their points. There is at least one triangle; all have an area.
+/// A triangle mesh: points in mm, and triangles as the numbers of their points. There is at least one triangle, and all
+/// have an area.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     points: Vec<[f64; 3]>,
@@ -65,8 +67,7 @@ pub enum MeshError {
         /// The number of points received.
         points: u64,
     },
-    /// There are more facets than are held, and none covers a node of the lattice on which they are merged: all are
-    /// walls.
+    /// The facets were merged on a lattice because they are too many, and none covers a node: all are walls.
     NothingFromAbove,
     /// A triangle of an index list refers to a missing point.
     IndexOutOfRange {
@@ -115,7 +116,7 @@ impl MeshBuilder {
     /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number of
     /// a missing point.
     pub fn indexed(&mut self, points: &[[f64; 3]], triangles: &[[u64; 3]]) -> Result<(), MeshError> {
-        if let Some(point) = points.iter().position(|&point| !builder::in_range(point)) {
+        if let Some(point) = points.iter().position(|&point| !left_out::in_range(point)) {
             return Err(MeshError::PointOutOfRange { point });
         }
         for (number, triangle) in triangles.iter().enumerate() {
@@ -181,8 +182,8 @@ impl Mesh {
         self.received
     }
 
-    /// The spacing in mm of the lattice on which the surface was merged because it had more facets or points than are
-    /// held; `None` where it was not.
+    /// The spacing in mm of the lattice on which the surface was merged because it had too many facets or points;
+    /// `None` if it was not merged.
     #[must_use]
     pub fn merged_cell(&self) -> Option<f64> {
         self.merged_cell
@@ -200,7 +201,7 @@ impl Mesh {
         self.triangles[facet].map(|index| self.points[index as usize])
     }
 
-    /// The unit normal of a triangle, by the sense of its corners, and its area in mm^2; both are 0 if rounding left no
+    /// The unit normal of a triangle, by the order of its corners, and its area in mm^2; both are 0 if rounding left no
     /// area.
     #[must_use]
     pub fn normal_and_area(&self, facet: usize) -> ([f64; 3], f64) {
@@ -208,7 +209,7 @@ impl Mesh {
         let normal = cross(a, b, c);
         // Scaled by the largest component, so that squares of tiny components do not underflow.
         let largest = normal.iter().fold(0.0_f64, |largest, part| largest.max(part.abs()));
-        // A facet as thin as a rounding error may lose its area when its corners are converted to mm.
+        // A facet as thin as a rounding error may lose its area in the conversion to mm.
         if largest == 0.0 {
             return ([0.0; 3], 0.0);
         }

@@ -1,7 +1,6 @@
-//! A part of a surface that is welded apart from the others, so that several threads can weld parts at once.
+//! A part of a surface, which one thread receives while others receive further parts.
 
-use super::builder::in_range;
-use super::cross;
+use super::left_out::LeftOut;
 use super::weld::Welder;
 use crate::surface::{Bounds, Sink};
 
@@ -9,45 +8,69 @@ use crate::surface::{Bounds, Sink};
 /// equal coordinates become one point, and facets without area are counted and left out, as in the whole mesh.
 #[derive(Debug)]
 pub struct MeshPart {
-    pub(super) welder: Welder,
-    pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) degenerate: u64,
+    pub(super) facets: PartFacets,
+    pub(super) left_out: LeftOut,
+    /// The box around welded facets.
     pub(super) bounds: Bounds,
-    pub(super) out_of_range: bool,
-    /// Points that are not part of a facet.
+    /// Points that do not belong to a facet.
     pub(super) points: Vec<[f64; 3]>,
+}
+
+/// The facets of a part that is a block of 128 KiB, about, for which room is made at once: a table that grows finds a
+/// place for each of its entries again and again.
+const USUAL_FACETS: usize = 2_700;
+
+/// The facets of a part.
+#[derive(Debug)]
+pub(super) enum PartFacets {
+    Welded {
+        welder: Welder,
+        triangles: Vec<[u32; 3]>,
+    },
+    /// Corners of the facets of a mesh that holds a lattice in place of facets: welding would be of no use.
+    Separate(Vec<[[f64; 3]; 3]>),
+}
+
+impl MeshPart {
+    fn with(facets: PartFacets) -> Self {
+        Self { facets, left_out: LeftOut::default(), bounds: Bounds::NONE, points: Vec::new() }
+    }
+
+    /// A part whose facets are not welded.
+    pub(super) fn of_separate_facets() -> Self {
+        Self::with(PartFacets::Separate(Vec::new()))
+    }
 }
 
 impl Default for MeshPart {
     fn default() -> Self {
-        Self { welder: Welder::new(), triangles: Vec::new(), degenerate: 0, bounds: Bounds::NONE, out_of_range: false, points: Vec::new() }
+        Self::with(PartFacets::Welded { welder: Welder::new(), triangles: Vec::new() })
     }
 }
 
 impl Sink for MeshPart {
     fn point(&mut self, point: [f64; 3]) {
-        if in_range(point) {
+        if self.left_out.accepts_point(point) {
             self.points.push(point);
-        } else {
-            self.out_of_range = true;
         }
     }
 
     fn facet(&mut self, corners: [[f64; 3]; 3]) {
-        if !corners.into_iter().all(in_range) {
-            self.out_of_range = true;
+        if !self.left_out.accepts_facet(corners) {
             return;
         }
-        let [a, b, c] = corners;
-        let [x, y, z] = cross(a, b, c);
-        if x == 0.0 && y == 0.0 && z == 0.0 {
-            self.degenerate += 1;
-            return;
+        match &mut self.facets {
+            PartFacets::Welded { welder, triangles } => {
+                if triangles.is_empty() {
+                    triangles.reserve(USUAL_FACETS);
+                    welder.reserve(USUAL_FACETS);
+                }
+                for corner in corners {
+                    self.bounds.include(corner);
+                }
+                triangles.push(corners.map(|corner| welder.index(corner)));
+            }
+            PartFacets::Separate(facets) => facets.push(corners),
         }
-        for corner in corners {
-            self.bounds.include(corner);
-        }
-        let triangle = corners.map(|corner| self.welder.index(corner));
-        self.triangles.push(triangle);
     }
 }

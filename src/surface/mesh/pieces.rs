@@ -23,27 +23,43 @@ impl Pieces {
     }
 }
 
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 4096;
+
 /// The number of a piece that is not assigned yet.
 const NONE: u32 = u32::MAX;
 
 impl Mesh {
-    /// The connected pieces, by joining the sets of points that each facet connects: O(n log n), amortised.
+    /// The connected pieces, found by joining the sets of points that each facet connects: O(n log n), amortised.
     ///
     /// # Panics
     /// Never: the bound on facets keeps point numbers within 32 bits.
     #[must_use]
     pub fn pieces(&self) -> Pieces {
+        self.pieces_until(&|| false)
+    }
+
+    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    ///
+    /// # Panics
+    /// Never, as [`Mesh::pieces`].
+    #[must_use]
+    pub fn pieces_until(&self, stop: &(dyn Fn() -> bool + Sync)) -> Pieces {
         let points = u32::try_from(self.points().len()).expect("points are numbered in 32 bits");
         let mut parent: Vec<u32> = (0..points).collect();
-        for &[a, b, c] in self.triangles() {
-            let a = join(&mut parent, a, b);
-            join(&mut parent, a, c);
+        for some in self.triangles().chunks(TURN).take_while(|_| !stop()) {
+            for &[a, b, c] in some {
+                let a = join(&mut parent, a, b);
+                join(&mut parent, a, c);
+            }
         }
         let mut piece_of_root = vec![NONE; parent.len()];
         let mut count = 0;
         let of_facet = self
             .triangles()
-            .iter()
+            .chunks(TURN)
+            .take_while(|_| !stop())
+            .flatten()
             .map(|triangle| {
                 let piece = &mut piece_of_root[root(&mut parent, triangle[0]) as usize];
                 if *piece == NONE {
@@ -67,8 +83,8 @@ fn root(parent: &mut [u32], mut point: u32) -> u32 {
     point
 }
 
-/// Joins the sets of two points under the lower representative, which it returns. Linking by number with path halving
-/// is O(log n) a step, amortised.
+/// Joins the sets of two points under the smaller representative, which it returns. Linking by index with path halving
+/// is O(log n) for each step, amortised.
 fn join(parent: &mut [u32], a: u32, b: u32) -> u32 {
     let (a, b) = (root(parent, a), root(parent, b));
     let (low, high) = (a.min(b), a.max(b));

@@ -5,8 +5,11 @@ use crate::quantity::Angle;
 use crate::surface::Bounds;
 use std::fmt;
 
-/// Conditions that a facet must meet, all of them, to be machined. Other facets still hide those below them and must
-/// not be gouged.
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 4096;
+
+/// The conditions that a facet must meet, all of them, to be machined. The other facets still hide those below them,
+/// and must not be gouged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Selection {
     slope: Option<(Angle, Angle)>,
@@ -55,7 +58,7 @@ impl Selection {
     /// Only facets whose slope lies from `smallest` to `largest`, ends included.
     ///
     /// # Errors
-    /// [`SelectionError::SlopeBand`] where `smallest` exceeds `largest`, or one is outside 0 to 90 deg.
+    /// [`SelectionError::SlopeBand`] if `smallest` exceeds `largest`, or one is outside 0 to 90 deg.
     pub fn with_slopes(self, smallest: Angle, largest: Angle) -> Result<Self, SelectionError> {
         let in_order = smallest.radians() >= 0.0 && smallest.radians() <= largest.radians() && largest.radians() <= Angle::RIGHT.radians();
         if in_order { Ok(Self { slope: Some((smallest, largest)), ..self }) } else { Err(SelectionError::SlopeBand) }
@@ -64,7 +67,7 @@ impl Selection {
     /// Only facets whose centroid lies in the box, in mm, its sides included.
     ///
     /// # Errors
-    /// [`SelectionError::Box`] where the box is empty or a coordinate is not finite.
+    /// [`SelectionError::Box`] if the box is empty or a coordinate is not finite.
     pub fn with_box(self, min: [f64; 3], max: [f64; 3]) -> Result<Self, SelectionError> {
         let valid = (0..3).all(|axis| min[axis].is_finite() && max[axis].is_finite() && min[axis] <= max[axis]);
         if valid { Ok(Self { bounds: Some(Bounds { min, max }), ..self }) } else { Err(SelectionError::Box) }
@@ -122,16 +125,26 @@ impl Mesh {
     /// spacing; [`FinishFacet::slope`] identifies them. `selected` is the result of [`Mesh::selected`].
     #[must_use]
     pub fn facets_for_finishing(&self, visibility: &Visibility, selected: &[bool]) -> Vec<FinishFacet> {
+        self.facets_for_finishing_until(visibility, selected, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    #[must_use]
+    pub fn facets_for_finishing_until(
+        &self,
+        visibility: &Visibility,
+        selected: &[bool],
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Vec<FinishFacet> {
         let wanted: Vec<u32> = (0_u32..)
             .zip(visibility.classes().iter().zip(selected))
             .filter(|&(_, (class, selected))| *selected && matches!(class, FacetClass::Machined | FacetClass::Steep { wall: false }))
             .map(|(facet, _)| facet)
             .collect();
-        let curvatures = self.curvatures(visibility, &wanted);
-        wanted
-            .iter()
-            .zip(curvatures)
-            .map(|(&facet, curvature)| {
+        let curvatures = self.curvatures(visibility, &wanted, stop);
+        let mut facets = Vec::with_capacity(curvatures.len());
+        for (wanted, curvatures) in wanted.chunks(TURN).zip(curvatures.chunks(TURN)).take_while(|_| !stop()) {
+            facets.extend(wanted.iter().zip(curvatures).map(|(&facet, &curvature)| {
                 let facet = facet as usize;
                 let (mut corners, (mut normal, area)) = (self.corners(facet), self.normal_and_area(facet));
                 if visibility.is_seen_from_behind(facet) {
@@ -139,7 +152,8 @@ impl Mesh {
                     normal = normal.map(|part| -part);
                 }
                 FinishFacet { corners, normal, area, curvature }
-            })
-            .collect()
+            }));
+        }
+        facets
     }
 }

@@ -79,7 +79,7 @@ fn a_roof_hides_what_is_below_it() {
     let mut facets = solid_box([0.0; 3], [40.0, 20.0, 10.0]);
     facets.extend(solid_box([0.0, 0.0, 15.0], [40.0, 20.0, 16.0]));
     let two = mesh(&facets);
-    // Two tops, one hidden; two bottoms; walls of 1200 mm^2 and 120 mm^2, the lower ones seen from beside.
+    // Two tops, one of them hidden; two bottoms; walls of 1200 mm^2 and 120 mm^2.
     let area = 2800.0 + 1600.0 + 120.0;
     assert_relative_eq!(shares(&two).hidden, 800.0 / area);
     assert_relative_eq!(shares(&two).overhanging, 1600.0 / area);
@@ -228,7 +228,7 @@ fn the_order_of_the_facets_does_not_change_what_is_merged() {
         builder.finish(Unit::Millimetre, Facing::Up).unwrap()
     };
     let (forward, backward) = (merged(&|i| i), merged(&|i| count - 1 - i));
-    // 3547 is prime, so that its multiples visit every facet; spread over the whole from the start.
+    // 3547 is prime, so that its multiples visit every facet, spread over the surface from the start.
     let scattered = merged(&|i| (i * 3547) % count);
     for other in [backward, scattered] {
         assert_eq!(
@@ -277,7 +277,8 @@ fn examine(mesh: &Mesh) {
     assert!(mesh.seen_from_above(256).heights.iter().all(|z| !z.is_nan() && *z < f64::INFINITY));
 }
 
-/// Coordinates on a small lattice, so that points coincide, lie on lines and facets overlap, at several scales.
+/// Facets with corners on a small lattice, at several scales, so that points coincide or are collinear and facets
+/// overlap.
 fn soups() -> impl Strategy<Value = Vec<[[f64; 3]; 3]>> {
     let scale = prop::sample::select(vec![1e-30, 1e-6, 1.0, 1e6, 1e11]);
     let shift = prop::sample::select(vec![0.0, 0.1, 1e3, 9e11]);

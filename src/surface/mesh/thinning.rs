@@ -1,16 +1,16 @@
-//! Points without facets, thinned to one for each cell of a lattice when they exceed a bound.
+//! A cloud of single points. If there are more than a limit, it keeps one for each cell of a lattice.
 
 use super::weld::HashKeys;
 use crate::surface::Bounds;
 use hashbrown::HashTable;
 
 /// A cloud of at most `limit` points. If there are more, the point nearest to the centre of each cell of a lattice is
-/// kept, unmoved; the cells are the smallest, by powers of two, that leave at most half of the limit, and double in
-/// size when later points exceed the limit.
+/// kept, unmoved. The size of the cells is the smallest power of two that leaves at most half of the limit. It doubles
+/// if later points exceed the limit.
 #[derive(Debug)]
 pub(super) struct PointCloud {
     limit: usize,
-    /// The points, as long as they are not thinned.
+    /// The points, as long as they have not been thinned.
     points: Vec<[f64; 3]>,
     received: u64,
     cells: Option<Cells>,
@@ -45,7 +45,7 @@ impl PointCloud {
             }
             return;
         }
-        // Scanners repeat points; repetitions must not cause thinning.
+        // Scanners repeat points, and repetitions must not cause thinning.
         if self.points.last() == Some(&point) {
             return;
         }
@@ -55,13 +55,13 @@ impl PointCloud {
         }
     }
 
-    /// The number of points held.
+    /// The number of points stored.
     pub(super) fn len(&self) -> usize {
         self.cells.as_ref().map_or(self.points.len(), |cells| cells.points.len())
     }
 
-    /// The further memory in bytes for `more` points: the vector grows to twice its size, and points that are thinned
-    /// to larger cells are held twice.
+    /// The additional memory in bytes for `more` points: the vector doubles in size, and while points are thinned to
+    /// larger cells they are stored twice.
     pub(super) fn bytes_to_take(&self, more: usize) -> usize {
         let count = self.len() + more;
         if count > self.limit {
@@ -72,7 +72,7 @@ impl PointCloud {
         table + if count > capacity { 2 * count * size_of::<[f64; 3]>() } else { 0 }
     }
 
-    /// The memory held, in bytes.
+    /// The memory in use, in bytes.
     pub(super) fn held_bytes(&self) -> usize {
         let cells =
             self.cells.as_ref().map_or(0, |cells| cells.points.capacity() * size_of::<[f64; 3]>() + bytes_of_table(cells.table.capacity()));
@@ -84,8 +84,8 @@ impl PointCloud {
     }
 
     fn thin(&mut self) {
-        // Of points above each other the highest counts; a surface scanned several times at the same places is not
-        // thinned for that.
+        // Of points above each other only the highest counts, so that a surface scanned several times at the same
+        // places is not thinned.
         self.points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(b[2].total_cmp(&a[2])));
         self.points.dedup_by(|b, a| a[..2] == b[..2]);
         if self.points.len() <= self.limit / 2 {
@@ -104,7 +104,7 @@ impl PointCloud {
     }
 }
 
-/// The bytes of a table of the numbers of `count` points: 5 for each place, at least eight for seven points.
+/// The bytes of a table of the indices of `count` points: 5 for each slot, and at least eight slots for seven points.
 fn bytes_of_table(count: usize) -> usize {
     (count * 8 / 7 + 8).next_power_of_two() * 5
 }
@@ -117,7 +117,7 @@ struct Cells {
     /// 1 / side, which is exact for a power of two.
     by_side: f64,
     points: Vec<[f64; 3]>,
-    /// Finds the point of a cell.
+    /// Maps a cell to its point.
     table: HashTable<u32>,
     keys: HashKeys,
 }
@@ -133,7 +133,7 @@ impl Cells {
         let mut exponent = first;
         loop {
             let mut cells = Self::new(exponent);
-            // Whether cells are too many usually shows long before the last point.
+            // `all` ends at the first point that exceeds the limit, usually long before the last.
             if points.iter().all(|&point| {
                 cells.add(point);
                 cells.points.len() <= most
@@ -167,8 +167,8 @@ impl Cells {
     }
 }
 
-/// The largest whole number that is not above `value`, without the sign of a zero. The library's function is a call
-/// where the processor's instructions are not assumed to have it.
+/// The largest whole number that is not above `value`, without the sign of a zero. The standard library's function is a
+/// slow call unless SSE4.1 is assumed.
 #[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "within 2^52, where both are exact")]
 fn floor(value: f64) -> f64 {
     const ALL_WHOLE: f64 = (1_u64 << 52) as f64;

@@ -1,4 +1,4 @@
-//! A mesh seen from above on a raster: the highest facet at each cell centre and its height.
+//! A mesh seen from above, on a raster: the highest facet at each cell centre, and its height.
 
 use super::{Mesh, WALL, cross, dot};
 use crate::numerics::raster::{Frame, Raster};
@@ -19,18 +19,21 @@ pub struct ViewFromAbove {
     pub facets: Vec<u32>,
 }
 
-/// The largest number of rows and cells that a pass may visit, about 0.2 s. Many facets that each cover the whole part
-/// get larger cells.
+/// The largest number of rows and cells that rasterisation may visit, about 0.2 s. If many facets each cover the whole
+/// part, the cells become larger.
 const VISITS: f64 = 5e7;
 
+/// The number of facets and cells between two checks for cancellation.
+const TURN: usize = 16_384;
+
 impl ViewFromAbove {
-    /// The number of the facet seen in a cell, `None` where there is no surface.
+    /// The number of the facet seen in a cell; `None` if there is no surface.
     #[must_use]
     pub fn facet(&self, cell: usize) -> Option<usize> {
         Some(self.facets[cell]).filter(|&facet| facet != NO_FACET).map(|facet| facet as usize)
     }
 
-    /// A raster of a value of the facet seen in each cell; `None` where there is no surface.
+    /// A raster of a value of the facet seen in each cell; `None` if there is no surface.
     pub fn of_facets<T: Clone>(&self, figure: impl Fn(usize) -> T) -> Raster<Option<T>> {
         let values = (0..self.facets.len()).map(|cell| self.facet(cell).map(&figure)).collect();
         Raster { frame: self.frame, values }
@@ -49,6 +52,15 @@ impl Mesh {
     /// Never: the bound on facets keeps their numbers within 32 bits.
     #[must_use]
     pub fn seen_from_above(&self, side: usize) -> ViewFromAbove {
+        self.seen_from_above_until(side, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    ///
+    /// # Panics
+    /// Never, as [`Mesh::seen_from_above`].
+    #[must_use]
+    pub fn seen_from_above_until(&self, side: usize, stop: &(dyn Fn() -> bool + Sync)) -> ViewFromAbove {
         let frame = self.frame(side.clamp(1, 4096));
         let mut heights = vec![f64::NEG_INFINITY; frame.cells()];
         let mut facets = vec![NO_FACET; frame.cells()];
@@ -58,10 +70,19 @@ impl Mesh {
         heights.par_chunks_mut(band).zip(facets.par_chunks_mut(band)).enumerate().for_each(|(number, (heights, facets))| {
             let (first, last) = (number * rows, ((number + 1) * rows).min(frame.rows));
             let (mut pointing_up, from) = (vec![false; heights.len()], first * frame.columns);
+            let mut visited = 0;
             for facet in 0..self.triangles().len() {
                 let [a, b, c] = self.corners(facet);
                 let Some(up) = side_seen(cross(a, b, c)) else { continue };
+                visited += 1;
+                if visited >= TURN {
+                    visited = 0;
+                    if stop() {
+                        return;
+                    }
+                }
                 frame.scan([a, b, c], first..last, |cell, z, _| {
+                    visited += 1;
                     let cell = cell - from;
                     if z > heights[cell] || (z >= heights[cell] && up && !pointing_up[cell]) {
                         heights[cell] = z;
@@ -74,7 +95,7 @@ impl Mesh {
         ViewFromAbove { frame, heights, facets }
     }
 
-    /// Square cells over the bounds: `side` along the longer side, fewer where facets cover more cells than may be
+    /// Square cells over the bounds: `side` along the longer side, fewer if facets cover more cells than may be
     /// visited.
     fn frame(&self, side: usize) -> Frame {
         let Bounds { min, max } = self.bounds();
@@ -89,8 +110,8 @@ impl Mesh {
         let affordable = (height + (height * height + 4.0 * VISITS * area).sqrt()) / (2.0 * VISITS);
         #[expect(clippy::cast_precision_loss, reason = "at most 4096")]
         let stated = (max[0] - min[0]).max(max[1] - min[1]) / side as f64;
-        // A mesh of walls above one point has no extent, and any cell size serves. An extent of a rounding error needs
-        // larger cells.
+        // A mesh of walls above one point has no extent, and any cell size is suitable. An extent as small as a
+        // rounding error needs larger cells.
         let magnitude = self.bounds().largest_magnitude();
         let cell = stated.max(affordable).max(magnitude * f64::EPSILON).max(1e-300);
         // The ceiling of a rounded quotient can be side + 1.

@@ -10,14 +10,14 @@ use rayon::prelude::*;
 pub enum FacetClass {
     /// It points up, but another part of the surface is above it.
     Hidden,
-    /// It points down, and its back is not seen from above.
+    /// It points down, and its back is not visible from above.
     Overhanging,
-    /// It is seen, but steeper than the limit; a wall, within 0.006 deg of vertical, covers nothing seen from above.
+    /// It is visible, but steeper than the limit. A wall, within 0.006 deg of vertical, is also steep.
     Steep {
         /// Whether it is a wall.
         wall: bool,
     },
-    /// It is seen and not too steep.
+    /// It is visible and not too steep.
     Machined,
 }
 
@@ -38,7 +38,7 @@ pub struct AreaShares {
 #[derive(Debug, Clone)]
 pub struct Visibility {
     classes: Vec<FacetClass>,
-    /// Bit set: the facet's back is seen from above.
+    /// For each facet, whether its back is seen from above.
     from_behind: Vec<bool>,
     shares: AreaShares,
     area: f64,
@@ -87,21 +87,31 @@ impl Visibility {
 impl Mesh {
     /// The class of each facet; facets with a slope over `max_slope` are steep.
     ///
-    /// A raster of depth with about 8 cells for each facet, from 64 x 64 to 1024 x 1024 over the longer side of the
-    /// bounds, has the facets seen at cell centres ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]).
-    /// A facet that points up is visible if, at half or more of the centres that it covers, no other facet is above it.
-    /// A wall, or a facet that covers no centre, is visible if its centroid is not below all that is seen in its cell
-    /// and the eight around it. A facet that points down and is seen at half of its centres has the wrong orientation
-    /// and counts as turned; a closed solid has none.
+    /// Visibility is determined on a raster with about 8 cells for each facet, from 64 x 64 to 1024 x 1024 over the
+    /// longer side of the bounds ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]). A facet that
+    /// points up is visible if, at half or more of the cell centres that it covers, no other facet is above it. A wall,
+    /// or a facet that covers no centre, is visible if its centroid is not below everything seen in its cell and the
+    /// eight around it. A facet that points down and is seen at half of its centres has the wrong orientation and
+    /// counts as turned; a closed solid has no such facets.
     #[must_use]
     pub fn visibility(&self, max_slope: Angle) -> Visibility {
+        self.visibility_until(max_slope, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    #[must_use]
+    pub fn visibility_until(&self, max_slope: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Visibility {
         let facets = self.triangles().len();
-        let view = self.seen_from_above((8 * facets).isqrt().clamp(64, 1024));
+        let view = self.seen_from_above_until((8 * facets).isqrt().clamp(64, 1024), stop);
         let frame = view.frame;
         let height = self.bounds().max[2] - self.bounds().min[2];
-        // The heights of a common edge, computed for its two facets, differ by rounding errors of the coordinates.
+        // The heights at a common edge, computed from each of its two facets, differ by rounding errors of the
+        // coordinates.
         let rounding = 1e-9 * height + 4.0 * f64::EPSILON * self.bounds().largest_magnitude();
         let one = |facet: usize| {
+            if stop() {
+                return (FacetClass::Hidden, false, 0.0);
+            }
             let corners = self.corners(facet);
             let [a, b, c] = corners;
             let side = side_seen(cross(a, b, c));
@@ -110,7 +120,7 @@ impl Mesh {
                 frame.scan(corners, 0..frame.rows, |cell, z, on_edge| {
                     covered += 1;
                     let seen = view.facets[cell] as usize == facet;
-                    // A centre on an edge shows one of the facets there; the others are visible too.
+                    // A cell whose centre is on an edge shows one of the edge's facets; the others are visible too.
                     shown += u32::from(seen || (up && on_edge && z >= view.heights[cell] - rounding));
                 });
             }

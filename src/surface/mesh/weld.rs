@@ -1,9 +1,10 @@
-//! Welding: the numbering of points, with the same number for equal points.
+//! Welding: numbering points so that equal points have the same number.
 
 use hashbrown::HashTable;
 use std::hash::{BuildHasher, RandomState};
 
-/// The different points so far, and the hash table that finds them: 24 bytes a point and, on average, 7 bytes of table.
+/// The distinct points so far, and the hash table that finds them: 24 bytes for each point and, on average, 7 bytes of
+/// table.
 #[derive(Debug)]
 pub(super) struct Welder {
     points: Vec<[f64; 3]>,
@@ -11,8 +12,8 @@ pub(super) struct Welder {
     keys: HashKeys,
 }
 
-/// Secret factors of a hash function. With known ones, a file could put all its points into one place of a table, which
-/// would take quadratic time.
+/// Secret factors of a hash function. If they were known, a file could put all its points into one bucket of the table,
+/// which would take quadratic time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HashKeys([u64; 3]);
 
@@ -25,6 +26,13 @@ impl Default for Welder {
 impl Welder {
     pub(super) fn new() -> Self {
         Self { points: Vec::new(), table: HashTable::new(), keys: HashKeys::random() }
+    }
+
+    /// Makes room for `more` different points.
+    pub(super) fn reserve(&mut self, more: usize) {
+        let Self { points, table, keys } = self;
+        points.reserve(more);
+        table.reserve(more, |&other| keys.hash(points[other as usize]));
     }
 
     /// The number of a point, from 0 in the order of the first occurrence. 0 and -0 are equal; there is no NaN.
@@ -55,7 +63,7 @@ impl Welder {
         self.points.len()
     }
 
-    /// The further memory in bytes for `more` different points, while vector and table grow to twice their size.
+    /// The additional memory in bytes for `more` distinct points, while vector and table double in size.
     pub(super) fn bytes_to_take(&self, more: usize) -> usize {
         let count = self.points.len() + more;
         let points = if count > self.points.capacity() { 2 * count * size_of::<[f64; 3]>() } else { 0 };
@@ -64,7 +72,7 @@ impl Welder {
         points + table
     }
 
-    /// The memory held, in bytes: the points, and 5 bytes for each place of the table.
+    /// The memory in use, in bytes: the points, and 5 bytes for each slot of the table.
     pub(super) fn held_bytes(&self) -> usize {
         self.points.capacity() * size_of::<[f64; 3]>() + self.table.capacity() * 8 / 7 * 5
     }
@@ -76,7 +84,8 @@ impl HashKeys {
         Self([0_u8, 1, 2].map(|n| random.hash_one(n) | 1))
     }
 
-    /// Each number times a secret factor, high and low half of the product folded together: the step of wyhash.
+    /// Each number multiplied by a secret factor, with the high and low half of the product combined by XOR, as in
+    /// wyhash.
     pub(super) fn hash(self, numbers: [f64; 3]) -> u64 {
         let keys = self.0;
         let fold = |a: u64, b: u64| {

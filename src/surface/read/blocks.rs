@@ -1,14 +1,14 @@
-//! Reading on several threads: a file is divided into blocks that are parsed apart from each other, and their results
-//! joined in order.
+//! Reading on several threads: a file is divided into blocks, the blocks are parsed independently, and their results
+//! are joined in order.
 //!
-//! A block is parsed as if the file before it ended in the usual way, for instance with a whole facet. Its result
-//! counts where that is so and the block has no fault. Any other block is read again, in order, by the sequential
-//! reader, which finds the same points, facets and faults as it does in a file that is read on one thread.
+//! A block is parsed with an assumption about its start, for instance that it begins with a whole facet. Its result is
+//! used if the assumption is true and the block has no fault. Otherwise the sequential reader reads the block again.
+//! Points, facets and faults are therefore the same as when the file is read on one thread.
 
 use super::fault::Fault;
 use super::{Body, Sink, mesh, obj, ply, stl_ascii, stl_binary, text};
 use crate::surface::PartedSink;
-use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::borrow::Cow;
 
 /// The next piece of a file.
@@ -19,14 +19,14 @@ pub(super) enum Unit<'a> {
     Block(Block),
 }
 
-/// Bytes that are parsed apart from the others.
+/// Bytes that can be parsed independently.
 #[derive(Debug)]
 pub(super) struct Block {
     pub(super) bytes: Vec<u8>,
     pub(super) job: Job,
 }
 
-/// What a block is assumed to hold.
+/// The assumption about the start of a block, for the parser of each format.
 #[derive(Debug)]
 pub(super) enum Job {
     Text(text::Job),
@@ -37,7 +37,7 @@ pub(super) enum Job {
     PlyBinary(ply::BinaryJob),
 }
 
-/// A block's content.
+/// The parsed content of a block.
 #[derive(Debug)]
 pub(super) enum Run {
     Text(text::Run),
@@ -47,7 +47,7 @@ pub(super) enum Run {
     Ply(ply::Run),
 }
 
-/// What a run passed to the sink.
+/// The counts of what a block passed to the sink.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Emitted {
     pub(super) facets: u64,
@@ -57,7 +57,7 @@ pub(super) struct Emitted {
 /// A parsed block.
 struct Parsed {
     bytes: Vec<u8>,
-    /// `None` where the block must be read in order.
+    /// `None` if the block must be read in order.
     run: Option<Run>,
 }
 
@@ -76,8 +76,8 @@ impl Block {
     }
 }
 
-/// Reads consecutive blocks on the threads of the current pool. Each block is summed as a part of its own, whether it
-/// was parsed apart or not.
+/// Reads consecutive blocks on the threads of the current pool. Each block is a part of its own in the sink, whether it
+/// was parsed independently or not.
 pub(super) fn read<S: PartedSink>(body: &mut Body, blocks: Vec<Block>, sink: &mut S) -> Result<(), Fault> {
     let parsed: Vec<Parsed> = blocks.into_par_iter().map(Block::parse).collect();
     let mut parsed = parsed.into_iter();
@@ -89,21 +89,20 @@ pub(super) fn read<S: PartedSink>(body: &mut Body, blocks: Vec<Block>, sink: &mu
                 serial = Some(bytes);
                 break;
             };
-            linked.push((run, bytes));
+            linked.push((run, bytes, sink.part()));
         }
         let read: &Body = body;
-        let emit = |(run, bytes): &(Run, Vec<u8>)| {
-            let mut part = S::Part::default();
-            let emitted = read.emit(run, bytes, &mut part);
+        let emit = |(run, bytes, mut part): (Run, Vec<u8>, S::Part)| {
+            let emitted = read.emit(&run, &bytes, &mut part);
             (part, emitted)
         };
-        let parts: Vec<(S::Part, Emitted)> = linked.par_iter().map(emit).collect();
+        let parts: Vec<(S::Part, Emitted)> = linked.into_par_iter().map(emit).collect();
         for (part, emitted) in parts {
             sink.append(part);
             body.count(emitted);
         }
         let Some(bytes) = serial else { return Ok(()) };
-        let mut part = S::Part::default();
+        let mut part = sink.part();
         let result = body.push(&bytes, &mut part);
         sink.append(part);
         result?;
@@ -111,7 +110,7 @@ pub(super) fn read<S: PartedSink>(body: &mut Body, blocks: Vec<Block>, sink: &mu
 }
 
 impl Body {
-    /// The next piece of the file out of `rest`; `None` where `rest` is used up.
+    /// Takes the next piece of the file from `rest`; `None` if `rest` is used up.
     pub(super) fn next_unit<'a>(&mut self, rest: &mut &'a [u8]) -> Result<Option<Unit<'a>>, Fault> {
         match self {
             Self::Text(reader) => Ok(reader.next_unit(rest)),
@@ -135,7 +134,7 @@ impl Body {
         }
     }
 
-    /// Adds a run to what was read, and returns whether the file before it is as the run assumes.
+    /// Adds the content of a block, and returns whether the assumption about its start was true.
     fn link(&mut self, run: &mut Run, bytes: &[u8]) -> bool {
         match (self, run) {
             (Self::Text(reader), Run::Text(run)) => reader.link(run),
@@ -147,7 +146,7 @@ impl Body {
         }
     }
 
-    /// Passes the points or facets of a run that was added to a sink.
+    /// Passes the points or facets of a block that was added to `sink`.
     fn emit<S: Sink>(&self, run: &Run, bytes: &[u8], sink: &mut S) -> Emitted {
         match (self, run) {
             (_, Run::Text(run)) => run.emit(sink),
@@ -163,7 +162,7 @@ impl Body {
         let mesh: &mut mesh::Mesh = match self {
             Self::Obj(reader) => reader.mesh(),
             Self::Ply(reader) => reader.mesh(),
-            // These count when a run is linked.
+            // These formats count when a block is added.
             Self::Text(_) | Self::Pcd(_) | Self::StlAscii(_) | Self::StlBinary(_) | Self::ThreeMf(_) => return,
         };
         mesh.count(emitted);

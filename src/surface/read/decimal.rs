@@ -1,15 +1,15 @@
-//! A parser of decimal numbers in bytes, correctly rounded, without allocation for the notations that are common in
-//! files.
+//! A parser of decimal numbers. The result is correctly rounded, and the notations that are common in files take no
+//! allocation.
 
 use super::LARGEST_COORDINATE;
 use super::fault::{FaultKind, Flaw, quoted};
 
-/// The number at the start of `text` and its length in bytes, or `None` where no number starts. `mark` is the decimal
+/// The number at the start of `text` and its length in bytes, or `None` if no number starts. `mark` is the decimal
 /// mark, point or comma.
 ///
-/// A number is `[+-] digits [mark digits] [e [+-] digits]`, with digits on one side of the mark at least; `E`, and
-/// Fortran's `d` and `D`, stand for `e`. The value is the double nearest to what is written, infinite where that is
-/// beyond the largest.
+/// A number is `[+-] digits [mark digits] [e [+-] digits]`, with digits on at least one side of the mark; `E` and
+/// Fortran's `d` and `D` mean the same as `e`. The value is the double nearest to the written number, infinite if that
+/// is beyond the largest double.
 pub(super) fn number(text: &[u8], mark: u8) -> Option<(f64, usize)> {
     let negative = text.first() == Some(&b'-');
     let start = usize::from(negative || text.first() == Some(&b'+'));
@@ -47,8 +47,8 @@ pub(super) fn number(text: &[u8], mark: u8) -> Option<(f64, usize)> {
     Some((value, at))
 }
 
-/// The digits from `at` on, appended to `value`, and where they end. More than 19 digits wrap around; the caller checks
-/// for that.
+/// Appends the digits from `at` on to `value`, and returns the end of the digits. More than 19 digits overflow and
+/// wrap; the caller checks for that.
 fn digits(text: &[u8], mut at: usize, mut value: u64) -> (u64, usize) {
     while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
         value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
@@ -57,7 +57,7 @@ fn digits(text: &[u8], mut at: usize, mut value: u64) -> (u64, usize) {
     (value, at)
 }
 
-/// The digits of an exponent, saturated at a million, which is beyond any double.
+/// The value of an exponent, saturated at a million, which is beyond any double.
 fn power(text: &[u8], mut at: usize) -> (i64, usize) {
     let mut value = 0;
     while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
@@ -67,8 +67,8 @@ fn power(text: &[u8], mut at: usize) -> (i64, usize) {
     (value, at)
 }
 
-/// mantissa 10^exponent, where one correctly rounded operation on two exact doubles gives it: integers to 2^53 and
-/// powers to 10^22 = 2^22 5^22 are exact, since 5^22 < 2^53.
+/// mantissa 10^exponent, if one correctly rounded operation on two exact doubles yields it: integers up to 2^53 and
+/// powers up to 10^22 = 2^22 5^22 are exact, because 5^22 < 2^53.
 fn exact(mantissa: u64, exponent: i64) -> Option<f64> {
     const POWERS: [f64; 23] =
         [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22];
@@ -95,7 +95,7 @@ pub(super) fn bounded(value: f64, token: &[u8]) -> Result<f64, Flaw> {
     if value.abs() <= LARGEST_COORDINATE { Ok(value) } else { Err(unbounded(&quoted(token))) }
 }
 
-/// The refusal of a number that cannot be a coordinate.
+/// The flaw of a number that cannot be a coordinate.
 #[cold]
 pub(super) fn unbounded(found: &str) -> Flaw {
     Flaw::new(FaultKind::OutOfRange, format!("a finite coordinate of at most {LARGEST_COORDINATE:e} in magnitude"), found.to_owned())

@@ -1,4 +1,4 @@
-//! The fault of a surface file: its location, what is expected there, and what was found.
+//! The fault of a surface file: its location, the content expected there, and the content found.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -33,20 +33,21 @@ impl fmt::Display for FileLocation {
 /// The kinds of faults of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
-    /// Not one of the formats or encodings that are read; the fault names it where it is known.
+    /// The file has a format or encoding that is not read. The fault names it if it is known.
     UnknownFormat,
     /// A violation of the format.
     Malformed,
     /// A number that is not finite, beyond [`LARGEST_COORDINATE`](super::LARGEST_COORDINATE), or the index of a missing
     /// vertex.
     OutOfRange,
-    /// Ends before the size that it states.
+    /// The file ends before the size that it states.
     Truncated,
-    /// Larger than a limit of the reader: length of a line, corners of a face, number of vertices, size of an archive.
+    /// The file exceeds a limit of the reader: length of a line, corners of a face, number of vertices, size of an
+    /// archive.
     TooLarge,
-    /// Can be read in two ways that give different surfaces; both are named.
+    /// The file can be read in two ways with different surfaces. The fault names both.
     Ambiguous,
-    /// Holds neither a point nor a facet.
+    /// The file has neither a point nor a facet.
     Empty,
 }
 
@@ -76,7 +77,7 @@ impl Fault {
         &self.flaw.expected
     }
 
-    /// What was found: a description, or a short quotation with its special characters escaped.
+    /// The content found: a description, or a short quotation with special characters escaped.
     #[must_use]
     pub fn found(&self) -> &str {
         &self.flaw.found
@@ -109,7 +110,7 @@ impl Flaw {
         self.kind
     }
 
-    /// A violation of the format's grammar, quoted.
+    /// A violation of the format's grammar, with a quotation of the text found.
     #[cold]
     pub(super) fn malformed(expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
         Self::new(FaultKind::Malformed, expected, quoted(found))

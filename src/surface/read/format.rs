@@ -5,7 +5,7 @@ use super::known::{KNOWN_AT_START, by_statement};
 use super::lines::{Words, is_word, line_end, starts_number, statements};
 use std::fmt;
 
-/// The largest number of bytes examined: licence texts in comments at the start of a file are shorter.
+/// The largest number of bytes examined, more than a licence text in comments at the start of a file has.
 pub(super) const HEAD: usize = 1 << 16;
 
 /// The accepted formats, for the text of faults.
@@ -64,8 +64,8 @@ enum NamedFormat {
 }
 
 impl FormatHint {
-    /// The format by a media type, with or without parameters, or else by the extension of a file name. General media
-    /// types such as `text/plain` and `application/octet-stream` state no format.
+    /// The format that a media type states, with or without parameters; otherwise the format of a file name's
+    /// extension. General media types such as `text/plain` and `application/octet-stream` state no format.
     #[must_use]
     pub fn new(media_type: Option<&str>, file_name: Option<&str>) -> Self {
         Self(media_type.and_then(by_media_type).or_else(|| file_name.and_then(by_name)))
@@ -118,8 +118,8 @@ pub(super) struct Detected {
     pub(super) mark: usize,
 }
 
-/// The format of a file that begins with `head`: the first [`HEAD`] bytes of it, or all. With `is_decoded`, it was
-/// converted to UTF-8 and is therefore text.
+/// Detects the format of a file that begins with `head`, which is its first [`HEAD`] bytes or the whole file. A file
+/// with `is_decoded` was converted to UTF-8 and is text.
 pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<Detected, Fault> {
     if head.is_empty() {
         return Err(Flaw::new(FaultKind::Empty, "a surface", "an empty file").at_byte(0));
@@ -159,13 +159,13 @@ fn unknown(found: impl Into<std::borrow::Cow<'static, str>>) -> Flaw {
 }
 
 /// Whether a file without a byte-order mark is text in UTF-16: text in the Latin alphabet then has a null byte in every
-/// unit. A binary STL's header may have them, too, but its numbers do not.
+/// unit. A binary STL's header may have them too, but its numbers do not.
 fn is_utf_16(head: &[u8]) -> bool {
     let every_second_null = |odd: usize| head.len() >= 4 && head.iter().skip(odd).step_by(2).all(|byte| *byte == 0);
     head.iter().any(|byte| *byte != 0) && (every_second_null(0) || every_second_null(1))
 }
 
-/// Whether a binary file is an STL: its length is what its count requires, or its first records hold coordinates. A
+/// Whether a binary file is an STL: its length fits its count, or its first records contain plausible coordinates. A
 /// file too short for one record is not.
 fn is_binary_stl(head: &[u8]) -> bool {
     let Some((start, records)) = head.split_at_checked(84) else { return false };
@@ -173,8 +173,8 @@ fn is_binary_stl(head: &[u8]) -> bool {
     if head.len() < HEAD && head.len() as u64 == 84 + 50 * u64::from(count) {
         return true;
     }
-    // Bytes other than coordinates give exponents of all sizes; the coordinates of a part are between a fraction of a
-    // nanometre and 1e12.
+    // Coordinates of a part are between a fraction of a nanometre and 1e12; other bytes, read as numbers, have
+    // exponents of all sizes.
     let is_plausible = |bytes: &[u8; 4]| {
         let size = f32::from_le_bytes(*bytes).abs();
         size == 0.0 || (1e-20..=1e12).contains(&size)
@@ -206,11 +206,12 @@ fn by_magic(text: &[u8]) -> Option<Family> {
     }
 }
 
-/// The position of the first control byte that is not part of a text, in the first 134 bytes: a binary STL's header of
-/// 80 bytes, its count of 4, whose highest byte is such a byte up to 150 million facets, and its first record of 50.
-/// Further on, such a byte is a fault of a text.
+/// The position of the first control byte that a text does not have, among the first 134 bytes: the header of a binary
+/// STL with 80 bytes, its count with 4, whose highest byte is a control byte for fewer than 150 million facets, and its
+/// first record with 50. A control byte after these is a fault in a text.
 ///
-/// Null bytes and Ctrl-Z that end a text of several lines are its end, as old systems write it.
+/// Null bytes and Ctrl-Z at the end of a text of several lines do not count: old systems mark the end of a text with
+/// them.
 fn control_byte(text: &[u8]) -> Option<usize> {
     let is_end = |byte: &u8| matches!(byte, 0 | 0x1a);
     let content = &text[..text.iter().rposition(|byte| !is_end(byte)).map_or(0, |last| last + 1)];

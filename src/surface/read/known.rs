@@ -1,4 +1,4 @@
-//! Formats that are detected only to name them in the refusal.
+//! Formats that are not read, and are detected only to name them in the fault.
 
 use super::lines::{Words, is_word, line_end, starts_number, statements};
 
@@ -67,8 +67,8 @@ pub(super) fn by_statement(text: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// A line of IGES has 80 columns, of which the 73rd is the letter of a section, at first S, and the others after it are
-/// its number.
+/// A line of IGES has 80 columns. The 73rd is the letter of the section, S in the first line, and the columns after it
+/// are the line's number.
 fn is_iges(text: &[u8]) -> bool {
     let line = &text[..line_end(text).unwrap_or(text.len())];
     line.len() == 80 && line[72] == b'S' && line[73..].iter().all(|byte| matches!(byte, b' ' | b'0'..=b'9'))
@@ -86,8 +86,8 @@ fn markup(text: &[u8]) -> &'static str {
     names.into_iter().find(|(tag, _)| memchr::memmem::find(text, tag).is_some()).map_or("an XML file", |(_, name)| name)
 }
 
-/// The first statement of a program in G-code, after `%`, comments in parentheses and after semicolons, and the number
-/// O of the program: a word such as G21, after a block number or alone.
+/// Whether the text is a program in G-code: its first statement is a word such as G21, with or without a block number.
+/// `%`, comments and the program number O may come before it.
 fn is_gcode(text: &[u8]) -> bool {
     let is_numbered = |word: &[u8], letter: u8| {
         word.len() >= 2 && word[0].eq_ignore_ascii_case(&letter) && word[1..].iter().all(|byte| byte.is_ascii_digit() || *byte == b'.')

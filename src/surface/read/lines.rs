@@ -13,20 +13,20 @@ pub(super) struct Lines {
     begun: Vec<u8>,
     /// The number of complete lines.
     ended: u64,
-    /// The last chunk ended with a CR, so that a LF at the start of the next belongs to the same line end.
+    /// Whether the last chunk ended with a CR, so that a LF at the start of the next belongs to the same line end.
     after_cr: bool,
 }
 
 impl Lines {
-    /// Numbers the lines as if `before` lines preceded them.
+    /// A splitter that numbers the lines as if `before` lines preceded them.
     pub(super) fn after(before: u64) -> Self {
         Self { begun: Vec::new(), ended: before, after_cr: false }
     }
 
-    /// Adds lines that were read elsewhere to the count.
+    /// Adds lines that were read in blocks to the count.
     pub(super) fn skip(&mut self, lines: u64) {
         self.ended += lines;
-        // A line end that was split between chunks belongs to those lines.
+        // A LF after a CR belongs to those lines.
         self.after_cr = false;
     }
 
@@ -74,11 +74,11 @@ impl Lines {
         self.begin(chunk)
     }
 
-    /// Passes the last line to `each` where no line end follows it.
+    /// Passes the last line to `each` if it has no line end.
     pub(super) fn finish(&mut self, mut each: impl FnMut(&[u8], u64) -> Result<(), Flaw>) -> Result<(), Fault> {
         let number = self.number();
         let mut last = std::mem::take(&mut self.begun);
-        // Null bytes and Ctrl-Z after the last line are the end of a text, as old systems write it.
+        // Old systems mark the end of a text with null bytes or Ctrl-Z.
         while last.pop_if(|byte| matches!(*byte, 0 | 0x1a)).is_some() {}
         if last.is_empty() { Ok(()) } else { each(&last, number).map_err(|flaw| flaw.at_line(number)) }
     }
@@ -150,7 +150,7 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// Whether a number starts here.
+/// Whether `text` starts with a number.
 pub(super) fn starts_number(text: &[u8]) -> bool {
     matches!(text, [b'0'..=b'9', ..] | [b'+' | b'-' | b'.', b'0'..=b'9' | b'.', ..])
 }

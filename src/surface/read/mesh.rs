@@ -1,5 +1,5 @@
-//! Vertices and faces of an indexed mesh, shared by the readers of OBJ and PLY: a whole file, or a run of one that is
-//! parsed apart.
+//! Vertices and faces of an indexed mesh, for the readers of OBJ and PLY: those of a whole file, or those of a block
+//! that is parsed independently.
 
 use super::Sink;
 use super::blocks::Emitted;
@@ -31,12 +31,12 @@ impl Mesh {
         &self.vertices
     }
 
-    /// Facets passed to the sink.
+    /// The number of facets passed to the sink.
     pub(super) fn facets(&self) -> u64 {
         self.facets
     }
 
-    /// Polygons whose outline crosses itself.
+    /// The number of polygons whose outline crosses itself.
     pub(super) fn crossed(&self) -> u64 {
         self.crossed
     }
@@ -49,12 +49,12 @@ impl Mesh {
         Ok(())
     }
 
-    /// Adds the vertex of this number, counted from 0, to the face that is being read.
+    /// Adds the vertex with this number, counted from 0, to the face that is being read.
     pub(super) fn add_corner(&mut self, vertex: usize) -> Option<Result<(), Flaw>> {
         self.vertices.get(vertex).map(|corner| self.face.add(*corner))
     }
 
-    /// Passes a triangle of the vertices with these numbers to the sink, unless a number occurs twice; `None` where a
+    /// Passes a triangle of the vertices with these numbers to the sink, unless a number occurs twice; `None` if a
     /// vertex is missing.
     pub(super) fn add_triangle<S: Sink>(&mut self, vertices: [usize; 3], sink: &mut S) -> Option<()> {
         let [a, b, c] = vertices;
@@ -81,13 +81,13 @@ impl Mesh {
     }
 }
 
-/// A number in a run that counts backwards from the run's vertices: this bit, and the distance from the first of them
-/// plus [`ORIGIN`].
+/// The mark of a vertex number that counts backwards. The other bits are the distance from the run's first vertex, plus
+/// [`ORIGIN`].
 const BACKWARDS: u32 = 1 << 31;
 const ORIGIN: i64 = 1 << 30;
 
-/// Vertices and faces of a part of a file, parsed without what precedes it. Methods return `None` where the part must
-/// be read in order.
+/// Vertices and faces of a block, parsed without the file before it. Methods return `None` if the block must be read in
+/// order.
 #[derive(Debug, Default)]
 pub(super) struct Run {
     vertices: Vec<[f64; 3]>,
@@ -95,14 +95,14 @@ pub(super) struct Run {
     corners: Vec<u32>,
     /// The end of each face in `corners`.
     ends: Vec<u32>,
-    /// The vertices that must precede the run so that all numbers have a vertex.
+    /// The number of vertices that must precede the run so that every corner has a vertex.
     required: i64,
-    /// The vertices that precede the run.
+    /// The number of vertices that precede the run.
     before: i64,
 }
 
 impl Run {
-    /// An empty run with room for what `bytes` usually hold.
+    /// An empty run, with room for the vertices and faces that `bytes` bytes usually contain.
     pub(super) fn of_bytes(bytes: usize) -> Self {
         Self { corners: Vec::with_capacity(bytes / 8), ends: Vec::with_capacity(bytes / 24), ..Self::default() }
     }
@@ -115,7 +115,7 @@ impl Run {
         self.vertices.push(vertex);
     }
 
-    /// Adds a corner with the vertex of this number, counted from 0 at the start of the file.
+    /// Adds a corner at the vertex with this number, counted from 0 at the start of the file.
     pub(super) fn add_corner(&mut self, number: usize) -> Option<()> {
         let number = u32::try_from(number).ok().filter(|number| *number < BACKWARDS)?;
         self.require(i64::from(number) + 1 - self.length()?);
@@ -123,7 +123,7 @@ impl Run {
         Some(())
     }
 
-    /// Adds a corner with a vertex counted backwards: 1 is the last.
+    /// Adds a corner at a vertex counted backwards: 1 is the last.
     pub(super) fn add_corner_backwards(&mut self, count: usize) -> Option<()> {
         let count = i64::try_from(count).ok().filter(|count| (1..ORIGIN).contains(count))?;
         let from_first = self.length()? - count;
@@ -132,7 +132,7 @@ impl Run {
         Some(())
     }
 
-    /// Ends a face. Faces that may be refused are left to the sequential reader.
+    /// Ends a face. Faces that may be faulty are left to the sequential reader.
     pub(super) fn close_face(&mut self) -> Option<()> {
         let corners = self.corners.len() - self.ends.last().map_or(0, |end| *end as usize);
         self.ends.push(u32::try_from(self.corners.len()).ok()?);
@@ -157,7 +157,7 @@ impl Run {
 }
 
 impl Mesh {
-    /// Adds the vertices of a run, unless they are too many or one is missing to which the run refers.
+    /// Adds the vertices of a run, unless they are too many or the run refers to a missing one.
     pub(super) fn link(&mut self, run: &mut Run) -> bool {
         let Ok(before) = i64::try_from(self.vertices.len()) else { return false };
         if self.vertices.len() + run.vertices.len() > self.limit || run.required > before {
@@ -193,7 +193,7 @@ impl Mesh {
         emitted
     }
 
-    /// Counts what runs passed on.
+    /// Counts the facets that runs passed to the sink.
     pub(super) fn count(&mut self, emitted: Emitted) {
         self.facets += emitted.facets;
         self.crossed += emitted.crossed;

@@ -1,13 +1,13 @@
 //! Readers of surface files: points in text, ASCII PCD, STL, OBJ, PLY and 3MF.
 //!
-//! A [`Reader`] takes a file in chunks that end anywhere, and passes points and facets to a [`Sink`]. The sink gets the
-//! facets of a file that has them, otherwise its points. Text, PCD and STL are not held; OBJ and PLY, whose facets
-//! refer to vertices by number, hold the vertices; 3MF, whose directory stands at its end, holds the compressed file
-//! and its meshes. Memory grows with the data that arrive, not with the counts that a file states.
+//! A [`Reader`] takes a file in chunks that may end anywhere, and passes points and facets to a [`Sink`]: the facets if
+//! the file has any, otherwise the points. Text, PCD and STL are not stored. For OBJ and PLY, whose facets refer to
+//! vertices by number, the vertices are stored. For 3MF, whose directory is at its end, the compressed file and its
+//! meshes are stored. Memory grows with the data that arrive, not with the counts that a file states.
 //!
-//! A file that cannot be read, or can be read in two ways, is refused with a [`Fault`] that names line or byte. Data
-//! that the reader leaves out are counted in the [`Summary`]. Coordinates are passed on in the file's unit, which is in
-//! the summary if the file states it.
+//! A file that cannot be read, or is ambiguous, is refused with a [`Fault`] that names the line or byte. Data that the
+//! reader leaves out are counted in the [`Summary`]. Coordinates are passed on in the file's unit, which is in the
+//! summary if the file states it.
 
 mod blocks;
 mod decimal;
@@ -39,40 +39,39 @@ use format::{Detected, HEAD};
 use std::borrow::Cow;
 use utf_16::Utf16;
 
-/// The default limit on the vertices of an OBJ, PLY or 3MF file ([`Reader::with_vertex_limit`] changes it): 480 MB of
-/// coordinates.
+/// The default limit on the vertices of an OBJ, PLY or 3MF file, 480 MB of coordinates. [`Reader::with_vertex_limit`]
+/// changes it.
 pub const DEFAULT_VERTEX_LIMIT: usize = 20_000_000;
 
 /// The result of reading a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Summary {
-    /// The format, by the content.
+    /// The format, detected by the content.
     pub format: Format,
     /// Points passed to the sink.
     pub points: u64,
     /// Facets passed to the sink; a polygon of n corners counts n - 2.
     pub facets: u64,
-    /// The unit of the coordinates, where the file states one: 3MF always does, text may in its header. A caller must
-    /// not assume another.
+    /// The unit of the coordinates, if the file states one: 3MF always does, text may in its header. A caller must use
+    /// this unit.
     pub unit: Option<Unit>,
-    /// Data that were left out, or accepted although they are unusual.
+    /// The data that were left out, or accepted although they are unusual.
     pub notes: Notes,
 }
 
 /// Counts of data that a reader left out, or accepted although they are unusual; 0 for a regular file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Notes {
-    /// Text and PCD: columns other than x, y and z, in the first line of data.
+    /// Text and PCD: the columns other than x, y and z in the first line of data.
     pub further_columns: u64,
     /// Binary STL and PLY: bytes after the end that the file's counts give.
     pub trailing_bytes: u64,
     /// OBJ: point and line elements. PLY: rows of elements other than vertices, faces and triangle strips. 3MF: placed
     /// objects of the types `support` and `other`. They are not part of a surface.
     pub other_elements: u64,
-    /// OBJ and PLY: polygons whose outline crosses itself or doubles back, so that no cut into triangles gives their
-    /// area.
+    /// OBJ and PLY: polygons whose outline crosses itself or doubles back, so that no triangulation has their area.
     pub crossed_polygons: u64,
-    /// PCD: points without coordinates (`nan`), which stand for measurements without an echo.
+    /// PCD: points without coordinates (`nan`), which scanners write if there was no echo.
     pub missing_points: u64,
     /// ASCII STL: the file ends inside a solid, at the end of a facet. It may have been cut off.
     pub missing_end: bool,
@@ -92,7 +91,7 @@ pub struct Reader {
     archive_limit: usize,
     /// The size of blocks.
     block: usize,
-    /// Ends the reading of a 3MF file.
+    /// Cancels the reading of a 3MF file.
     cancel: CancelFlag,
     /// The decoder of a file in UTF-16.
     utf_16: Option<Utf16>,
@@ -118,6 +117,27 @@ enum Body {
     ThreeMf(three_mf::Reader),
 }
 
+/// The most that a part of a file makes while it is read by [`Reader::push_in_parallel`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MostOfPush {
+    /// Facets, or points of a file without facets.
+    pub facets: usize,
+    /// Corners of facets.
+    pub corners: usize,
+    /// The memory in bytes of the parts that are read, until they are added to the sink.
+    pub held: usize,
+}
+
+impl MostOfPush {
+    /// Of a file in any format. Few formats state a facet in fewer than 4 bytes or a vertex in fewer than 6. A byte takes
+    /// itself, the number of a vertex at a corner (4 bytes for each 2), and of each facet (4 bytes at least, in binary
+    /// PLY) 12 bytes for its corners, and 36 for the points that it does not share with others and the table that finds
+    /// them.
+    fn of_any(bytes: usize) -> Self {
+        Self { facets: bytes / 4, corners: bytes / 6, held: 40 * bytes }
+    }
+}
+
 impl Reader {
     /// A reader for one file.
     #[must_use]
@@ -129,14 +149,15 @@ impl Reader {
         Self { hint, vertex_limit, package_vertex_limit, archive_limit, block, cancel, utf_16: None, stage }
     }
 
-    /// The same reader, whose [`Reader::finish`] of a 3MF file ends early with any result once `cancel` is set.
+    /// The same reader with a cancel flag: once `cancel` is set, [`Reader::finish`] of a 3MF file returns early, with
+    /// any result.
     #[must_use]
     pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
         Self { cancel: cancel.clone(), ..self }
     }
 
-    /// The same reader with blocks of `bytes` bytes, 1 at least, for [`Reader::push_in_parallel`]; 128 KiB unless
-    /// stated.
+    /// The same reader with blocks of `bytes` bytes, at least 1, for [`Reader::push_in_parallel`]. The default is 128
+    /// KiB.
     #[must_use]
     pub fn with_block_size(self, bytes: usize) -> Self {
         Self { block: bytes.max(1), ..self }
@@ -155,8 +176,8 @@ impl Reader {
         Self { vertex_limit: vertices, package_vertex_limit: vertices, ..self }
     }
 
-    /// The same for 3MF files only, which take 48 bytes a vertex at their end; to be called after
-    /// [`Reader::with_vertex_limit`].
+    /// The same reader with another limit for 3MF files, which take 48 bytes for each vertex when they end. Call it
+    /// after [`Reader::with_vertex_limit`].
     #[must_use]
     pub fn with_package_vertex_limit(self, vertices: usize) -> Self {
         Self { package_vertex_limit: vertices, ..self }
@@ -175,7 +196,7 @@ impl Reader {
     /// of rayon. The whole file must be passed by this method. Points, facets and faults are the same as with
     /// [`Reader::push`]; the parts of the sink depend on the file alone, not on the chunks or the threads.
     ///
-    /// Each call holds some 40 bytes for each byte of the chunks, until it returns.
+    /// A call takes some 40 bytes of memory for each byte of the chunks, until it returns.
     ///
     /// # Errors
     /// As [`Reader::push`].
@@ -187,7 +208,7 @@ impl Reader {
     /// Ends the file.
     ///
     /// # Errors
-    /// The first [`Fault`] of the file, which may be that it ends here.
+    /// The first [`Fault`] of the file, which may be that it ends too early.
     pub fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
         if let Stage::Head(head) = &mut self.stage {
             let head = std::mem::take(head);
@@ -223,6 +244,24 @@ impl Reader {
             Body::Ply(reader) => reader.held_bytes(),
             Body::ThreeMf(reader) => reader.held_bytes(),
             Body::Text(_) | Body::Pcd(_) | Body::StlAscii(_) | Body::StlBinary(_) => 0,
+        }
+    }
+
+    /// The most that a push of `bytes` bytes makes and holds, beside the vertices of [`Reader::held_bytes`].
+    #[must_use]
+    pub fn most_of_push(&self, bytes: usize) -> MostOfPush {
+        match &self.stage {
+            Stage::Body(body) => match **body {
+                // 50 bytes a facet, with three corners: in vectors that move to twice their size 36 bytes for its
+                // numbers, 216 for its points, 52 for the tables that find them, and itself.
+                Body::StlBinary(_) => MostOfPush { facets: bytes / 50, corners: 3 * bytes / 50, held: 8 * bytes },
+                // Three lines `vertex 0 0 0` have 39 bytes.
+                Body::StlAscii(_) => MostOfPush { facets: bytes / 39, corners: 3 * bytes / 39, held: 10 * bytes },
+                // A point takes 6 bytes, `0 0 0` with a line's end: 72 bytes in such a vector, and its text.
+                Body::Text(_) | Body::Pcd(_) => MostOfPush { facets: bytes / 6, corners: 0, held: 16 * bytes },
+                Body::Obj(_) | Body::Ply(_) | Body::ThreeMf(_) => MostOfPush::of_any(bytes),
+            },
+            Stage::Head(_) | Stage::Refused(_) => MostOfPush::of_any(bytes),
         }
     }
 
@@ -276,7 +315,7 @@ impl Reader {
         }
     }
 
-    /// The bytes that the body takes next: none while the format is not known, and then the head and what follows it.
+    /// The bytes to pass to the body: none while the format is unknown, and then the head and the bytes after it.
     fn take<'a>(&mut self, chunk: &'a [u8]) -> Result<[Cow<'a, [u8]>; 2], Fault> {
         let none = || Cow::Borrowed([].as_slice());
         match &mut self.stage {
@@ -307,7 +346,7 @@ impl Reader {
         let mut head = start.len().min(HEAD);
         let mut start = start;
         if let Some(mut decoder) = Utf16::by_mark(&start) {
-            // The head ends at the same byte of the file, wherever the chunks end.
+            // The head ends at a fixed byte of the file, so that the result does not depend on the chunks.
             let (first, rest) = start.split_at(head);
             let first = decoder.decode(first);
             head = first.len();

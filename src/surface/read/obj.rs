@@ -1,10 +1,10 @@
-//! Reader of Wavefront OBJ: vertices (`v`) and polygons (`f`) that refer to them by number, from 1 at the start of the
-//! file or from -1 backwards.
+//! Reader of Wavefront OBJ: vertices (`v`), and polygons (`f`) that refer to them by number. Numbers count from 1 at
+//! the start of the file, or backwards from -1.
 //!
 //! A face may refer only to vertices before it. Weights and colours after a vertex, texture coordinates and normals of
 //! a corner, groups, materials and names are ignored. Point and line elements are not part of a surface and are
-//! counted. A file without faces yields its vertices as points. Unknown statements are refused, and so are free-form
-//! curves and surfaces, whose control points do not lie on them.
+//! counted. The vertices of a file without faces are points. Unknown statements are refused. Free-form curves and
+//! surfaces are refused too, because their control points do not lie on the surface.
 
 use super::blocks::{Block, Emitted, Job, Unit};
 use super::decimal::coordinate;
@@ -31,10 +31,10 @@ struct Content {
     other_elements: u64,
 }
 
-/// What takes vertices and faces.
+/// The receiver of vertices and faces: the mesh of the whole file, or that of a block.
 trait Target {
     fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw>;
-    /// `word` is what the file has at this corner, for the fault.
+    /// Adds a corner. `word` is the text of the file, for the fault.
     fn corner(&mut self, vertex: VertexNumber, word: &[u8]) -> Result<(), Flaw>;
     fn close_face(&mut self) -> Result<(), Flaw>;
 }
@@ -73,7 +73,7 @@ pub(super) struct Run {
     content: Content,
 }
 
-/// A block that must be read in order.
+/// The flaw of a block that must be read in order; it is never reported.
 fn unclear() -> Flaw {
     Flaw::new(FaultKind::Malformed, "", "")
 }
@@ -98,7 +98,8 @@ impl Target for mesh::Run {
     }
 }
 
-/// Parses a block; `None` where it has a fault or refers to vertices that it cannot name apart.
+/// Parses a block; `None` if it has a fault, or refers to vertices whose numbers cannot be determined without the file
+/// before it.
 pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
     let (mut lines, mut content, mut mesh) = (Lines::after(0), Content::default(), mesh::Run::of_bytes(bytes.len()));
     lines.push(bytes, |line, _| content.line(line, &mut mesh)).ok()?;
@@ -107,7 +108,7 @@ pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
 
 impl Reader {
     pub(super) fn new(vertex_limit: usize, block: usize) -> Self {
-        // A statement that goes on in the next line is not divided.
+        // A statement that continues on the next line is not divided.
         let splitter = BlockSplitter::new(block, |line| trimmed(line).last() != Some(&b'\\'));
         Self { lines: Lines::after(0), mesh: Mesh::new(vertex_limit), content: Content::default(), splitter }
     }
@@ -125,7 +126,7 @@ impl Reader {
         self.splitter.rest()
     }
 
-    /// Adds a run to what was read, unless a statement goes on in it or it refers to a missing vertex.
+    /// Adds the content of a block, unless a statement continues in it or it refers to a missing vertex.
     pub(super) fn link(&mut self, run: &mut Run) -> bool {
         if !self.content.begun.is_empty() || !self.mesh.link(&mut run.mesh) {
             return false;
@@ -236,7 +237,7 @@ struct VertexNumber {
 }
 
 impl VertexNumber {
-    /// The index of the vertex, counted from 0, where `before` vertices have been read.
+    /// The index of the vertex, counted from 0, if `before` vertices have been read.
     fn resolve(self, before: usize) -> Option<usize> {
         if self.backwards { before.checked_sub(self.count).filter(|_| self.count > 0) } else { self.count.checked_sub(1) }
     }
@@ -249,7 +250,7 @@ fn vertex_number(word: &[u8]) -> Result<VertexNumber, Flaw> {
     let mut at = start;
     let mut count: usize = 0;
     while let Some(digit) = word.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
-        // A saturated count is out of range, as the number itself is.
+        // If the count saturates, it is out of range like the number itself.
         count = count.saturating_mul(10).saturating_add(usize::from(digit));
         at += 1;
     }

@@ -1,8 +1,8 @@
 //! Reader of PCD, the format of the Point Cloud Library, with data in text: a header that names the fields, then a
 //! point in each line.
 //!
-//! The fields `x`, `y` and `z` are read, wherever they stand. Points whose coordinates are `nan` are places without a
-//! measurement, and are counted. Binary data are refused.
+//! The fields `x`, `y` and `z` are read, wherever they stand. Points with the coordinates `nan` are directions without
+//! a measurement; they are counted and left out. Binary data are refused.
 
 use super::decimal::{coordinate, names_no_finite_number};
 use super::fault::{Fault, FaultKind, Flaw, quoted};
@@ -21,7 +21,7 @@ pub(super) struct Reader {
 
 #[derive(Debug, Default)]
 struct Content {
-    /// The names of the fields, until the data begin.
+    /// The names of the fields, while the header is read.
     fields: Vec<Vec<u8>>,
     /// The number of columns of each field.
     counts: Vec<usize>,

@@ -1,7 +1,7 @@
-//! Triangulation of polygons: the triangles have the polygon's orientation, so that area, moments and normals are the
+//! Triangulation of polygons into triangles of the same orientation, so that area, moments and normals are the
 //! polygon's.
 //!
-//! A fan from the first corner covers every convex polygon and many others. Where a triangle of the fan would have the
+//! A fan from the first corner covers every convex polygon and many others. If a triangle of the fan would have the
 //! opposite orientation, ear clipping is used instead [Meisters 1975, two ears theorem].
 
 use nalgebra::Vector3;
@@ -11,7 +11,8 @@ use super::fault::{FaultKind, Flaw};
 /// The largest number of corners of a polygon.
 const MOST_CORNERS: usize = 1 << 16;
 
-/// The largest number of corners of a polygon that no fan covers: the time of ear clipping grows with its square.
+/// The largest number of corners of a polygon that a fan does not cover: the time of ear clipping grows with its
+/// square.
 pub(super) const MOST_CORNERS_BY_EARS: usize = 512;
 
 /// The share of a polygon's area by which a triangle may have the opposite orientation: corners in single precision are
@@ -79,7 +80,7 @@ impl Polygon {
 /// Whether a fan from the first corner covers a polygon.
 enum Fan {
     Fits,
-    /// Some triangles have the opposite orientation; with the polygon's area vector, doubled.
+    /// Some triangles have the opposite orientation. The field is twice the polygon's area vector.
     TurnsOver(Vector3<f64>),
     /// The triangles cancel each other.
     Crosses,
@@ -95,7 +96,7 @@ fn evaluate(corners: &[[f64; 3]]) -> Fan {
         area += triangle;
         sizes += triangle.norm();
     }
-    // A line rather than a polygon: its triangles have no area, whatever their orientation.
+    // The polygon is a line: its triangles have no area, so their orientation does not matter.
     if sizes <= NEGLIGIBLE * extent {
         return Fan::Fits;
     }
@@ -122,8 +123,8 @@ impl Ring {
         let mut left = corners.len();
         let mut at = 0;
         let mut refused = 0;
-        // At first a corner on the border of an ear blocks it. Where that leaves no ear, as where two parts of the
-        // outline coincide, only corners strictly inside block.
+        // At first, a corner on the border of an ear blocks it. If that leaves no ear, because two parts of the outline
+        // coincide, only corners strictly inside block an ear.
         let mut strict = false;
         // A simple polygon needs a few tests for each corner; this many mean that the polygon is not simple.
         let mut looks = 16 * corners.len();
@@ -189,7 +190,7 @@ impl Ring {
         }
     }
 
-    /// Twice the area of the triangle of a corner and its neighbours, negative where the outline turns inwards.
+    /// Twice the area of the triangle of a corner and its neighbours, negative at a reflex corner.
     fn turn(&self, corner: usize) -> f64 {
         side(self.flat[self.previous[corner]], self.flat[corner], self.flat[self.next[corner]])
     }
@@ -222,13 +223,13 @@ impl Ring {
     }
 }
 
-/// Whether two corners are one point, as where a hole is joined to the outline.
+/// Whether two corners are the same point, as at the joint of a hole and the outline.
 #[allow(clippy::float_cmp, reason = "a point that occurs twice has the same numbers")]
 fn same(a: [f64; 2], b: [f64; 2]) -> bool {
     a == b
 }
 
-/// Twice the signed area of the triangle a, b, p: positive where p is to the left of the line from a to b.
+/// Twice the signed area of the triangle a, b, p: positive if p is to the left of the line from a to b.
 fn side(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }

@@ -1,6 +1,6 @@
 //! Divides a text into blocks of whole lines, which several threads can read in parallel.
 //!
-//! Where a block ends depends on the text alone, not on the chunks in which it arrives, so that sums over blocks are
+//! The ends of blocks depend only on the text, not on the chunks in which it arrives, so that sums over blocks are
 //! reproducible to the bit.
 
 use super::lines::{LONGEST_LINE, line_end, trimmed};
@@ -11,17 +11,17 @@ pub(super) const BLOCK: usize = 1 << 17;
 /// Divides a text into blocks.
 #[derive(Debug)]
 pub(super) struct BlockSplitter {
-    /// The size that a block passes with its last line.
+    /// The size of a block in bytes: a block ends with the line that exceeds it.
     size: usize,
     /// Whether a block may end after this line.
     may_end: fn(&[u8]) -> bool,
     begun: Vec<u8>,
-    /// The start of the last line in `begun`, once that has the size of a block.
+    /// The start of the last line in `begun`; only meaningful once `begun` has the size of a block.
     line: usize,
 }
 
 impl BlockSplitter {
-    /// Blocks may end after lines for which `may_end` holds.
+    /// A splitter whose blocks end only after lines for which `may_end` returns true.
     pub(super) fn new(size: usize, may_end: fn(&[u8]) -> bool) -> Self {
         Self { size, may_end, begun: Vec::new(), line: 0 }
     }

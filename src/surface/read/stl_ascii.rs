@@ -11,19 +11,19 @@ use super::lines::{Lines, Words, trimmed_start};
 use super::splitter::{BlockSplitter, ends_with_word};
 use super::{Format, LARGEST_COORDINATE, Notes, Sink, Summary};
 
-/// The words of a facet in their order.
+/// The position in the words of a facet: what the next word must be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
     /// Between facets.
     Between,
     Normal,
-    /// A number of the normal, after so many others.
+    /// A number of the normal; the field is the count of those before it.
     Direction(u8),
     Outer,
     Loop,
-    /// The keyword of a corner, after so many others.
+    /// The keyword of a corner; the field is the count of those before it.
     Vertex(u8),
-    /// A coordinate of a corner: the corner and the axis.
+    /// A coordinate of a corner; the fields are the corner and the axis.
     Coordinate(u8, u8),
     EndLoop,
     EndFacet,
@@ -65,7 +65,7 @@ impl Reader {
         self.splitter.rest()
     }
 
-    /// Adds a run to what was read, if it begins between facets as it was assumed.
+    /// Adds the facets of a block, if the block begins between facets as was assumed.
     pub(super) fn link(&mut self, run: &Run) -> bool {
         if self.state.step != Step::Between || self.state.in_solid != run.began_in_solid {
             return false;
@@ -118,7 +118,7 @@ impl Run {
     }
 }
 
-/// Parses a block; `None` where it has a fault.
+/// Parses a block; `None` if it has a fault.
 pub(super) fn parse(bytes: &[u8], Job { in_solid }: Job) -> Option<Run> {
     struct Facets(Vec<[[f64; 3]; 3]>);
     impl Sink for Facets {
@@ -224,7 +224,7 @@ fn after_corner(corner: u8) -> Step {
     if corner < 2 { Step::Vertex(corner + 1) } else { Step::EndLoop }
 }
 
-/// The point of a line that holds exactly one vertex, as nearly all do; other lines are read word by word.
+/// The point of a line that has exactly one vertex. Nearly all lines of coordinates have; others are read word by word.
 fn vertex_line(line: &[u8]) -> Option<[f64; 3]> {
     let line = trimmed_start(line);
     let (keyword, mut rest) = line.split_at_checked(6)?;

@@ -1,5 +1,5 @@
-//! Reader of binary STL: a header of 80 bytes, which is ignored, a count of 4 bytes, and a record of 50 bytes for each
-//! facet: normal and corners in single precision, little-endian, and 2 bytes that programs use in different ways.
+//! Reader of binary STL. The file has a header of 80 bytes, which is ignored, a count of 4 bytes, and a record of 50
+//! bytes for each facet: normal and corners in single precision, little-endian, and 2 bytes without a common meaning.
 //!
 //! Normals are ignored, because the corners define them. Bytes after the last facet are counted.
 
@@ -24,7 +24,7 @@ pub(super) struct Reader {
     promised: Option<u64>,
     facets: u64,
     trailing_bytes: u64,
-    /// The bytes of the header, the records and the current block that were divided.
+    /// The numbers of bytes of the header, the records and the current block that were passed on in blocks.
     header: usize,
     divided: u64,
     block: Vec<u8>,
@@ -38,7 +38,7 @@ impl Reader {
         Self { begun: [0; START], length: 0, promised: None, facets: 0, trailing_bytes: 0, header: 0, divided: 0, block: Vec::new(), size }
     }
 
-    /// The header, blocks of records, and what follows the records.
+    /// The next piece: the header, a block of records, or the bytes after the records.
     pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
         let mut take = |length: usize| {
             let (part, rest) = chunk.split_at(chunk.len().min(length));
@@ -103,8 +103,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Moves bytes from `chunk` to the incomplete header or record until it has `size` of them, and returns whether it
-    /// has.
+    /// Moves bytes from `chunk` to the incomplete header or record until it has `size` bytes, and returns whether it is
+    /// complete.
     fn complete(&mut self, chunk: &mut &[u8], size: usize) -> bool {
         let (part, rest) = chunk.split_at(chunk.len().min(size - self.length));
         self.begun[self.length..self.length + part.len()].copy_from_slice(part);
@@ -129,7 +129,7 @@ impl Reader {
         Ok(())
     }
 
-    /// The refusal of the record after those that have been read.
+    /// The fault of a coordinate out of range in the next record.
     #[cold]
     fn unbounded(&self, corners: &[[f64; 3]; 3]) -> Fault {
         let numbers = corners.as_flattened();
@@ -157,13 +157,13 @@ impl Reader {
     }
 }
 
-/// The number of facets in a block; they are decoded as they are passed on.
+/// The number of facets in a block. They are decoded when they are passed to the sink.
 #[derive(Debug)]
 pub(super) struct Run {
     facets: u64,
 }
 
-/// Checks a block of records; `None` where it has a fault.
+/// Checks a block of records; `None` if it has a fault.
 pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
     let (records, _) = bytes.as_chunks::<RECORD>();
     let is_bounded = |record| corners(record).iter().flatten().fold(true, |fine, value| fine & (value.abs() <= LARGEST_COORDINATE));

@@ -4,9 +4,9 @@
 #[derive(Debug)]
 pub(super) struct Utf16 {
     is_big: bool,
-    /// The first byte of a unit whose second has not arrived.
+    /// The first byte of a unit whose second byte has not arrived.
     half: Option<u8>,
-    /// The first unit of a surrogate pair whose second has not arrived.
+    /// The first unit of a surrogate pair whose second unit has not arrived.
     high: Option<u16>,
 }
 
@@ -40,7 +40,7 @@ impl Utf16 {
         };
         let is_high = (0xd800..0xdc00).contains(&unit);
         match self.high.take() {
-            // Two first units in a row: the one before has no second.
+            // Two high surrogates in a row: the first has no low surrogate.
             Some(high) if is_high => decode(&[high]),
             Some(high) => return decode(&[high, unit]),
             None if !is_high => return decode(&[unit]),

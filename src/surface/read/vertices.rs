@@ -1,10 +1,10 @@
-//! The vertices of an OBJ or PLY file, which are held because faces name them by number. They are stored in blocks of a
+//! The vertices of an OBJ or PLY file, which are stored because faces refer to them by number. They are in blocks of a
 //! fixed size: a growing vector would copy all of them to twice the memory each time that it is full.
 
 /// Vertices in a block: 96 KiB.
 const BLOCK: usize = 4096;
 
-/// The memory of a block, in bytes: allocators place blocks of this size in pages of 512 KiB, which hold four to five.
+/// The memory that a block takes, in bytes: allocators put four to five blocks of this size into a page of 512 KiB.
 const BLOCK_BYTES: usize = 112 * 1024;
 
 /// Vertices in the order of the file.

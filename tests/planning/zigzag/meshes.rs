@@ -66,7 +66,7 @@ fn waves() -> Vec<FinishFacet> {
 /// The shares of the area that exceed the tolerance of 10 um by more than 3 %, and that have no height.
 fn over(plan: &ZigzagPlan, facets: &[FinishFacet], candidate: &CandidateCutter) -> [f64; 2] {
     let all: Vec<u32> = (0..u32::try_from(facets.len()).unwrap()).collect();
-    let heights = heights(plan, facets, candidate, &settings(Model::Envelope), &all);
+    let heights = heights(plan, facets, candidate, &settings(Model::Envelope), &all, &|| false);
     let share = |is_in: &dyn Fn(Option<f64>) -> bool| {
         let of = facets.iter().zip(&heights).filter(|(_, height)| is_in(height.map(Length::mm)));
         of.map(|(facet, _)| facet.area).sum::<f64>() / facets.iter().map(|facet| facet.area).sum::<f64>()

@@ -1,8 +1,8 @@
 //! Plans against the cutter's solid on smooth surfaces: the material that neighbouring passes leave between them.
 
-use super::surfaces::{Height, curvature, facets, unit};
+use super::surfaces::{Height, facets, unit};
 use super::{mm, ranked, settings};
-use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Cutter, Model};
 use scallopd::planning::zigzag::{CandidateCutter, passes};
 use scallopd::surface::FinishFacet;
 
@@ -182,31 +182,13 @@ impl Milled {
         lowest
     }
 
-    /// The highest point left in a strip beside a place along it, and its place across.
-    fn ridge(&self, strip: usize, along: f64) -> (f64, f64) {
+    /// The height of the highest point left in a strip at a place along it.
+    fn ridge(&self, strip: usize, along: f64) -> f64 {
         let (low, high) = (self.planes[strip], self.planes[strip + 1]);
         let at = |share: f64| low + share * (high - low);
         let coarse = (0..=20).map(|step| 0.05 * f64::from(step)).map(|share| (self.left(strip, along, at(share)), share));
         let (_, share) = coarse.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-        let highest = -least(|share| -self.left(strip, along, at(share)), (share - 0.05).max(0.0), (share + 0.05).min(1.0));
-        (highest, at(share))
-    }
-
-    /// The height by model `envelope` of the strip's spacing at a place, with the exact slope and curvature there.
-    fn modelled(&self, cutter: Cutter, strip: usize, along: f64, across: f64) -> Option<f64> {
-        let [x, y] = self.place(along, across);
-        let [z, zx, zy, zxx, zxy, zyy] = (self.surface)(x, y);
-        let tensor = curvature([[x, y, z], [1.0, 0.0, zx], [0.0, 1.0, zy], [0.0, 0.0, zxx], [0.0, 0.0, zxy], [0.0, 0.0, zyy]]);
-        let n = unit([-zx, -zy, 1.0]);
-        let feed = unit([self.e[0], self.e[1], zx * self.e[0] + zy * self.e[1]]);
-        let sideways = [n[1] * feed[2] - n[2] * feed[1], n[2] * feed[0] - n[0] * feed[2], n[0] * feed[1] - n[1] * feed[0]];
-        let facet = FinishFacet { corners: [[0.0; 3]; 3], normal: n, area: 1.0, curvature: tensor };
-        let k = [(feed, feed), (sideways, sideways), (feed, sideways)].map(|(a, b)| facet.curvature_between(a, b));
-        let contact = Contact::from_vectors(n, feed, None).unwrap();
-        let surface = SurfaceCurvature::from_components_per_mm(k[0], k[1], k[2]).unwrap();
-        let pass = Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None };
-        let step_over = mm((self.planes[strip + 1] - self.planes[strip]) / contact.spacing_ratio());
-        Some(EvaluatedPass::new(Model::Envelope, pass).ok()?.scallop_height(step_over, None).ok()?.total().mm())
+        -least(|share| -self.left(strip, along, at(share)), (share - 0.05).max(0.0), (share + 0.05).min(1.0))
     }
 }
 
@@ -262,10 +244,7 @@ impl Figures {
 /// Plans a cutter on a surface and mills it, with heights at `count` places.
 fn milled(cutter: Cutter, surface: Function, facets: &[FinishFacet], count: usize) -> Figures {
     let (settings, candidate) = (settings(Model::Envelope), CandidateCutter::new(cutter));
-    let started = std::time::Instant::now();
     let plan = ranked(facets, &[candidate], &settings).plans.remove(0);
-    let f = plan.scallop_height;
-    println!("   planned in {:?}; over {:.5}, far {:.5}, max {:.5}", started.elapsed(), f.over_tolerance_share, f.far_over_share, f.max.mm());
     let points = passes(&plan, facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
     let e = [plan.direction.cos(), plan.direction.sin()];
     let mut planes: Vec<f64> = points.points.iter().filter_map(|point| point.contact).map(|c| e[0] * c[1] - e[1] * c[0]).collect();
@@ -292,19 +271,7 @@ fn milled(cutter: Cutter, surface: Function, facets: &[FinishFacet], count: usiz
             figures.gouging += 1;
             continue;
         }
-        let (height, at) = milled.ridge(strip, along);
-        if height > 1.03 * TOLERANCE && std::env::var_os("SCALLOPD_EXPLAIN").is_some() {
-            let [x, y] = milled.place(along, at);
-            let [_, zx, zy, zxx, zxy, zyy] = surface(x, y);
-            let slope = zx.hypot(zy).atan().to_degrees();
-            let modelled = milled.modelled(cutter, strip, along, at).unwrap_or(f64::NAN) / TOLERANCE;
-            let alpha = (zy.atan2(zx) - e[1].atan2(e[0])).to_degrees();
-            let d = milled.planes[strip + 1] - milled.planes[strip];
-            println!(
-                "   {x:.1} {y:.1}: solid {:.3}, model {modelled:.3}; slope {slope:.2}, alpha {alpha:.0}, {zxx:.4} {zxy:.4} {zyy:.4}, d {d:.3}",
-                height / TOLERANCE
-            );
-        }
+        let height = milled.ridge(strip, along);
         figures.heights.push(height);
     }
     let every = milled.planes.len().div_ceil(STRIPS).max(1);
@@ -314,49 +281,59 @@ fn milled(cutter: Cutter, surface: Function, facets: &[FinishFacet], count: usiz
             continue;
         }
         figures.strips += 1;
-        let is_tight = places.iter().any(|&along| milled.ridge(strip, along).0 >= 0.9 * TOLERANCE);
+        let is_tight = places.iter().any(|&along| milled.ridge(strip, along) >= 0.9 * TOLERANCE);
         figures.tight += usize::from(is_tight);
-        if !is_tight && std::env::var_os("SCALLOPD_EXPLAIN").is_some() {
-            let (height, along) = places.iter().map(|&along| (milled.ridge(strip, along).0, along)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-            let [x, y] = milled.place(along, milled.planes[strip]);
-            let [_, zx, zy, ..] = surface(x, y);
-            let modelled = milled.modelled(cutter, strip, along, milled.planes[strip]).unwrap_or(f64::NAN) / TOLERANCE;
-            let slope = zx.hypot(zy).atan().to_degrees();
-            println!("   loose strip {strip} at {x:.1} {y:.1}: {:.3}, model {modelled:.3}, slope {slope:.2}", height / TOLERANCE);
-        }
     }
     figures.heights.sort_by(f64::total_cmp);
     figures
 }
 
 /// The most strips of a plan that are examined for places near the tolerance.
-const STRIPS: usize = 20;
+const STRIPS: usize = 12;
 
-#[test]
-fn scallops_keep_the_tolerance_and_use_it_for_every_kind_of_cutter() {
-    let cutters = [
-        Cutter::ball_end(mm(8.0)),
-        Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(),
-        Cutter::toroidal(mm(10.0), mm(0.5)).unwrap(),
-        Cutter::flat_end(mm(6.0)),
-    ];
-    let count = std::env::var("SCALLOPD_PLACES").ok().and_then(|count| count.parse().ok()).unwrap_or(300);
+/// Plans for one cutter on all surfaces keep the tolerance; the share of strips in which some place reaches 0.9 of it
+/// is at least `tight`.
+///
+/// The count of random places is 150 on each surface; `SCALLOPD_PLACES` changes it.
+fn keeps_and_uses_the_tolerance(cutter: Cutter, tight: f64) {
+    let count = std::env::var("SCALLOPD_PLACES").ok().and_then(|count| count.parse().ok()).unwrap_or(150);
+    let (mut strips, mut tight_strips) = (0, 0);
     for (name, surface) in SURFACES {
         let facets = facets(&Height { low: [0.0, 0.0], high: SIZE, surface }, 100, 74);
-        for cutter in cutters {
-            let started = std::time::Instant::now();
-            let figures = milled(cutter, surface, &facets, count);
-            println!(
-                "{name} {cutter:?}: median {:.3}, 99 % {:.3}, 99.9 % {:.3}, largest {:.3}; {} of {} strips tight; {} of {count} gouging; {:?}",
-                figures.percentile(0.5) / TOLERANCE,
-                figures.percentile(0.99) / TOLERANCE,
-                figures.percentile(0.999) / TOLERANCE,
-                figures.percentile(1.0) / TOLERANCE,
-                figures.tight,
-                figures.strips,
-                figures.gouging,
-                started.elapsed(),
-            );
-        }
+        let figures = milled(cutter, surface, &facets, count);
+        let [median, most] = [0.5, 0.999].map(|share| figures.percentile(share) / TOLERANCE);
+        println!(
+            "{name}: median {median:.3}, 99.9 % {most:.3}; {} of {} strips; {} of {count} places gouge",
+            figures.tight, figures.strips, figures.gouging
+        );
+        assert!(most <= 1.03, "{name}: {most}");
+        assert!(30 * figures.gouging <= count, "{name}: {}", figures.gouging);
+        strips += figures.strips;
+        tight_strips += figures.tight;
     }
+    #[expect(clippy::cast_precision_loss, reason = "dozens")]
+    let share = tight_strips as f64 / strips as f64;
+    assert!(share >= tight, "{tight_strips} of {strips}");
+}
+
+#[test]
+fn scallops_of_a_ball_keep_the_tolerance_and_use_it() {
+    keeps_and_uses_the_tolerance(Cutter::ball_end(mm(8.0)), 0.9);
+}
+
+#[test]
+fn scallops_of_a_bull_nose_keep_the_tolerance_and_use_it() {
+    keeps_and_uses_the_tolerance(Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), 0.9);
+}
+
+#[test]
+fn scallops_of_a_sharp_bull_nose_keep_the_tolerance_and_use_it() {
+    keeps_and_uses_the_tolerance(Cutter::toroidal(mm(10.0), mm(0.5)).unwrap(), 0.9);
+}
+
+/// On a border that the passes cross obliquely, facets are wider than the strips of a flat-end cutter and bind them by
+/// parts that lie outside: one strip in six is loose there.
+#[test]
+fn scallops_of_a_flat_end_keep_the_tolerance_and_use_it() {
+    keeps_and_uses_the_tolerance(Cutter::flat_end(mm(6.0)), 0.75);
 }

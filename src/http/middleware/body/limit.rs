@@ -1,5 +1,5 @@
-//! The limit of a request body's size. A body over the limit ends with an error; its bytes are reserved from the memory
-//! budget while they are held.
+//! The limit of a request body's size. A body over the limit ends with an error. Its bytes are reserved in the memory
+//! budget while they are in memory.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ impl LimitedBody {
     }
 }
 
-/// Bytes with their reservation, which returns to the budget when the last reference to them is dropped.
+/// Bytes with their reservation. The budget gets it back when the last reference to the bytes is dropped.
 struct ReservedBytes {
     bytes: Bytes,
     _reservation: Reservation,

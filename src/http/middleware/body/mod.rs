@@ -1,6 +1,6 @@
-//! Rules for a request's body: the lowest rate of arrival (`wire`), the largest size after decompression (`limit`), and
-//! the longest time from its last byte to the answer. A body that breaks a rule ends with an error. The answer is then
-//! the rule's problem, whatever the handler returned.
+//! The rules for a request's body: the lowest rate of arrival (`wire`), the largest size after decompression (`limit`),
+//! and the longest time from its last byte to the answer. A body that breaks a rule ends with an error. The service
+//! then answers with the problem of that rule, whatever the handler returned.
 
 mod fault;
 mod limit;
@@ -42,7 +42,7 @@ impl BodyRules {
         }
     }
 
-    /// Refuses a request whose head shows that its body breaks a rule.
+    /// Rejects a request whose head already shows that its body breaks a rule.
     #[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
     pub(super) fn check_head(&self, headers: &HeaderMap) -> Result<(), Response> {
         let max_bytes = self.max_bytes;
@@ -54,15 +54,15 @@ impl BodyRules {
         }
     }
 
-    /// Limits the decompressed body to the largest size.
+    /// Limits the size of the decompressed body.
     pub(super) fn limit(&self, request: Request) -> Request {
         let progress = BodyProgress::of(&request);
         request.map(|body| Body::new(limit::LimitedBody::new(body, self.max_bytes, progress)))
     }
 }
 
-/// Returns `answer` if it is ready within `longest` of the request's last byte and the body broke no rule. The time of
-/// the upload does not count: it depends on the client's connection.
+/// Returns `answer` if it is ready within `longest` of the request's last byte and the body broke no rule; otherwise
+/// the problem. The time of the upload does not count, because it depends on the client's connection.
 pub(super) async fn answer_in_time(longest: Duration, progress: Arc<BodyProgress>, answer: impl Future<Output = Response>) -> Response {
     let mut answer = std::pin::pin!(answer);
     let answer = loop {

@@ -1,4 +1,4 @@
-//! The progress of a request's body. The log, the minimum rate and the size limit share one record.
+//! The record of a request body's progress, which the log, the minimum rate and the size limit share.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -22,12 +22,12 @@ pub(in super::super) struct BodyProgress {
     /// Whether a part of the body is still unread.
     is_unread: AtomicBool,
     fault: OnceLock<BodyFault>,
-    /// The budget from which the body's bytes are reserved while they are held.
+    /// The budget in which the body's bytes are reserved while they are in memory.
     budget: MemoryBudget,
 }
 
 impl BodyProgress {
-    /// The start of a request whose body has not been read.
+    /// The record of a request whose body has not been read yet.
     pub(in super::super) fn begin(is_unread: bool, budget: MemoryBudget) -> Self {
         Self {
             began: Instant::now(),
@@ -72,7 +72,7 @@ impl BodyProgress {
         self.began + Duration::from_millis(self.last_byte_ms.load(Ordering::Relaxed))
     }
 
-    /// The body has been read to its end.
+    /// Records that the body has been read to its end.
     pub(super) fn note_end(&self) {
         self.is_unread.store(false, Ordering::Relaxed);
     }

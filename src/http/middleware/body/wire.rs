@@ -1,6 +1,6 @@
-//! A request's body before decompression. It is counted, its small frames are joined, and it ends with an error if it
-//! stalls or is too slow. Only the time spent waiting for the client counts, not the time in which the server processes
-//! the data.
+//! A request's body before decompression. Its bytes are counted, small frames are joined, and the body ends with an
+//! error if it stalls or is too slow. Only the time spent waiting for the client counts, not the time in which the
+//! server processes the data.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -22,8 +22,8 @@ const SMALL_FRAME: usize = 4 * 1024;
 /// Small frames are joined up to this size.
 const GATHERED_FRAME: usize = 16 * 1024;
 
-/// A body may have this many frames, and beyond them one for each `MIN_AVERAGE_FRAME` bytes: each frame takes processor
-/// time.
+/// A body may have this many frames of any size, and one further frame for each `MIN_AVERAGE_FRAME` bytes: each frame
+/// takes processor time.
 const FREE_FRAMES: u64 = 1 << 16;
 const MIN_AVERAGE_FRAME: u64 = 64;
 
@@ -37,7 +37,7 @@ pub(in super::super) struct Pace {
 }
 
 impl Pace {
-    /// The time by which a body may be late against the lowest average rate, because lost packets are sent again.
+    /// How late a body may be compared with the lowest average rate, because lost packets are sent again.
     const TOLERANCE: Duration = Duration::from_secs(2);
 
     /// Whether the average rate of `bytes` received in the time `waited` is too low.
@@ -54,13 +54,13 @@ pub(in super::super) struct WireBody {
     progress: Arc<BodyProgress>,
     frames: u64,
     gathered: BytesMut,
-    /// The frame after those joined.
+    /// The frame that follows the joined ones.
     next: Option<Frame<Bytes>>,
     has_ended: bool,
     /// The time spent waiting since the first byte.
     waited: Duration,
     waiting_since: Option<Instant>,
-    /// Wakes the task when the longest pause has passed, or earlier.
+    /// Wakes the task when the longest pause has passed or earlier.
     alarm: Option<Pin<Box<Sleep>>>,
 }
 
@@ -80,7 +80,7 @@ impl WireBody {
         }
     }
 
-    /// Records a frame of `bytes`, and checks the average rate since the first.
+    /// Records a frame of `bytes`, and checks the average rate since the first frame.
     fn note_frame(&mut self, bytes: u64) -> Result<(), BodyFault> {
         let is_first = self.frames == 0;
         self.frames += 1;
@@ -221,7 +221,8 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn the_average_counts_from_the_first_byte() {
-        // The pause is within the longest, and the second 100 bytes arrive 3 s after the first: 2 s are tolerated.
+        // No pause is too long, but 14 bytes arrive in 13 s, although 100 bytes a second are required and 2 s
+        // tolerated.
         assert_eq!(receive(14, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { min_bytes_s: 100 }));
         assert_eq!(receive(3, 1, Duration::from_millis(900)).await, None);
         // The time until the first byte counts only as a pause.

@@ -1,4 +1,4 @@
-//! Evidence from the facets of a surface and from the simulation on them, for the confidence in method rectangle.
+//! Evidence for the confidence in method `rectangle`, from the facets of the surface and from the simulation on them.
 
 use super::{Confidence, Weakness, over};
 use crate::planning::rectangle::{CutterChoice, Plan};
@@ -19,7 +19,7 @@ pub struct Evidence {
 }
 
 impl Confidence {
-    /// Adds the weaknesses that the surface and the simulation on it show.
+    /// Adds the weaknesses found from the surface and from the simulation on it.
     #[must_use]
     pub fn with_evidence(self, plan: &Plan, shape: &Shape, evidence: &Evidence) -> Self {
         let with_surface = self.with_surface(shape, evidence);
@@ -46,7 +46,7 @@ impl Confidence {
         Self::from_reasons(reasons)
     }
 
-    /// Adds what the surface itself shows about a rectangle in its place.
+    /// Adds the weaknesses found from the surface itself.
     #[must_use]
     pub fn with_surface(self, shape: &Shape, evidence: &Evidence) -> Self {
         let mut reasons = self.reasons;

@@ -87,8 +87,8 @@ fn domes_are_graded_by_the_inclination_of_their_normals() {
     };
     for (half_angle, expected) in [(28.0, None), (32.0, Some(Level::Moderate)), (43.0, Some(Level::Moderate)), (47.0, Some(Level::Low))] {
         let shape = dome(half_angle);
-        // On a ball height is spread evenly: with c = cos(half angle), variances (1 - c)^2/12 and (1 - (1 + c +
-        // c^2)/3)/2. The polygons of 40 x 40 fall short of the ball by (2 pi/40)^2/8 = 0.3 %.
+        // On a sphere, area is evenly distributed over height: with c = cos(half angle), the variances are (1 - c)^2/12
+        // and (1 - (1 + c + c^2)/3)/2. Polygons of 40 x 40 are smaller than the sphere by (2 pi/40)^2/8 = 0.3 %.
         let c = f64::cos(half_angle.to_radians());
         let flatness = (1.0 - c) / 12.0_f64.sqrt() / ((1.0 - (1.0 + c + c * c) / 3.0) / 2.0).sqrt();
         approx::assert_relative_eq!(shape.flatness, flatness, max_relative = 0.01);
@@ -138,7 +138,7 @@ fn steps_that_reach_the_acceleration_are_named() {
 
 #[test]
 fn a_mean_slope_on_the_other_side_is_named() {
-    // A gutter along X, steep on both sides: its best plane is gentle, its facets are not.
+    // A gutter along X, steep on both sides: its best-fit plane has a gentle slope, its facets have not.
     let gutter = surface(|u, v| [80.0 * u, 40.0 * v, 4.0 * v + 60.0 * v.abs()]);
     assert!(published(&gutter).1.contains(&(Weakness::MeanSlopeDisagrees, Level::Moderate)));
 }
@@ -170,7 +170,7 @@ fn evidence_from_the_surface_weakens_the_answer_where_it_disagrees() {
     assert_eq!(with(Evidence { pieces: 2, ..agreeing }), (Level::Low, vec![Weakness::SeveralPieces]));
     let slower = times.map(|time| Time::computed(1.2 * time.seconds()));
     assert_eq!(with(Evidence { simulated: Some(slower), ..agreeing }), (Level::Moderate, vec![Weakness::SimulationDisagrees]));
-    // The torus is recommended at 15 deg; simulated, it loses 10 %.
+    // The torus is recommended at 15 deg; in the simulation it is 10 % slower.
     let other = [Time::computed(1.1 * times[1].seconds()), times[1]];
     let (level, weaknesses) = with(Evidence { simulated: Some(other), ..agreeing });
     assert_eq!(level, Level::Low);

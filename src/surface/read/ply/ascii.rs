@@ -14,7 +14,7 @@ pub(super) struct Body {
     lines: Lines,
     rows: Rows,
     splitter: BlockSplitter,
-    /// The rows after the blocks so far, if each of their lines is a row.
+    /// The position after the blocks so far, assuming that each of their lines is a row.
     ahead: Rows,
 }
 
@@ -32,13 +32,13 @@ impl Body {
         &self.rows
     }
 
-    /// Goes on after rows that were read elsewhere.
+    /// Continues after rows that were read as a block.
     pub(super) fn skip(&mut self, rows: Rows, lines: u64) {
         self.rows = rows;
         self.lines.skip(lines);
     }
 
-    /// The next block; all of a file with strips, whose rows depend on each other, is read in order.
+    /// The next block. A file with strips has none: its rows depend on each other and are read in order.
     pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
         if self.rows.have_strips() {
             return (!chunk.is_empty()).then(|| Unit::Serial(std::mem::take(chunk).into()));
@@ -62,13 +62,13 @@ impl Body {
     }
 }
 
-/// The assumption about a block: the row at its start.
+/// The assumption about a block: its first row.
 #[derive(Debug)]
 pub(in super::super) struct Job {
     start: Rows,
 }
 
-/// Parses a block; `None` where it has a fault.
+/// Parses a block; `None` if it has a fault.
 pub(in super::super) fn parse(bytes: &[u8], Job { start }: Job) -> Option<Run> {
     let (mut lines, mut rows, mut run) = (Lines::after(0), start.clone(), Run::of_bytes(bytes.len(), start));
     lines.push(bytes, |line, _| rows.line(line, &mut run)).ok()?;

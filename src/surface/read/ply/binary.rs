@@ -16,7 +16,7 @@ pub(super) struct Body {
     steps: Arc<[Step]>,
     /// The index of the next step.
     step: usize,
-    /// The rest of the current list: a number of items where they are corners, else a number of bytes.
+    /// The rest of the current list: the number of items if they are corners, otherwise the number of bytes.
     left: Option<u64>,
     vertex: [f64; 3],
     input: Input,
@@ -51,7 +51,7 @@ impl Body {
         &self.rows
     }
 
-    /// Goes on after rows that were read elsewhere.
+    /// Continues after rows that were read as a block.
     pub(super) fn skip(&mut self, rows: Rows, bytes: usize) {
         self.rows = rows;
         self.steps = steps(&self.rows);
@@ -199,15 +199,15 @@ struct Divider {
     /// The bytes of the block's complete rows, and their number.
     complete: usize,
     rows: u64,
-    /// What follows is read in order.
+    /// Whether the rest of the file is read in order.
     is_over: bool,
 }
 
-/// What the next row of a block is.
+/// The state of the next row of a block.
 enum NextRow {
-    /// So many bytes.
+    /// The row is complete; the field is its length in bytes.
     Whole(usize),
-    /// Not all of it has arrived.
+    /// A part of the row has not arrived yet.
     Incomplete,
     TooLong,
 }
@@ -242,7 +242,8 @@ impl Divider {
                 }
                 NextRow::Incomplete if chunk.is_empty() => return None,
                 NextRow::Incomplete => {
-                    // Room for a whole row, so that each turn completes one or takes in all that there is.
+                    // There is room for a whole row, so that each iteration completes a row or consumes the whole
+                    // chunk.
                     let (part, rest) = chunk.split_at(chunk.len().min((self.size + LONGEST_ROW).saturating_sub(self.begun.len()).max(1)));
                     self.begun.extend_from_slice(part);
                     *chunk = rest;
@@ -292,7 +293,7 @@ fn next_row(steps: &[Step], format: Format, bytes: &[u8]) -> NextRow {
     if length > bytes.len() { NextRow::Incomplete } else { NextRow::Whole(length) }
 }
 
-/// Parses a block; `None` where it has a fault.
+/// Parses a block; `None` if it has a fault.
 pub(in super::super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
     let Job { format, start, steps, rows } = job;
     let kind = start.element()?.kind;
@@ -339,7 +340,7 @@ pub(in super::super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
 struct Input {
     /// The incomplete piece at the end of the last chunk.
     begun: Vec<u8>,
-    /// The piece was completed and used.
+    /// Whether the piece in `begun` was completed and used.
     used: bool,
     /// Bytes of the file before the next piece.
     offset: u64,
@@ -402,7 +403,7 @@ fn real(number: Type, format: Format, bytes: &[u8]) -> f64 {
     }
 }
 
-/// A whole number; the header has refused other types for counts and corners.
+/// A whole number. Reading the header has refused other types for counts and corners.
 #[inline]
 fn integer(number: Type, format: Format, bytes: &[u8]) -> i64 {
     match number {

@@ -17,7 +17,7 @@ pub(super) struct Header {
 #[derive(Debug)]
 pub(super) struct Element {
     pub(super) kind: Kind,
-    /// In quotation marks, with special characters escaped.
+    /// The name in quotation marks, with special characters escaped.
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
@@ -33,9 +33,9 @@ pub(super) enum Kind {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Property {
-    /// One number; of a vertex, perhaps a coordinate.
+    /// One number. In a vertex, `axis` is set if it is a coordinate.
     Scalar { number: Type, axis: Option<usize> },
-    /// A count and as many items; of a face, perhaps its corners.
+    /// A count and as many items. In a face, `corners` is set if they are its corners.
     List { count: Type, item: Type, corners: bool },
 }
 
@@ -86,10 +86,10 @@ impl Type {
 #[derive(Debug)]
 pub(super) struct HeaderLines {
     begun: Vec<u8>,
-    /// The line end of the first line, which holds for all. After `end_header` and a CR, a LF may be the first byte of
-    /// binary data; it is part of the line end only if the first line ends so.
+    /// The line end of the first line, which applies to all. After `end_header` and a CR, a LF may be the first byte of
+    /// binary data: it belongs to the line end only if the first line ends with CR LF.
     ending: Option<u8>,
-    /// The first line ended with a CR; the next byte shows whether a LF belongs to it.
+    /// Whether the first line ended with a CR, so that a LF may follow and belong to it.
     after_cr: bool,
     ended: u64,
     skipped: u64,
@@ -99,12 +99,12 @@ pub(super) struct HeaderLines {
 }
 
 impl HeaderLines {
-    /// `skipped` bytes of the file precede the header.
+    /// A reader of a header that begins after `skipped` bytes of the file.
     pub(super) fn after(skipped: u64) -> Self {
         Self { begun: Vec::new(), ending: None, after_cr: false, ended: 0, skipped, bytes: 0, format: None, elements: Vec::new() }
     }
 
-    /// Lines of the header that have ended.
+    /// The number of complete lines of the header.
     pub(super) fn ended(&self) -> u64 {
         self.ended
     }
@@ -128,7 +128,7 @@ impl HeaderLines {
     pub(super) fn push(&mut self, chunk: &mut &[u8]) -> Result<Option<Header>, Fault> {
         while let Some((&byte, rest)) = chunk.split_first() {
             if self.after_cr && byte != b'\n' {
-                // The CR ended the line by itself, and this byte belongs to the next line.
+                // The line ended with CR alone, and this byte belongs to the next line.
                 self.after_cr = false;
                 self.ending = Some(b'\r');
                 self.line()?;

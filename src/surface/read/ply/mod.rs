@@ -2,10 +2,10 @@
 //! as text or binary in either byte order.
 //!
 //! Vertices need scalars x, y and z of any type; faces a list `vertex_indices` or `vertex_index` of integers. Other
-//! properties and other elements are skipped by their description in the header. Vertices must come before faces. A
-//! file without faces yields its vertices as points, which are not held. Triangle strips (`tristrips`) are read as
-//! well: every vertex after the first two of a strip forms a triangle with the two before it, and -1 starts another
-//! strip.
+//! properties and other elements are skipped; the header states their sizes. Vertices must come before faces. The
+//! vertices of a file without faces are points, which are passed on and not stored. Triangle strips (`tristrips`) are
+//! read as well: every vertex after the first two of a strip forms a triangle with the two before it, and -1 starts a
+//! new strip.
 
 mod ascii;
 mod binary;
@@ -43,16 +43,16 @@ enum Stage {
 #[derive(Debug)]
 struct Surface {
     mesh: Mesh,
-    /// The strip that is being read, where the element is triangle strips.
+    /// The strip that is being read, if the element has triangle strips.
     strip: Option<Strip>,
-    /// Faces or strips follow, so that vertices must be held.
+    /// Whether faces or strips follow, so that vertices must be stored.
     keeps: bool,
     points: u64,
     other_elements: u64,
     trailing_bytes: u64,
 }
 
-/// The elements of a file, and how many of their rows have been read.
+/// The position in the rows of a file: its elements, and the number of rows read.
 #[derive(Debug, Clone)]
 struct Rows {
     elements: Arc<[Element]>,
@@ -62,16 +62,16 @@ struct Rows {
     read: u64,
 }
 
-/// What takes the rows of a body.
+/// The receiver of the rows of a body: the surface of the whole file, or that of a block.
 trait Target {
     /// Starts to read a row of this kind.
     fn begin_row(&mut self, kind: Kind);
     fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), Flaw>;
-    /// A corner of the current face or strip; `None` stands for a negative number. `written` is what the file has
-    /// there, for the fault.
+    /// A corner of the current face or strip; `None` for a negative number. `written` returns the text of the file, for
+    /// the fault.
     fn corner(&mut self, vertex: Option<u64>, written: &dyn Fn() -> String) -> Result<(), Flaw>;
     fn close_face(&mut self) -> Result<(), Flaw>;
-    /// Takes note of bytes after the last row.
+    /// Counts bytes after the last row.
     fn trail(&mut self, bytes: u64);
 }
 
@@ -92,7 +92,7 @@ pub(super) struct Run {
 }
 
 impl Reader {
-    /// `skipped` bytes of the file precede the header.
+    /// A reader of a file whose header begins after `skipped` bytes.
     pub(super) fn new(vertex_limit: usize, skipped: u64, block: usize) -> Self {
         let surface = Surface { mesh: Mesh::new(vertex_limit), strip: None, keeps: false, points: 0, other_elements: 0, trailing_bytes: 0 };
         Self { stage: Stage::Header(HeaderLines::after(skipped)), surface, block }
@@ -131,7 +131,8 @@ impl Reader {
         }
     }
 
-    /// Adds a run of so many bytes to what was read, unless other rows were expected or one refers to a missing vertex.
+    /// Adds the rows of a block of this many bytes, unless other rows were expected or a face refers to a missing
+    /// vertex.
     pub(super) fn link(&mut self, run: &mut Run, bytes: usize) -> bool {
         let rows = match &self.stage {
             Stage::Header(_) => return false,
@@ -253,13 +254,13 @@ impl<S: Sink> Target for Whole<'_, S> {
     }
 }
 
-/// A block that must be read in order.
+/// The flaw of a block that must be read in order; it is never reported.
 fn unclear() -> Flaw {
     Flaw::new(FaultKind::Malformed, "", "")
 }
 
 impl Run {
-    /// An empty run of `bytes` that begins at these rows.
+    /// An empty run that begins at these rows, with room for the rows of a block of `bytes` bytes.
     fn of_bytes(bytes: usize, start: Rows) -> Self {
         Self { lines: 0, end: start.clone(), start, mesh: mesh::Run::of_bytes(bytes), trailing_bytes: 0 }
     }
@@ -298,7 +299,7 @@ impl Rows {
         (self.at, self.read) == (other.at, other.read)
     }
 
-    /// Whether an element with rows is made of triangle strips.
+    /// Whether any element with rows has triangle strips.
     fn have_strips(&self) -> bool {
         self.elements.iter().any(|element| element.kind == Kind::TriStrips && element.count > 0)
     }
@@ -309,7 +310,7 @@ impl Rows {
         self.settle();
     }
 
-    /// Counts so many rows.
+    /// Counts this many rows.
     fn skip(&mut self, mut rows: u64) {
         while let Some(element) = self.element().filter(|_| rows > 0) {
             let some = rows.min(element.count - self.read);
@@ -319,7 +320,7 @@ impl Rows {
         }
     }
 
-    /// Passes over elements without further rows, and those without properties, whose rows are empty.
+    /// Skips elements without further rows, and elements without properties, whose rows are empty.
     fn settle(&mut self) {
         while self.element().is_some_and(|element| element.properties.is_empty() || self.read >= element.count) {
             self.at += 1;

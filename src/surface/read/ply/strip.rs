@@ -8,13 +8,13 @@ use super::Sink;
 pub(super) struct Strip {
     /// The last two vertices, or fewer at the start of a strip.
     last: [Option<usize>; 2],
-    /// Whether the next triangle has the opposite orientation, as every second one.
+    /// Whether the next triangle has the opposite orientation, as every second one has.
     is_odd: bool,
 }
 
 impl Strip {
-    /// Adds the vertex of this number, and passes the triangle that it closes to the sink; `None` starts another strip.
-    /// Returns `None` where the vertex is missing.
+    /// Adds a vertex by its number, and passes the triangle that it completes to the sink; `None` starts a new strip.
+    /// Returns `None` if the vertex is missing.
     pub(super) fn add<S: Sink>(&mut self, vertex: Option<usize>, mesh: &mut Mesh, sink: &mut S) -> Option<()> {
         let Some(vertex) = vertex else {
             *self = Self::default();

@@ -1,24 +1,24 @@
-//! Tables without a header that can be read in two ways: as columns between commas or numbers with decimal commas, as
-//! points or as a matrix of heights, with or without a number before each point.
+//! Ambiguity of tables without a header. A comma can separate columns or be a decimal comma; lines of many numbers can
+//! be points or a matrix of heights; the first column can be x or the number of the point.
 
 use super::super::fault::{FaultKind, Flaw, quoted};
 use super::super::lines::trimmed;
 use super::evidence::{Evidence, WIDEST_POINT};
 use super::layout::Separator;
 
-/// The readings that the lines so far leave open.
+/// The interpretations that are still possible after the lines so far.
 #[derive(Debug)]
 pub(super) struct Doubt {
     first_line: u64,
     first: String,
-    /// The smallest and the largest number of fields, while every line can be read with decimal commas.
+    /// The smallest and the largest number of fields of a line; `None` once a line cannot have decimal commas.
     commas: Option<(usize, usize)>,
-    /// The columns, while every line has the same number of numbers, more than three.
+    /// The statistics of the columns; `None` once a line has another number of columns, or fewer than three numbers.
     columns: Option<Box<Evidence>>,
 }
 
 impl Doubt {
-    /// The possible readings of a table whose first line of data is `line`.
+    /// The possible interpretations of a table whose first line of data is `line`.
     ///
     /// # Errors
     /// The line has too many numbers for a point.
@@ -36,7 +36,7 @@ impl Doubt {
         Ok(doubt)
     }
 
-    /// Takes a line of data after the first into account.
+    /// Adds a line of data after the first.
     pub(super) fn look_at(&mut self, line: &[u8]) {
         self.look_at_commas(line);
         if self.columns.as_mut().is_some_and(|columns| !columns.look_at(line)) {
@@ -50,24 +50,24 @@ impl Doubt {
         }
     }
 
-    /// Whether the next line must be looked at in order.
+    /// Whether the next line must be read in order.
     pub(super) fn needs_lines(&self) -> bool {
         self.columns.as_ref().is_some_and(|columns| !columns.is_complete())
     }
 
-    /// The doubt about decimal commas in lines that follow.
+    /// A record for a block of later lines, which examines decimal commas only.
     pub(super) fn of_more_lines(&self) -> Self {
         let commas = self.commas.map(|_| (usize::MAX, 0));
         Self { first_line: self.first_line, first: self.first.clone(), commas, columns: None }
     }
 
-    /// Takes lines into account that `more` looked at.
+    /// Adds the lines that `more` has examined.
     pub(super) fn add(&mut self, more: &Self) {
         self.commas = self.commas.zip(more.commas).map(|(own, others)| (own.0.min(others.0), own.1.max(others.1)));
     }
 
-    /// The flaw, with its line, of a table of `points` lines that can be read in two ways. With `has_mark`, a decimal
-    /// point has shown that commas separate columns.
+    /// The flaw of a table of `points` lines that is ambiguous, and the line to report. `has_mark` states that a number
+    /// had a decimal point, so that commas separate columns.
     pub(super) fn flaw(&self, points: u64, has_mark: bool) -> Option<(Flaw, u64)> {
         if let Some((least, most)) = self.commas.filter(|_| !has_mark)
             && (least == 6 || least != most)
@@ -80,6 +80,8 @@ impl Doubt {
         let width = columns.width();
         let found = if columns.is_numbered() {
             format!("{points} lines of {width} numbers, the first of which counts up: either x, or a number before x, y and z")
+        } else if columns.can_be_matrix(points) && width == 3 {
+            format!("{points} lines of three nearly equal numbers: either a matrix of heights, or points along x = y = z; {AS_POINTS}")
         } else if columns.can_be_matrix(points) {
             format!("{points} lines of {width} numbers: either a matrix of heights, or points and their properties; {AS_POINTS}")
         } else {
@@ -89,12 +91,11 @@ impl Doubt {
     }
 }
 
-/// The remedy where heights are meant.
+/// The remedy if the table is a matrix of heights.
 const AS_POINTS: &str = "send heights as points x, y, z";
 
-/// The number of fields between commas in a line that can also be read as three numbers with decimal commas between
-/// commas: three to six whole numbers, of which the second, fourth and sixth of six have no sign and no blank before
-/// them.
+/// The number of fields in a line that can also be three numbers with decimal commas, separated by commas. Such a line
+/// has three to six whole numbers; of six, the second, fourth and sixth have no sign and no blank.
 fn decimal_comma_fields(line: &[u8]) -> Option<usize> {
     let fields: Vec<&[u8]> = trimmed(line).split(|byte| *byte == b',').take(7).collect();
     let is_possible = |(index, field): (usize, &&[u8])| {

@@ -17,7 +17,7 @@ pub(super) struct Header {
 const AXES: [&[u8]; 3] = [b"x", b"y", b"z"];
 
 impl Header {
-    /// Reads `line` as a header with one of `separators`; `None` where it does not name x, y and z.
+    /// Reads `line` as a header, split by one of `separators`; `None` if it does not name x, y and z.
     ///
     /// # Errors
     /// Two columns could be the same axis, or the units differ or are not supported.
@@ -34,7 +34,7 @@ impl Header {
         Ok(None)
     }
 
-    /// The header with these columns; `None` where two axes share a column, as with a separator that the line does not
+    /// The header with these columns; `None` if two axes share a column, as with a separator that the line does not
     /// have.
     fn of(names: &[Name], candidates: &[Vec<usize>; 3]) -> Result<Option<Self>, Flaw> {
         for (axis, columns) in candidates.iter().enumerate() {
@@ -54,7 +54,7 @@ impl Header {
         Ok(Some(Self { columns, width: names.len(), unit }))
     }
 
-    /// The unit of x, y and z in the line after the header, where that is a row of units.
+    /// The unit of x, y and z in the line after the header, if that is a row of units.
     pub(super) fn units_row(&self, line: &[u8], separators: &[Separator]) -> Result<Option<Unit>, Flaw> {
         for separator in separators {
             let fields: Vec<&[u8]> = separator.fields(line).collect();
@@ -86,8 +86,8 @@ impl Name<'_> {
         self.words[after..].iter().rev().find_map(|word| length_unit(word)).transpose()
     }
 
-    /// The rank of the name for an axis, the best first: 0 for the axis alone or with a unit, 1 if it begins with it, 2
-    /// if it contains it.
+    /// How well the name fits an axis: 0 for the axis alone or with a unit, 1 if the name begins with it, 2 if it
+    /// contains it.
     fn rank(&self, axis: usize) -> Option<u8> {
         let index = [b"0", b"1", b"2"][axis];
         match &self.words[..] {
@@ -108,8 +108,8 @@ fn candidates(names: &[Name], axis: usize) -> Vec<usize> {
     ranks().filter(|(_, rank)| Some(*rank) == best).map(|(column, _)| column).collect()
 }
 
-/// The names of a header, without an empty one after a separator at its end. Between blanks, a unit in brackets belongs
-/// to the name before it.
+/// The names in a header. An empty one after a separator at the end is left out. If blanks separate the names, a unit
+/// in brackets belongs to the name before it.
 fn names(line: &[u8], separator: Separator) -> Vec<Name<'_>> {
     let mut names: Vec<Name> = Vec::new();
     for text in separator.fields(line) {
@@ -146,7 +146,7 @@ fn length_unit(word: &[u8]) -> Option<Result<Unit, Flaw>> {
     }))
 }
 
-/// The unit of three columns. Where only some of them state one, it must be the millimetre, which is assumed for the
+/// The unit of three columns. If only some of them state one, it must be the millimetre, which is assumed for the
 /// others.
 fn unit_of(units: [Option<Unit>; 3]) -> Result<Option<Unit>, Flaw> {
     let mut stated = units.into_iter().flatten();
@@ -155,6 +155,6 @@ fn unit_of(units: [Option<Unit>; 3]) -> Result<Option<Unit>, Flaw> {
     if is_same && (first == Unit::Millimetre || units.iter().all(Option::is_some)) {
         return Ok(Some(first));
     }
-    let found = if is_same { "a unit for some of them; the others are in it, or in mm" } else { "different ones" };
+    let found = if is_same { "a unit for only some of them: the others may be in it or in mm" } else { "different ones" };
     Err(Flaw::new(FaultKind::Ambiguous, "one unit for x, y and z", found))
 }

@@ -15,8 +15,8 @@ pub(super) enum Separator {
 }
 
 impl Separator {
-    /// In the order in which they are tried. If a line can be read with two of them, the first is used. Decimal commas
-    /// leave `1,5;2,5;3,5` to the semicolon, and `1, 2, 3` is not three numbers between blanks.
+    /// The separators in the order in which they are tried; the first that fits is used. The semicolon comes before the
+    /// comma because of `1,5;2,5;3,5`, and the comma before blanks because of `1, 2, 3`.
     pub(super) const ALL: [Self; 4] = [Self::Semicolon, Self::Tab, Self::Comma, Self::Blanks];
 
     pub(super) fn byte(self) -> u8 {
@@ -37,7 +37,7 @@ impl Separator {
         }
     }
 
-    /// Splits a field and the separator after it off `rest`; what remains is `None` at the end of the line.
+    /// Splits `rest` into its first field and the text after the separator, which is `None` at the end of the line.
     fn split(self, rest: &[u8]) -> (&[u8], Option<&[u8]>) {
         let rest = if self == Self::Tab { rest } else { trimmed_start(rest) };
         let quotation = if rest.starts_with(b"\"") { quotation_end(rest) } else { 0 };
@@ -81,7 +81,7 @@ fn quotation_end(text: &[u8]) -> usize {
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Layout {
     pub(super) separator: Separator,
-    /// The decimal mark, once a coordinate has one.
+    /// The decimal mark, once a coordinate with one has been read.
     pub(super) mark: Option<u8>,
     /// Column and axis of the three coordinates, by rising column.
     pub(super) columns: [(usize, usize); 3],
@@ -110,8 +110,8 @@ impl Layout {
         }
     }
 
-    /// Checks that `read` columns and those in `rest` are as many as the header names. A separator at the end of the
-    /// line adds no column.
+    /// Checks that the `read` columns and those in `rest` are as many as the header names. A separator at the end of
+    /// the line adds no column.
     fn check_width(&self, read: usize, rest: Option<&[u8]>, width: usize) -> Result<(), Flaw> {
         let further = match rest {
             None => 0,
@@ -144,7 +144,7 @@ impl Layout {
             Separator::Tab => rest,
             _ => trimmed_start(rest),
         };
-        // Where the comma separates, only a number in quotation marks has a decimal comma.
+        // If the comma separates columns, only a number in quotation marks can have a decimal comma.
         let mark = self.mark.filter(|_| self.separator != Separator::Comma).unwrap_or(b'.');
         if let Some((value, length)) = number(start, mark)
             && let Some(rest) = self.after(&start[length..])
@@ -161,7 +161,7 @@ impl Layout {
         self.odd_number(start)
     }
 
-    /// The text after the separator at the start of `rest`; the outer `None` where there is no separator.
+    /// The text after the separator at the start of `rest`; the outer `None` if there is no separator.
     #[inline]
     #[allow(clippy::option_option, reason = "the inner one is the end of the line, as everywhere here")]
     fn after<'a>(&self, rest: &'a [u8]) -> Option<Option<&'a [u8]>> {
@@ -181,8 +181,8 @@ impl Layout {
         }
     }
 
-    /// The number in an unusual field: with a decimal comma as the first mark of the file, in quotation marks, or after
-    /// blanks between tabs; else the reason why it is not a number.
+    /// The number in an unusual field: with a decimal comma as the first decimal mark of the file, in quotation marks,
+    /// or after blanks in a line with tabs. The error is the reason why the field is not a number.
     fn odd_number<'a>(&mut self, rest: &'a [u8]) -> Result<(f64, Option<&'a [u8]>), Flaw> {
         let (field, after) = self.separator.split(rest);
         let quotation = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\""));
@@ -222,8 +222,8 @@ impl Layout {
     }
 }
 
-/// Whether a number with a comma can have thousands before it: one to three digits that do not begin with 0, the comma,
-/// and three digits.
+/// Whether the comma in a number can separate thousands: one to three digits that do not begin with 0, the comma, and
+/// three digits.
 fn is_group_of_thousands(text: &[u8]) -> bool {
     let digits = text.strip_prefix(b"-").or_else(|| text.strip_prefix(b"+")).unwrap_or(text);
     let Some(at) = digits.iter().position(|byte| *byte == b',') else { return false };

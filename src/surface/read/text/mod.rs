@@ -1,12 +1,13 @@
-//! Reader of points in lines of text, as spreadsheets, measuring machines and scanners write them: a point in each
-//! line, its coordinates in columns.
+//! Reader of points in text, as spreadsheets, measuring machines and scanners write them: a point in each line, with
+//! its coordinates in columns.
 //!
-//! The first line of data shows the separator of the file: semicolon, tab, comma or blanks, whichever first yields
-//! three numbers; a line `sep=;` states it. The decimal mark is a point, or, where the comma does not separate, a
-//! comma; the first coordinate with a mark decides. A header may name the columns x, y and z, in any order and case,
-//! and their unit, also in a comment or with a row of units below; without a header they are the first three. Every
-//! line after a header must have its columns. A line with one whole number before the points is their count, as in PTS.
-//! Lines that are blank or begin with `#` or `//` are comments.
+//! The first line of data determines the separator of the file: the first of semicolon, tab, comma and blanks that
+//! yields three numbers. A line `sep=;` states it. The decimal mark is a point, or a comma if the comma does not
+//! separate columns; the first coordinate with a mark determines it. A header may name the columns x, y and z, in any
+//! order and case, and their unit. It may be a comment, and a row of units may follow it. Without a header, x, y and z
+//! are the first three columns. Every line after a header must have as many columns as the header. A line with one
+//! whole number before the points is their count, as in PTS. Lines that are blank or begin with `#` or `//` are
+//! comments.
 //!
 //! A table that can be read in two ways is refused with [`FaultKind::Ambiguous`].
 
@@ -41,10 +42,10 @@ struct Table {
     /// The separator that a line `sep=` states.
     stated: Option<Separator>,
     header: Option<Header>,
-    /// The last comment that could be a header.
+    /// The last comment that can be a header.
     comment: Option<Header>,
     unit: Option<surface::Unit>,
-    /// The count of points before them, with its line.
+    /// The count of points that a line before them states, and the number of that line.
     count: Option<(u64, u64)>,
     layout: Option<Layout>,
     doubt: Option<Doubt>,
@@ -61,8 +62,8 @@ impl Reader {
         self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
     }
 
-    /// The next piece of a text that arrives this way as a whole: blocks, once the lines before them have determined
-    /// the layout.
+    /// The next piece of a text: a block, once the lines before it have determined the layout. The whole text must be
+    /// read this way.
     pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
         let bytes = self.splitter.next(chunk)?;
         Some(match self.table.job() {
@@ -75,11 +76,11 @@ impl Reader {
         self.splitter.rest()
     }
 
-    /// Adds a run to what was read, unless its decimal mark is not the one of the file.
+    /// Adds the points of a block, unless its decimal mark differs from the file's.
     pub(super) fn link(&mut self, run: &Run) -> bool {
         let table = &mut self.table;
         let Some(layout) = &mut table.layout else { return false };
-        // A run of whole numbers is the same with either mark.
+        // Whole numbers are the same with either mark.
         if layout.mark.is_some() && run.mark.is_some() && layout.mark != run.mark {
             return false;
         }
@@ -111,12 +112,12 @@ impl Reader {
     }
 }
 
-/// How a block of lines is read.
+/// The assumptions with which a block of lines is parsed.
 #[derive(Debug)]
 pub(super) struct Job {
-    /// Without a mark where the lines before have whole numbers only.
+    /// The layout so far; without a decimal mark if the lines before have only whole numbers.
     layout: Layout,
-    /// The readings that the block may rule out.
+    /// The interpretations that the block may rule out.
     doubt: Option<Doubt>,
 }
 
@@ -125,7 +126,7 @@ pub(super) struct Job {
 pub(super) struct Run {
     lines: u64,
     points: Vec<[f64; 3]>,
-    /// The decimal mark, where one is known at the end of the block.
+    /// The decimal mark, if one is known at the end of the block.
     mark: Option<u8>,
     doubt: Option<Doubt>,
 }
@@ -139,7 +140,7 @@ impl Run {
     }
 }
 
-/// Parses a block; `None` where it has a fault.
+/// Parses a block; `None` if it has a fault.
 pub(super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
     struct Points(Vec<[f64; 3]>);
     impl Sink for Points {
@@ -157,7 +158,8 @@ pub(super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
 }
 
 impl Table {
-    /// How the lines after these are read, once their layout and the columns of a table without a header are known.
+    /// The assumptions for the following lines, once the layout is known and enough lines of a table without a header
+    /// have been examined.
     fn job(&self) -> Option<Job> {
         let layout = self.layout.filter(|_| !self.doubt.as_ref().is_some_and(Doubt::needs_lines))?;
         Some(Job { layout, doubt: self.doubt.as_ref().filter(|_| layout.mark.is_none()).map(Doubt::of_more_lines) })
@@ -197,7 +199,7 @@ impl Table {
         Ok(())
     }
 
-    /// Keeps a comment before the data, which may name the columns.
+    /// Stores a comment before the data if it can be a header.
     fn comment(&mut self, comment: &[u8]) {
         let content = without_hard_blanks(comment);
         let content = trimmed_start(content.strip_prefix(b"//").unwrap_or_else(|| &content[1..]));
@@ -211,8 +213,8 @@ impl Table {
         self.stated.and_then(|stated| all.iter().position(|separator| *separator == stated)).map_or(all, |at| &all[at..=at])
     }
 
-    /// Reads a line before any data: the first of them, a header, a row of units, a count or a separator. Only data
-    /// have a point.
+    /// Reads a line before the second line of data: a header, a row of units, a count, a separator, or the first data.
+    /// Returns a point for data only.
     fn first(&mut self, line: &[u8], number: u64) -> Result<Option<[f64; 3]>, Flaw> {
         if self.header.is_none()
             && let Some(separator) = stated_separator(line)
@@ -306,7 +308,7 @@ fn without_hard_blanks(line: &[u8]) -> Cow<'_, [u8]> {
     let mut cleaned = Vec::with_capacity(line.len());
     let mut rest = line;
     while let Some((&byte, after)) = rest.split_first() {
-        // A no-break space, a narrow one, and one in Latin-1, which is not part of a longer character.
+        // A no-break space, a narrow one, and one in Latin-1 that is not a part of a longer UTF-8 character.
         let skipped = match rest {
             [0xc2, 0xa0, ..] => 2,
             [0xe2, 0x80, 0xaf, ..] => 3,
@@ -324,7 +326,7 @@ fn without_hard_blanks(line: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(cleaned)
 }
 
-/// The point of a line with no-break spaces; `None` where it has none.
+/// The point of a line with no-break spaces; `None` if it has none.
 #[cold]
 fn point_between_hard_blanks(layout: &mut Layout, line: &[u8]) -> Option<Result<[f64; 3], Flaw>> {
     let Cow::Owned(cleaned) = without_hard_blanks(line) else { return None };
@@ -336,7 +338,7 @@ fn point_between_hard_blanks(layout: &mut Layout, line: &[u8]) -> Option<Result<
     Some(layout.point(&cleaned))
 }
 
-/// Refuses ordinary and no-break spaces in one line: the latter could separate thousands.
+/// Refuses a line with both ordinary and no-break spaces, because the latter could separate thousands.
 fn refuse_mixed_blanks(line: &[u8]) -> Result<(), Flaw> {
     let is_mixed = trimmed(line).iter().any(|byte| matches!(byte, b' ' | b'\t'));
     let found = "ordinary and no-break spaces; either all separate numbers, or the no-break ones separate thousands";

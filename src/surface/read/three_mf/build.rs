@@ -10,7 +10,7 @@ use std::collections::HashMap;
 /// The deepest nesting of components.
 const DEEPEST: usize = 32;
 
-/// The largest number of objects that are placed, counted each time. Components of components grow exponentially with
+/// The largest number of times that objects are placed. Nested components can multiply this number exponentially with
 /// their depth.
 const MOST_PLACED: u64 = 100_000;
 

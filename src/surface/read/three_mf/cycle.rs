@@ -10,9 +10,9 @@ type Key = (String, u32);
 /// The numbers of a cycle that a fault names.
 const MOST_NAMED: usize = 8;
 
-/// Checks that no object that the build items of the model `root` place contains itself.
+/// Checks the objects that the build items of the model `root` place: none may contain itself.
 ///
-/// The search goes into the depth without recursion: a cycle can pass through all objects of a package.
+/// The depth-first search does not use recursion, because a cycle can pass through all objects of a package.
 pub(super) fn refuse_cycles(models: &HashMap<String, Model>, root: &str, items: &[Reference]) -> Result<(), Fault> {
     let mut done = HashSet::new();
     for item in items {
@@ -47,8 +47,8 @@ fn key(reference: &Reference, path: &str) -> Key {
     (reference.path.as_deref().unwrap_or(path).to_lowercase(), reference.object)
 }
 
-/// The fault of the cycle that the last object of `chain` closes with its component `first`. Its place is the root
-/// model, from which the objects are placed.
+/// The fault of the cycle that the last object of `chain` closes with its component `first`. It is located in the root
+/// model, which places the objects.
 fn cycle(chain: &[(Key, usize)], first: &Key, root: &str) -> Fault {
     let start = chain.iter().position(|(key, _)| key == first).unwrap_or(0);
     let mut numbers: Vec<String> = chain[start..].iter().take(MOST_NAMED).map(|((_, number), _)| number.to_string()).collect();

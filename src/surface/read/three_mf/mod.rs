@@ -1,10 +1,10 @@
-//! Reader of 3MF: a ZIP package with models in XML, whose objects are meshes or components of other objects, placed by
-//! build items.
+//! Reader of 3MF: a ZIP package with models in XML. The objects of a model are meshes or consist of other objects
+//! (components); build items place them.
 //!
-//! The directory of a ZIP archive stands at its end, so the compressed file is held, up to [`DEFAULT_ARCHIVE_LIMIT`];
-//! the models are inflated and parsed as streams. The meshes are held, too, up to the limit on vertices, because
+//! The directory of a ZIP archive is at its end, so the compressed file is stored, up to [`DEFAULT_ARCHIVE_LIMIT`]. The
+//! models are decompressed and parsed as streams. The meshes are stored too, up to the limit on vertices, because
 //! components place them. Objects of the types `support` and `other` are not part of the surface and are counted. The
-//! model's unit is passed on in the summary, and every coordinate is in that unit.
+//! summary has the model's unit, and every coordinate is in that unit.
 //!
 //! The core specification and its production extension (models in several files) are read. Extensions that do not
 //! change the surface, such as materials, are ignored; a model that requires any other extension is refused.
@@ -29,7 +29,7 @@ use xml::Event;
 /// [`Reader::with_archive_limit`](super::Reader::with_archive_limit) changes it.
 pub const DEFAULT_ARCHIVE_LIMIT: usize = 256 << 20;
 
-/// The limits of a package: 2 GiB after inflation are some 25 million facets.
+/// The limits of a package: 2 GiB of decompressed XML are some 25 million facets.
 const LIMITS: ArchiveLimits = ArchiveLimits { entries: 10_000, inflated_bytes: 2 << 30 };
 
 /// The reader of 3MF.
@@ -59,7 +59,7 @@ impl Reader {
         self.bytes.capacity()
     }
 
-    /// Once `cancel` is set, reading ends early with any result.
+    /// Once `cancel` is set, reading returns early, with any result.
     pub(super) fn finish<S: Sink>(self, sink: &mut S, cancel: &CancelFlag) -> Result<Summary, Fault> {
         let archive = Archive::open(&self.bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?.until(cancel);
         let root = root_model(&archive)?;
@@ -68,8 +68,8 @@ impl Reader {
         let unit = model.unit;
         let items = model.items.clone();
         let mut models = HashMap::from([(root.to_lowercase(), model)]);
-        // Models in other files, named by build items and components; the files that these name are read in the next
-        // round.
+        // Models in other files that build items and components refer to. The models that these refer to are read in
+        // the next round.
         let mut wanted = models_named_by(&models[&root.to_lowercase()]);
         while let Some(path) = wanted.pop() {
             if models.contains_key(&path.to_lowercase()) {

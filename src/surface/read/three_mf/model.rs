@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// The largest number of objects, components and build items of a package together.
 const MOST_PARTS: usize = 100_000;
 
-/// Namespaces of extensions that a model may require: they do not change which facets the surface has.
+/// Namespaces of the extensions that a model may require: the core, and extensions that do not change the facets of the
+/// surface.
 const UNDERSTOOD: [&str; 4] = [
     "http://schemas.microsoft.com/3dmanufacturing/core/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
@@ -39,16 +40,16 @@ pub(super) struct Object {
     pub(super) components: Vec<Reference>,
 }
 
-/// A build item or component: an object and how it is placed.
+/// A build item or component: an object and its transform.
 #[derive(Debug, Clone)]
 pub(super) struct Reference {
     pub(super) object: u32,
-    /// The model file of the object, where it is another.
+    /// The model file of the object, if it is another file.
     pub(super) path: Option<Arc<str>>,
     pub(super) transform: Transform,
 }
 
-/// An affine map of row vectors: (x, y, z, 1) times a matrix of four rows and three columns, row after row.
+/// An affine map of row vectors: (x, y, z, 1) multiplied by a matrix of four rows and three columns, stored row by row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Transform([f64; 12]);
 
@@ -96,7 +97,7 @@ impl Transform {
     }
 }
 
-/// The numbers of vertices, triangles and parts that the models of a package may still have.
+/// The numbers of further vertices, triangles and parts that the models of a package may have.
 #[derive(Debug)]
 pub(super) struct Room {
     vertex_limit: usize,

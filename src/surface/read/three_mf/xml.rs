@@ -16,7 +16,7 @@ const DEEPEST: usize = 64;
 
 /// The start or end of an element.
 pub(super) enum Event<'a> {
-    /// A start tag. An empty element has an end as well.
+    /// A start tag. For an empty element, an end follows too.
     Start(Element<'a>),
     End,
 }

@@ -1,0 +1,254 @@
+//! Heights and inverses on curved surfaces, where every mark has a normal of its own: the answers of the second order,
+//! corrected by those of [`TurningMarks`].
+
+use super::Envelope;
+use super::clearing::Clearing;
+use super::newton::{self, Lengths, Place, Ridge, Sought};
+use super::section::Pattern;
+use super::turning_marks::{TurnedRidge, TurningMarks};
+use crate::milling::{CutterKind, NoAnswer, ScallopHeight};
+use crate::numerics::bracketed_root;
+use crate::quantity::Length;
+use std::convert::Infallible;
+
+/// A ridge whose length differs by more than this factor from that of the second order is another ridge.
+const SAME_RIDGE: f64 = 4.0;
+
+/// The share of a tolerance that counts as a rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// The factors of the steps by which a length is bracketed.
+const STEPS: [f64; 2] = [1.02, 2.0];
+
+impl Envelope {
+    /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
+    ///
+    /// # Errors
+    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
+    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
+        self.in_parts(step_over, feed_per_tooth, |s, pattern| self.turned_height(s, pattern))
+    }
+
+    /// The same to second order, as if all marks had the normal of the stated contact.
+    ///
+    /// # Errors
+    /// Those of [`Envelope::scallop_height`].
+    pub fn second_order_scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
+        self.in_parts(step_over, feed_per_tooth, |s, pattern| self.height(s, pattern))
+    }
+
+    fn in_parts(
+        &self,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+        height: impl Fn(f64, Pattern) -> Result<f64, NoAnswer>,
+    ) -> Result<ScallopHeight, NoAnswer> {
+        let s = step_over.mm();
+        let step_over_height = height(s, Pattern::even(0.0))?;
+        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| height(s, self.pattern(feed.mm())))?;
+        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds
+        // for both.
+        let step_over_height = step_over_height.min(total);
+        // h is never under h1; where marks leave next to nothing, rounding may put it there.
+        let feed = (total - step_over_height).max(0.0);
+        Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
+    }
+
+    /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
+    ///
+    /// # Errors
+    /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
+    /// step-over in [`Envelope::scallop_height`].
+    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        let second_order = || self.second_order_max_feed_per_tooth(tolerance, step_over);
+        if !self.has_third_order() {
+            return second_order();
+        }
+        let (p, s) = (tolerance.mm(), step_over.mm());
+        let step_over_height = self.turned_height(s, Pattern::even(0.0))?;
+        let used_up = || {
+            let max_step_over = self.max_step_over(tolerance, None)?;
+            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height: Length::computed(step_over_height), max_step_over })
+        };
+        if step_over_height >= p {
+            return used_up();
+        }
+        let largest = self.largest_feed(s);
+        let height = |feed: f64| self.turned_height(s, self.pattern(feed)).ok();
+        let (guess, found) = match second_order() {
+            Ok(feed) => {
+                let lengths = Lengths { level: p, step_over: s, mark_spacing: feed.mm() };
+                let is_even = self.pattern(feed.mm()).is_even();
+                let ridge = if is_even { self.turned(Sought::MarkSpacing, lengths) } else { None };
+                (feed.mm(), ridge.map(|ridge| ridge.lengths.mark_spacing))
+            }
+            Err(NoAnswer::ToleranceLimitsNoFeed { .. }) => (largest, None),
+            Err(NoAnswer::StepOverUsesUpTolerance { .. }) => (Length::SMALLEST, None),
+            Err(other) => return Err(other),
+        };
+        match self.largest_within(p, guess, found, largest, height) {
+            Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
+            Some(feed) => Ok(Length::computed(feed)),
+            None => used_up(),
+        }
+    }
+
+    /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::FeedUsesUpTolerance`] where even passes [`Length::SMALLEST`] apart leave the tolerance;
+    /// - [`NoAnswer::MarksDoNotOverlap`];
+    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] where no step-over up to the largest one leaves the tolerance.
+    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let second_order = self.second_order_max_step_over(tolerance, feed_per_tooth);
+        if !self.has_third_order() {
+            return second_order;
+        }
+        let p = tolerance.mm();
+        let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
+        let largest = self.largest_step_over(pattern.spacing);
+        let height = |s: f64| self.turned_height(s, pattern).ok();
+        let (guess, found) = match second_order {
+            Ok(step_over) => {
+                let lengths = Lengths { level: p, step_over: step_over.mm(), mark_spacing: pattern.spacing };
+                let ridge = if pattern.is_even() { self.turned(Sought::StepOver, lengths) } else { None };
+                (step_over.mm(), ridge.map(|ridge| ridge.lengths.step_over))
+            }
+            Err(NoAnswer::ToleranceLimitsNoStepOver { .. }) => (largest, None),
+            Err(NoAnswer::FeedUsesUpTolerance { .. }) => (Length::SMALLEST, None),
+            Err(other) => return Err(other),
+        };
+        match self.largest_within(p, guess, found, largest, height) {
+            Some(step_over) if step_over >= largest * (1.0 - 1e-12) => {
+                Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
+            }
+            Some(step_over) => Ok(Length::computed(step_over)),
+            None => {
+                let feed_height = self.turned_height(Length::SMALLEST, pattern)?.max(p);
+                Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) })
+            }
+        }
+    }
+
+    /// The largest length up to `largest` whose height is at most p: `found`, or from `guess` on by a search over the
+    /// heights; `None` where that of the smallest length is higher.
+    fn largest_within(&self, p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
+        let is_kept = |length: f64| excess(length) <= ROUNDING;
+        if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found)) {
+            if self.is_convex_up_to(p) || excess(found).abs() <= ROUNDING {
+                return Some(found);
+            }
+        }
+        let (mut low, mut high) = (guess, guess);
+        let mut step = STEPS[0];
+        while !is_kept(low) {
+            if low <= Length::SMALLEST {
+                return None;
+            }
+            high = low;
+            (low, step) = ((low / step).max(Length::SMALLEST), STEPS[1]);
+        }
+        while high <= low {
+            if low >= largest {
+                return Some(largest);
+            }
+            let next = (low * step).min(largest);
+            if is_kept(next) {
+                (low, step) = (next, STEPS[1]);
+            } else {
+                high = next;
+            }
+        }
+        // Where no height is found nothing is kept.
+        let bounded = |logarithm: f64| Ok::<_, Infallible>(excess(logarithm.exp()).min(1.0));
+        let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), bounded);
+        // Where the height jumps over the tolerance, the root can be on the far side.
+        [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9]
+            .map(|share| share * logarithm.exp())
+            .into_iter()
+            .find(|length| is_kept(*length))
+            .or(Some(low))
+    }
+
+    /// Whether the turning of the surface's normal changes marks: that of a ball is the same in every direction.
+    ///
+    /// A sharp edge has no radius that a turn could change smoothly; its marks keep the second order.
+    pub(super) fn has_third_order(&self) -> bool {
+        !self.pass.surface.is_plane() && self.cutter.kind() == CutterKind::Toroidal
+    }
+
+    /// h for passes s apart with a pattern of marks.
+    fn turned_height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
+        let level = self.height(s, pattern)?;
+        if !self.has_third_order() {
+            return Ok(level);
+        }
+        let lengths = |level: f64, mark_spacing: f64| Lengths { level, step_over: s, mark_spacing };
+        let turned = |lengths: Lengths| self.turned(Sought::Level, lengths).map_or(lengths.level, |ridge| ridge.lengths.level);
+        if pattern.is_even() {
+            return Ok(turned(lengths(level, pattern.spacing)));
+        }
+        // With runout, in the same ratio as for marks of equal depth that leave about the same height.
+        let spacing = self.even_spacing(&pattern);
+        let even = self.height(s, Pattern::even(spacing));
+        Ok(even.map_or(level, |even| if even > 0.0 { level * turned(lengths(even, spacing)) / even } else { level }))
+    }
+
+    /// The ridge between marks of equal depth near that of the second order; `None` where there is none.
+    fn turned(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
+        let marks = TurningMarks::new(&self.pass);
+        let is_same = |ridge: &TurnedRidge| {
+            let ratio = |one: f64, other: f64| one <= SAME_RIDGE * other && other <= SAME_RIDGE * one;
+            let (one, other) = (ridge.lengths, lengths);
+            ratio(one.level, other.level) && ratio(one.step_over, other.step_over) && ratio(one.mark_spacing, other.mark_spacing)
+        };
+        let search = |start: TurnedRidge, is_careful: bool| marks.solve(sought, start, is_careful).filter(is_same);
+        let paraboloid = self.ridge_of_paraboloid(lengths);
+        let further = || {
+            let second_order = self.ridge_of_second_order(sought, lengths);
+            let by = |is_careful: bool| second_order.and_then(|ridge| search(ridge, is_careful));
+            by(false).or_else(|| by(true)).or_else(|| search(paraboloid, true))
+        };
+        search(paraboloid, false).or_else(further)
+    }
+
+    /// The ridge of the second order, where its search is proved.
+    fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
+        let both = [Clearing::EVEN; 2];
+        let start = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
+        let Ridge { lengths, place } = newton::solve_from(&self.body, sought, lengths, start, both)?;
+        // The body has the feed in the quarter from the steepest line to the level one.
+        let theta = self.contact().theta();
+        let behind = [place.x[0], place.neighbour_x[0]].map(|x| if theta.cos() < 0.0 { lengths.mark_spacing - x } else { x });
+        let aside = place.t - lengths.step_over / 2.0;
+        Some(if theta.sin() < 0.0 {
+            TurnedRidge { behind: [behind[1], behind[0]], aside: -aside, lengths }
+        } else {
+            TurnedRidge { behind, aside, lengths }
+        })
+    }
+
+    /// The ridge where the cutter is a paraboloid.
+    fn ridge_of_paraboloid(&self, lengths: Lengths) -> TurnedRidge {
+        let radii = self.body.relative_radii();
+        let theta = self.contact().theta();
+        // The body is mirrored where the feed is on the other side of the steepest line.
+        let side = if theta.cos() * theta.sin() < 0.0 { -1.0 } else { 1.0 };
+        let ahead = side * radii.skew / radii.across.max(f64::MIN_POSITIVE) * lengths.step_over / 2.0;
+        let ahead = ahead.clamp(-self.body.reach(), self.body.reach());
+        let half = lengths.mark_spacing / 2.0;
+        TurnedRidge { behind: [half + ahead, half - ahead], aside: 0.0, lengths }
+    }
+
+    /// The largest turn at the ridge as a share of the sine or cosine of the slope.
+    pub(in crate::milling) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+        if !self.has_third_order() {
+            return if self.pass.surface.is_plane() || self.cutter.kind() == CutterKind::BallEnd { 0.0 } else { f64::INFINITY };
+        }
+        let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
+        let Ok(level) = self.height(s, Pattern::even(f)) else { return f64::INFINITY };
+        let lengths = Lengths { level, step_over: s, mark_spacing: f };
+        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| TurningMarks::new(&self.pass).share(&ridge))
+    }
+}
