@@ -85,10 +85,9 @@ pub(super) struct Inspector<'a> {
     pub(super) stop: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// A height at a point, and its strip.
+/// A height at a facet.
 #[derive(Debug, Clone, Copy)]
 struct Evaluated {
-    strip: usize,
     facet: u32,
     height: Option<f64>,
 }
@@ -160,7 +159,7 @@ impl<'a> Inspector<'a> {
         let heights = places.par_iter().with_min_len(64).map(height).collect::<Option<Vec<_>>>();
         // Cancelled: the heights have no meaning.
         let heights = heights.unwrap_or_else(|| vec![None; places.len()]);
-        places.iter().zip(heights).map(|(&(strip, facet), height)| Evaluated { strip, facet, height }).collect()
+        places.iter().zip(heights).map(|(&(_, facet), height)| Evaluated { facet, height }).collect()
     }
 
     /// The height at a facet; `None` if the model has none, infinite if material stays uncut between the passes.

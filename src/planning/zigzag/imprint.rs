@@ -1,9 +1,9 @@
 //! The height between two passes by the cutter's imprints alone, on the paraboloid that has a facet's slope and
 //! curvature.
 //!
-//! Model `envelope` takes the slope for constant over a step-over. Where a small turn of the normal is a large turn of
-//! the steepest line, near the floor and with a sharp corner, the tips of neighbouring contacts lie apart by more than
-//! that; here each tip follows from the normal at its own contact.
+//! The marks of a flat-end cutter are of the second order in model `envelope`: all have the normal of the stated
+//! contact. Near the floor a small turn of the normal is a large turn of the steepest line, which moves the tip; here
+//! each tip follows from the normal at its own contact.
 
 use crate::milling::Cutter;
 use crate::surface::FinishFacet;
@@ -154,6 +154,13 @@ mod tests {
         FinishFacet { corners: [[0.0; 3]; 3], normal: [sin, 0.0, cos], area: 1.0, curvature }
     }
 
+    /// The height by the envelope.
+    fn by_envelope(cutter: Cutter, facet: &FinishFacet, e: [f64; 2], spacing: f64) -> f64 {
+        let contact = FacetContact::new(facet, e).unwrap();
+        let step_over = Length::computed(contact.step_over(spacing));
+        contact.evaluated(cutter, Model::Envelope).unwrap().scallop_height(step_over, None).unwrap().total().mm()
+    }
+
     fn cutters() -> [Cutter; 4] {
         let mm = Length::computed;
         [
@@ -170,9 +177,8 @@ mod tests {
             for (slope, direction) in [(5.0, 10.0_f64), (20.0, 60.0), (40.0, 0.0), (40.0, 35.0), (60.0, 80.0)] {
                 let (sin, cos) = direction.to_radians().sin_cos();
                 let plane = facet(slope, [0.0; 6]);
-                let contact = FacetContact::new(&plane, [cos, sin]).unwrap();
                 for spacing in [0.1, 0.4] {
-                    let model = contact.height(cutter, Model::Envelope, spacing, None).unwrap();
+                    let model = by_envelope(cutter, &plane, [cos, sin], spacing);
                     let found = Imprints::new(cutter, &plane, [cos, sin]).height(spacing, 0.0);
                     // The golden sections end within a fiftieth of a part of the strip.
                     approx::assert_relative_eq!(found, model, max_relative = 0.01, epsilon = 1e-6);
@@ -191,9 +197,8 @@ mod tests {
             let curved = facet(30.0, [k(0, 0), k(0, 1), k(0, 2), k(1, 1), k(1, 2), k(2, 2)]);
             for direction in [0.0_f64, 30.0, 90.0] {
                 let (sin, cos) = direction.to_radians().sin_cos();
-                let contact = FacetContact::new(&curved, [cos, sin]).unwrap();
                 let ball = Cutter::ball_end(Length::computed(6.0));
-                let model = contact.height(ball, Model::Envelope, 0.4, None).unwrap();
+                let model = by_envelope(ball, &curved, [cos, sin], 0.4);
                 let found = Imprints::new(ball, &curved, [cos, sin]).height(0.4, 0.0);
                 // The third order of the paraboloid.
                 approx::assert_relative_eq!(found, model, max_relative = 0.02);

@@ -289,14 +289,14 @@ fn milled(cutter: Cutter, surface: Function, facets: &[FinishFacet], count: usiz
 }
 
 /// The most strips of a plan that are examined for places near the tolerance.
-const STRIPS: usize = 12;
+const STRIPS: usize = 20;
 
 /// Plans for one cutter on all surfaces keep the tolerance; the share of strips in which some place reaches 0.9 of it
 /// is at least `tight`.
 ///
-/// The count of random places is 150 on each surface; `SCALLOPD_PLACES` changes it.
+/// The count of random places is 400 on each surface; `SCALLOPD_PLACES` changes it.
 fn keeps_and_uses_the_tolerance(cutter: Cutter, tight: f64) {
-    let count = std::env::var("SCALLOPD_PLACES").ok().and_then(|count| count.parse().ok()).unwrap_or(150);
+    let count = std::env::var("SCALLOPD_PLACES").ok().and_then(|count| count.parse().ok()).unwrap_or(400);
     let (mut strips, mut tight_strips) = (0, 0);
     for (name, surface) in SURFACES {
         let facets = facets(&Height { low: [0.0, 0.0], high: SIZE, surface }, 100, 74);
