@@ -3,8 +3,9 @@
 //! `cargo bench --bench batches [contacts]`. Writes `target/benches/batches.json`.
 //!
 //! The comparison reads the request into numbers with serde's derived code and writes the same columns from numbers, on
-//! one core. Processor time is the system's count for all threads of this process, in ticks of 10 ms, so calls are
-//! repeated. The ratios compare processor time, since the service uses all cores and the comparison one.
+//! one core. Calls that are compared alternate in each round. Processor time is that of all threads of this process: the
+//! service uses all cores and the comparison one, and other work on the machine makes processor time longer by less
+//! than time.
 
 use axum::Router;
 use axum::body::{Body, Bytes};
@@ -21,9 +22,7 @@ use tower::ServiceExt;
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-const TICKS_A_SECOND: f64 = 100.0;
-const ROUNDS: usize = 3;
-/// At least thirty ticks, so that a tick is 3 %.
+const ROUNDS: usize = 5;
 const LEAST_ROUND: Duration = Duration::from_millis(300);
 
 /// Each calculation with its parameters and its result.
@@ -37,6 +36,18 @@ const CALCULATIONS: [(&str, &str, &str); 3] = [
 #[derive(Deserialize)]
 struct Contacts {
     contacts: Vec<Contact>,
+}
+
+/// The same as columns.
+#[derive(Deserialize)]
+struct ContactsInColumns {
+    contacts: ContactColumns,
+}
+
+#[derive(Deserialize)]
+struct ContactColumns {
+    slope_deg: Vec<f64>,
+    feed_angle_deg: Vec<f64>,
 }
 
 #[derive(Deserialize)]
@@ -115,11 +126,19 @@ impl Cost {
 }
 
 /// Processor time of this process so far, in s.
+#[expect(clippy::cast_precision_loss, reason = "far below 2^53")]
 fn cpu_s() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux reports the times of a process");
-    let after_name = stat.rsplit_once(')').map_or("", |(_, rest)| rest);
-    let ticks: f64 = after_name.split_whitespace().skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum();
-    ticks / TICKS_A_SECOND
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// Medians over rounds, in each of which all calls are measured in turn.
+fn medians<const N: usize>(mut calls: [&mut dyn FnMut(); N]) -> [Cost; N] {
+    let rounds: Vec<[Cost; N]> = (0..ROUNDS).map(|_| std::array::from_fn(|call| Cost::of(&mut *calls[call]))).collect();
+    std::array::from_fn(|call| Cost {
+        wall: median(rounds.iter().map(|round| round[call].wall).collect()),
+        cpu: median(rounds.iter().map(|round| round[call].cpu).collect()),
+    })
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -159,11 +178,16 @@ impl Bench {
     fn columns(&self, contacts: u32, calculation: &str, terms: &str, named: &str, model: &'static str) -> ColumnsRow {
         let path = format!("/v1/{calculation}/batch");
         let (rows, columns) = (request(contacts, terms, model), request_of_columns(contacts, terms, model, named));
-        let [of_rows, of_columns] = [&rows, &columns].map(|body| {
-            let rounds: Vec<Cost> = (0..ROUNDS).map(|_| Cost::of(|| drop(black_box(self.answer(&path, body))))).collect();
-            let over_rounds = |figure: fn(&Cost) -> f64| median(rounds.iter().map(figure).collect());
-            Cost { wall: over_rounds(|cost| cost.wall), cpu: over_rounds(|cost| cost.cpu) }
-        });
+        let answer = Columns::of(&self.answer(&path, &columns).concat());
+        let [of_rows, of_columns, json] = medians([
+            &mut || drop(black_box(self.answer(&path, &rows))),
+            &mut || drop(black_box(self.answer(&path, &columns))),
+            &mut || {
+                let read: ContactsInColumns = serde_json::from_slice(&columns).expect("JSON");
+                black_box(read.contacts.slope_deg.iter().chain(&read.contacts.feed_angle_deg).sum::<f64>());
+                black_box(serde_json::to_vec(&answer).expect("JSON"));
+            },
+        ]);
         ColumnsRow {
             calculation: calculation.to_owned(),
             model,
@@ -171,7 +195,9 @@ impl Bench {
             columns_wall_ms: of_columns.wall * 1e3,
             wall_ratio: of_columns.wall / of_rows.wall,
             cpu_ratio: of_columns.cpu / of_rows.cpu,
+            cpu_ratio_to_json: of_columns.cpu / json.cpu,
             ns_a_contact: of_columns.wall * 1e9 / f64::from(contacts),
+            cpu_ns_a_contact: of_columns.cpu * 1e9 / f64::from(contacts),
         }
     }
 
@@ -185,19 +211,17 @@ impl Bench {
             black_box(read.contacts.iter().map(|contact| contact.slope_deg + contact.feed_angle_deg).sum::<f64>());
             black_box(serde_json::to_vec(&columns).expect("JSON"));
         };
-        let rounds: Vec<[Cost; 2]> =
-            (0..ROUNDS).map(|_| [Cost::of(|| drop(black_box(self.answer(&path, &body)))), Cost::of(read_and_write)]).collect();
-        let over_rounds = |figure: fn(&[Cost; 2]) -> f64| median(rounds.iter().map(figure).collect());
+        let [ours, json] = medians([&mut || drop(black_box(self.answer(&path, &body))), &mut || read_and_write()]);
         Row {
             calculation: calculation.to_owned(),
             model,
             request_mb: megabytes(&body),
             answer_mb: megabytes(&answer),
-            wall_ms: over_rounds(|[ours, _]| ours.wall * 1e3),
-            cpu_ratio: over_rounds(|[ours, json]| ours.cpu / json.cpu),
-            wall_ratio: over_rounds(|[ours, json]| ours.wall / json.wall),
-            us_a_contact_and_core: over_rounds(|[ours, _]| ours.cpu * 1e6) / f64::from(contacts),
-            cores_used: over_rounds(|[ours, _]| ours.cpu / ours.wall),
+            wall_ms: ours.wall * 1e3,
+            cpu_ratio: ours.cpu / json.cpu,
+            wall_ratio: ours.wall / json.wall,
+            us_a_contact_and_core: ours.cpu * 1e6 / f64::from(contacts),
+            cores_used: ours.cpu / ours.wall,
         }
     }
 }
@@ -224,7 +248,10 @@ struct ColumnsRow {
     columns_wall_ms: f64,
     wall_ratio: f64,
     cpu_ratio: f64,
+    /// Processor time against reading and writing the same JSON.
+    cpu_ratio_to_json: f64,
     ns_a_contact: f64,
+    cpu_ns_a_contact: f64,
 }
 
 #[expect(clippy::cast_precision_loss, reason = "far below 2^53")]
@@ -249,14 +276,20 @@ fn main() {
         }
     }
     println!("\ncolumns with one column of the answer against rows with all columns");
-    println!("calculation     model     rows ms  columns ms  wall ratio  cpu ratio  ns/contact");
+    println!("calculation     model     rows ms  columns ms  wall ratio  cpu ratio  cpu/JSON  ns/contact  cpu ns/contact");
     let mut columns = Vec::new();
     for model in ["analytic", "envelope"] {
         for (calculation, terms, named) in CALCULATIONS {
             let row = bench.columns(contacts, calculation, terms, named, model);
             println!(
-                "{calculation:15} {model:8} {:8.0} {:11.0} {:11.2} {:10.2} {:11.0}",
-                row.rows_wall_ms, row.columns_wall_ms, row.wall_ratio, row.cpu_ratio, row.ns_a_contact
+                "{calculation:15} {model:8} {:8.0} {:11.0} {:11.2} {:10.2} {:9.2} {:11.0} {:15.0}",
+                row.rows_wall_ms,
+                row.columns_wall_ms,
+                row.wall_ratio,
+                row.cpu_ratio,
+                row.cpu_ratio_to_json,
+                row.ns_a_contact,
+                row.cpu_ns_a_contact
             );
             columns.push(row);
         }

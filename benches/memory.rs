@@ -5,6 +5,7 @@
 //! facets.
 
 #![allow(clippy::cast_precision_loss, reason = "figures to print, under 2^53")]
+#![allow(clippy::cast_possible_truncation, reason = "coordinates of files")]
 
 use peak_alloc::PeakAlloc;
 use rayon::prelude::*;
@@ -36,8 +37,8 @@ fn mm(value: f64) -> Length {
     Length::from_mm(value).expect("a length in its bounds")
 }
 
-/// The allocator's peak while `stage` ran and its growth afterwards, both over the level at the start, and the result
-/// of `stage`.
+/// The allocator's peak while `stage` ran and its level afterwards, both relative to the level at the start, and the
+/// result of `stage`.
 fn counted<T>(stage: impl FnOnce() -> T) -> (usize, isize, T) {
     ALLOCATOR.reset_peak_usage();
     let before = ALLOCATOR.current_usage();
@@ -99,7 +100,7 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
         let settings = ZigzagSettings::new(mm(height), machine);
         for (threads, pool) in pools {
             let parallelism = Parallelism { threads: *threads, candidates: *threads };
-            // Beside the facets themselves, of 152 bytes, which are held already.
+            // In addition to the facets themselves, of 152 bytes, which are already in memory.
             let ranked = |room: PlanRoom| {
                 let size = RankingSize { facets, candidates: cutters.len(), diameters: 24 };
                 let stated = bytes_to_rank(size, parallelism, room) - 152 * facets;
@@ -179,8 +180,8 @@ fn files() {
     stl.truncate(84 + (stl.len() - 84) / 50 * 50);
     let count = u32::try_from((stl.len() - 84) / 50).expect("a count");
     stl[80..84].copy_from_slice(&count.to_le_bytes());
-    (0..1_000_000).for_each(|index| text.push_str(&format!("{} {} {}\n", index / 1000 % 10, index / 100 % 10, index % 10)));
-    (0..40_000).for_each(|_| obj.push_str(&format!("f{}\n", " 1 2 3".repeat(40))));
+    (0..1000).for_each(|index| text.extend(["1 2 3\n", "4 5 6\n"].map(|line| line.repeat(500 + index % 2))));
+    (0..40_000).for_each(|_| obj.extend(["f", &" 1 2 3".repeat(40), "\n"]));
     let ply = |vertices: usize, of_vertices: &[u8], faces: usize, of_face: &[u8]| {
         let header = format!(
             "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty char x\nproperty char y\nproperty char z\n\
@@ -191,7 +192,7 @@ fn files() {
     let circle: Vec<u8> = (0..250)
         .flat_map(|index| {
             let (sin, cos) = (f64::from(index) / 250.0 * std::f64::consts::TAU).sin_cos();
-            [(120.0 * cos) as i8 as u8, (120.0 * sin) as i8 as u8, 1]
+            [((120.0 * cos) as i8).cast_unsigned(), ((120.0 * sin) as i8).cast_unsigned(), 1]
         })
         .collect();
     let polygon: Vec<u8> = std::iter::once(250).chain(0..250).collect();

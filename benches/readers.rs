@@ -1,9 +1,9 @@
 //! Measures the speed of the readers on one core, compared with adding up the same bytes:
 //! `cargo bench --bench readers [facets]`.
 //!
-//! Every file holds the same surface, a million facets unless stated otherwise (text: their vertices twice), and
-//! arrives in chunks of 64 KiB. The shortest of several times is printed, because other work on the machine can only
-//! add to it.
+//! Every file has the same surface, a million facets unless stated otherwise (text: their vertices twice), and arrives
+//! in chunks of 64 KiB. The shortest of several times is printed, because other work on the machine can only make it
+//! longer.
 //!
 //! The second table has the service's reading, in blocks of a megabyte on two threads, with the sums, and with facets
 //! welded and merged or points thinned beyond 500,000 of them: the least processor time of both threads. "sums" leaves

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const TICKS_A_SECOND: f64 = 100.0;
-/// At least fifty ticks, so that a tick is 2 %.
+/// The measured time is at least fifty ticks, so that a tick is 2 %.
 const LEAST_ROUND: Duration = Duration::from_millis(500);
 
 fn mm(value: f64) -> Length {
@@ -57,7 +57,7 @@ fn cutters(count: u32) -> Vec<Cutter> {
 /// The processor time of this process, in s.
 fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").expect("a system with /proc");
-    // The name in parentheses may hold blanks; utime and stime are the 14th and 15th fields.
+    // The name in parentheses may have blanks; utime and stime are the 14th and 15th fields.
     let fields: Vec<&str> = text[text.rfind(')').expect("a name") + 2..].split(' ').collect();
     fields[11..13].iter().map(|ticks| ticks.parse::<f64>().expect("a count")).sum::<f64>() / TICKS_A_SECOND
 }

@@ -1,4 +1,4 @@
-//! Sends a request at a fixed rate, whatever the time of the answers, and prints the distribution of latencies, for
+//! Sends requests at a fixed rate, independent of the answers, and prints the distribution of latencies, for
 //! `benches/requests`.
 //!
 //! `paced_load ADDRESS PATH RATE SECONDS CONNECTIONS`, with the JSON body on standard input. A request is due every

@@ -1,11 +1,12 @@
-//! Draws random contacts from the whole domain of model `envelope`, times each calculation in processor time, and prints for each group of inputs the median,
-//! the 99th percentile, the longest time, the share over 100 us, and the input that takes longest.
+//! Draws random contacts from the whole domain of model `envelope` and measures the processor time of each calculation.
+//! For each group of inputs it prints the median, the 99th percentile, the longest time, the share over 100 us, and the
+//! input that takes longest.
 //!
 //! ```sh
 //! cargo run --release --example slowest_contacts -- 1000000
 //! ```
 //!
-//! Optional second argument: the seed. Inputs without an answer count too: a refusal has to be quick as well.
+//! The optional second argument is the seed. Inputs without an answer count too, because a refusal must also be fast.
 
 #[cfg(target_os = "linux")]
 fn main() {
@@ -32,7 +33,7 @@ mod linux {
         time.tv_sec as f64 * 1e6 + time.tv_nsec as f64 / 1e3
     }
 
-    /// Splitmix64: numbers that look random and are the same on each run.
+    /// The pseudo-random generator Splitmix64, with a fixed seed.
     struct Random(u64);
 
     impl Random {
@@ -54,7 +55,7 @@ mod linux {
             low * (high / low).powf(self.unit())
         }
 
-        /// An angle from 0 to 90 deg: one of the ends, near one of the ends, or anything between.
+        /// An angle from 0 to 90 deg: one of the ends, near one of the ends, or any between.
         fn quarter_turn(&mut self) -> f64 {
             match self.unit() {
                 u if u < 0.05 => 0.0,
@@ -70,7 +71,7 @@ mod linux {
         Length::from_mm(value.clamp(Length::SMALLEST, Length::LARGEST)).expect("a length in its bounds")
     }
 
-    /// A pass, a step-over, a feed per tooth where there is one, and a tolerance.
+    /// A pass, a step-over, a feed per tooth if there is one, and a tolerance.
     #[derive(Debug, Clone, Copy)]
     struct Input {
         pass: Pass,
@@ -90,7 +91,7 @@ mod linux {
         [(Surface::Plane, "plane"), (Surface::Convex, "convex"), (Surface::Concave, "concave or saddle, lambda from 0.25")];
 
     impl Input {
-        /// Nine of ten sizes are those of cutters, the others anything that a length can be.
+        /// Nine of ten sizes are those of real cutters, the others any valid length.
         fn draw(random: &mut Random, surface: Surface, runs_out: bool) -> Self {
             loop {
                 let outer = if random.unit() < 0.9 { random.within(0.25, 25.0) } else { random.logarithmic(1e-5, 1e5) };
@@ -170,7 +171,7 @@ mod linux {
         now_us() - began
     }
 
-    /// A time over this is taken again: what an interrupt adds counts as processor time of the thread that it interrupts.
+    /// A time above this is measured again, because interrupts count as processor time of the interrupted thread.
     const DOUBTFUL_US: f64 = 50.0;
 
     pub(super) fn main() {

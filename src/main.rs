@@ -23,7 +23,7 @@ const BACKLOG: u32 = 4096;
 /// The largest number of connections to the address for probes and scrapes.
 const HEALTH_CONNECTIONS: usize = 64;
 
-/// The variable with the allocator's delay before it returns freed memory.
+/// The variable of the allocator's delay before it returns freed memory.
 #[cfg(unix)]
 const PURGE_DELAY: &str = "MIMALLOC_PURGE_DELAY";
 
@@ -52,9 +52,9 @@ fn main() -> ExitCode {
     }
 }
 
-/// Sets the time in ms after which the allocator returns freed memory to the system, which is a second by default: the
-/// process would hold what several large requests have freed in that time beside the memory budget. The allocator reads
-/// it from the environment when the process begins, so the program is executed again.
+/// Sets the delay in ms after which the allocator returns freed memory to the system. With the default of a second, the
+/// process would keep the memory that several large requests have freed, in addition to the memory budget. The
+/// allocator reads the variable when the process begins, so the program is executed again.
 fn return_memory_soon() {
     #[cfg(unix)]
     if std::env::var_os(PURGE_DELAY).is_none()

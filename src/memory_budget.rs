@@ -195,7 +195,8 @@ impl Reservation {
         Ok(())
     }
 
-    /// Begins the wait of a request for its work, during which the reservation is that of an input.
+    /// Begins the time in which the request waits for its work. In this time the reservation counts as that of an
+    /// input.
     ///
     /// # Errors
     /// [`BudgetExceeded::Now`] if the other inputs hold more than a quarter of the budget.
@@ -211,7 +212,7 @@ impl Reservation {
         Ok(())
     }
 
-    /// The bytes that the reservation could have now. Others may reserve them before it does.
+    /// The largest size to which the reservation can grow now. Other requests may reserve the bytes first.
     #[must_use]
     pub fn attainable(&self) -> u64 {
         let free = self.budget.0.total.saturating_sub(self.budget.reserved());

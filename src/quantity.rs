@@ -367,6 +367,55 @@ impl Angle {
     }
 }
 
+/// A direction in a plane, by the cosine and sine of its angle from the X axis. The angle itself takes as long as both
+/// and is computed where it is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Direction {
+    cos: f64,
+    sin: f64,
+}
+
+impl Direction {
+    /// The direction of the X axis.
+    pub const ZERO: Self = Self { cos: 1.0, sin: 0.0 };
+
+    /// The direction of the vector (x, y); `None` for the null vector.
+    pub(crate) fn of_vector(x: f64, y: f64) -> Option<Self> {
+        let length = x.hypot(y);
+        (length > 0.0).then(|| Self { cos: x / length, sin: y / length })
+    }
+
+    /// The angle in radians, from -pi to pi.
+    #[must_use]
+    pub fn radians(self) -> f64 {
+        self.sin.atan2(self.cos)
+    }
+
+    /// The angle in degrees, from -180 to 180.
+    #[must_use]
+    pub fn degrees(self) -> f64 {
+        self.radians().to_degrees()
+    }
+
+    /// The sine of the angle.
+    #[must_use]
+    pub fn sin(self) -> f64 {
+        self.sin
+    }
+
+    /// The cosine of the angle.
+    #[must_use]
+    pub fn cos(self) -> f64 {
+        self.cos
+    }
+}
+
+impl From<Angle> for Direction {
+    fn from(angle: Angle) -> Self {
+        Self { cos: angle.cos, sin: angle.sin }
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests {

@@ -47,8 +47,8 @@ fn digest(file: &[u8], chunk: usize, name: &str) -> (Digest, Result<Summary, Fau
     (digest, result)
 }
 
-/// The most memory for a file of at most 16 KB, with a vertex for every other byte, in blocks and in vectors that grow
-/// to twice their size; a compressed file inflates to some MB.
+/// The largest memory for a file of at most 16 KB, with a vertex for every other byte, in blocks and in vectors that
+/// double when they grow. A compressed file expands to some MB.
 const MOST_BYTES: usize = 64 << 20;
 
 /// Reads a file of this name whole and in chunks of a size that its own bytes choose.

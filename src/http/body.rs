@@ -46,6 +46,8 @@ const USUAL_ANSWER: usize = 1024;
 /// An answer as JSON text, written by the thread that computed it.
 pub(crate) struct WrittenJson {
     pieces: VecDeque<Bytes>,
+    /// The bytes in the pieces.
+    length: u64,
     /// The memory reserved for the answer until it is sent.
     reservation: Option<Reservation>,
 }
@@ -69,12 +71,14 @@ impl WrittenJson {
 
     /// An answer that is sent piece by piece: joining the pieces of a large answer would double its memory.
     pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
-        Self { pieces: pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect(), reservation: None }
+        let pieces: VecDeque<Bytes> = pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect();
+        let length = pieces.iter().map(|piece| piece.len() as u64).sum();
+        Self { pieces, length, reservation: None }
     }
 
     /// The same answer with `reservation`, which is resized to the answer and released when the answer has been sent.
     pub(crate) fn holding(mut self, mut reservation: Reservation) -> Result<Self, Problem> {
-        reservation.resize(self.length())?;
+        reservation.resize(self.length)?;
         self.reservation = Some(reservation);
         Ok(self)
     }
@@ -88,10 +92,6 @@ impl WrittenJson {
             }
             None => Body::empty(),
         }
-    }
-
-    fn length(&self) -> u64 {
-        self.pieces.iter().map(|piece| piece.len() as u64).sum()
     }
 }
 
@@ -130,9 +130,11 @@ impl HttpBody for WrittenJson {
         const FRAME: usize = 64 * 1024;
         let Some(first) = self.pieces.front_mut() else { return Poll::Ready(None) };
         let frame = first.split_to(first.len().min(FRAME));
-        if first.is_empty() {
+        let is_piece_sent = first.is_empty();
+        self.length -= frame.len() as u64;
+        if is_piece_sent {
             self.pieces.pop_front();
-            let left = self.length();
+            let left = self.length;
             if let Some(reservation) = &mut self.reservation {
                 reservation.shrink_to(left);
             }
@@ -145,7 +147,7 @@ impl HttpBody for WrittenJson {
     }
 
     fn size_hint(&self) -> SizeHint {
-        SizeHint::with_exact(self.length())
+        SizeHint::with_exact(self.length)
     }
 }
 

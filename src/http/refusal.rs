@@ -24,8 +24,10 @@ pub(super) fn refuse(status: StatusCode, metrics: &Metrics) -> Vec<u8> {
     metrics.began();
     metrics.ended(UNREAD, &ROUTE, status.as_u16(), Duration::ZERO);
     let body = problem(status, &id);
+    // The memory for heads is used up at this moment only.
+    let retry = if status == StatusCode::SERVICE_UNAVAILABLE { "retry-after: 1\r\n" } else { "" };
     let head = format!(
-        "HTTP/1.1 {status}\r\ncontent-type: application/problem+json\r\ncontent-length: {}\r\nx-request-id: {}\r\nconnection: close\r\n\r\n",
+        "HTTP/1.1 {status}\r\ncontent-type: application/problem+json\r\ncontent-length: {}\r\nx-request-id: {}\r\n{retry}connection: close\r\n\r\n",
         body.len(),
         id.as_str()
     );

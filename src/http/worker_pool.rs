@@ -222,8 +222,8 @@ impl Work {
             // Registered before the attempt, so that bytes returned after it are not missed.
             let returned = self.budget.returned();
             let left = || deadline.saturating_duration_since(Instant::now());
-            // Dozens of requests may wait, and bytes return thousands of times a second: only those that fit ask for a
-            // permit.
+            // Dozens of requests may wait, and bytes are returned thousands of times a second, so only requests that
+            // fit ask for a permit.
             if memory.attainable() >= memory.bytes().saturating_add(bytes) || memory.bytes().saturating_add(bytes) > self.budget.largest() {
                 let plan = self.workers.acquire(&self.workers.0.plans, left()).await?;
                 let permit = self.workers.admit(left()).await?;

@@ -109,6 +109,10 @@ impl Analytic {
         Ok(Self { pass, across, along, climb, relative_curvature })
     }
 
+    pub(super) fn pass(&self) -> &Pass {
+        &self.pass
+    }
+
     /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own.
     pub(super) fn relative_curvature(&self) -> f64 {
         self.relative_curvature
@@ -133,7 +137,12 @@ impl Analytic {
     /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`]; [`NoAnswer::SharpEdge`] for the marks of a
     /// flat-end cutter fed down the slope.
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        Ok(ScallopHeight { step_over: self.step_over_height(step_over)?, feed: self.feed_height(feed_per_tooth)? })
+        self.height_above(self.step_over_height(step_over)?, feed_per_tooth)
+    }
+
+    /// The same for a step-over that alone leaves `step_over_height`.
+    pub(super) fn height_above(&self, step_over_height: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
+        Ok(ScallopHeight::of_parts(step_over_height, self.feed_height(feed_per_tooth)?))
     }
 
     /// The largest feed per tooth that keeps the tolerance `tolerance` on h1 + h2.
@@ -142,7 +151,11 @@ impl Analytic {
     /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::RunoutUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`],
     /// and those of the step-over in [`Analytic::scallop_height`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        let step_over_height = self.step_over_height(step_over)?;
+        self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance)
+    }
+
+    /// The same for a step-over that alone leaves `step_over_height`.
+    pub(super) fn max_feed_per_tooth_above(&self, step_over_height: Length, tolerance: Length) -> Result<Length, NoAnswer> {
         if step_over_height >= tolerance {
             // The height at this step-over reaches the tolerance, so there is a step-over that leaves exactly the
             // tolerance.
@@ -175,7 +188,7 @@ impl Analytic {
     }
 
     /// h1 on the curved surface, [`groove_height`].
-    fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
+    pub(super) fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
         let largest_step_over = self.largest_step_over();
         let height = groove_height(self.across.0.recip(), self.pass.surface.across_per_mm(), step_over.mm());
         let height = height.filter(|_| step_over <= largest_step_over);

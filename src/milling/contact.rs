@@ -1,7 +1,7 @@
 //! The contact between cutter and surface: slope and feed direction relative to the tool axis, from angles or from
 //! vectors.
 
-use crate::quantity::{Angle, OutOfRange};
+use crate::quantity::{Angle, Direction, OutOfRange};
 use nalgebra::Vector3;
 use std::fmt;
 
@@ -20,7 +20,7 @@ use std::fmt;
 pub struct Contact {
     slope: Angle,
     alpha: Angle,
-    theta: Angle,
+    theta: Direction,
 }
 
 /// The reason why angles or vectors do not describe a contact. Each variant identifies the faulty input.
@@ -84,14 +84,14 @@ impl Contact {
         OutOfRange::check(slope, 0.0, 90.0).map_err(ContactError::Slope)?;
         let slope = Angle::from_degrees(slope).map_err(ContactError::Slope)?;
         let alpha = Angle::from_degrees(alpha).map_err(ContactError::FeedAngle)?;
-        let theta = Angle::of_vector(alpha.cos(), alpha.sin() * slope.cos());
-        Ok(Self { slope, alpha, theta: theta.unwrap_or(alpha) })
+        let theta = Direction::of_vector(alpha.cos(), alpha.sin() * slope.cos());
+        Ok(Self { slope, alpha, theta: theta.unwrap_or(alpha.into()) })
     }
 
     /// A contact on a slope from 0 to pi/2, fed along its steepest direction.
     pub(crate) fn up_the_slope(slope: Angle) -> Self {
         debug_assert!(slope.sin() >= 0.0 && slope.cos() >= 0.0, "a slope lies between floor and wall");
-        Self { slope, alpha: Angle::ZERO, theta: Angle::ZERO }
+        Self { slope, alpha: Angle::ZERO, theta: Direction::ZERO }
     }
 
     /// A contact from the surface's normal n, which points out of the part, the feed vector, and the tool axis a, which
@@ -124,7 +124,7 @@ impl Contact {
         if along_steepest.hypot(along_level) <= ALONG_NORMAL {
             return Err(ContactError::FeedAlongNormal);
         }
-        let theta = Angle::of_vector(along_steepest, along_level).ok_or(ContactError::FeedAlongNormal)?;
+        let theta = Direction::of_vector(along_steepest, along_level).ok_or(ContactError::FeedAlongNormal)?;
         let alpha = Angle::of_vector(theta.cos() * slope.cos(), theta.sin()).unwrap_or(Angle::ZERO);
         Ok(Self { slope, alpha, theta })
     }
@@ -143,7 +143,7 @@ impl Contact {
 
     /// theta, the angle between the feed and the steepest slope in the tangent plane.
     #[must_use]
-    pub fn theta(self) -> Angle {
+    pub fn theta(self) -> Direction {
         self.theta
     }
 
@@ -158,11 +158,11 @@ impl Contact {
 
     /// The angle at which the feed climbs or falls, exact: sin = sin(S) |cos(theta)|, from 0 to pi/2.
     #[must_use]
-    pub fn climb(self) -> Angle {
+    pub fn climb(self) -> Direction {
         let sin = self.slope.sin() * self.theta.cos().abs();
         // cos^2 = 1 - sin^2(S) cos^2(theta) = cos^2(S) + sin^2(S) sin^2(theta)
         let cos = self.slope.cos().hypot(self.slope.sin() * self.theta.sin());
-        Angle::of_vector(cos, sin).unwrap_or(Angle::ZERO)
+        Direction::of_vector(cos, sin).unwrap_or(Direction::ZERO)
     }
 }
 

@@ -16,7 +16,6 @@ pub enum Model {
 /// A pass with the model that evaluates it.
 #[derive(Debug, Clone, Copy)]
 pub struct EvaluatedPass {
-    pass: Pass,
     prepared: PreparedModel,
 }
 
@@ -31,18 +30,22 @@ impl EvaluatedPass {
     ///
     /// # Errors
     /// Those of [`Analytic::new`] and [`Envelope::new`].
+    #[inline]
     pub fn new(model: Model, pass: Pass) -> Result<Self, NoAnswer> {
         let prepared = match model {
             Model::Analytic => PreparedModel::Analytic(Analytic::new(pass)?),
             Model::Envelope => PreparedModel::Envelope(Envelope::new(pass)?),
         };
-        Ok(Self { pass, prepared })
+        Ok(Self { prepared })
     }
 
     /// The pass itself.
     #[must_use]
     pub fn pass(&self) -> &Pass {
-        &self.pass
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.pass(),
+            PreparedModel::Envelope(model) => model.pass(),
+        }
     }
 
     /// The model.
@@ -64,15 +67,15 @@ impl EvaluatedPass {
         }
     }
 
-    /// An estimate of how much the third order of a curved surface, which model `envelope` leaves out, changes the
-    /// height of the marks at the ridge, as a share of the ridge's height. The scallop height changes with the square
-    /// of this share. It is 0 on a plane and for model `analytic`, and infinite for a flat-end cutter if the surface's
-    /// normal turns.
+    /// How much the normal of a curved surface turns from the stated contact to the marks at the ridge, under model
+    /// `envelope`: the tangent of the largest angle, as a share of the smaller of sine and cosine of the slope. 0 on a
+    /// plane, for a ball-end cutter and under model `analytic`. Infinite if the answers neglect the turning: for a
+    /// flat-end cutter, and if no ridge was found with it.
     #[must_use]
-    pub fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+    pub fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         match &self.prepared {
             PreparedModel::Analytic(_) => 0.0,
-            PreparedModel::Envelope(model) => model.third_order_share(step_over, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.largest_turn(step_over, feed_per_tooth),
         }
     }
 
@@ -82,7 +85,7 @@ impl EvaluatedPass {
         match &self.prepared {
             PreparedModel::Analytic(model) => model.across_feed(),
             PreparedModel::Envelope(_) => {
-                EffectiveRadius::across_feed(self.pass.cutter.widened(self.pass.runout.radial()), self.pass.contact)
+                EffectiveRadius::across_feed(self.pass().cutter.widened(self.pass().runout.radial()), self.pass().contact)
             }
         }
         .finite()
@@ -93,7 +96,7 @@ impl EvaluatedPass {
     pub fn transverse_effective_radius(&self) -> Option<Length> {
         match &self.prepared {
             PreparedModel::Analytic(model) => model.along_feed(),
-            PreparedModel::Envelope(_) => EffectiveRadius::along_feed(self.pass.cutter, self.pass.contact),
+            PreparedModel::Envelope(_) => EffectiveRadius::along_feed(self.pass().cutter, self.pass().contact),
         }
         .finite()
     }
@@ -106,6 +109,57 @@ impl EvaluatedPass {
         match &self.prepared {
             PreparedModel::Analytic(model) => model.scallop_height(step_over, feed_per_tooth),
             PreparedModel::Envelope(model) => model.scallop_height(step_over, feed_per_tooth),
+        }
+    }
+
+    /// h1, the height that a step-over along the surface alone leaves.
+    ///
+    /// # Errors
+    /// Those of [`EvaluatedPass::scallop_height`] without marks.
+    pub fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.step_over_height(step_over),
+            PreparedModel::Envelope(model) => model.step_over_height(step_over),
+        }
+    }
+
+    /// The total of [`EvaluatedPass::scallop_height`], without its parts where these take searches of their own.
+    pub(crate) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        match &self.prepared {
+            PreparedModel::Envelope(model) if self.pass().surface.is_plane() => model.total_height(step_over, feed_per_tooth),
+            _ => self.scallop_height(step_over, feed_per_tooth).map(ScallopHeight::total),
+        }
+    }
+
+    /// [`EvaluatedPass::scallop_height`] for a step-over that alone leaves `step_over_height`.
+    pub(crate) fn height_above(
+        &self,
+        step_over_height: Length,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+    ) -> Result<ScallopHeight, NoAnswer> {
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.height_above(step_over_height, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.height_above(step_over_height, step_over, feed_per_tooth),
+        }
+    }
+
+    /// Whether there certainly is a height at every step-over and feed per tooth that the inverses find. Under model
+    /// `envelope` on planes these are within the borders of where passes and marks overlap.
+    pub(crate) fn inverses_have_heights(&self) -> bool {
+        self.model() == Model::Envelope && self.pass().surface.is_plane()
+    }
+
+    /// [`EvaluatedPass::max_feed_per_tooth`] for a step-over that alone leaves `step_over_height`.
+    pub(crate) fn max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.max_feed_per_tooth_above(step_over_height, tolerance),
+            PreparedModel::Envelope(model) => model.max_feed_per_tooth_above(step_over_height, tolerance, step_over),
         }
     }
 

@@ -34,10 +34,9 @@ pub enum ModelWarning {
     },
     /// A flat-end cutter's corner leaves sharp marks, and wears.
     SharpMarks,
-    /// On a curved surface the slope and feed direction change so much from mark to mark that terms of the third order,
-    /// which the model leaves out, are not negligible. This is so at every slope under 10 deg; if
-    /// [`EvaluatedPass::third_order_share`] exceeds 0.03; and near walls, if the normal turns by more than a fifth of
-    /// the remaining angle to 90 deg between two marks.
+    /// On a curved surface the slope and feed direction change so much from mark to mark that the height is only
+    /// approximate. This is so at every slope under 10 deg; if [`EvaluatedPass::largest_turn`] exceeds 0.1; and near
+    /// walls, if the normal turns by more than a fifth of the remaining angle to 90 deg between two marks.
     CurvatureApproximate,
     /// The cutter fits closely into the concave surface, so that the second order of the surface is not accurate
     /// enough.
@@ -78,7 +77,7 @@ impl fmt::Display for ModelWarning {
                 f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
             }
             Self::CurvatureApproximate => f.write_str(
-                "the normal of the curved surface turns between the marks by an angle that is not negligible (as at every slope under 10 deg); the model leaves this out, and the height can be exceeded by a few percent",
+                "the normal of the curved surface turns between the marks by an angle that is not negligible (as at every slope under 10 deg); the height is approximate, and can be exceeded by a few percent",
             ),
             Self::NearGouging { lambda } => write!(
                 f,
@@ -93,19 +92,19 @@ impl fmt::Display for ModelWarning {
 /// neglecting the next order.
 const A_FIFTH: f64 = 0.2;
 
-/// The largest share by which the third order may change the marks at the ridge without a warning. Of 7,185 simulated
-/// configurations below it, with slopes of at least 10 deg and lambda over 0.6, none exceeds the height by more than 1
-/// %; `docs/envelope-on-curved-surfaces.md` has the figures.
-const THIRD_ORDER_SMALL: f64 = 0.03;
+/// The largest turn of the normal between the stated contact and a mark that gives no warning. Simulated heights with
+/// larger turns exceed the model's by up to some percent on strongly curved surfaces;
+/// `docs/envelope-on-curved-surfaces.md` has the figures.
+const SMALL_TURN: f64 = 0.1;
 
-/// The slope in degrees below which the third order of a curved surface is not negligible in model `envelope`.
+/// The slope in degrees below which heights on curved surfaces are approximate in model `envelope`.
 const STEEP_ENOUGH_DEG: f64 = 10.0;
 
 impl EvaluatedPass {
     /// All warnings about this pass at a step-over along the surface and a feed per tooth; `None` leaves no marks.
     ///
-    /// The limits of the circle and of the published runout concern model `analytic`, the third order of the curvature
-    /// model `envelope`.
+    /// The limits of the circle and of the published runout concern model `analytic`, the turning of the normal model
+    /// `envelope`.
     pub fn warnings(&self, step_over: Length, feed_per_tooth: Option<Length>) -> impl Iterator<Item = ModelWarning> + use<> {
         let pass = self.pass();
         let circle = match self.model() {
@@ -115,7 +114,7 @@ impl EvaluatedPass {
         let sharp = (pass.cutter.kind() == CutterKind::FlatEnd).then_some(ModelWarning::SharpMarks);
         let counts = || {
             pass.contact.slope().degrees() < STEEP_ENOUGH_DEG
-                || self.third_order_share(step_over, feed_per_tooth) > THIRD_ORDER_SMALL
+                || self.largest_turn(step_over, feed_per_tooth) > SMALL_TURN
                 || turns_towards_wall(pass, step_over, feed_per_tooth)
         };
         let third_order = self.model() == Model::Envelope && !pass.surface.is_plane() && counts();

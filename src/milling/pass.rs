@@ -128,13 +128,25 @@ pub struct ScallopHeight {
     pub step_over: Length,
     /// The height that the tooth marks along the feed add.
     pub feed: Length,
+    total: Length,
 }
 
 impl ScallopHeight {
+    /// The height of two parts.
+    pub(super) fn of_parts(step_over: Length, feed: Length) -> Self {
+        Self { step_over, feed, total: step_over + feed }
+    }
+
+    /// The height `total`, of which the step-over alone leaves `step_over`, or less where that exceeds it.
+    pub(super) fn of_total(step_over: Length, total: Length) -> Self {
+        let step_over = if total < step_over { total } else { step_over };
+        Self { step_over, feed: Length::computed(total.mm() - step_over.mm()), total }
+    }
+
     /// h, the sum of both.
     #[must_use]
     pub fn total(self) -> Length {
-        self.step_over + self.feed
+        self.total
     }
 
     /// The share of the feed height in the scallop height, from 0 to 1; `None` if the height is 0.

@@ -1,4 +1,4 @@
-//! Numbers that carry their derivatives: forward-mode automatic differentiation.
+//! Numbers with their derivatives, for forward-mode automatic differentiation.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -77,6 +77,7 @@ impl<const N: usize> Neg for Dual<N> {
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
 
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule adds")]
     fn mul(self, other: Self) -> Self {
         Self { value: self.value * other.value, by: std::array::from_fn(|i| self.value * other.by[i] + other.value * self.by[i]) }
     }

@@ -1,5 +1,4 @@
-//! Rounding to whole numbers without calls of the library, whose functions are calls where the compiler may not assume
-//! that the processor has instructions for them.
+//! Rounding to whole numbers. The standard library's functions are slow calls unless SSE4.1 is assumed.
 
 /// The smallest whole number that is not below `value`. A value beyond the bounds of the type becomes the nearest bound.
 #[inline]
@@ -9,7 +8,7 @@ pub(crate) fn ceil(value: f64) -> i64 {
     truncated.saturating_add(i64::from((truncated as f64) < value))
 }
 
-/// The largest whole number that is not above `value`, likewise.
+/// The largest whole number that is not above `value`, with the same limits.
 #[inline]
 pub(crate) fn floor(value: f64) -> i64 {
     ceil(-value).saturating_neg()

@@ -98,7 +98,7 @@ pub fn bytes_prepared(facets: usize) -> usize {
     facets * (CLASSES + size_of::<FinishFacet>()) + TRIAL_SIDE * TRIAL_SIDE * VIEW_CELL
 }
 
-/// The memory in bytes to compute the reach of cutters on so many threads.
+/// The memory in bytes to compute the reach of cutters on this many threads.
 #[must_use]
 pub fn bytes_to_try(threads: usize) -> usize {
     threads * TRIAL

@@ -98,7 +98,7 @@ impl Bezier {
         self.sampled_until(samples, &|| false)
     }
 
-    /// The same. Once `stop` returns true, the other samples are left out.
+    /// The same as [`Bezier::sampled`]. Once `stop` returns true, the other samples are left out.
     ///
     /// # Errors
     /// As [`Bezier::sampled`].
@@ -134,7 +134,7 @@ impl Bezier {
         self.tessellate_until(samples, sink, &|| false)
     }
 
-    /// The same. Once `stop` returns true, the facets of the other cells are left out.
+    /// The same as [`Bezier::tessellate`]. Once `stop` returns true, the facets of the other cells are left out.
     ///
     /// # Errors
     /// As [`Bezier::tessellate`].

@@ -9,7 +9,7 @@ pub const LONG_EDGE: f64 = 4.0;
 /// The number of points inserted between two checks for cancellation: about a millisecond.
 const INSERTED_AT_ONCE: usize = 1024;
 
-/// How many edges or triangles are listed between two checks: about a millisecond.
+/// The number of edges or triangles that are visited between two checks for cancellation: about a millisecond.
 const LISTED_AT_ONCE: usize = 16_384;
 
 /// A point of the plane with its index.
@@ -94,7 +94,7 @@ pub(super) fn triangulate(points: Vec<[f64; 3]>, stop: &dyn Fn() -> bool) -> (Ve
     (points, triangles)
 }
 
-/// The length of the third shortest edge of each point, or of the longest if it has fewer; `None` where `stop` returns
+/// The length of the third shortest edge of each point, or of the longest if it has fewer; `None` once `stop` returns
 /// true.
 fn spacing(delaunay: &DelaunayTriangulation<Site>, count: usize, stop: &dyn Fn() -> bool) -> Option<Vec<f64>> {
     let mut shortest = vec![[f64::INFINITY; 3]; count];

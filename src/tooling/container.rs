@@ -16,7 +16,7 @@ const LIMITS: ArchiveLimits = ArchiveLimits { entries: 20_000, inflated_bytes: L
 
 const EXPECTED: &str = "a tool library: JSON of Fusion or FreeCAD, a zip of them, or CSV";
 
-/// Reads a library of any format. Once `cancel` is set, it ends early.
+/// Reads a library of any format. Once `cancel` is set, it returns early.
 pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
     if bytes.len() > LARGEST {
         let flaw = Flaw::too_large(format!("a file of at most {LARGEST} bytes"), format!("{} bytes", bytes.len()));

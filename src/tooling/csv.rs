@@ -32,7 +32,7 @@ enum Column {
 /// The largest table in bytes: 400 for each of 10,000 tools. It also limits the number of fields.
 const LARGEST: usize = 4 << 20;
 
-/// Adds the tools of a table of cutters. Once `cancel` is set, it ends early.
+/// Adds the tools of a table of cutters. Once `cancel` is set, it returns early.
 ///
 /// # Errors
 /// The file is not a table, or its header has faults, or the library is full.

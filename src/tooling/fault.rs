@@ -176,8 +176,8 @@ impl Flaw {
         Self::new(LibraryFaultKind::OutOfRange, expected, found)
     }
 
-    /// A text that is not JSON, or not the expected JSON. The parser's message quotes the text at any length, so it is
-    /// shortened.
+    /// The flaw of a text that is not JSON, or not the expected JSON. The parser's message may quote a long text, so it
+    /// is shortened.
     pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Self {
         let message = error.to_string();
         let place = format!(" at line {} column {}", error.line(), error.column());

@@ -93,7 +93,7 @@ impl ToolLibrary {
         Self::read_until(bytes, file_name, &CancelFlag::default())
     }
 
-    /// The same. Once `cancel` is set, it ends early with a result that has no meaning.
+    /// The same as [`ToolLibrary::read`]. Once `cancel` is set, it returns early, and the result must be discarded.
     ///
     /// # Errors
     /// As [`ToolLibrary::read`].

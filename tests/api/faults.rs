@@ -225,7 +225,7 @@ async fn passes_and_marks_that_do_not_overlap_are_refused() {
         app.answer(SCALLOP_HEIGHT, &without(with(wide, "/step_over_mm", just_under), "/feed_per_tooth_mm")).await;
         let from_above = with(without(body.clone(), "/step_over_mm"), "/step_over_xy_mm", 14);
         assert_fault(&app, SCALLOP_HEIGHT, &from_above, "/step_over_xy_mm", "passes-do-not-overlap").await;
-        // Further apart than the cutter is wide, on a slope of 40 deg: 10 / cos 40 deg = 13.1 at most.
+        // The largest distance on a slope of 40 deg is 10 / cos 40 deg = 13.1; this one is larger.
         let long = with(body, "/feed_per_tooth_mm", 13.5);
         assert_fault(&app, SCALLOP_HEIGHT, &long, "/feed_per_tooth_mm", "marks-do-not-overlap").await;
     }

@@ -9,6 +9,7 @@ mod document;
 mod faults;
 mod floods;
 mod max_feed;
+mod one_pass;
 mod pages;
 mod query;
 mod refused_examples;

@@ -1,4 +1,4 @@
-//! Warnings: present if an assumption of the model is near its limit, and only then.
+//! Warnings: an answer has one if and only if an assumption of the model is near its limit.
 
 use crate::api::requests::{MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, angles, ball_end, batch_of, shortest, toroidal, with};
 use crate::app::{TestApp, warnings};

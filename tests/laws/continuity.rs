@@ -19,8 +19,8 @@ fn quarter_turn() -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 1 => Just(90.0), 1 => near.clone(), 1 => near.prop_map(|offset| 90.0 - offset), 4 => 0.0..90.0_f64]
 }
 
-/// Slopes next to a wall are left out: on a wall every alpha but that of the level feed means the vertical feed, so
-/// roundings count there.
+/// Slopes next to a wall are left out: on a wall every alpha except that of the level feed means the vertical feed, so
+/// that rounding errors matter there.
 fn slopes() -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 1 => (0..40_i32).prop_map(|power| 10.0_f64.powf(-f64::from(power) / 2.5)), 5 => 0.0..89.0_f64]
 }
@@ -49,8 +49,8 @@ fn heights_are_continuous_in_slope_direction_step_over_and_feed() {
             let mut beside = here;
             beside[moved] = if here[moved] > 1.0 { here[moved].next_down() } else { here[moved].next_up() };
             if let (Ok(height), Ok(next)) = (find(here), find(beside)) {
-                // A rounding of an angle of 90 deg, 1.4e-14 deg, moves places 20 mm away by 5e-15 mm, which at 89 deg
-                // counts 57 times; searches end within some roundings of h.
+                // A rounding error of an angle of 90 deg, 1.4e-14 deg, moves points 20 mm away by 5e-15 mm, which at 89
+                // deg is magnified 57 times. Searches end within a few rounding errors of h.
                 prop_assert!((height - next).abs() <= 1e-11 * height + 1e-12, "{height} and {next} at {here:?}, {beside:?}, {cutter:?}");
             }
             Ok(())
@@ -78,14 +78,15 @@ fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
             let turn = Angle::from_degrees(turn).unwrap();
             let surface = SurfaceCurvature::from_principal_per_mm([one / outer, other / outer], turn).unwrap();
             let runout = Runout::NONE.with_radial_mm(radial * outer).unwrap().with_axial_mm(axial * outer).unwrap();
-            // On a wall only the ends of alpha differ: every other value means the vertical feed.
+            // On a wall, alpha = 90 deg means the level feed and every other value the vertical feed.
             let alpha = if slope >= 90.0 && alpha < 90.0 { 0.0 } else { alpha };
             let find = |input: [f64; 4]| {
                 let contact = Contact::from_degrees(input[0], input[1]).unwrap();
                 let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout, teeth: None }).ok()?;
                 let (s, f, tolerance) = (mm(input[2]), mm(input[3]), mm(2e-3 * outer));
                 let height = evaluated.scallop_height(s, Some(f)).ok()?.total().mm();
-                // An inverse jumps where the deep marks alone begin to suffice; without runout there are no jumps.
+                // With runout, an inverse jumps at the point where the deep marks alone begin to suffice. Without
+                // runout there are no jumps.
                 let inverses = (runout == Runout::NONE).then(|| {
                     (
                         evaluated.max_step_over(tolerance, Some(f)).map(Length::mm),
@@ -96,7 +97,7 @@ fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
             };
             let here = [slope, alpha, share * outer, marks * outer];
             let mut beside = here;
-            // At a wall's level or vertical feed only lengths vary: next to it, alpha means another feed.
+            // On a wall, only the lengths are varied, because a slightly different alpha means another feed.
             let moved = if slope >= 90.0 { 2 + moved % 2 } else { moved };
             beside[moved] = if here[moved] > 1.0 { here[moved].next_down() } else { here[moved].next_up() };
             if let (Some((height, inverses)), Some((next, next_inverses))) = (find(here), find(beside)) {
@@ -104,8 +105,8 @@ fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
                 for (one, other) in inverses.into_iter().zip(next_inverses).flat_map(|(a, b)| [(a.0, b.0), (a.1, b.1)]) {
                     if let (Ok(one), Ok(other)) = (one, other) {
                         // Short feeds and step-overs, on which the height hardly depends, are left out. At a largest
-                        // feed f the height has a slope of the order f/R, so that roundings of 1e-12 of h count as
-                        // 1e-12 h R/f^2 of f.
+                        // feed f the derivative of the height is of the order f/R, so that rounding errors of 1e-12 of
+                        // h become 1e-12 h R/f^2 of f.
                         let room = 1e-9 * one + 1e-11 * outer;
                         prop_assert!(
                             (one - other).abs() <= room || one.min(other) < 0.03 * outer,

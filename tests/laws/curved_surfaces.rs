@@ -41,17 +41,23 @@ fn bent(cutter: Cutter, (shares, turn): ([f64; 2], f64)) -> SurfaceCurvature {
     SurfaceCurvature::from_principal_per_mm(shares.map(|share| share / cutter.outer_radius().mm()), angle(turn)).unwrap()
 }
 
-/// The curvature of a surface in the axes of a feed that is turned by `degrees` in the tangent plane: both principal
-/// directions turn the other way.
+/// The curvature of a surface in the axes of a feed that is turned by `degrees` in the tangent plane. Relative to the
+/// feed, both principal directions turn the other way.
 fn turned(principal: [f64; 2], direction: f64, degrees: f64) -> SurfaceCurvature {
     SurfaceCurvature::from_principal_per_mm(principal, angle(direction - degrees)).unwrap()
+}
+
+/// Whether the surface's normal turns so far between the marks that heights are only approximate: then the marks can
+/// have several ridges, of which a search may find another one.
+fn turns_far(evaluated: &EvaluatedPass, s: f64, f: f64) -> bool {
+    evaluated.largest_turn(mm(s), Some(mm(f))) > 0.1
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Surfaces with radii from 1e9 mm on differ from a plane over 20 mm by 2e-7 mm at the most, and by s^2/(8 radius)
-    /// at the ridge.
+    /// Over 20 mm, surfaces with radii of at least 1e9 mm differ from a plane by at most 2e-7 mm, and at the ridge by
+    /// s^2/(8 radius).
     #[test]
     fn heights_tend_to_those_of_the_plane(
         cutter in all_cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), s in 0.02..0.5_f64, f in 0.01..0.3_f64, turn in 0.0..180.0_f64,
@@ -71,8 +77,9 @@ proptest! {
         }
     }
 
-    /// The height depends neither on the form of the curvature, nor on the sense of the feed, nor on a reflection in
-    /// the plane of normal and steepest line. Sharp edges are left out: see `the_inverses_leave_the_tolerance`.
+    /// The height depends neither on the form in which the curvature is stated, nor on the direction of the feed along
+    /// its line, nor on a reflection in the plane of normal and steepest line. Sharp edges are left out: see
+    /// `the_inverses_leave_the_tolerance`.
     #[test]
     fn curvature_may_be_stated_by_components_or_by_principal_directions(
         cutter in cutters(), slope in 1.0..89.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.01..0.2_f64,
@@ -137,6 +144,9 @@ proptest! {
         let Ok(evaluated) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let Ok(low) = height(&evaluated, s, f) else { return Ok(()) };
+        if turns_far(&evaluated, s * more, f * more) {
+            return Ok(());
+        }
         let rounding = if has_lobes(evaluated.pass()) { 0.05 } else { 1e-12 };
         for higher in [height(&evaluated, s * more, f), height(&evaluated, s, f * more)].into_iter().flatten() {
             prop_assert!(higher >= low * (1.0 - rounding), "{low} {higher}");
@@ -144,8 +154,8 @@ proptest! {
     }
 
     /// The height at both inverses is the tolerance. An inverse whose part of the height is under a thousandth is not
-    /// compared to 1e-9. Cutters with a sharp edge are left out: on a surface that is concave along the feed their
-    /// section has two lobes, of which the search finds either.
+    /// compared. Cutters with a sharp edge are left out: on a surface that is concave along the feed their section has
+    /// two lobes, and the search may find either.
     #[test]
     fn the_inverses_leave_the_tolerance(
         cutter in cutters(), slope in 10.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.02..0.2_f64,
@@ -153,12 +163,15 @@ proptest! {
         let Ok(evaluated) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let Ok(found) = evaluated.scallop_height(mm(s), Some(mm(f))) else { return Ok(()) };
-        // In a close fit (and near the floor, at slopes that are left out) the section has lobes beside the contact,
-        // and the step-over found can be that of the first ridge, which is narrower.
+        if turns_far(&evaluated, s, f) {
+            return Ok(());
+        }
+        // In a close fit the section has lobes beside the contact, and the result can be the step-over of the first
+        // ridge, which is narrower. Slopes near the floor, where the same occurs, are left out.
         prop_assume!(evaluated.relative_curvature() > 0.6);
         prop_assume!(found.feed.mm() > 1e-3 * found.total().mm() && found.step_over.mm() > 1e-3 * found.total().mm());
-        // Where a concave surface meets the flat or the side, an inverse can come from a polygon, which is narrower by
-        // a few percent.
+        // If a concave surface meets the flat or the side, an inverse can come from a polygon, which is narrower by a
+        // few percent.
         let is_concave = evaluated.pass().surface.principal_per_mm()[1] < 0.0;
         let comes_back = |back: f64, value: f64| (back / value - 1.0).abs() <= 1e-9 || is_concave && (0.97 * value..value).contains(&back);
         let (step_over, feed) = (evaluated.max_step_over(found.total(), Some(mm(f))), evaluated.max_feed_per_tooth(found.total(), mm(s)));
@@ -181,8 +194,7 @@ proptest! {
         let (sin, cos) = (half / rho, (1.0 - (half / rho).powi(2)).sqrt());
         let (aside, up) = ((rho + radius) * sin, (rho + radius) * cos);
         let exact = up - (radius * radius - aside * aside).sqrt() - rho;
-        // The parabola and the circle differ by half^4 / 8 of the cube of the radii; the roundings of rho + R count for
-        // small heights.
+        // Parabola and circle differ by half^4 / (8 radius^3). The rounding errors of rho + R matter for small heights.
         let smallest = radius.min(rho.abs());
         prop_assert!((found - exact).abs() <= 2.0 * half.powi(4) / smallest.powi(3) + 1e-14 * rho.abs(), "{found} {exact}");
     }
@@ -233,7 +245,7 @@ proptest! {
     }
 }
 
-/// The principal radii in mm (positive convex) of a trough along X, a bowl and a saddle, none of which the cutter fits.
+/// Troughs, bowls and saddles, some of which the cutter fits and some not, in every direction of the feed.
 #[test]
 fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
     let cutter = toroidal(6.0, 1.0 / 6.0);
@@ -264,8 +276,8 @@ fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
     }
 }
 
-/// At the stated smallest radius lambda is 0: a larger one is refused, if at all, because the cutter cuts in beside the
-/// contact, for which no radius is stated.
+/// At the stated smallest radius lambda is 0. A larger radius can be refused only because the cutter cuts into the
+/// surface beside the contact, and then no radius is stated.
 #[test]
 fn beyond_the_stated_smallest_radius_the_cutter_fits_near_the_contact() {
     for slope in [10.0, 20.0, 40.0, 60.0, 80.0] {
@@ -299,8 +311,8 @@ fn level_troughs_gouge_away_from_the_contact() {
     }
 }
 
-/// A wide step-over on a concave surface is not gouging: a smaller one has an answer, and the reason is the distance of
-/// the passes.
+/// A step-over that is too wide on a concave surface is not gouging: the stated reason is the distance of the passes,
+/// and a smaller step-over has an answer.
 #[test]
 fn passes_too_far_apart_on_a_concave_surface_do_not_gouge() {
     let pass = on(toroidal(6.0, 1.0 / 6.0), Contact::from_degrees(80.0, 20.0).unwrap(), SurfaceCurvature::from_radius_mm(-60.0).unwrap());

@@ -14,8 +14,8 @@ fn at_40_deg(cutter: Cutter) -> Pass {
 fn a_ball_end_cutter_has_its_closed_form() {
     let ball = evaluated(Model::Envelope, at_40_deg(Cutter::ball_end(mm(10.0))));
     let fastest = ball.fastest(mm(0.01), &CuttingLimits::NONE).unwrap();
-    // s = f_z = sqrt(2 (2 R t - t^2)). Around its maximum the product falls with the square of the feed's error, so the
-    // feed is found to the search's 1e-4 only, and the product to 1e-8.
+    // s = f_z = sqrt(2 (2 R t - t^2)). Near its maximum the product falls with the square of the feed's error, so the
+    // feed is only accurate to the search's 1e-4, and the product to 1e-8.
     let side = (2.0 * (2.0 * 5.0 * 0.01 - 0.01 * 0.01_f64)).sqrt();
     assert_relative_eq!(fastest.step_over.mm() * fastest.feed_per_tooth.mm(), side * side, max_relative = 1e-7);
     assert_relative_eq!(fastest.feed_per_tooth.mm(), side, max_relative = 1e-3);
@@ -85,7 +85,7 @@ fn both_maxima_with_runout_are_found() {
     }
 }
 
-/// Along a wall the step-over leaves nothing, whatever it is: without a largest one there is no fastest.
+/// Along a wall no step-over leaves a height. Without a largest step-over there is no fastest one.
 #[test]
 fn without_a_largest_step_over_there_is_no_fastest_along_a_wall() {
     for (cutter, tolerance, smallest) in [
@@ -100,7 +100,7 @@ fn without_a_largest_step_over_there_is_no_fastest_along_a_wall() {
     }
 }
 
-/// The tolerance binds where the height jumps over it at a larger feed or step-over.
+/// The tolerance also binds if the height jumps over it at a larger feed or step-over.
 #[test]
 fn the_tolerance_is_named_wherever_limits_do_not_bind_both_lengths() {
     let runout = Runout::NONE.with_radial_mm(0.003_522_595_252_865_276_4).unwrap().with_axial_mm(0.003_443_138_659_330_416_8).unwrap();

@@ -5,8 +5,8 @@ use approx::assert_relative_eq;
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, StepOver, SurfaceCurvature};
 
-/// Normal and feed of a contact in a frame turned about the tool axis, from the definition of the angles: the slope
-/// tilts the normal down-hill, and the feed, seen from above at `alpha` from down-hill, follows the surface.
+/// Normal and feed of a contact in a frame turned about the tool axis, by the definition of the angles. The slope tilts
+/// the normal downhill. The feed follows the surface and is, seen from above, at `alpha` from downhill.
 fn vectors(slope: f64, alpha: f64, turn: f64) -> ([f64; 3], [f64; 3]) {
     let [s, a, t] = [slope, alpha, turn].map(f64::to_radians);
     let normal = [s.sin() * t.cos(), s.sin() * t.sin(), s.cos()];
@@ -32,9 +32,9 @@ fn assert_same_heights(a: Pass, b: Pass, step_over: f64, feed: f64, epsilon: f64
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// 1e-12: the angles in degrees carry a rounding of 3e-14 deg when 180 is added, and effective radii change by some
-    /// multiples of that, more towards walls, where slopes of 89.9 deg magnify it by a few hundred. Hence slopes of up
-    /// to 89 deg.
+    /// The tolerance of 1e-12: adding 180 to an angle in degrees rounds it by 3e-14 deg, and effective radii change by
+    /// some multiples of that. Slopes are at most 89 deg, because slopes of 89.9 deg magnify the error by a few
+    /// hundred.
     #[test]
     fn the_feeds_sign_and_sense_do_not_matter(pass in passes(), slope in 1.0..89.0_f64, alpha in feed_angles(), step_over in 0.02..0.6_f64, feed in 0.0..0.2_f64) {
         for same in [alpha + 180.0, alpha - 180.0, -alpha] {
@@ -61,9 +61,9 @@ proptest! {
         }
     }
 
-    /// The steps are up to a fifth of the diameter each, together 0.283 of it: half of that is seen from the ball's
-    /// centre under asin(0.283) = 16.4 deg, so that up to 70 deg the cutter's side, which the envelope includes, does
-    /// not matter.
+    /// The steps are up to a fifth of the diameter each, and their diagonal up to 0.283 of it. Half of the diagonal is
+    /// at an angle of asin(0.283) = 16.4 deg from the ball's centre, so that at slopes up to 70 deg the cutter's side,
+    /// which the envelope includes, does not matter.
     #[test]
     fn a_ball_ends_height_does_not_depend_on_slope_and_direction(diameter in 1.0..20.0_f64, slope in 0.0..70.0_f64, wall in slopes(), alpha in feed_angles(), s in 0.01..0.2_f64, f in 0.01..0.2_f64) {
         let contact = Contact::from_degrees(0.0, 0.0).unwrap();
@@ -75,9 +75,8 @@ proptest! {
     }
 
     /// The surface falls by at most s^2 / (2 rho) over a step-over, and the envelope's height changes by at most as
-    /// much; with a circle in place of the cutter by less. The normal turns by s / rho between the passes, so that the
-    /// cutter's axes, (R - r)/sin(S) along the level line from where they would meet, are s (R - r)/(rho sin(S)) further
-    /// apart.
+    /// much; with a circle in place of the cutter by less. The normal turns by s / rho between the passes, which moves
+    /// the cutter's axis along the level line by s (R - r)/(rho sin(S)).
     #[test]
     fn a_curved_surface_tends_to_a_plane_as_its_radius_grows(pass in plane_passes(), share in 0.01..1.0_f64, sign in prop_oneof![Just(1.0), Just(-1.0)]) {
         let radius = evaluated(Model::Analytic, pass).effective_radius().unwrap().mm();
@@ -86,20 +85,20 @@ proptest! {
             let flat = height(&evaluated(model, pass), s, 0.0).unwrap();
             for rho in [1e5, 1e7, 1e9] {
                 if sign < 0.0 && s / rho > pass.contact.slope().cos() && pass.contact.slope().cos() > 0.0 {
-                    // Within a step-over such a surface turns beyond the wall, where the cutter does not reach.
+                    // Within a step-over such a surface turns beyond vertical, where the cutter does not reach.
                     continue;
                 }
                 let bent = EvaluatedPass::new(model, curved(pass, sign * rho)).and_then(|evaluated| height(&evaluated, s, 0.0));
                 match bent {
                     Ok(bent) => {
-                        // In addition, the roundings of the envelope's search.
+                        // The last term is the rounding of the envelope's search.
                         let apart = s * pass.cutter.core_radius().mm() / (rho * pass.contact.slope().sin());
                         let apart = if model == Model::Envelope { apart } else { 0.0 };
                         let most = 1.01 * s * s / (2.0 * rho) + apart + 1e-12 * flat;
                         prop_assert!((bent - flat).abs() <= most, "{model:?} {rho}: {bent} {flat}");
                     }
-                    // Into a wall that is concave along its steepest line the cutter's straight side gouges, whatever
-                    // the radius.
+                    // On a wall that is concave along its steepest line, the cutter's straight side gouges at any
+                    // radius.
                     Err(NoAnswer::Gouges { smallest_radius: None }) if pass.contact.slope().cos() == 0.0 => prop_assert!(sign < 0.0),
                     // The cutter's side leaves less than the depth of the hollow.
                     Err(_) => prop_assert!(sign < 0.0 && flat <= 1.01 * s * s / (2.0 * rho), "{model:?} {rho}"),
@@ -114,8 +113,8 @@ proptest! {
             let Ok(evaluated) = EvaluatedPass::new(model, pass) else { continue };
             let has_lobes = model == Model::Envelope && has_lobes(&pass);
             let Ok(low) = height(&evaluated, s, f) else { continue };
-            // On a wall the cylinder leaves no height along its axis, and little near it, so that heights there must
-            // only not fall, within the roundings of the search.
+            // On a wall the cylinder leaves no height along its axis, and little near that direction. Heights there
+            // must only not fall by more than the rounding of the search.
             let near_wall = pass.contact.slope().degrees() > 85.0;
             let rises = |model, low: f64, high: f64| {
                 high > low || (model == Model::Envelope && near_wall && high >= low * (1.0 - 1e-12)) || (has_lobes && high >= 0.95 * low)
@@ -123,7 +122,7 @@ proptest! {
             if let Ok(wider) = height(&evaluated, s * more, f) {
                 prop_assert!(rises(model, low, wider), "{model:?}: step-over {low} {wider}");
             }
-            // Axial runout can shorten the step between marks where the feed climbs, as long as it exceeds the feed.
+            // If the feed climbs, axial runout larger than the feed can shorten the distance between marks.
             if pass.runout == Runout::NONE && let Ok(longer) = height(&evaluated, s, f * more) {
                 prop_assert!(rises(model, low, longer), "{model:?}: feed {low} {longer}");
             }
@@ -169,8 +168,8 @@ proptest! {
         let effective = model.effective_radius().unwrap().mm();
         // The surface's centre at the origin; the contact at the half angle beta from the line of symmetry, the y axis.
         let beta = (s / (2.0 * rho.abs())).asin();
-        // Outside the part is away from the centre on a hill and towards it in a hollow: the cutter's centre is rho +
-        // R_eff from it.
+        // The outside of the part is away from the centre on a hill and towards it in a hollow: the cutter's centre is
+        // rho + R_eff from the surface's centre.
         let centre = rho + effective;
         let (x, y) = (centre * beta.sin(), centre * beta.cos());
         let inside = |h: f64| x.hypot(y - (rho + h)) <= effective;
@@ -182,7 +181,7 @@ proptest! {
             let middle = f64::midpoint(low, high);
             if inside(middle) { high = middle } else { low = middle }
         }
-        // The distance is rounded to 1e-16 of |rho| + R_eff, and grows with h at a rate of at least 0.01 unless the
+        // The distance is rounded to 1e-16 of |rho| + R_eff, and its derivative by h is at least 0.01 unless the
         // circles meet at a grazing angle.
         let rate = (y - (rho + found)) / effective;
         let epsilon = 8.0 * f64::EPSILON * (rho.abs() + effective) / rate.max(0.01);

@@ -6,14 +6,14 @@ use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, NoAnswer, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Angle;
 
-/// The height at a largest feed or step-over is the tolerance. With runout the height can jump where the deep marks
-/// alone cease to suffice; then it is under the tolerance, and `more`, the height at an input larger by 1e-9, is over
-/// it. On a concave surface near the floor or beside a wall the section has lobes beside the contact, and a smaller
-/// feed or step-over than the largest can be found; the tolerance is never exceeded.
+/// Asserts that the height at a largest feed or step-over is the tolerance. With runout, the height jumps at the point
+/// where the deep marks alone cease to suffice. It can then be below the tolerance, if `more`, the height at an input
+/// larger by 1e-9, is above it. On a concave surface near the floor or a wall, the section has lobes beside the
+/// contact, and the result can be smaller than the largest feed or step-over. The tolerance is never exceeded.
 fn assert_largest(pass: &Pass, height: f64, more: Result<f64, NoAnswer>, tolerance: f64) {
     let jumps = height < tolerance && (has_lobes(pass) || pass.runout != Runout::NONE && more.is_ok_and(|more| more > tolerance));
-    // With runout an inverse on a concave surface can come from the section's outline and be too small by 2 %, in one of
-    // some 20,000 passes: docs/envelope-on-curved-surfaces.md.
+    // With runout, an inverse on a concave surface can come from the section's outline and be too small by 2 %, in one
+    // of some 20,000 passes (docs/envelope-on-curved-surfaces.md).
     let is_concave = pass.surface.principal_per_mm()[1] < 0.0;
     let jumps = jumps || is_concave && pass.runout != Runout::NONE && (0.9 * tolerance..tolerance).contains(&height);
     if !jumps {
@@ -24,8 +24,8 @@ fn assert_largest(pass: &Pass, height: f64, more: Result<f64, NoAnswer>, toleran
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// The height at the largest feed is the tolerance. There is no answer where the tolerance allows no feed or sets
-    /// no limit, or where the cutter or the passes do not fit the surface.
+    /// The height at the largest feed is the tolerance. There is no answer if the tolerance allows no feed or sets no
+    /// limit, or if the cutter or the passes do not fit the surface.
     #[test]
     fn the_height_at_the_largest_feed_is_the_tolerance(pass in passes(), step_over in 0.02..1.0_f64, tolerance in 0.001..0.05_f64) {
         for model in BOTH {
@@ -72,16 +72,16 @@ proptest! {
         }
     }
 
-    /// The distance between tooth marks and the feed per tooth are inverse to each other. The feed is the difference of
-    /// terms of which the largest is the runout, up to ten times the feed: 1e-15 of it is 1e-14 of the feed, and its
-    /// square root's argument cancels once more.
+    /// The distance between tooth marks and the feed per tooth are inverse to each other. The feed is a difference of
+    /// terms. The largest of them is the runout, up to ten times the feed, so that 1e-15 of it is 1e-14 of the feed.
+    /// The argument of the square root cancels once more.
     #[test]
     fn the_mark_spacing_with_runout_and_its_inverse_cancel(feed in 0.01..1.0_f64, radial in 0.0..0.1_f64, axial in -0.1..0.1_f64, climb in 0.0..90.0_f64) {
         let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
         let climb = Angle::from_degrees(climb).unwrap();
         let spacing = runout.mark_spacing(mm(feed), climb);
-        // Where the feed climbs and the next tooth stands higher, two feeds have the same spacing, and the larger one
-        // is found.
+        // If the feed climbs and the next tooth is higher, two feeds have the same spacing, and the larger one is
+        // found.
         let least = axial * climb.sin() - radial * climb.cos();
         if feed > least + 0.001 {
             assert_relative_eq!(runout.feed_per_tooth(spacing, climb).unwrap().mm(), feed, max_relative = 1e-11);
@@ -89,7 +89,8 @@ proptest! {
     }
 }
 
-/// Along a wall marks leave the same whatever the step-over: with marks too far apart there is none.
+/// Along a wall the height of the marks does not depend on the step-over: if the marks are too far apart, no step-over
+/// keeps the tolerance.
 #[test]
 fn along_a_wall_marks_over_the_tolerance_leave_no_step_over() {
     let contact = Contact::from_degrees(90.0, 90.0).unwrap();

@@ -1,5 +1,5 @@
-//! Heights on concave surfaces compared with brute force: the section visible from the contact, by points of the
-//! cutter's solid.
+//! Heights on concave surfaces compared with a brute-force computation of the section visible from the contact, by
+//! points of the cutter's solid.
 
 use crate::laws::passes::mm;
 use scallopd::milling::{Contact, Cutter, Envelope, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
@@ -16,9 +16,9 @@ struct Setup {
 }
 
 impl Setup {
-    /// The height of the solid over the surface at x along the feed and y to its side, infinite where there is none and
-    /// where the surface overhangs uphill of the contact: Newton's method on the distance along the normal, which is
-    /// convex, from below.
+    /// The height of the solid above the surface at x along the feed and y to its side; infinite outside the solid, and
+    /// where the surface overhangs uphill of the contact. It is found by Newton's method from below on the distance
+    /// along the normal, which is convex.
     fn height(&self, x: f64, y: f64) -> f64 {
         let (r, a) = (self.corner, self.outer - self.corner);
         let ((sin, cos), (sin_theta, cos_theta)) = (self.slope.sin_cos(), self.theta.sin_cos());
@@ -49,7 +49,7 @@ impl Setup {
         if steep < 0.0 && overhangs { f64::INFINITY } else { p + 0.5 * (x * by_x + y * by_y) }
     }
 
-    /// The first place outside the section at the height p on each of `lines` from the contact.
+    /// The first point outside the section at the height p, on each of `lines` lines from the contact.
     fn outline(&self, p: f64, lines: u32) -> Vec<[f64; 2]> {
         let corner = |line: u32| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(line) / f64::from(lines)).sin_cos();
@@ -67,8 +67,8 @@ impl Setup {
         (0..lines).map(corner).collect()
     }
 
-    /// The least height, to 0.2 %, at which the rows of the section that hold an interval of the length f fill one as
-    /// wide as s.
+    /// The least height, to 0.2 %, at which the rows of the section that contain an interval of the length f fill an
+    /// interval as wide as s.
     fn ridge(&self, s: f64, f: f64) -> f64 {
         let (mut low, mut high) = (1e-6 * self.outer, 2.0 * self.outer);
         while high > 1.002 * low {
@@ -79,7 +79,7 @@ impl Setup {
     }
 }
 
-/// The width of the widest run of rows that hold an interval of the length f.
+/// The width of the widest run of rows that contain an interval of the length f.
 fn width(outline: &[[f64; 2]], f: f64) -> f64 {
     let (least, most) = outline.iter().fold((0.0_f64, 0.0_f64), |(least, most), corner| (least.min(corner[1]), most.max(corner[1])));
     if f <= 0.0 {
@@ -101,9 +101,9 @@ fn width(outline: &[[f64; 2]], f: f64) -> f64 {
     widest
 }
 
-/// Floors, walls and slopes between, each cutter, curvature of both signs with twist. A polygon of 360 corners and rows
-/// of 1/400 of the section's width are good to about 2 % of the height; where the model itself answers from its coarser
-/// polygon, 5 %.
+/// Floors, walls and slopes between, all kinds of cutters, curvatures of both signs with twist. A polygon of 360
+/// corners, and rows of 1/400 of the section's width, have an error of about 2 % of the height; the model's own coarser
+/// polygon has 5 %.
 #[test]
 fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
     for (outer, ratio, slope_deg, theta_deg, principal, turn, s, f) in [
@@ -140,8 +140,7 @@ fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
     }
 }
 
-/// Marks that a strongly convex surface keeps from meeting are no gouging, and the stated largest distance has an
-/// answer.
+/// Marks that do not meet on a strongly convex surface are not gouging, and the stated largest distance has an answer.
 #[test]
 fn marks_too_far_apart_on_a_strongly_convex_surface_do_not_gouge() {
     let contact = Contact::from_degrees(80.0, 0.0).unwrap();

@@ -31,19 +31,19 @@ pub(crate) fn toroidal(outer_radius: f64, share: f64) -> Cutter {
     Cutter::toroidal(mm(2.0 * outer_radius), mm(share * outer_radius)).unwrap()
 }
 
-/// Toroidal and ball-end cutters of 1 to 20 mm; the flat-end has marks without curvature, which the analytic model
-/// cannot invert everywhere.
+/// Toroidal and ball-end cutters of 1 to 20 mm. Flat-end cutters are left out: their marks have no curvature, which the
+/// analytic model cannot always invert.
 pub(crate) fn cutters() -> impl Strategy<Value = Cutter> {
     let toroidal = (0.5..10.0_f64, 0.05..0.95_f64).prop_map(|(outer_radius, share)| toroidal(outer_radius, share));
     prop_oneof![3 => toroidal, 1 => (1.0..20.0_f64).prop_map(|diameter| Cutter::ball_end(mm(diameter)))]
 }
 
-/// Slopes off the floor, walls among them.
+/// Slopes above the floor, including walls.
 pub(crate) fn slopes() -> impl Strategy<Value = f64> {
     prop_oneof![9 => 1.0..90.0_f64, 1 => Just(90.0)]
 }
 
-/// Feed directions, the quarter turns among them.
+/// Feed directions, including quarter turns.
 pub(crate) fn feed_angles() -> impl Strategy<Value = f64> {
     prop_oneof![8 => -180.0..180.0_f64, 1 => Just(0.0), 1 => Just(90.0)]
 }
@@ -67,8 +67,8 @@ pub(crate) fn passes() -> impl Strategy<Value = Pass> {
     })
 }
 
-/// Whether the height comes from a polygon that is good to a few percent: where lobes of the section join, near the
-/// floor, beside walls and in close fits of concave surfaces.
+/// Whether the height can come from a polygon, with an error of a few percent. That is the case if lobes of the section
+/// join: near the floor, near walls and in close fits of concave surfaces.
 pub(crate) fn has_lobes(pass: &Pass) -> bool {
     let in_middle = (10.0..85.0).contains(&pass.contact.slope().degrees());
     let lambda = EvaluatedPass::new(Model::Envelope, *pass).map_or(1.0, |evaluated| evaluated.relative_curvature());

@@ -13,10 +13,10 @@ fn along(cutter: Cutter, slope: f64, alpha: f64) -> f64 {
     EffectiveRadius::along_feed(cutter, Contact::from_degrees(slope, alpha).unwrap()).finite().unwrap().mm()
 }
 
-/// The radius of curvature, at the contact, of the cutter's outline seen along the feed: the circle on which the
-/// corner's centre runs is seen as an ellipse, and the corner lies at r about it. The outline's support function in the
-/// direction of phi is the largest reach of the cutter's circle that way, plus r; its radius of curvature is that
-/// function plus its second derivative, found here by differences.
+/// The radius of curvature, at the contact, of the cutter's outline seen along the feed. The circle of the corner's
+/// centre appears as an ellipse, and the corner is an offset of it by r. The outline's support function in the
+/// direction phi is the largest extent of that circle in this direction, plus r. The radius of curvature is this
+/// function plus its second derivative, computed by differences.
 fn curvature_radius(cutter: Cutter, slope: f64, alpha: f64) -> f64 {
     let (s, a) = (slope.to_radians(), alpha.to_radians());
     // The surface's normal, the feed in the surface, and the third direction, in which the outline is seen.
@@ -41,8 +41,8 @@ fn curvature_radius(cutter: Cutter, slope: f64, alpha: f64) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Differences with a step e leave the error e^4 of their sixth order and the rounding 1e-16/e^2; with e = 2e-3 sin
-    /// S and S of 10 deg and more, e is 3.5e-4 at least: 1e-16 / 1.2e-7 = 1e-9 of the support.
+    /// Differences with a step e have a truncation error of e^4 and a rounding error of 1e-16/e^2. With e = 2e-3 sin S
+    /// and S of at least 10 deg, e is at least 3.5e-4: 1e-16 / 1.2e-7 = 1e-9 of the support function.
     #[test]
     fn the_effective_radius_is_the_curvature_of_the_outline_seen_along_the_feed(cutter in cutters(), slope in 10.0..80.0_f64, alpha in feed_angles()) {
         assert_relative_eq!(across(cutter, slope, alpha), curvature_radius(cutter, slope, alpha), max_relative = 1e-7);
@@ -71,8 +71,8 @@ proptest! {
         assert_abs_diff_eq!(found, core * theta.cos().powi(2) + corner, epsilon = 1e-14 * outer);
     }
 
-    /// Towards a wall the radii of a feed given in the surface tend to those on it, with no jump: they change with
-    /// cos^2 S.
+    /// Towards a wall, the radii of a feed that is fixed in the surface tend to those on the wall, without a jump: they
+    /// change with cos^2 S.
     #[test]
     fn radii_are_continuous_towards_walls(outer in 0.5..10.0_f64, share in 0.05..0.95_f64, theta in 0.0..180.0_f64, from_wall in 1e-7..1e-3_f64) {
         let (cutter, theta) = (toroidal(outer, share), theta.to_radians());

@@ -89,8 +89,8 @@ async fn the_files_of_surface_2_give_the_answer_of_its_patch() {
         assert_eq!(answer["surface"]["source"], source);
         assert_eq!(answer["recommended"]["name"], "toroidal");
         assert_eq!(answer["warnings"], patch["warnings"]);
-        // 40 x 40 samples or quads in place of 80 x 80 samples, and facets weighted by area in place of parameters,
-        // differ by under 1 %.
+        // 40 x 40 samples or quads in place of 80 x 80 samples, and weights by area in place of parameters, change
+        // figures by under 1 %.
         for pointer in ["/critical_slope_deg", "/surface/slope_deg", "/surface/form_factor"] {
             approx::assert_relative_eq!(figure(&answer, pointer), figure(&patch, pointer), max_relative = 0.02);
         }

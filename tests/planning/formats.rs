@@ -110,7 +110,8 @@ async fn a_patch_and_the_grid_of_its_points_give_the_same_answer() {
     };
     let grid = app.recommend(&grid(80)).await.ok();
     assert_eq!(grid["recommended"]["cutter"], patch["recommended"]["cutter"]);
-    // A patch weights its samples equally, a grid its facets by area; the areas in this patch differ by a tenth.
+    // A patch gives its samples equal weights, a grid weights its facets by area; the areas in this patch differ by a
+    // tenth.
     for pointer in [
         "/critical_slope_deg",
         "/surface/slope_deg",

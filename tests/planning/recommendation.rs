@@ -47,8 +47,8 @@ async fn surface_2_is_for_the_toroidal_cutter_down_the_slope() {
     assert_eq!(figure(&answer, "/recommended/direction_deg").to_bits(), 0.0_f64.to_bits());
     assert_abs_diff_eq!(figure(&answer, "/recommended/step_over_xy_mm"), 0.9859, epsilon = 0.00005);
     assert_abs_diff_eq!(figure(&answer, "/recommended/machining_time_s"), 49.58, epsilon = 0.005);
-    // On the surface the toroidal cutter takes 71.8 s by the paper's own simulation, and the mean slope is 6.5 deg from
-    // the plane's. The rectangle takes 0.7 of that, on the threshold between two levels.
+    // In the paper's own simulation on the surface the toroidal cutter takes 71.8 s. The time on the rectangle is 0.7
+    // of that, at the threshold between two levels. The mean slope is 6.5 deg from the plane's.
     assert!(reasons(&answer).iter().any(|&(code, _)| code == "simulation-disagrees"), "{:?}", reasons(&answer));
     assert!(reasons(&answer).contains(&("mean-slope-far-from-plane", "moderate")), "{:?}", reasons(&answer));
     assert!(warnings(&answer).is_empty());

@@ -79,7 +79,7 @@ async fn refining_a_patch_converges() {
         let answer = app.recommend(&with(in_directions(&[0.0, 90.0]), json!({"surface": surface}))).await.ok();
         times.push([0, 1].map(|place| figure(&answer, &format!("/candidates/{place}/machining_time_s"))));
     }
-    // A pass more or less is 1 in 90.
+    // One pass more or less is 1 in 90.
     for (place, tolerance) in [(0, 0.025), (1, 0.012)] {
         for (coarse, fine) in times[place].iter().zip(&times[place + 1]) {
             assert_relative_eq!(*coarse, *fine, max_relative = tolerance);
@@ -129,8 +129,8 @@ fn pocket(u: f64, v: f64) -> [f64; 3] {
 async fn of_a_library_of_50_only_cutters_that_fit_the_pocket_are_ranked() {
     let app = TestApp::start().await;
     let surface = grid(161, 161, pocket);
-    // The top of the fillet is left out: between nodes 0.25 mm apart the wall is inclined, and would stop a ball that
-    // just fits.
+    // The top of the fillet is left out: between nodes 0.25 mm apart the wall is inclined, and a ball that just fits
+    // would not reach the fillet.
     let select = json!({"select": {"slope_deg": [0, 50]}, "max_uncut_share": 0.02});
     let request = with(with(in_directions(&[0.0]), surface), select);
     let two = app.recommend(&with(request.clone(), json!({"cutters": [ball(10.0), ball(4.0)]}))).await.ok();
@@ -193,7 +193,7 @@ async fn a_file_of_more_facets_than_are_held_is_merged() {
     );
 }
 
-/// The height of a cutter's bottom over its tip at the distance d from the axis, R and r being its radii; `None` beyond
+/// The height of a cutter's bottom above its tip at the distance d from the axis, for the radii R and r; `None` beyond
 /// R.
 fn bottom(d: f64, [outer, corner]: [f64; 2]) -> Option<f64> {
     let over = (d - (outer - corner)).max(0.0);

@@ -6,7 +6,7 @@ use crate::planning::{job, with};
 use crate::writers::exact;
 use serde_json::{Value, json};
 
-/// The wavy slope as a mesh, with every second triangle turned over where `is_mixed`.
+/// The wavy slope as a mesh, with every second triangle turned over if `is_mixed` is set.
 fn mesh(is_mixed: bool) -> Value {
     let points: Vec<_> = wavy::nodes([1.5, 1.25], [0.25, 0.2]).into_iter().map(exact).collect();
     let turn = |(number, [a, b, c]): (usize, [usize; 3])| if is_mixed && number % 2 == 1 { [a, c, b] } else { [a, b, c] };
@@ -27,7 +27,7 @@ async fn facets_of_both_orientations_lower_the_confidence() {
     let half = app.recommend(&with(job(), mesh(true))).await.ok();
     assert!(reasons(&half).contains(&"inconsistent-orientation"));
     assert_eq!(half["confidence"]["level"], "low");
-    // The surface is the same: only the trust in it is not.
+    // The surface is the same; only the confidence is lower.
     assert_eq!(half["recommended"]["machining_time_s"], sound["recommended"]["machining_time_s"]);
 }
 
@@ -56,8 +56,8 @@ async fn a_spindle_speed_over_the_machines_is_named() {
     assert_eq!(limited["candidates"], at_limit["candidates"]);
 }
 
-/// The time of a plan is that of the contacts, also where some tips are raised and have none; that of the tips is
-/// stated beside them.
+/// The time of a plan is that of the contacts, even if some tips are raised and have no contact. The passes state the
+/// time of the tips.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn passes_state_the_time_of_their_tips() {
     let app = TestApp::start().await;

@@ -16,7 +16,8 @@ pub(crate) fn nodes(apart: [f32; 2], [height, frequency]: [f32; 2]) -> Vec<[f32;
     (0..rows).flat_map(|row| (0..columns).map(move |column| at(row, column))).collect()
 }
 
-/// Two triangles a quad, divided from its first corner to its last as a grid does, seen from above counter-clockwise.
+/// Two triangles for each quad, counter-clockwise seen from above. The diagonal is from the first corner to the last,
+/// as in a grid.
 pub(crate) fn triangles() -> Vec<[usize; 3]> {
     let number = |row: usize, column: usize| row * COLUMNS + column;
     let quads = (1..ROWS).flat_map(|row| (1..COLUMNS).map(move |column| (row, column)));

@@ -4,8 +4,8 @@ use super::*;
 use crate::writers::{ascii_stl, exact, facets_of, obj, ply, three_mf, words};
 use proptest::prelude::*;
 
-/// A wavy surface over a rectangle as vertices in rows and triangles by number; in single precision, which all formats
-/// can hold.
+/// A wavy surface over a rectangle as vertices in rows and triangles by number. The vertices are in single precision,
+/// which all formats can represent.
 fn surface(rows: u16, columns: u16) -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {
     let vertex = |row: u16, column: u16| {
         let (x, y) = (f32::from(column) * 1.37, f32::from(row) * 0.73);

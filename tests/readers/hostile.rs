@@ -108,8 +108,8 @@ fn stated_counts_take_no_memory() {
             reader
         })
         .collect();
-    // 20 readers with room for 480 MB each would be 10 GB; 256 MB are 40 readers with some hundred kB each, and
-    // whatever the other tests of this program take in the meantime.
+    // 20 readers with room for 480 MB each would take 10 GB. The bound of 256 MB is for 40 readers with some hundred kB
+    // each, and for other tests that run at the same time.
     assert!(pages() < before + (256 << 20) / 4096, "{} readers", readers.len());
 }
 

@@ -81,7 +81,7 @@ fn the_finishing_preset_gives_speed_and_feed() {
     let tool = only(fusion(&[bull_nose()]));
     assert_eq!((tool.preset.as_deref(), tool.spindle_speed_rpm), (Some("Aluminum - Finishing"), Some(8000.5)));
     assert_relative_eq!(tool.max_feed_per_tooth.unwrap().mm(), 0.002 * 25.4, max_relative = 1e-15);
-    // Without "finish" in a name, the first.
+    // Without a preset with "finish" in its name, the first preset is used.
     let tool = only(fusion(&[with(bull_nose(), "/start-values/presets/1/name", json!("Steel"))]));
     assert_eq!((tool.preset.as_deref(), tool.spindle_speed_rpm), (Some("Aluminum - Roughing"), Some(5000.0)));
     // A missing feed per tooth is computed from the feed rate: 80 / (4 5000) = 0.004 in.
@@ -196,7 +196,7 @@ fn all_faults_of_all_tools_are_listed_and_the_other_tools_are_read() {
     assert_eq!(texts.len(), 3);
     assert!(texts[1].starts_with("mills, tool 3: expected a tool in JSON, found invalid type: integer `7`"), "{}", texts[1]);
     assert!(texts[2].starts_with("mills, tool 4: expected a tool in JSON, found invalid type: integer `5`"), "{}", texts[2]);
-    // Beyond a limit they are counted.
+    // Beyond the limit, faulty tools are only counted.
     let many = format!("name,type,diameter_mm\n{}B6,ball_end,6\n", "A,ball_end,-1\n".repeat(MOST_FAULTY + 50));
     let library = read(many);
     assert_eq!((library.tools().len(), library.faulty().len(), library.unlisted_faulty()), (1, MOST_FAULTY, 50));
@@ -274,7 +274,7 @@ fn tool_files_that_no_list_of_the_zip_names_are_counted_not_read() {
     assert_eq!(named(&[]), ("a b c".to_owned(), 0));
     assert_eq!(named(&[("Library/one.fctl", &one)]), ("a".to_owned(), 2));
     assert_eq!(named(&[("Library/one.fctl", &one), ("Library/other.fctl", &other)]), ("a b".to_owned(), 1));
-    // A tool file that is not JSON is a fault of the tool; a list that is not is one of the library.
+    // A tool file that is not JSON is a faulty tool. A list that is not JSON is a fault of the library.
     let broken: [(&str, &[u8]); 2] = [("a.fctb", &a), ("b.fctb", b"{")];
     let library = read(zip(&broken));
     assert_eq!((library.tools().len(), library.faulty().len()), (1, 1));

@@ -18,8 +18,8 @@ impl PartedSink for Recorder {
     }
 }
 
-/// What was read of a file in blocks of about `block` bytes, from chunks of `size`; the recorder only of a file without
-/// a fault.
+/// The result of reading a file in blocks of about `block` bytes, from chunks of `size`. The recorder is returned only
+/// for a file without a fault.
 fn in_blocks(file: &[u8], block: usize, size: usize) -> Result<(Recorder, Summary), Fault> {
     let (mut reader, mut recorder) = (Reader::new(FormatHint::default()).with_block_size(block), Recorder::default());
     let chunks: Vec<&[u8]> = file.chunks(size).collect();
@@ -30,8 +30,8 @@ fn in_blocks(file: &[u8], block: usize, size: usize) -> Result<(Recorder, Summar
     Ok((recorder, summary))
 }
 
-/// Files of a wavy surface in every format that is read in blocks, and of points in several layouts, whole numbers
-/// among them.
+/// Files of a wavy surface in every format that is read in blocks, and of points in several layouts, including whole
+/// numbers.
 fn files(count: u16) -> Vec<Vec<u8>> {
     let columns = 7;
     let vertex = |index: u16| [f32::from(index % columns), f32::from(index / columns) * 0.5, f32::from(index * 7 % 11) * 0.25];
@@ -61,7 +61,7 @@ fn files(count: u16) -> Vec<Vec<u8>> {
         whole.replace(',', " ").into_bytes(),
         (whole.clone() + &lines(",", "\n")).into_bytes(),
         (whole.replace(',', ";") + &lines(";", "\n").replace('.', ",") + &whole.replace(',', ";")).into_bytes(),
-        // Six whole numbers could be three with decimal commas.
+        // Six whole numbers can be three numbers with decimal commas.
         whole.replace('\n', ",1,2,3\n").into_bytes(),
         (whole.replace('\n', ",1,2,3\n") + &whole).into_bytes(),
         ascii_stl(&facets).into_bytes(),

@@ -147,7 +147,7 @@ fn a_file_cut_anywhere_is_refused() {
             }
         }
     }
-    // In text, only a cut inside the last number would not be noticed; here it has a single digit.
+    // In text, a cut inside the last number would not be noticed, so the last number here has a single digit.
     for length in 0..ASCII.len() - 1 {
         assert!(read(&ASCII[..length]).is_err(), "{length}");
     }

@@ -35,7 +35,7 @@ fn several_solids_are_one_surface() {
     assert_eq!(recorder.facets, [FACET; 2]);
     assert!(summary.notes.missing_end);
     assert_eq!(read(ASCII).unwrap().1.notes, Notes::default());
-    // A solid may be empty, beside another.
+    // A solid may be empty if another is not.
     assert_eq!(facets(format!("solid a\nendsolid a\n{ASCII}")), [FACET]);
 }
 
@@ -75,7 +75,7 @@ fn ascii_that_is_cut_off_is_read_only_between_facets() {
         let head = &file[..length];
         match read(head) {
             Ok((recorder, summary)) => {
-                // The words `endfacet` that are whole are the facets there.
+                // The number of complete words `endfacet` is the number of facets.
                 assert_eq!(recorder.facets.len(), head.matches("endfacet").count(), "{head:?}");
                 let after = head.rsplit("endfacet").next().unwrap().trim();
                 assert!(["", "endsolid", "solid"].iter().any(|word| after.starts_with(word)), "{after:?}");
@@ -93,7 +93,7 @@ fn ascii_that_is_cut_off_is_read_only_between_facets() {
     }
 }
 
-/// The last line of a text, where a word that is cut off is refused.
+/// The line number at which a word that is cut off is refused: the last line.
 fn last_line(text: &str) -> scallopd::surface::read::FileLocation {
     scallopd::surface::read::FileLocation::Line(text.split('\n').count() as u64)
 }

@@ -93,7 +93,7 @@ fn a_decimal_comma_in_quotation_marks_is_read_beside_the_separator() {
     assert_eq!(refusal("\"1,5\",2,3\n4,5.5,6\n"), "line 2: expected a number with a decimal comma, as before, found \"5.5\"");
     assert_eq!(refusal("1.5,2,3\n\"4,5\",5,6\n"), "line 2: expected a number, found \"\\\"4,5\\\"\"");
     assert_eq!(read("\"1,234.5\",2,3\n").unwrap_err().kind(), FaultKind::Malformed);
-    // The first number with a mark decides; this one leaves it open.
+    // The first number with a decimal mark determines the mark; this number has none.
     let thousands = read("x,y,z\n\"10,500\",\"2,250\",\"3,125\"\n").unwrap_err();
     assert_eq!(thousands.kind(), FaultKind::Ambiguous);
     assert_eq!(
@@ -244,7 +244,10 @@ fn ambiguous_text_is_refused_with_both_readings() {
         ("pos_x,dir_x,y,z\n1,2,3,4\n", "line 1: expected one column that is x, found \"pos_x\" and \"dir_x\", which both could be"),
         ("x,y,z,x,y,z\n1,2,3,4,5,6\n", "line 1: expected one column that is x, found \"x\" and \"x\", which both could be"),
         ("x [mm],y [mm],z [um]\n1,2,3\n", "line 1: expected one unit for x, y and z, found different ones"),
-        ("x,y,z [um]\n1,2,3\n", "line 1: expected one unit for x, y and z, found a unit for some of them; the others are in it, or in mm"),
+        (
+            "x,y,z [um]\n1,2,3\n",
+            "line 1: expected one unit for x, y and z, found a unit for only some of them: the others may be in it or in mm",
+        ),
         ("x [in],y [in],z [in]\nmm,mm,mm\n1,2,3\n", "line 2: expected the unit that the header names, found \"mm,mm,mm\""),
         (
             "6400\n1 2 3\n",
@@ -287,7 +290,7 @@ fn a_matrix_of_heights_is_refused_whatever_its_size() {
         let readings = "either a matrix of heights, or points and their properties; send heights as points x, y, z";
         assert_eq!(fault.found(), format!("{rows} lines of {columns} numbers: {readings}"));
         assert_eq!(read(heights.replace(' ', ";").replace('.', ",")).unwrap_err(), fault);
-        // A header decides.
+        // A header resolves the ambiguity.
         let names = ["x", "y", "z", "a", "b", "c", "d", "e", "f", "g", "h", "i"][..columns as usize].join(" ");
         assert_eq!(points_beside_others(&format!("{names}\n{heights}")), rows as usize);
         assert_eq!(points_beside_others(&format!("# {names}\n{heights}")), rows as usize);
@@ -295,7 +298,7 @@ fn a_matrix_of_heights_is_refused_whatever_its_size() {
     let inclined = |row: f64, column: f64| format!("{:.2}", 0.2 * row + 5.0 * column);
     assert_eq!(read(table(10, 6, inclined)).unwrap_err().kind(), FaultKind::Ambiguous);
     assert_eq!(read(table(10, 6, |row, column| (row * column).to_string())).unwrap_err().kind(), FaultKind::Ambiguous);
-    // The widest points; more numbers are refused at once.
+    // The most columns of a point. A line with more is refused immediately.
     assert_eq!(read(table(3, 13, bumpy)).unwrap_err().expected(), "at most 12 numbers in a line without a header");
 }
 
@@ -310,25 +313,25 @@ fn three_columns_of_nearly_equal_numbers_can_be_a_matrix_of_heights() {
         assert_eq!(fault.found(), format!("{rows} lines of three nearly equal numbers: {readings}"));
         assert_eq!(points_beside_others(&format!("x y z\n{heights}")), rows as usize);
     }
-    // A matrix of three columns is not so long.
+    // A matrix of three columns is shorter.
     assert_eq!(points_beside_others(&table(151, 3, bumpy)), 151);
 }
 
 #[test]
 fn three_columns_are_points_where_the_numbers_of_a_line_differ() {
-    // The same offset in all coordinates must not matter.
+    // An equal offset of all coordinates must not change the result.
     let grid = |rows: u8, columns: u8, offset: f64, step: f64| {
         let line = |x: f64, y: f64| format!("{:.3} {:.3} {:.3}\n", x + offset, y + offset, offset + 0.5 * x + (y / 3.0).sin());
         let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
         places.map(|(row, column)| line(step * f64::from(column), step * f64::from(row))).collect::<String>()
     };
     for (file, points) in [
-        // Around the origin, far from it in all three coordinates, small, and along a diagonal that does not rise.
+        // Points around the origin, far from it in all three coordinates, close together, and along a level diagonal.
         (grid(5, 6, -2.5, 1.0), 30),
         (grid(10, 10, 0.0, 0.01), 100),
         (grid(9, 9, 1e4, 2.0), 81),
-        ((0..20).map(|i| format!("{i}.5 {i} 3.25\n{i} {i}.5 3.5\n")).collect(), 40),
-        // A sphere's cap, whose columns have similar ranges, three points, and a plane of one height.
+        (table(20, 1, |row, _| format!("{row}.5 {row} 3.25\n{row} {row}.5 3.5")), 40),
+        // The cap of a sphere, whose columns have similar ranges; three points; and a level plane.
         ("1 2 9.7\n-3 4 8.6\n6 -7 3.9\n-5 -5 7.1\n2 8 5.7\n7 1 7.1\n".to_owned(), 6),
         ("0 0 0\n1 0 0\n0 1 0\n".to_owned(), 3),
         ("1 1 1\n1 2 1\n2 1 1\n2 2 1\n".to_owned(), 4),
@@ -351,11 +354,11 @@ fn points_with_properties_need_no_header_where_these_show_what_they_are() {
     }
     let intensities = table(5, 1, |row, _| format!("{} {}", at(row), 40.0 + 3.0 * row));
     assert_eq!(points_beside_others(&intensities), 5);
-    // Many lines in whose columns the numbers differ by far are no matrix, whatever the further columns are.
+    // A long table whose columns have very different ranges is not a matrix, for any further columns.
     let measured = |row: f64, _| format!("{} {:.3}", at(row), 0.01 * (row / 7.0).cos());
     assert_eq!(points_beside_others(&table(3000, 1, measured)), 3000);
     assert_eq!(read(table(30, 1, measured)).unwrap_err().kind(), FaultKind::Ambiguous);
-    // A line that has another number of numbers, or a word, is no row of a matrix.
+    // A line with another number of columns, or with a word, is not a row of a matrix.
     assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 5 6\n3.5 5 4 6\n"), 3);
     assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 good\n3.5 5 4 6\n"), 3);
 }
@@ -373,7 +376,7 @@ fn a_first_column_that_counts_up_needs_a_header() {
     }
     let named = read("id,x,y,z\n1,0.5,0,7.25\n2,1.5,0,7.5\n3,2.5,1,7.75\n").unwrap().0.points;
     assert_eq!(named[1].map(f64::to_bits), [1.5, 0.0, 7.5].map(f64::to_bits));
-    // Three columns have no room for a number before the point.
+    // With three columns, no column is left for the number of the point.
     assert_eq!(points("1,0.5,0\n2,1.5,0\n3,2.5,1\n").len(), 3);
 }
 

@@ -169,7 +169,7 @@ fn objects_that_contain_themselves_are_refused_with_their_cycle() {
         let expected = "3D/3dmodel.model, byte 0: expected objects that do not contain themselves";
         assert_eq!(fault.to_string(), format!("{expected}, found a cycle of objects: {cycle}"));
     }
-    // An object may be placed more than once, and a cycle that no build item places does not matter.
+    // An object may be placed more than once. A cycle that no build item places is allowed.
     let shared = triangle_object(1) + &of(2, &[1, 1]) + &of(3, &[2, 1]) + &of(4, &[4]);
     assert_eq!(facets(package(&model("", &shared, "<item objectid=\"3\"/><item objectid=\"2\"/>"))).len(), 5);
 }

@@ -1,4 +1,4 @@
-//! Recommendations that nobody waits for any more: the program stops working on them.
+//! Cancelled recommendations: the program stops working when the client is gone.
 //!
 //! All bounds are processor times of the program, which other programs on the machine do not change.
 
@@ -13,15 +13,15 @@ use crate::service::launch::Program;
 /// Cells on each side of the surface, of two facets each.
 const CELLS: u16 = 150;
 
-/// As many as an upload may have. Each is simulated in all directions, which takes minutes of processor time
-/// altogether.
+/// The number of cutters: as many as an upload may have. Simulating each in all directions would take minutes of
+/// processor time.
 const CUTTERS: u32 = 200;
 
 /// The work begins to plan after this processor time, in s: the upload itself takes less.
 const BEGUN: f64 = 1.5;
 
-/// The most processor time, in s, that may follow the end of the request. Every processor may go on for 50 ms, and for
-/// 1 s where the client may only have closed its sending side; half a second more is for one that is slow to notice.
+/// The largest processor time, in s, after the end of the request. Every processor may continue for 50 ms, or for 1 s
+/// if the client may have closed only its sending side. Half a second more allows for a slow machine.
 fn most_afterwards() -> f64 {
     let processors = std::thread::available_parallelism().map_or(1, |count| u32::try_from(count.get()).unwrap_or(u32::MAX));
     1.0 + 1.5 * f64::from(processors)
@@ -46,7 +46,7 @@ fn surface() -> Vec<u8> {
     file
 }
 
-/// An upload of the surface with a library of cutters in a table, as it travels.
+/// The bytes of an upload of the surface with a library of cutters in a table.
 fn upload() -> Vec<u8> {
     let rows = (0..CUTTERS).map(|index| format!("B{index},ball_end,{:.2},2\n", 4.0 + 0.02 * f64::from(index)));
     let library = format!("name,type,diameter_mm,teeth\n{}", rows.collect::<String>());
@@ -76,7 +76,7 @@ async fn begin(program: &Program) -> TcpStream {
     stream
 }
 
-/// Asserts that the program comes to rest after little more processor time.
+/// Asserts that the program becomes idle after little more processor time.
 async fn assert_at_rest(program: &Program) {
     let at_end = program.processor_time_s();
     let mut last = at_end;
@@ -84,7 +84,7 @@ async fn assert_at_rest(program: &Program) {
         tokio::time::sleep(Duration::from_secs(1)).await;
         let now = program.processor_time_s();
         assert!(now - at_end < most_afterwards(), "{:.1} s of processor time afterwards", now - at_end);
-        // What a server at rest takes is a few ms.
+        // An idle server takes a few ms.
         if now - last < 0.1 {
             return;
         }

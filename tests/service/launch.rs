@@ -55,8 +55,8 @@ impl Program {
     #[cfg(target_os = "linux")]
     pub(crate) fn processor_time_s(&self) -> f64 {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap();
-        // The name of the program, in brackets, may have blanks; user and system time are the 14th and 15th figures of
-        // all.
+        // The name of the program, in brackets, may have blanks. User and system time are the 14th and 15th fields of
+        // the line.
         let figures = stat.rsplit_once(')').expect("a name").1.split_whitespace();
         let ticks: f64 = figures.skip(11).take(2).map(|ticks| ticks.parse::<f64>().unwrap()).sum();
         // Linux states 100 ticks a second to programs on all its architectures.

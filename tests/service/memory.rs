@@ -12,7 +12,8 @@ const FACETS: u32 = 2_000_000;
 const UPLOADS: usize = 16;
 /// The number of attempts of a refused upload, one second apart.
 const ATTEMPTS: usize = 30;
-/// The bound on the whole process, in kB: the default memory budget of 512 MiB, and 64 MiB for what it does not count.
+/// The bound on the whole process, in kB: the default memory budget of 512 MiB, and 64 MiB for memory outside the
+/// budget.
 const MOST_KB: u64 = (512 + 64) * 1024;
 
 /// A thousand facets of an inclined sawtooth, which are sent repeatedly. The sawtooth is a strip, so few facets remain

@@ -80,7 +80,7 @@ fn a_hangup_drains_like_a_termination() {
 
 #[test]
 fn probes_and_metrics_are_served_on_their_own_address_if_one_is_set() {
-    // A port that was free a moment before.
+    // A port that was free just before.
     let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let program = Program::start(&["--health-listen", &free.to_string()]);
     assert!(ask(program.address).expect("an answer").starts_with("HTTP/1.1 404"));
@@ -99,7 +99,7 @@ fn a_draining_program_still_answers_and_a_health_check_fails() {
     loop {
         let answer = scallopd().args(["healthcheck", "--listen", &program.address.to_string()]).output().unwrap();
         if answer.status.code() == Some(1) {
-            // The server answered: a refused connection would be `None`.
+            // The server answered; a refused connection would be `None`.
             assert_eq!(text(&answer), "");
             break;
         }

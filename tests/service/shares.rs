@@ -1,4 +1,4 @@
-//! Requests that take their time, beside others: places, turns, and answers that are not read.
+//! Long requests together with others: permits, their order, and answers that clients do not read.
 
 use serde_json::{Value, json};
 use tokio::io::AsyncReadExt;
@@ -20,7 +20,7 @@ async fn bodies_that_are_awaited_take_no_place_of_those_that_are_there() {
     let mut waiting = Vec::new();
     for index in 0..32 {
         let mut stream = server.connect().await;
-        // Half of them have begun to send.
+        // Half of the clients have started to send.
         let begun = if index % 2 == 0 { "" } else { "{\"cutter\": " };
         send(
             &mut stream,
@@ -42,7 +42,7 @@ async fn a_short_batch_is_answered_before_the_long_ones_that_came_first() {
     let long_ones: Vec<_> = (0..2)
         .map(|_| tokio::spawn(server.client.post(server.url(BATCH)).header("content-type", "application/json").body(long.clone()).send()))
         .collect();
-    // Those two and the scrape.
+    // The two requests and the scrape itself.
     until("both have begun", async || server.metrics().await.contains("scallopd_http_requests_in_flight 3\n")).await;
     let short = batch(20, "envelope");
     assert_eq!(server.answer(BATCH, &short).await["summary"]["count"], 20);
@@ -63,7 +63,7 @@ async fn an_answer_that_is_not_read_draws_on_the_memory_budget_until_its_client_
     let mut first = [0; 12];
     stream.read_exact(&mut first).await.unwrap();
     assert_eq!(&first, b"HTTP/1.1 200");
-    // What the client has not read, beyond some MB in the system's buffers.
+    // The part of the answer that the client has not read, except some MB in the system's buffers.
     assert!(server.state.budget.reserved() > 1 << 20, "{}", server.state.budget.reserved());
     drop(stream);
     until("its memory is free", async || server.state.budget.reserved() == 0).await;

@@ -91,7 +91,7 @@ async fn the_connection_of_a_client_that_leaves_its_answer_unread_is_closed() {
     tokio::time::sleep(Duration::from_millis(200)).await;
     server.stop();
     server.stopped().await;
-    // The grace is 30 s: without the time-out the server would have waited for all of it.
+    // The grace is 30 s; without the time-out the server would have waited that long.
     assert!(began.elapsed() < PATIENCE / 2, "{:?}", began.elapsed());
     drop(stream);
 }

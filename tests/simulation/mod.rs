@@ -1,7 +1,7 @@
-//! Model `envelope` compared with a simulation of the cutter's solid: the model's height is never exceeded, and it is
-//! reached.
+//! Comparison of model `envelope` with a simulation of the cutter's solid: the simulated height never exceeds the
+//! model's, and reaches it.
 //!
-//! The default run takes some hundred configurations of each kind. More by one command:
+//! The default run simulates a few hundred configurations of each kind. This command simulates more:
 //!
 //! ```sh
 //! SCALLOPD_SIMULATIONS=5000 cargo test --release --test integration simulation -- --nocapture
@@ -14,7 +14,7 @@ use scallopd::milling::{Contact, Cutter, Envelope, NoAnswer, Pass, Runout, Surfa
 use scallopd::quantity::Length;
 use solid::{Grid, Setup, Solid, highest_uncut};
 
-/// The pseudo-random generator Splitmix64, which gives the same numbers in each run.
+/// The pseudo-random generator Splitmix64, with a fixed seed.
 struct Random(u64);
 
 impl Random {
@@ -32,7 +32,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// Each end in one case of ten, otherwise any number between.
+    /// Either end of the range with a probability of a tenth each, otherwise a number between them.
     fn with_ends(&mut self, low: f64, high: f64) -> f64 {
         match self.unit() {
             u if u < 0.1 => low,
@@ -46,7 +46,7 @@ fn mm(value: f64) -> Length {
     Length::from_mm(value).unwrap()
 }
 
-/// A configuration and the model's height for it.
+/// A configuration, and the height that the model has for it.
 #[derive(Debug)]
 struct Case {
     setup: Setup,
@@ -54,8 +54,8 @@ struct Case {
 }
 
 impl Case {
-    /// Slopes 0 to 90 deg, all directions, r/R from 0 to 1, marks up to 0.4 mm apart, step-overs that leave 1 to 100
-    /// um.
+    /// Draws a configuration: slopes from 0 to 90 deg, all directions, r/R from 0 to 1, marks up to 0.4 mm apart,
+    /// step-overs that leave 1 to 100 um.
     fn draw(random: &mut Random) -> Result<Self, NoAnswer> {
         let outer_radius = random.within(1.0, 10.0);
         let ratio = random.with_ends(0.0, 1.0);
@@ -82,8 +82,9 @@ impl Case {
         Ok(Self { setup: Setup { solid, slope_deg, theta_deg, step_over: step_over.mm(), mark_spacing }, height })
     }
 
-    /// The simulated height as a share of the model's; if the model's is 0, 1 if the simulation agrees to 1e-11 mm.
-    /// Elsewhere columns end at 1e-8 of the height, far below the 1e-6 by which it is evaluated.
+    /// The simulated height as a share of the model's height. If the model's height is 0, the share is 1 if the
+    /// simulation leaves at most 1e-11 mm. The simulation resolves 1e-8 of the height, far below the 1e-6 of the
+    /// assertion.
     fn reached(&self, grid: Grid) -> f64 {
         let resolution = (1e-8 * self.height).max(1e-11);
         let simulated = highest_uncut(self.setup, grid, 4.0 * self.setup.solid.outer_radius, resolution);

@@ -1,8 +1,8 @@
-//! A brute-force simulation of finish milling on an inclined plane. It uses only the cutter's solid, that is, whether
-//! the body covers a point: no radii of curvature, profiles or formulas of marks.
+//! A brute-force simulation of finish milling on an inclined plane. It uses only whether the cutter's solid covers a
+//! point: no radii of curvature, profiles or formulas of marks.
 
-/// A turning cutter, its axis the Z axis and its corner's centre at z = 0: a cylinder of radius R with the edge at its
-/// bottom rounded by r.
+/// A rotating cutter: a cylinder of radius R whose bottom edge is rounded by r. Its axis is the Z axis, and its
+/// corner's centre is at z = 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solid {
     /// R in mm.
@@ -60,9 +60,9 @@ pub(crate) struct Grid {
     pub(crate) across: usize,
 }
 
-/// The number of passes on either side that can reach a point. A sharp edge at an oblique feed cuts deepest beside its
-/// contact, by less than the marks are apart; passes further off than that and two more leave nothing lower than those
-/// between.
+/// The number of passes on either side that can reach a point. With an oblique feed, a sharp edge cuts deepest beside
+/// its contact, but by less than the distance of the marks. Passes more than two further away leave nothing lower than
+/// those between.
 fn passes(setup: Setup) -> i32 {
     #[expect(clippy::cast_possible_truncation, reason = "marks and step-overs are of one order")]
     let reach = (setup.mark_spacing / setup.step_over).ceil() as i32;
@@ -110,8 +110,8 @@ impl Columns {
             inside = (inside + step).min(ceiling);
             step *= 2.0;
         }
-        // The surface touches the body, so the body covers nothing under it; the body is convex, so the column enters
-        // it once.
+        // The surface touches the body, so the body covers nothing below it. The body is convex, so a column enters it
+        // once.
         let mut step = resolution * 16.0;
         let mut outside = inside - step;
         while outside > 0.0 && self.covers(x, y, outside) {

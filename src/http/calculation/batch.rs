@@ -3,22 +3,25 @@
 
 use super::Calculation;
 use super::column::{Column, Table};
+use super::contacts::{Contacts, MOST_CONTACTS};
 use super::selection::Selection;
 use super::single::{self, warnings_schema};
 use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
-use crate::http::codes::RequestFault;
+use crate::http::codes::{FaultCode, RequestFault};
 use crate::http::problem::Problem;
-use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, ObjectSchema, for_runs_of_items, items};
+use crate::http::reading::{
+    Components, CutOut, Fault, Faulted, Faults, JsonPath, Kind, Large, Members, Object, ObjectSchema, PlainJson, Unusual,
+};
 use crate::http::wire::{
-    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, MODEL, SharedParameters, Summary,
-    Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer, warning_code,
+    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, Heights, MODEL,
+    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer, warning_code,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use serde_json::value::RawValue;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
@@ -26,10 +29,6 @@ use utoipa::openapi::{RefOr, Schema};
 /// The number of contacts that one thread computes at a time. They take some tenths of a millisecond, so the cost of
 /// distributing them is negligible.
 const CHUNK: usize = 1024;
-
-/// The largest number of contacts in a request. Without this limit, a body of the largest size could hold some ten
-/// million. With it, an answer stays below about 100 MB.
-const MOST_CONTACTS: usize = 250_000;
 
 const CONTACTS: &str = "contacts";
 
@@ -42,12 +41,15 @@ const MOST_FAULTS: usize = 100;
 /// The largest number of faults listed for one contact.
 const MOST_FAULTS_OF_A_CONTACT: usize = 8;
 
+/// The length of a contact by angles with six decimals, in bytes.
+const USUAL_CONTACT: usize = 46;
+
 /// The fewest bytes that a contact takes in a body: `{},` as an object, `0,` in each of two columns.
 const SHORTEST_CONTACT: usize = 4;
 
 /// The memory of a contact in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
 /// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts sent as columns are
-/// stored as up to 15 numbers of 16 bytes.
+/// stored as up to 15 numbers of 8 bytes.
 const MEMORY_OF_A_CONTACT: usize = 660;
 
 /// The memory of the listed failures and of the rest of an answer.
@@ -61,77 +63,69 @@ pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody)
 }
 
 fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
+    if let Some(answer) = compute_plain::<C>(body.json(), cancel) {
+        return answer;
+    }
     body.read_until(cancel, |object, faults| {
         let path = object.path();
-        let shared = SharedParameters::read(object, faults);
-        let defaults = ContactParameters::read(object, C::STATED, faults);
-        let members = C::Members::read(object, faults);
-        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
-        let selection = Selection::read::<C>(object, faults);
+        let batch = Batch::<C>::read(object, faults);
         let path = path.member(CONTACTS);
         let Some(contacts) = object.take(CONTACTS, faults) else {
             return Err(faults.add(&path, RequestFault::MissingField, "the field is missing: the contacts to compute"));
         };
-        let are_columns = contacts.get().starts_with('{');
+        let contacts = Contacts::open(contacts, C::STATED, path, faults)?;
         if !faults.is_empty() {
             // Nothing is computed, but the contacts are still checked, so that the answer lists their faults too.
-            check_contacts::<C>(contacts, &defaults, path, cancel, faults)?;
-            return Err(Faulted);
-        }
-        let batch = Batch { shared: shared?, defaults, calculation: calculation?, selection: selection? };
-        let (whole, count) = if are_columns {
-            batch.compute_columns(contacts, path, cancel, faults)?
-        } else {
-            batch.compute_rows(contacts, path, cancel, faults)?
-        };
-        if cancel.is_cancelled() {
-            // The answer of a cancelled batch is discarded.
-            return Err(Faulted);
-        }
-        if count > 0 && whole.failed == count {
-            let mut left_out = count;
-            let mut listed = 0;
-            for (_, of_contact) in whole.failures {
-                listed += of_contact.len();
-                if listed > MOST_FAULTS {
-                    break;
-                }
-                left_out -= 1;
-                for fault in of_contact {
-                    faults.push(fault);
-                }
+            for index in (0..contacts.count()).take_while(|_| !cancel.is_cancelled()) {
+                let _recorded = contacts.read(index, C::STATED, &batch.defaults, contacts.path(index, &path), faults);
             }
-            faults.add_left_out(left_out);
             return Err(Faulted);
         }
-        Ok(whole.written(&batch, count))
+        let batch = batch.without_faults()?;
+        let whole = batch.compute_contacts(&contacts, path, cancel);
+        whole.answer(&batch, contacts.count(), cancel, faults)
     })
 }
 
-/// Records the faults of contacts that are not computed.
-fn check_contacts<C: Calculation>(
-    contacts: &RawValue,
-    defaults: &ContactParameters,
-    path: JsonPath<'_>,
-    cancel: &CancelFlag,
-    faults: &mut Faults,
-) -> Result<(), Faulted> {
-    if contacts.get().starts_with('{') {
-        // Columns are read even if another part of the request has faults.
-        let mut of_columns = Faults::default();
-        let columns = ContactColumns::read(contacts, C::STATED, MOST_CONTACTS, path, &mut of_columns);
-        faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
-        let columns = columns?;
-        for index in (0..columns.count).take_while(|_| !cancel.is_cancelled()) {
-            let _recorded = columns.contact(index, C::STATED, defaults, columns.path(index, &path), faults);
-        }
-    } else {
-        let contacts = items(contacts, MOST_CONTACTS, path, faults)?;
-        for (index, contact) in contacts.into_iter().enumerate().take_while(|_| !cancel.is_cancelled()) {
-            let _recorded = BatchContact::read(contact, C::STATED, defaults, path.item(index), faults);
-        }
+/// Answers a batch whose contacts can be read in one pass, without a check of the body's syntax before. `None` where
+/// the request may have faults other than those of single contacts; then nothing is answered yet.
+fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Result<WrittenJson, Problem>> {
+    let cut = CutOut::of(body, CONTACTS)?;
+    let mut faults = Faults::until(cancel);
+    let mut object = Object::open_body(cut.rest(), &mut faults).ok()?.ok()?;
+    let batch = Batch::<C>::read(&mut object, &mut faults).without_faults().ok()?;
+    let is_contacts = object.take(CONTACTS, &mut faults).is_some_and(|place| cut.is_place(place));
+    object.close(&mut faults).ok()?;
+    if !is_contacts || !faults.is_empty() {
+        return None;
     }
-    Ok(())
+    let root = JsonPath::Root;
+    let path = root.member(CONTACTS);
+    let (whole, count) = match cut.large() {
+        Large::Rows(runs) => batch.compute_runs(&runs, path, cancel)?,
+        Large::Columns(columns) => {
+            let columns = ContactColumns::read_plain(columns, C::STATED, MOST_CONTACTS)?;
+            let contacts = Contacts::Columns(Box::new(columns));
+            (batch.compute_contacts(&contacts, path, cancel), contacts.count())
+        }
+    };
+    Some(whole.answer(&batch, count, cancel, &mut faults).map_err(|Faulted| Problem::faulty_request(faults)))
+}
+
+/// The parts of a request beside its contacts, with proofs of the faults that are recorded.
+struct ReadBatch<C> {
+    shared: Result<SharedParameters, Faulted>,
+    defaults: ContactParameters,
+    calculation: Result<C, Faulted>,
+    selection: Result<Selection, Faulted>,
+}
+
+impl<C: Calculation> ReadBatch<C> {
+    fn without_faults(self) -> Result<Batch<C>, Faulted> {
+        let selection = self.selection?;
+        let (heights, is_compared) = (selection.heights(), selection.is_compared());
+        Ok(Batch { shared: self.shared?, defaults: self.defaults, calculation: self.calculation?, selection, heights, is_compared })
+    }
 }
 
 struct Batch<C> {
@@ -139,11 +133,15 @@ struct Batch<C> {
     defaults: ContactParameters,
     calculation: C,
     selection: Selection,
+    heights: Heights,
+    is_compared: bool,
 }
 
 /// The results of a chunk of consecutive contacts.
 struct Part {
     columns: Vec<Column>,
+    /// The number of contacts.
+    count: usize,
     failed: usize,
     /// The first failures, with their faults.
     failures: Vec<(usize, Vec<Fault>)>,
@@ -152,84 +150,85 @@ struct Part {
 }
 
 impl<C: Calculation> Batch<C> {
-    /// Reads an array of contacts. This thread splits the array into chunks; other threads compute them at the same
-    /// time.
-    fn compute_rows(
-        &self,
-        contacts: &RawValue,
-        path: JsonPath<'_>,
-        cancel: &CancelFlag,
-        faults: &mut Faults,
-    ) -> Result<(Part, usize), Faulted> {
-        let parts = Parts::default();
-        let count = rayon::scope(|scope| {
-            for_runs_of_items(contacts, MOST_CONTACTS, CHUNK, path, faults, |first, contacts| {
-                let parts = &parts;
-                scope.spawn(move |_| {
-                    let part = self.compute_chunk(first, contacts.len(), cancel, |index, faults| {
-                        let path = path.item(index);
-                        let contact = BatchContact::read(contacts[index - first], C::STATED, &self.defaults, path, faults);
-                        contact.and_then(|contact| self.compute_contact(contact, path, faults))
-                    });
-                    parts.insert(first, part);
-                });
-            })
-        })?;
-        Ok((self.joined(parts), count))
+    /// Reads the parts of a request beside its contacts.
+    fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> ReadBatch<C> {
+        let path = object.path();
+        let shared = SharedParameters::read(object, faults);
+        let defaults = ContactParameters::read(object, C::STATED, faults);
+        let members = C::Members::read(object, faults);
+        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
+        ReadBatch { shared, defaults, calculation, selection: Selection::read::<C>(object, faults) }
     }
 
-    /// Reads columns of contacts, and then computes their rows on all cores.
-    fn compute_columns(
-        &self,
-        contacts: &RawValue,
-        path: JsonPath<'_>,
-        cancel: &CancelFlag,
-        faults: &mut Faults,
-    ) -> Result<(Part, usize), Faulted> {
-        let columns = ContactColumns::read(contacts, C::STATED, MOST_CONTACTS, path, faults)?;
-        let parts = Parts::default();
-        (0..columns.count.div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
-            let first = chunk * CHUNK;
-            let part = self.compute_chunk(first, CHUNK.min(columns.count - first), cancel, |index, faults| {
-                let path = columns.path(index, &path);
-                let contact = columns.contact(index, C::STATED, &self.defaults, path, faults);
-                contact.and_then(|contact| self.compute_contact(contact, path, faults))
-            });
-            parts.insert(first, part);
-        });
-        Ok((self.joined(parts), columns.count))
+    /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` where the general reader has
+    /// to read them.
+    fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<(Part, usize)> {
+        let (parts, count) = (Parts::default(), AtomicUsize::new(0));
+        let compute = |(index, run): (usize, &&[u8])| {
+            let part = self.compute_run(run, cancel)?;
+            let too_many = count.fetch_add(part.count, Ordering::Relaxed) + part.count > MOST_CONTACTS;
+            parts.insert(index, part);
+            if too_many { Err(Unusual) } else { Ok(()) }
+        };
+        runs.par_iter().enumerate().try_for_each(compute).ok()?;
+        Some((self.joined(parts, Some(path)), count.into_inner()))
     }
 
-    /// Computes a chunk of contacts. After a cancellation, the rest of the chunk is skipped.
-    fn compute_chunk(
-        &self,
-        first: usize,
-        count: usize,
-        cancel: &CancelFlag,
-        compute: impl Fn(usize, &mut Faults) -> Result<(Figures, EvaluatedPass), Faulted>,
-    ) -> Part {
-        let mut part = self.part(|| Column::with_capacity(count));
-        for index in first..first + count {
-            if cancel.is_cancelled() {
+    /// Reads a run of contacts and computes them. Indices and paths are those in the run.
+    fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
+        let mut json = PlainJson::new(run);
+        let mut part = self.part(run.len() / USUAL_CONTACT);
+        while !cancel.is_cancelled() {
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
+            let path = JsonPath::Root;
+            let contact = BatchContact::read_next(&mut json, C::STATED, &self.defaults, path, &mut faults)?;
+            let index = part.count;
+            self.take_in(&mut part, index, contact, path, faults);
+            if json.is_at_end() {
                 break;
             }
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
-            match compute(index, &mut faults) {
-                Ok((mut figures, pass)) => {
-                    if self.selection.is_compared() {
-                        let check = single::compare(&pass, &figures);
-                        part.outside_range += usize::from(single::is_outside_range(&check));
-                        figures.check = check.ok();
-                    }
-                    part.add(index, &figures, &pass, &self.selection);
-                }
-                Err(Faulted) => part.fail(index, faults),
-            }
+            json.expect(b',')?;
         }
-        part
+        Ok(part)
     }
 
-    fn compute_contact(&self, contact: BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(Figures, EvaluatedPass), Faulted> {
+    /// Reads and computes contacts on all cores; the rest of a cancelled batch is left out.
+    fn compute_contacts(&self, contacts: &Contacts<'_>, path: JsonPath<'_>, cancel: &CancelFlag) -> Part {
+        let parts = Parts::default();
+        (0..contacts.count().div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
+            let first = chunk * CHUNK;
+            let end = contacts.count().min(first + CHUNK);
+            let mut part = self.part(end - first);
+            for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
+                let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
+                let path = contacts.path(index, &path);
+                let contact = contacts.read(index, C::STATED, &self.defaults, path, &mut faults);
+                self.take_in(&mut part, index, contact, path, faults);
+            }
+            parts.insert(chunk, part);
+        });
+        self.joined(parts, None)
+    }
+
+    /// Adds the contact `index` to a part: its figures, or its faults if it has no answer.
+    #[inline]
+    fn take_in(&self, part: &mut Part, index: usize, contact: Result<BatchContact, Faulted>, path: JsonPath<'_>, mut faults: Faults) {
+        part.count += 1;
+        if contact.and_then(|contact| self.compute_contact(part, index, contact, path, &mut faults)).is_err() {
+            part.fail(index, faults);
+        }
+    }
+
+    /// Computes a contact and adds its figures to a part.
+    #[inline]
+    fn compute_contact(
+        &self,
+        part: &mut Part,
+        index: usize,
+        contact: BatchContact,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<(), Faulted> {
         let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(C::STATED, &path, faults)?;
         let member = self.calculation.step_over_member(&parameters);
@@ -237,46 +236,61 @@ impl<C: Calculation> Batch<C> {
         let mut fail =
             |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
         let pass = single::evaluate(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
-        let figures = single::compute(&self.calculation, &self.shared, &pass, step_over, &parameters)?.map_err(fail)?;
-        Ok((figures, pass))
+        let figures = single::compute(&self.calculation, &self.shared, &pass, step_over, &parameters, self.heights)?;
+        let mut figures = figures.map_err(fail)?;
+        if self.is_compared {
+            let check = single::compare(&pass, &figures);
+            part.outside_range += usize::from(single::is_outside_range(&check));
+            figures.check = check.ok();
+        }
+        part.add(index, &figures, &pass, &self.selection);
+        Ok(())
     }
 
-    /// A part without contacts.
-    fn part(&self, column: impl Fn() -> Column) -> Part {
-        let columns = self.selection.figures.iter().map(|_| column()).collect();
-        Part { columns, failed: 0, failures: Vec::new(), outside_range: 0, warnings: Vec::new() }
+    /// A part without contacts, and room for about `count`.
+    fn part(&self, count: usize) -> Part {
+        let columns = self.selection.figures.iter().map(|_| Column::with_capacity(count)).collect();
+        Part { columns, count: 0, failed: 0, failures: Vec::new(), outside_range: 0, warnings: Vec::new() }
     }
 
-    fn joined(&self, parts: Parts) -> Part {
-        let mut whole = self.part(Column::default);
-        for part in parts.0.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
+    /// All parts in order. Where `path` is given, their indices and paths are those in the part.
+    fn joined(&self, parts: Parts, path: Option<JsonPath<'_>>) -> Part {
+        let mut whole = self.part(0);
+        for mut part in parts.0.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
+            if let Some(path) = path {
+                part.shift(whole.count, path);
+            }
             whole.append(part);
         }
         whole
     }
 }
 
-/// The completed parts, by the index of their first contact.
+/// The completed parts, in order by the number with which each is inserted.
 #[derive(Default)]
 struct Parts(Mutex<BTreeMap<usize, Part>>);
 
 impl Parts {
     /// Adds a part. If earlier parts already have as many failures as are listed, the failures of this part are dropped
     /// to save memory.
-    fn insert(&self, first: usize, mut part: Part) {
+    fn insert(&self, number: usize, mut part: Part) {
         let mut parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let earlier: usize = parts.range(..first).map(|(_, part)| part.failures.len()).sum();
+        let earlier: usize = parts.range(..number).map(|(_, part)| part.failures.len()).sum();
         if earlier >= MOST_FAILURES {
             part.failures = Vec::new();
         }
-        parts.insert(first, part);
+        parts.insert(number, part);
     }
 }
 
 impl Part {
     fn add(&mut self, index: usize, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
         for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
-            column.push(index, (figure.get)(figures).map(|value| value.rounded(selection.significant_digits)));
+            match figure.getter() {
+                Get::Number(get) => column.push_number(index, get(figures).map(|number| selection.rounded(number))),
+                Get::Word(get) => column.push(get(figures).as_ref()),
+                Get::Words(_) => column.push(figure.value(figures).as_ref()),
+            }
         }
         for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {
             match self.warnings.iter_mut().find(|known| known.code == warning_code(warning)) {
@@ -287,14 +301,32 @@ impl Part {
     }
 
     fn fail(&mut self, index: usize, faults: Faults) {
-        self.columns.iter_mut().for_each(|column| column.push(index, None));
+        self.columns.iter_mut().for_each(|column| column.push_number(index, None));
         self.failed += 1;
         if self.failures.len() < MOST_FAILURES {
             self.failures.push((index, faults.into_listed()));
         }
     }
 
+    /// Moves the contacts of a part whose indices and paths are those in the part to the place `first` of the array at
+    /// `path`.
+    fn shift(&mut self, first: usize, path: JsonPath<'_>) {
+        self.columns.iter_mut().for_each(|column| column.shift(first));
+        for (index, faults) in &mut self.failures {
+            *index += first;
+            let path = path.item(*index).to_string();
+            // The entry that counts further faults has no place.
+            for fault in faults.iter_mut().filter(|fault| fault.code != FaultCode::from(RequestFault::FurtherFaults)) {
+                fault.pointer.insert_str(0, &path);
+            }
+        }
+        for index in self.warnings.iter_mut().filter_map(|warning| warning.first_index.as_mut()) {
+            *index += first;
+        }
+    }
+
     fn append(&mut self, next: Self) {
+        self.count += next.count;
         self.columns.iter_mut().zip(next.columns).for_each(|(column, next)| column.append(next));
         self.failed += next.failed;
         let listed = MOST_FAILURES - self.failures.len();
@@ -308,11 +340,36 @@ impl Part {
         }
     }
 
+    /// The answer, or the faults where no contact has one.
+    fn answer<C>(self, batch: &Batch<C>, count: usize, cancel: &CancelFlag, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
+        if cancel.is_cancelled() {
+            // The answer of a cancelled batch is discarded.
+            return Err(Faulted);
+        }
+        if count == 0 || self.failed < count {
+            return Ok(self.written(batch, count));
+        }
+        let mut left_out = count;
+        let mut listed = 0;
+        for (_, of_contact) in self.failures {
+            listed += of_contact.len();
+            if listed > MOST_FAULTS {
+                break;
+            }
+            left_out -= 1;
+            for fault in of_contact {
+                faults.push(fault);
+            }
+        }
+        faults.add_left_out(left_out);
+        Err(Faulted)
+    }
+
     fn written<C>(self, batch: &Batch<C>, count: usize) -> WrittenJson {
         let Batch { shared, selection, .. } = batch;
         let named = || selection.figures.iter().zip(&self.columns);
         let extremes = ColumnExtremes(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
-        let outside_analytic_range = selection.is_compared().then_some(self.outside_range);
+        let outside_analytic_range = batch.is_compared.then_some(self.outside_range);
         let mut table = Table::default();
         table.value("model", &model_name(shared.model));
         table.value("summary", &Summary { count, failures: self.failed, outside_analytic_range, extremes });

@@ -2,13 +2,15 @@
 //! both as numbers and as text.
 
 use crate::http::body::WrittenJson;
-use crate::http::wire::{Extreme, Extremes, FigureValue};
+use crate::http::wire::{Extreme, Extremes};
 use serde::Serialize;
 
 /// A column of figures: the JSON of its rows in consecutive pieces, and the extremes of its numbers.
 #[derive(Debug, Default)]
 pub(crate) struct Column {
+    /// The pieces before the last one, each with the comma after it.
     pieces: Vec<Vec<u8>>,
+    rows: Vec<u8>,
     has_value: bool,
     minimum: Option<Extreme>,
     maximum: Option<Extreme>,
@@ -18,21 +20,47 @@ impl Column {
     /// An empty column with room for about this many rows.
     pub(crate) fn with_capacity(rows: usize) -> Self {
         // 17 digits, a point, a digit before it and a comma.
-        Self { pieces: vec![Vec::with_capacity(20 * rows)], ..Self::default() }
+        Self { rows: Vec::with_capacity(20 * rows), ..Self::default() }
     }
 
     /// Adds the row of contact `index`; `None` is written as null.
-    pub(crate) fn push(&mut self, index: usize, figure: Option<FigureValue>) {
-        let Some(rows) = self.pieces.last_mut() else { unreachable!("a column with rows has a piece") };
-        if !rows.is_empty() {
-            rows.push(b',');
+    #[inline]
+    pub(crate) fn push_number(&mut self, index: usize, number: Option<f64>) {
+        let rows = self.next_row();
+        let Some(value) = number.filter(|value| value.is_finite()) else {
+            rows.extend_from_slice(b"null");
+            return;
+        };
+        // As the serializer writes numbers.
+        rows.extend_from_slice(zmij::Buffer::new().format_finite(value).as_bytes());
+        self.has_value = true;
+        if self.minimum.is_none_or(|minimum| value < minimum.value) {
+            self.minimum = Some(Extreme { index, value });
         }
-        self.has_value |= figure.is_some();
-        write(rows, &figure);
-        if let Some(FigureValue::Number(value)) = figure {
-            let found = Some(Extreme { index, value });
-            self.minimum = lower(self.minimum, found);
-            self.maximum = higher(self.maximum, found);
+        if self.maximum.is_none_or(|maximum| value > maximum.value) {
+            self.maximum = Some(Extreme { index, value });
+        }
+    }
+
+    /// Adds a row that is no number; `None` is written as null.
+    pub(crate) fn push(&mut self, value: Option<&impl Serialize>) {
+        self.has_value |= value.is_some();
+        write(self.next_row(), &value);
+    }
+
+    /// The text of the rows, after the comma before the next one.
+    #[inline]
+    fn next_row(&mut self) -> &mut Vec<u8> {
+        if !self.rows.is_empty() {
+            self.rows.push(b',');
+        }
+        &mut self.rows
+    }
+
+    /// Moves the rows to contacts with indices larger by `first`.
+    pub(crate) fn shift(&mut self, first: usize) {
+        for extreme in self.minimum.iter_mut().chain(&mut self.maximum) {
+            extreme.index += first;
         }
     }
 
@@ -42,13 +70,16 @@ impl Column {
     }
 
     /// Appends the rows of `next`.
-    pub(crate) fn append(&mut self, next: Self) {
-        for rows in next.pieces.into_iter().filter(|rows| !rows.is_empty()) {
-            if let Some(above) = self.pieces.last_mut() {
-                above.push(b',');
-            }
-            self.pieces.push(rows);
+    pub(crate) fn append(&mut self, mut next: Self) {
+        if next.rows.is_empty() {
+            return;
         }
+        if !self.rows.is_empty() {
+            self.rows.push(b',');
+            self.pieces.push(std::mem::take(&mut self.rows));
+        }
+        self.pieces.append(&mut next.pieces);
+        self.rows = next.rows;
         self.has_value |= next.has_value;
         self.minimum = lower(self.minimum, next.minimum);
         self.maximum = higher(self.maximum, next.maximum);
@@ -92,6 +123,7 @@ impl Table {
         self.text.push(b'[');
         self.pieces.push(std::mem::take(&mut self.text));
         self.pieces.extend(column.pieces);
+        self.pieces.push(column.rows);
         self.text.push(b']');
     }
 
@@ -134,7 +166,7 @@ mod tests {
     fn column(first: usize, rows: &[Option<f64>]) -> Column {
         let mut column = Column::with_capacity(rows.len());
         for (index, row) in (first..).zip(rows) {
-            column.push(index, row.map(FigureValue::Number));
+            column.push_number(index, *row);
         }
         column
     }

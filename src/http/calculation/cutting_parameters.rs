@@ -9,7 +9,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, FigureValue, Figures, SharedParameters, StatedParameters, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::http::worker_pool::Work;
 use crate::milling::{CuttingLimits, EvaluatedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
@@ -65,10 +65,10 @@ fn binding_limit_schema(about: &str, components: &mut Components) -> RefOr<Schem
 
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::words("limited_by", "the limits that bind", binding_limit_schema, |figures| Some(FigureValue::Words(figures.binding_limits))),
+    Figure::words("limited_by", "the limits that bind", binding_limit_schema, |figures| figures.binding_limits),
     FEED_RATE,
     Figure::number("area_rate_mm2_min", "the area finished per minute, the step-over along the surface times the feed rate", |figures| {
-        figures.feed_rate_mm_min.map(|rate| FigureValue::Number(rate * figures.step_over.mm()))
+        figures.feed_rate_mm_min.map(|rate| rate * figures.step_over.mm())
     })
     .only("if the cutter's teeth and the spindle speed are given"),
 ];
@@ -121,13 +121,20 @@ impl Calculation for FastestParameters {
         if self.min_step_over.is_some() { MIN_STEP_OVER.name } else { TOLERANCE.name }
     }
 
-    fn compute(&self, shared: &SharedParameters, pass: &EvaluatedPass, _: Option<Length>, _: Option<Length>) -> Result<Figures, NoAnswer> {
+    fn compute(
+        &self,
+        shared: &SharedParameters,
+        pass: &EvaluatedPass,
+        _: Option<Length>,
+        _: Option<Length>,
+        _: Heights,
+    ) -> Result<Figures, NoAnswer> {
         let (per_tooth, by_machine) = (self.feed.per_tooth, self.feed.by_machine(shared));
         let feed_limit = per_tooth.into_iter().chain(by_machine).reduce(|a, b| if b < a { b } else { a });
         let limits = CuttingLimits::new(feed_limit, self.min_step_over, self.max_step_over);
         let limits = limits.unwrap_or_else(|_| unreachable!("the step-overs were compared when the request was read"));
         let fastest = pass.fastest(self.tolerance, &limits)?;
-        let mut figures = Figures::at(pass, fastest.step_over, Some(fastest.feed_per_tooth))?;
+        let mut figures = Figures::at(pass, fastest.step_over, Some(fastest.feed_per_tooth), Heights::Parts, None)?;
         figures.feed_rate_mm_min = self.feed.teeth_per_min(shared).map(|teeth_per_min| fastest.feed_per_tooth.mm() * teeth_per_min);
         let words = fastest.limited_by().flat_map(|limit| Self::words(limit, per_tooth, by_machine)).flatten();
         for (slot, word) in figures.binding_limits.iter_mut().zip(words) {

@@ -2,7 +2,7 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity};
-use crate::http::wire::{CUTTER, Figure, FigureValue, SharedParameters, TEETH};
+use crate::http::wire::{CUTTER, Figure, SharedParameters, TEETH};
 use crate::quantity::{Length, OutOfRange};
 
 pub(super) const SPINDLE_SPEED: Member<Quantity<f64>> = Member {
@@ -23,13 +23,11 @@ pub(super) const MAX_FEED_RATE: Member<Quantity<f64>> = Member {
     kind: Quantity::new(|mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), 15_000.0),
 };
 
-pub(super) const FEED_PER_TOOTH: Figure = Figure::number("feed_per_tooth_mm", "the largest feed per tooth", |figures| {
-    figures.feed_per_tooth.map(|feed| FigureValue::Number(feed.mm()))
-});
+pub(super) const FEED_PER_TOOTH: Figure =
+    Figure::number("feed_per_tooth_mm", "the largest feed per tooth", |figures| figures.feed_per_tooth.map(Length::mm));
 
-pub(super) const FEED_RATE: Figure =
-    Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min.map(FigureValue::Number))
-        .only("if the cutter's teeth and the spindle speed are given");
+pub(super) const FEED_RATE: Figure = Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min)
+    .only("if the cutter's teeth and the spindle speed are given");
 
 /// The limits on the feed that a request states.
 pub(super) struct FeedLimits {

@@ -8,7 +8,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, FigureValue, Figures, SharedParameters, StatedParameters, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
@@ -57,7 +57,7 @@ fn limited_by_schema(about: &str, components: &mut Components) -> RefOr<Schema> 
 
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::word("limited_by", "the limit that the feed reaches", limited_by_schema, |figures| figures.limited_by.map(FigureValue::Word)),
+    Figure::word("limited_by", "the limit that the feed reaches", limited_by_schema, |figures| figures.limited_by),
     FEED_RATE,
 ];
 
@@ -83,12 +83,15 @@ impl Calculation for MaxFeed {
         pass: &EvaluatedPass,
         step_over: Option<Length>,
         _: Option<Length>,
+        heights: Heights,
     ) -> Result<Figures, NoAnswer> {
         let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
         let by_machine = self.limits.by_machine(shared);
         let stated = [(self.limits.per_tooth, LimitedBy::MaxFeedPerTooth), (by_machine, LimitedBy::MaxFeedRate)];
         let stated = stated.into_iter().filter_map(|(limit, by)| Some((limit?, by))).reduce(|a, b| if b.0 < a.0 { b } else { a });
-        let (feed_per_tooth, limited_by) = match (pass.max_feed_per_tooth(self.tolerance, step_over), stated) {
+        let step_over_height = pass.step_over_height(step_over)?;
+        let by_tolerance = pass.max_feed_per_tooth_above(step_over_height, self.tolerance, step_over);
+        let (feed_per_tooth, limited_by) = match (by_tolerance, stated) {
             (Ok(by_tolerance), Some(stated)) if stated.0 < by_tolerance => stated,
             (Ok(by_tolerance), _) => (by_tolerance, LimitedBy::ScallopTolerance),
             // The tolerance sets no limit while the marks overlap. A limit that the request states is then the only
@@ -97,7 +100,7 @@ impl Calculation for MaxFeed {
             (Err(cause), _) => return Err(cause),
         };
         let feed_rate_mm_min = self.limits.teeth_per_min(shared).map(|teeth_per_min| feed_per_tooth.mm() * teeth_per_min);
-        let mut figures = Figures::at(pass, step_over, Some(feed_per_tooth))?;
+        let mut figures = Figures::at(pass, step_over, Some(feed_per_tooth), heights, Some(step_over_height))?;
         figures.feed_rate_mm_min = feed_rate_mm_min;
         figures.limited_by = Some(LIMITED_BY.word(&limited_by));
         Ok(figures)

@@ -4,6 +4,7 @@
 
 mod batch;
 mod column;
+mod contacts;
 pub(crate) mod cutting_parameters;
 mod feed_limits;
 pub(crate) mod max_feed;
@@ -13,7 +14,7 @@ mod single;
 pub(crate) mod step_over;
 
 use super::reading::{Faulted, Faults, JsonPath, Members};
-use super::wire::{ContactParameters, Figure, Figures, SharedParameters, StatedParameters};
+use super::wire::{ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters};
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
 
@@ -36,13 +37,15 @@ pub(crate) trait Calculation: Sized + Send + Sync {
         faults: &mut Faults,
     ) -> Result<Self, Faulted>;
 
-    /// The figures at a contact. `step_over` is along the surface; it is `None` if `STATED` does not require one.
+    /// The figures at a contact, with at least `heights`. `step_over` is along the surface; it is `None` if `STATED`
+    /// does not require one.
     fn compute(
         &self,
         shared: &SharedParameters,
         pass: &EvaluatedPass,
         step_over: Option<Length>,
         feed_per_tooth: Option<Length>,
+        heights: Heights,
     ) -> Result<Figures, NoAnswer>;
 
     /// The member that determines the step-over. Faults of the step-over point to it.

@@ -6,7 +6,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Faulted, Faults, JsonPath, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, StatedParameters};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Heights, SharedParameters, StatedParameters};
 use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
@@ -35,9 +35,11 @@ impl Calculation for ScallopHeight {
         pass: &EvaluatedPass,
         step_over: Option<Length>,
         feed: Option<Length>,
+        heights: Heights,
     ) -> Result<Figures, NoAnswer> {
         let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
-        Figures::at(pass, step_over, feed)
+        // A contact without a height has no answer, whichever figures are named.
+        Figures::at(pass, step_over, feed, heights.max(Heights::Total), None)
     }
 }
 

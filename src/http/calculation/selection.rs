@@ -3,7 +3,7 @@
 use super::Calculation;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, items, text};
-use crate::http::wire::{CHECK_FIGURES, Figure};
+use crate::http::wire::{CHECK_FIGURES, Figure, Heights};
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
@@ -89,6 +89,23 @@ impl Selection {
 
     pub(super) fn describe<C: Calculation>(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
         schema.optional(&columns::<C>()).optional(&SIGNIFICANT_DIGITS)
+    }
+
+    /// The number, rounded to the significant digits.
+    pub(super) fn rounded(&self, number: f64) -> f64 {
+        match self.significant_digits {
+            // A double has at most 17 digits.
+            Some(digits) if digits < 17 => {
+                let text = format!("{number:.*e}", digits.saturating_sub(1) as usize);
+                text.parse().unwrap_or_else(|_| unreachable!("a number that was written can be read"))
+            }
+            _ => number,
+        }
+    }
+
+    /// The heights that the columns need.
+    pub(super) fn heights(&self) -> Heights {
+        self.figures.iter().map(|figure| figure.heights).max().unwrap_or(Heights::Unused)
     }
 
     /// Whether a selected column needs the comparison with the cutter's exact shape.

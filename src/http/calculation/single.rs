@@ -7,7 +7,7 @@ use crate::http::problem::Problem;
 use crate::http::query::Query;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    CONTACT, Check, ContactParameters, Figures, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
+    CONTACT, Check, ContactParameters, Figures, Heights, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass, StepOver};
@@ -31,7 +31,7 @@ impl<C: Calculation> Serialize for Answer<C> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("model", model_name(self.model))?;
         for figure in C::figures() {
-            let value = (figure.get)(&self.figures);
+            let value = figure.value(&self.figures);
             if value.is_some() || figure.is_required() {
                 map.serialize_entry(figure.name, &value)?;
             }
@@ -119,7 +119,7 @@ impl<C: Calculation> Request<C> {
         let (shared, contact, pass) = (self.shared?, self.contact?, pass?);
         let calculation = self.calculation?;
         let step_over_member = calculation.step_over_member(&self.parameters);
-        let figures = compute(&calculation, &shared, &pass, step_over?, &self.parameters)?;
+        let figures = compute(&calculation, &shared, &pass, step_over?, &self.parameters, Heights::Parts)?;
         let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, step_over_member)))?;
         let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
         let check = check(&pass, &figures, &mut warnings);
@@ -136,6 +136,7 @@ impl<C: Calculation> Request<C> {
 
 /// Evaluates a contact by the request's model. The outer error is a fault that is already recorded; the inner error is
 /// not recorded yet.
+#[inline]
 pub(super) fn evaluate(
     shared: &SharedParameters,
     contact: StatedContact,
@@ -151,17 +152,19 @@ pub(super) fn evaluate(
     Ok(EvaluatedPass::new(shared.model, pass))
 }
 
-/// The figures at a contact. The outer error is a fault that is already recorded; the inner error is not recorded yet.
+/// The figures at a contact, with at least `heights`. The outer error is a fault that is already recorded;
+/// the inner error is not recorded yet.
 pub(super) fn compute<C: Calculation>(
     calculation: &C,
     shared: &SharedParameters,
     pass: &EvaluatedPass,
     step_over: Option<StepOver>,
     parameters: &ContactParameters,
+    heights: Heights,
 ) -> Result<Result<Figures, NoAnswer>, Faulted> {
     let feed_per_tooth = parameters.feed_per_tooth()?;
     let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
-    Ok(along.and_then(|along| calculation.compute(shared, pass, along, feed_per_tooth)))
+    Ok(along.and_then(|along| calculation.compute(shared, pass, along, feed_per_tooth, heights)))
 }
 
 /// The deviation below which the analytic model is outside its range: 5 % below the height by the cutter's exact shape.
@@ -169,7 +172,7 @@ const OUTSIDE_RANGE: f64 = -0.05;
 
 /// Compares the height by the pass's model with the envelope's.
 pub(super) fn compare(pass: &EvaluatedPass, figures: &Figures) -> Result<Check, NoAnswer> {
-    let height = figures.height.total().mm();
+    let height = figures.height.unwrap_or_else(|| unreachable!("a comparison needs the height")).mm();
     let envelope = match pass.model() {
         Model::Analytic => Envelope::new(*pass.pass())?.scallop_height(figures.step_over, figures.feed_per_tooth)?.total().mm(),
         Model::Envelope => height,

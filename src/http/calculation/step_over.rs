@@ -7,7 +7,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, StatedParameters, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
@@ -34,8 +34,15 @@ impl Calculation for MaxStepOver {
         Ok(Self { tolerance: members.tolerance? })
     }
 
-    fn compute(&self, _: &SharedParameters, pass: &EvaluatedPass, _: Option<Length>, feed: Option<Length>) -> Result<Figures, NoAnswer> {
-        Figures::at(pass, pass.max_step_over(self.tolerance, feed)?, feed)
+    fn compute(
+        &self,
+        _: &SharedParameters,
+        pass: &EvaluatedPass,
+        _: Option<Length>,
+        feed: Option<Length>,
+        heights: Heights,
+    ) -> Result<Figures, NoAnswer> {
+        Figures::at(pass, pass.max_step_over(self.tolerance, feed)?, feed, heights, None)
     }
 }
 

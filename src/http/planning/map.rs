@@ -33,7 +33,7 @@ pub(crate) struct MapAnswer {
 }
 
 impl MapAnswer {
-    /// The map of the fastest plan; `None` without a plan. Once `stop` returns true, the result has no meaning.
+    /// The map of the fastest plan; `None` without a plan. Once `stop` returns true, the result must be discarded.
     pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation, stop: Stop) -> Option<Self> {
         let plan = simulation.ranking.plans.first()?;
         let view = &workpiece.view;

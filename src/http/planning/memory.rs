@@ -49,18 +49,18 @@ impl Resources {
         ((mesh + bytes) as u64, parallelism)
     }
 
-    /// The most memory in bytes of a ranking on a mesh of this size: as much as one request may use.
+    /// The largest memory in bytes of a ranking on a mesh of this size, limited by the memory of one request.
     pub(super) fn most(&self, mesh: MeshSize, size: RankingSize) -> u64 {
         self.within(mesh, size, self.largest).0
     }
 
-    /// The least memory in bytes of a ranking on a mesh of this size.
+    /// The smallest memory in bytes with which a ranking on a mesh of this size is possible.
     pub(super) fn least(&self, mesh: MeshSize, size: RankingSize) -> u64 {
         self.within(mesh, size, 0).0
     }
 
-    /// Reserves the memory for a ranking: as much as it can use of what is free, but at least what it needs. Blocks, so
-    /// it must be called on a worker thread.
+    /// Reserves the memory for a ranking: at least the smallest amount, and as much of the free memory as it can use.
+    /// Blocks, so it must be called on a worker thread.
     pub(super) fn provide(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
         let attainable = usize::try_from(self.memory.attainable()).unwrap_or(usize::MAX);
         let (bytes, parallelism) = self.within(mesh, size, self.largest.min(attainable));
@@ -70,7 +70,7 @@ impl Resources {
         Ok(())
     }
 
-    /// Returns what only the ranking took: the memory of one plan is kept, with which passes and map are computed.
+    /// Returns the memory of the ranking, except that of one plan, from which passes and map are computed.
     pub(super) fn keep_one_plan(&mut self, mesh: MeshSize, size: RankingSize) {
         let parallelism = Parallelism { candidates: 1, ..self.parallelism };
         let plan = bytes_to_rank(RankingSize { candidates: 1, ..size }, parallelism, PlanRoom::LARGEST);

@@ -68,7 +68,7 @@ impl PassesAnswer {
         plan.map_or(0, |plan| VIEW + zigzag::bytes_of_passes(plan, &workpiece.facets, MOST_POINTS)) as u64
     }
 
-    /// The passes of the fastest plan; `None` without a plan. Once `stop` returns true, the result has no meaning.
+    /// The passes of the fastest plan; `None` without a plan. Once `stop` returns true, the result must be discarded.
     pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation, stop: Stop) -> Option<Result<Self, TooManyPoints>> {
         let plan = simulation.ranking.plans.first()?;
         let candidate = &simulation.candidates[plan.candidate];

@@ -64,8 +64,8 @@ enum Attempt {
     NeedsMemory(Box<Task>, Resources, u64),
 }
 
-/// Computes the answer if the memory for it is free. Otherwise returns the reserved memory, except that of the task. Few
-/// tasks may wait at once, because together they could hold so much that none gets the rest.
+/// Computes the answer if the memory for it is free. Otherwise returns the reserved memory, except that of the task.
+/// Only a few tasks may wait at the same time: many could together take so much memory that none gets the rest.
 fn attempt(task: Task, mut resources: Resources, cancelled: &CancelFlag) -> Result<Attempt, Problem> {
     let (mesh, ranking) = task.size();
     resources.memory.shrink_to(resources.most(mesh, ranking));

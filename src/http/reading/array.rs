@@ -53,38 +53,17 @@ pub(crate) fn each_raw<'a>(
 
 /// The unparsed items of the array `raw`. More than `most` items are a fault; further items are counted, not stored.
 pub(crate) fn items<'a>(raw: &'a RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
-    let mut all = Vec::new();
-    for_runs_of_items(raw, most, most, path, faults, |_, items| all = items)?;
-    Ok(all)
-}
-
-/// Passes the items of an array to `take` in runs of `run`, each with the index of its first item, and returns the
-/// number of items. Runs may be passed before a fault is found: more than `most` items, or a value that is no array.
-pub(crate) fn for_runs_of_items<'a>(
-    raw: &'a RawValue,
-    most: usize,
-    run: usize,
-    path: JsonPath<'_>,
-    faults: &mut Faults,
-    mut take: impl FnMut(usize, Vec<&'a RawValue>),
-) -> Result<usize, Faulted> {
     let (mut count, mut items) = (0, Vec::new());
     each_raw(raw, path, faults, |item, _| {
         count += 1;
         if count <= most {
             items.push(item);
-            if items.len() == run {
-                take(count - run, std::mem::take(&mut items));
-            }
         }
     })?;
     if count > most {
         return Err(faults.add(&path, RequestFault::TooManyItems, format_args!("must have at most {most} items, found {count}")));
     }
-    if !items.is_empty() {
-        take(count - items.len(), items);
-    }
-    Ok(count)
+    Ok(items)
 }
 
 #[cfg(test)]

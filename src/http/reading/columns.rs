@@ -18,6 +18,12 @@ pub(crate) trait PlainColumn: Default {
     /// row is read.
     fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted>;
 
+    /// Reads a column of at most `most` rows from the text between the brackets of its array, whose syntax has not been
+    /// checked. `None` if the column has no fast reader or the text is unusual.
+    fn read_plain(_items: &[u8], _most: usize) -> Option<Self> {
+        None
+    }
+
     /// Compares the number of rows of this column, `name`, with that of earlier columns.
     fn check_rows(&self, name: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
@@ -65,7 +71,7 @@ impl Rows {
 /// The items of a column.
 #[derive(Debug)]
 pub(crate) struct Cells<P> {
-    values: Vec<Option<P>>,
+    values: Vec<P>,
     /// The rows with a value of another type in ascending order, the first ones with their text.
     faulty: Vec<(usize, Option<Box<RawValue>>)>,
 }
@@ -83,35 +89,60 @@ impl<P> Cells<P> {
 
 /// A value that a column holds for a row.
 pub(crate) trait PlainValue: for<'de> Deserialize<'de> + Serialize + Copy {
-    /// Reads an array of at most `most` items faster than the general reader. `None` if the type has no faster reader
-    /// or the array is unusual.
-    fn read_all(_array: &RawValue, _most: usize) -> Option<Vec<Option<Self>>> {
+    /// The value that stands for null. No value in JSON equals it.
+    const ABSENT: Self;
+
+    fn is_absent(&self) -> bool;
+
+    /// Reads the items of an array faster than the general reader, as [`PlainColumn::read_plain`].
+    fn read_all(_items: &[u8], _most: usize) -> Option<Vec<Self>> {
         None
     }
 }
 
 impl PlainValue for f64 {
-    fn read_all(array: &RawValue, most: usize) -> Option<Vec<Option<Self>>> {
-        read_numbers(array.get(), most)
+    const ABSENT: Self = Self::NAN;
+
+    fn is_absent(&self) -> bool {
+        self.is_nan()
+    }
+
+    fn read_all(items: &[u8], most: usize) -> Option<Vec<Self>> {
+        read_numbers(items, most)
     }
 }
 
-impl<const N: usize> PlainValue for [f64; N] where Self: for<'de> Deserialize<'de> + Serialize {}
+impl<const N: usize> PlainValue for [f64; N]
+where
+    Self: for<'de> Deserialize<'de> + Serialize,
+{
+    const ABSENT: Self = [f64::NAN; N];
+
+    fn is_absent(&self) -> bool {
+        self.iter().any(|component| component.is_nan())
+    }
+}
+
+impl<P: PlainValue> Cells<P> {
+    /// The value of a row, if it has one of the column's type.
+    fn value(&self, index: usize) -> Option<P> {
+        self.values.get(index).copied().filter(|value| !value.is_absent())
+    }
+}
 
 impl<P: PlainValue> PlainColumn for Cells<P> {
     type Plain = P;
 
     fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let mut cells = Self::default();
-        let mut count = 0;
-        if let Some(values) = P::read_all(raw, most) {
-            cells.values = values;
+        let items = raw.get().strip_prefix('[').and_then(|items| items.strip_suffix(']'));
+        if let Some(cells) = items.and_then(|items| Self::read_plain(items.as_bytes(), most)) {
             return Ok(cells);
         }
+        let (mut cells, mut count) = (Self::default(), 0);
         let read = each(raw, faults, |value: Option<P>| {
             count += 1;
             if count <= most {
-                cells.values.push(value);
+                cells.values.push(value.unwrap_or(P::ABSENT));
             }
         });
         if read.is_err() {
@@ -128,7 +159,7 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
                     let text = (cells.faulty.len() < Self::MOST_FAULTY_TEXTS).then(|| item.to_owned());
                     cells.faulty.push((count - 1, text));
                 }
-                cells.values.push(value.unwrap_or_default());
+                cells.values.push(value.ok().flatten().unwrap_or(P::ABSENT));
             });
             read.map_err(|_| {
                 faults.add(
@@ -144,12 +175,16 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
         Ok(cells)
     }
 
+    fn read_plain(items: &[u8], most: usize) -> Option<Self> {
+        P::read_all(items, most).map(|values| Self { values, faulty: Vec::new() })
+    }
+
     fn check_rows(&self, name: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
         rows.check(name, self.values.len(), &path, faults);
     }
 
     fn get(&self, index: usize) -> Cell<P> {
-        match self.values.get(index).copied().flatten() {
+        match self.value(index) {
             Some(value) => Cell::Value(value),
             None if self.faulty.is_empty() || self.faulty.binary_search_by_key(&index, |(row, _)| *row).is_err() => Cell::Absent,
             None => Cell::Faulty,
@@ -157,7 +192,7 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
     }
 
     fn write(&self, index: usize, name: &'static str, row: &mut RowText) {
-        if let Some(value) = self.values.get(index).copied().flatten() {
+        if let Some(value) = self.value(index) {
             row.member(name, &value);
         } else if let Ok(found) = self.faulty.binary_search_by_key(&index, |(row, _)| *row) {
             match &self.faulty[found].1 {

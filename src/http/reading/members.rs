@@ -1,7 +1,7 @@
 //! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
 //! of batches.
 
-use super::{Faults, JsonPath, Object, ObjectSchema, RowText, Rows};
+use super::{Faults, JsonPath, Object, ObjectSchema, PlainColumns, RowText, Rows};
 use serde::de::MapAccess;
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
@@ -41,6 +41,9 @@ pub(crate) trait PlainMembers: Members {
 
     /// Reads columns of at most `most` rows from `object`, which may have other members.
     fn read_columns(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self::Columns;
+
+    /// Takes columns of at most `most` rows from `columns`, which may have others; `None` if one is unusual.
+    fn read_plain_columns(columns: &mut PlainColumns<'_>, most: usize) -> Option<Self::Columns>;
 
     /// Adds columns of at most `most` rows to a schema; none is required.
     fn describe_columns(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_>;
@@ -151,6 +154,15 @@ macro_rules! members {
                 faults: &mut $crate::http::reading::Faults,
             ) -> $columns {
                 $columns { $( $field: object.column($member.name, most, faults), )+ }
+            }
+
+            fn read_plain_columns(columns: &mut $crate::http::reading::PlainColumns<'_>, most: usize) -> Option<$columns> {
+                Some($columns {
+                    $( $field: match columns.take($member.name) {
+                        Some(items) => Some($crate::http::reading::PlainColumn::read_plain(items, most)?),
+                        None => None,
+                    }, )+
+                })
             }
 
             fn describe_columns(schema: $crate::http::reading::ObjectSchema<'_>, most: usize) -> $crate::http::reading::ObjectSchema<'_> {

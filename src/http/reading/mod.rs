@@ -3,6 +3,7 @@
 
 mod array;
 mod columns;
+mod cut_out;
 mod faults;
 mod json_path;
 mod kinds;
@@ -12,11 +13,13 @@ mod members;
 mod not_finite;
 mod number_array;
 mod object;
+mod plain;
 mod schema;
 mod triples;
 
-pub(crate) use array::{each, each_raw, for_runs_of_items, items};
+pub(crate) use array::{each, each_raw, items};
 pub(crate) use columns::{Cell, Cells, PlainColumn, RowText, Rows};
+pub(crate) use cut_out::{CutOut, Large, PlainColumns};
 pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use json_path::JsonPath;
 pub(crate) use kinds::{Choice, Pair, Quantity, Vector, Whole, number, text};
@@ -25,5 +28,6 @@ pub(crate) use member::{Kind, Member, PlainKind, WireObject};
 pub(crate) use members::{Form, Members, PlainMembers, members};
 pub(crate) use not_finite::{mark, mark_not_finite};
 pub(crate) use object::{Object, describe};
+pub(crate) use plain::{PlainJson, Unusual};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};
 pub(crate) use triples::read_triples;

@@ -128,8 +128,8 @@ impl<'a, 'p> Object<'a, 'p> {
     }
 }
 
-/// The number of an object's unknown members whose faults list the known ones, so that an answer is not much longer
-/// than its request.
+/// The largest number of unknown members of an object whose faults list the known members. The limit keeps an answer
+/// from being much longer than its request.
 const MOST_WITH_KNOWN: usize = 4;
 
 /// Describes a JSON value for the detail of a fault.

@@ -3,7 +3,7 @@
 
 use super::contact::{self, AngleMembers, AngleSlots, StatedContact, VectorMembers, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainMembers};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainJson, PlainMembers, Unusual};
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 use serde_json::value::RawValue;
 use std::fmt;
@@ -29,6 +29,28 @@ impl BatchContact {
             Some(plain) => plain.with_defaults(stated, defaults, path, faults),
             None => Self::read_faulty(raw, stated, defaults, path, faults),
         }
+    }
+
+    /// Reads the next contact of `json`, whose syntax has not been checked. The outer error means that no JSON value
+    /// follows, or that only the general reader can read it.
+    #[inline]
+    pub(crate) fn read_next(
+        json: &mut PlainJson<'_>,
+        stated: StatedParameters,
+        defaults: &ContactParameters,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Result<Self, Faulted>, Unusual> {
+        json.skip_blank();
+        let first = json.position();
+        let mut slots = Slots::default();
+        if slots.deserialize(&mut *json).is_ok()
+            && let Some(plain) = Self::accept(&slots, stated)
+        {
+            return Ok(plain.with_defaults(stated, defaults, path, faults));
+        }
+        json.seek(first);
+        Ok(Self::read_faulty(json.value()?, stated, defaults, path, faults))
     }
 
     /// The contact with its own parameters, and `defaults` for those that it does not state.
@@ -62,7 +84,8 @@ impl BatchContact {
 
     /// The contact, or `None` if it cannot be read in one pass.
     fn read_plain(raw: &RawValue, stated: StatedParameters) -> Option<Self> {
-        let slots = Slots::default().deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
+        let mut slots = Slots::default();
+        slots.deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
         Self::accept(&slots, stated)
     }
 
@@ -95,22 +118,22 @@ pub(super) struct Slots {
     pub(super) parameters: ParameterSlots,
 }
 
-impl<'de> DeserializeSeed<'de> for Slots {
-    type Value = Self;
+impl<'de> DeserializeSeed<'de> for &mut Slots {
+    type Value = ();
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
         deserializer.deserialize_map(self)
     }
 }
 
-impl<'de> Visitor<'de> for Slots {
-    type Value = Self;
+impl<'de> Visitor<'de> for &mut Slots {
+    type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("an object")
     }
 
-    fn visit_map<A: MapAccess<'de>>(mut self, mut map: A) -> Result<Self, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         while let Some(name) = map.next_key::<&str>()? {
             let known = AngleMembers::fill(&mut self.angles, name, &mut map)?
                 || VectorMembers::fill(&mut self.vectors, name, &mut map)?
@@ -119,7 +142,7 @@ impl<'de> Visitor<'de> for Slots {
                 return Err(A::Error::custom("unknown member"));
             }
         }
-        Ok(self)
+        Ok(())
     }
 }
 
@@ -148,7 +171,13 @@ mod tests {
         let slow = BatchContact::read_with_faults(raw, stated, JsonPath::Root, &mut faults);
         let slow = slow.and_then(|(contact, parameters)| Ok(BatchContact { contact: contact?, parameters }));
         let slow = slow.ok().filter(|_| faults.is_empty());
-        [BatchContact::read_plain(raw, stated), slow].map(|read| read.map(|read| format!("{read:?}")))
+        let plain = BatchContact::read_plain(raw, stated);
+        let mut slots = Slots::default();
+        let unchecked = slots.deserialize(&mut PlainJson::new(text.as_bytes()));
+        let unchecked = unchecked.ok().and_then(|()| BatchContact::accept(&slots, stated));
+        let shown = |read: Option<BatchContact>| read.map(|read| format!("{read:?}"));
+        assert_eq!(shown(plain), shown(unchecked), "{text}");
+        [plain, slow].map(shown)
     }
 
     #[test]

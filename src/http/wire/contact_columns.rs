@@ -4,7 +4,7 @@ use super::batch_contact::{BatchContact, Slots};
 use super::contact::{AngleColumns, AngleMembers, VectorColumns, VectorMembers};
 use super::parameters::{ContactParameters, ParameterColumns, StatedParameters};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainMembers, RowText, Rows};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumns, PlainMembers, RowText, Rows};
 use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -45,6 +45,20 @@ impl ContactColumns {
             return Err(faults.add(&path, RequestFault::MissingField, detail));
         };
         Ok(Self { angles, vectors, parameters, first_column, count })
+    }
+
+    /// Reads columns whose syntax has not been checked. `None` where only the general reader can read them, and where
+    /// it finds faults of the columns as a whole.
+    pub(crate) fn read_plain(mut columns: PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
+        let angles = AngleMembers::read_plain_columns(&mut columns, most)?;
+        let vectors = VectorMembers::read_plain_columns(&mut columns, most)?;
+        let parameters = ParameterColumns::read_plain(&mut columns, stated, most)?;
+        let (mut rows, mut faults) = (Rows::default(), Faults::default());
+        AngleMembers::check_rows(&angles, &JsonPath::Root, &mut rows, &mut faults);
+        VectorMembers::check_rows(&vectors, &JsonPath::Root, &mut rows, &mut faults);
+        parameters.check_rows(&JsonPath::Root, &mut rows, &mut faults);
+        let (first_column, count) = rows.first()?;
+        (columns.is_empty() && faults.is_empty()).then_some(Self { angles, vectors, parameters, first_column, count })
     }
 
     /// The contact in the row `index`, whose own parameters override `defaults`. `path` is that of the columns.

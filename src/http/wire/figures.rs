@@ -15,7 +15,10 @@ pub(crate) const MOST_WORDS: usize = 5;
 /// The result of a calculation at a contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Figures {
-    pub(crate) height: ScallopHeight,
+    /// h, where a figure of the answer needs it.
+    pub(crate) height: Option<Length>,
+    /// h in its parts, where a figure of the answer needs them.
+    parts: Option<ScallopHeight>,
     /// Along the surface.
     pub(crate) step_over: Length,
     /// `None` without tooth marks.
@@ -32,11 +35,40 @@ pub(crate) struct Figures {
     spacing_ratio: f64,
 }
 
+/// The parts of the scallop height that the figures of an answer need. Model `envelope` searches for each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Heights {
+    /// None.
+    Unused,
+    /// The whole height, h.
+    Total,
+    /// h and the height by the step-over alone, h1.
+    Parts,
+}
+
 impl Figures {
-    /// The figures at a step-over and a feed per tooth, given or found.
-    pub(crate) fn at(pass: &EvaluatedPass, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Self, NoAnswer> {
+    /// The figures at a step-over and a feed per tooth, given or found. `step_over_height` is h1 where it is known.
+    #[inline]
+    pub(crate) fn at(
+        pass: &EvaluatedPass,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+        heights: Heights,
+        step_over_height: Option<Length>,
+    ) -> Result<Self, NoAnswer> {
+        let parts = match (heights, step_over_height) {
+            (Heights::Parts, None) => Some(pass.scallop_height(step_over, feed_per_tooth)?),
+            (Heights::Parts, Some(step_over_height)) => Some(pass.height_above(step_over_height, step_over, feed_per_tooth)?),
+            (Heights::Unused | Heights::Total, _) => None,
+        };
+        let height = match (parts, heights) {
+            (Some(parts), _) => Some(parts.total()),
+            (None, Heights::Unused) if pass.inverses_have_heights() => None,
+            (None, _) => Some(pass.total_height(step_over, feed_per_tooth)?),
+        };
         Ok(Self {
-            height: pass.scallop_height(step_over, feed_per_tooth)?,
+            height,
+            parts,
             step_over,
             feed_per_tooth,
             feed_rate_mm_min: None,
@@ -58,8 +90,17 @@ pub(crate) struct Figure {
     about: &'static str,
     kind: FigureKind,
     presence: Presence,
-    /// The figure's value; `None` if it has none.
-    pub(crate) get: fn(&Figures) -> Option<FigureValue>,
+    /// The heights from which it is taken.
+    pub(crate) heights: Heights,
+    get: Get,
+}
+
+/// The function that gives a figure's value; `None` if it has none.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Get {
+    Number(fn(&Figures) -> Option<f64>),
+    Word(fn(&Figures) -> Option<&'static str>),
+    Words(fn(&Figures) -> [Option<&'static str>; MOST_WORDS]),
 }
 
 /// The type of a figure's values.
@@ -99,20 +140,6 @@ pub(crate) enum FigureValue {
     Words([Option<&'static str>; MOST_WORDS]),
 }
 
-impl FigureValue {
-    /// The same value, a number rounded to `significant_digits`.
-    pub(crate) fn rounded(self, significant_digits: Option<u32>) -> Self {
-        match (self, significant_digits) {
-            // A double has at most 17 digits.
-            (Self::Number(number), Some(digits)) if digits < 17 => {
-                let text = format!("{number:.*e}", digits.saturating_sub(1) as usize);
-                Self::Number(text.parse().unwrap_or_else(|_| unreachable!("a number that was written can be read")))
-            }
-            (value, _) => value,
-        }
-    }
-}
-
 impl Serialize for FigureValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
@@ -123,58 +150,62 @@ impl Serialize for FigureValue {
     }
 }
 
-fn mm(length: Length) -> FigureValue {
-    FigureValue::Number(length.mm())
-}
-
 /// The figures in the answers of all calculations.
 pub(crate) const COMMON_FIGURES: &[Figure] = &[
-    Figure::number("scallop_height_mm", "h, the scallop height", |figures| Some(mm(figures.height.total()))),
-    Figure::number("step_over_height_mm", "h1, the height that the step-over alone leaves", |figures| Some(mm(figures.height.step_over))),
-    Figure::number("feed_height_mm", "the height that the tooth marks along the feed add", |figures| Some(mm(figures.height.feed))),
-    Figure::share("feed_share", "the share of the feed height in the scallop height", |figures| {
-        figures.height.feed_share().map(FigureValue::Number)
+    Figure::number("scallop_height_mm", "h, the scallop height", |figures| figures.height.map(Length::mm)).from(Heights::Total),
+    Figure::number("step_over_height_mm", "h1, the height that the step-over alone leaves", |figures| {
+        figures.parts.map(|height| height.step_over.mm())
     })
+    .from(Heights::Parts),
+    Figure::number("feed_height_mm", "the height that the tooth marks along the feed add", |figures| {
+        figures.parts.map(|height| height.feed.mm())
+    })
+    .from(Heights::Parts),
+    Figure::share("feed_share", "the share of the feed height in the scallop height", |figures| {
+        figures.parts.and_then(ScallopHeight::feed_share)
+    })
+    .from(Heights::Parts)
     .or_absent("if the height is 0"),
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
-        figures.effective_radius.map(mm)
+        figures.effective_radius.map(Length::mm)
     })
     .or_null("if infinite"),
     Figure::number("transverse_effective_radius_mm", "TR_eff, the mark's radius of curvature along the feed", |figures| {
-        figures.transverse_effective_radius.map(mm)
+        figures.transverse_effective_radius.map(Length::mm)
     })
     .or_null("if infinite"),
-    Figure::number("step_over_mm", "s, the step-over along the surface", |figures| Some(mm(figures.step_over))),
-    Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| {
-        Some(FigureValue::Number(figures.step_over.mm() * figures.spacing_ratio))
-    }),
+    Figure::number("step_over_mm", "s, the step-over along the surface", |figures| Some(figures.step_over.mm())),
+    Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| Some(figures.step_over.mm() * figures.spacing_ratio)),
 ];
 
 /// The figures of a batch that are computed only if the request names their columns.
 pub(crate) const CHECK_FIGURES: &[Figure] = &[
     Figure::number("envelope_scallop_height_mm", "the height by the cutter's exact shape (model envelope)", |figures| {
-        figures.check.map(|check| FigureValue::Number(check.envelope_scallop_height_mm))
+        figures.check.map(|check| check.envelope_scallop_height_mm)
     })
+    .from(Heights::Total)
     .only("if columns names it"),
     Figure {
         kind: FigureKind::Deviation,
         ..Figure::number(
             "deviation",
             "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
-            |figures| figures.check.and_then(|check| check.deviation).map(FigureValue::Number),
+            |figures| figures.check.and_then(|check| check.deviation),
         )
+        .from(Heights::Total)
         .only("if columns names it")
     },
 ];
 
 impl Figure {
     /// A number of at least 0 that every contact with an answer has.
-    pub(crate) const fn number(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<FigureValue>) -> Self {
-        Self { name, about, kind: FigureKind::Number, presence: Presence::Always, get }
+    pub(crate) const fn number(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<f64>) -> Self {
+        let (kind, presence, heights) = (FigureKind::Number, Presence::Always, Heights::Unused);
+        Self { name, about, kind, presence, heights, get: Get::Number(get) }
     }
 
     /// A number from 0 to 1.
-    const fn share(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<FigureValue>) -> Self {
+    const fn share(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<f64>) -> Self {
         Self { kind: FigureKind::Share, ..Self::number(name, about, get) }
     }
 
@@ -183,9 +214,10 @@ impl Figure {
         name: &'static str,
         about: &'static str,
         words: fn(&str, &mut Components) -> RefOr<Schema>,
-        get: fn(&Figures) -> Option<FigureValue>,
+        get: fn(&Figures) -> Option<&'static str>,
     ) -> Self {
-        Self { kind: FigureKind::Word(words), ..Self::number(name, about, get) }
+        let (kind, presence, heights) = (FigureKind::Word(words), Presence::Always, Heights::Unused);
+        Self { name, about, kind, presence, heights, get: Get::Word(get) }
     }
 
     /// A list of the words that `words` describes.
@@ -193,9 +225,15 @@ impl Figure {
         name: &'static str,
         about: &'static str,
         words: fn(&str, &mut Components) -> RefOr<Schema>,
-        get: fn(&Figures) -> Option<FigureValue>,
+        get: fn(&Figures) -> [Option<&'static str>; MOST_WORDS],
     ) -> Self {
-        Self { kind: FigureKind::Words(words), ..Self::number(name, about, get) }
+        let (kind, presence, heights) = (FigureKind::Words(words), Presence::Always, Heights::Unused);
+        Self { name, about, kind, presence, heights, get: Get::Words(get) }
+    }
+
+    /// The same figure, taken from `heights`.
+    const fn from(self, heights: Heights) -> Self {
+        Self { heights, ..self }
     }
 
     /// The same figure, which may be null in a single answer.
@@ -211,6 +249,20 @@ impl Figure {
     /// The same figure, which may be absent from a single answer and whose column may be absent.
     pub(crate) const fn only(self, place: &'static str) -> Self {
         Self { presence: Presence::Only(place), ..self }
+    }
+
+    /// The function that gives the figure's value.
+    pub(crate) fn getter(&self) -> Get {
+        self.get
+    }
+
+    /// The figure's value; `None` if it has none.
+    pub(crate) fn value(&self, figures: &Figures) -> Option<FigureValue> {
+        match self.get {
+            Get::Number(get) => get(figures).map(FigureValue::Number),
+            Get::Word(get) => get(figures).map(FigureValue::Word),
+            Get::Words(get) => Some(FigureValue::Words(get(figures))),
+        }
     }
 
     /// Whether a single answer always has the figure, as a value or null.

@@ -30,7 +30,7 @@ pub(crate) use candidate::{CUTTERS, CandidateKind, MOST_CUTTERS, NamedCandidate}
 pub(crate) use contact::{CONTACT, StatedContact};
 pub(crate) use contact_columns::{ContactColumns, contact_columns_schema};
 pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
-pub(crate) use figures::{CHECK_FIGURES, COMMON_FIGURES, Figure, FigureValue, Figures};
+pub(crate) use figures::{CHECK_FIGURES, COMMON_FIGURES, Figure, Figures, Get, Heights};
 pub(crate) use machine::{MACHINE, Machine};
 pub(crate) use model::{MODEL, model_name};
 pub(crate) use no_answer::no_answer;

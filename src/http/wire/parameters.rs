@@ -7,7 +7,7 @@ use super::model::MODEL;
 use super::runout::{RUNOUT, RunoutObject};
 use super::step_over::{self, StepOverColumns, StepOverMembers, StepOverSlots};
 use crate::http::reading::{
-    Choice, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainMembers, Quantity, RowText, Rows, members,
+    Choice, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, PlainMembers, Quantity, RowText, Rows, members,
 };
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
@@ -168,6 +168,15 @@ impl ParameterColumns {
             feed: if stated.feed_per_tooth { FeedMembers::read_columns(object, most, faults) } else { FeedColumns::default() },
             curvature: CurvatureMembers::read_columns(object, most, faults),
         }
+    }
+
+    /// Takes from `columns` those of the parameters that `stated` allows; `None` if one is unusual.
+    pub(super) fn read_plain(columns: &mut PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
+        Some(Self {
+            step_over: if stated.step_over { StepOverMembers::read_plain_columns(columns, most)? } else { StepOverColumns::default() },
+            feed: if stated.feed_per_tooth { FeedMembers::read_plain_columns(columns, most)? } else { FeedColumns::default() },
+            curvature: CurvatureMembers::read_plain_columns(columns, most)?,
+        })
     }
 
     pub(super) fn describe(schema: ObjectSchema<'_>, stated: StatedParameters, most: usize) -> ObjectSchema<'_> {

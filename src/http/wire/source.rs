@@ -74,7 +74,7 @@ impl ReceivedSurface {
         Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS) }
     }
 
-    /// The same, which ends early with any surface once `cancel` is set.
+    /// A surface with a cancel flag: once `cancel` is set, receiving ends early, and the surface must be discarded.
     pub(crate) fn until(cancel: &CancelFlag) -> Self {
         let Self { sampled, mesh } = Self::new();
         Self { sampled, mesh: mesh.with_cancel_flag(cancel) }

@@ -20,6 +20,7 @@ pub(super) struct Body {
     along_level: f64,
     axis: f64,
     surface: SurfaceCurvature,
+    is_plane: bool,
     /// The curvature k_ss along the steepest line and the twist k_sl with the level line, if the surface has a concave
     /// direction.
     concave: Option<[f64; 2]>,
@@ -80,6 +81,7 @@ impl Body {
             along_level: sin.abs(),
             axis: core + corner * slope.sin(),
             surface,
+            is_plane: surface.is_plane(),
             // On a wall that the cutter does not gouge, the side curves away from the surface everywhere.
             concave: (surface.principal_per_mm()[1] < 0.0 && slope.cos() != 0.0).then(|| {
                 let steepest = surface.turned(-sin.abs(), cos.abs());
@@ -127,6 +129,26 @@ impl Body {
     /// An upper bound of the distance from the contact to any point of the cutter's lower body.
     pub(super) fn reach(&self) -> f64 {
         2.0 * (self.core + self.corner)
+    }
+
+    /// a = R - r, the radius of the flat.
+    pub(super) fn core(&self) -> f64 {
+        self.core
+    }
+
+    /// r, the corner's radius.
+    pub(super) fn corner(&self) -> f64 {
+        self.corner
+    }
+
+    /// The slope at the contact.
+    pub(super) fn slope(&self) -> Angle {
+        self.slope
+    }
+
+    /// The curvature of the surface in the axes of the feed, mirrored if the feed was.
+    pub(super) fn surface(&self) -> SurfaceCurvature {
+        self.surface
     }
 
     /// Whether the surface has a concave direction, so that the section need not be convex; on a wall that the cutter
@@ -244,14 +266,26 @@ impl Body {
     /// in which nothing cancels near the contact, because sin(S) d + cos(S) e = p has been substituted.
     #[inline]
     pub(super) fn distance(&self, x: f64, y: f64, p: f64) -> Distance {
+        if self.is_plane { self.distance_over::<true>(x, y, p) } else { self.distance_over_curved(x, y, p) }
+    }
+
+    #[inline(never)]
+    fn distance_over_curved(&self, x: f64, y: f64, p: f64) -> Distance {
+        self.distance_over::<false>(x, y, p)
+    }
+
+    /// The distance over a surface that is a plane or not: most contacts are on planes, where the terms of the curvature
+    /// are 0.
+    #[inline]
+    fn distance_over<const PLANE: bool>(&self, x: f64, y: f64, p: f64) -> Distance {
         let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
         let (k_f, k_t, k_ft) = (self.surface.along_per_mm(), self.surface.across_per_mm(), self.surface.twist_per_mm());
         // How far the surface has fallen from the tangent plane, and its derivatives along the feed and to the side.
         let (fall_by_feed, fall_by_side) = (k_f * x + k_ft * y, k_ft * x + k_t * y);
-        let p = p - 0.5 * (x * fall_by_feed + y * fall_by_side);
+        let p = if PLANE { p } else { p - 0.5 * (x * fall_by_feed + y * fall_by_side) };
         let steep = x * self.along_steepest - y * self.along_level;
         let level = x * self.along_level + y * self.along_steepest;
-        let overhang = self.overhang(steep, level);
+        let overhang = if PLANE { None } else { self.overhang(steep, level) };
         let (d, e) = (p * sin + steep * cos, p * cos - steep * sin);
         let b = self.axis - d;
         let radius = (b * b + level * level).sqrt();
@@ -282,20 +316,22 @@ impl Body {
             let (steep, height) = (d * cos - z * sin, d * sin + z * cos);
             let feed = steep * self.along_steepest + level * self.along_level;
             let side = level * self.along_steepest - steep * self.along_level;
-            (feed - height * fall_by_feed, side - height * fall_by_side, height)
+            if PLANE { (feed, side, height) } else { (feed - height * fall_by_feed, side - height * fall_by_side, height) }
         };
         let (by_feed, by_side, by_height) = parts(out * radial_d, out * radial_level, -down);
         // The second derivatives have three parts: along the meridian's tangent, around the axis, and from the surface.
         let along = parts(down * radial_d, down * radial_level, out);
         let around = parts(-radial_level, radial_d, 0.0);
         let around_axis = if out > 0.0 && radius > 0.0 { out / radius } else { 0.0 };
+        let bend = meridian * along.0 * along.0 + around_axis * around.0 * around.0;
+        let bend_to_side = meridian * along.0 * along.1 + around_axis * around.0 * around.1;
         Distance {
             value,
             by_feed,
             by_side,
             by_height,
-            bend: meridian * along.0 * along.0 + around_axis * around.0 * around.0 - by_height * k_f,
-            bend_to_side: meridian * along.0 * along.1 + around_axis * around.0 * around.1 - by_height * k_ft,
+            bend: if PLANE { bend } else { bend - by_height * k_f },
+            bend_to_side: if PLANE { bend_to_side } else { bend_to_side - by_height * k_ft },
             bend_to_height: meridian * along.0 * along.2 + around_axis * around.0 * around.2,
         }
     }

@@ -16,6 +16,8 @@
 //! - `section`: the general search; `chord`: the search along the feed, which the other searches use
 //! - `concave` and `outline`: surfaces on which the section need not be convex
 //! - `body`: the cutter's solid over the surface
+//! - `turning_marks`: the ridge between marks that have normals of their own on a curved surface; `third_order`: the
+//!   answers corrected by it
 
 mod body;
 mod chord;
@@ -33,7 +35,7 @@ mod turning_marks;
 use super::gouging;
 use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::numerics::bracketed_root;
-use crate::quantity::{Angle, Length};
+use crate::quantity::{Direction, Length};
 use body::Body;
 use newton::{Lengths, Sought};
 use section::{Pattern, Section};
@@ -51,7 +53,8 @@ use std::num::NonZeroU32;
 /// unless d^2 + f^2 <= 4 R^2; that is an error. For a feed along a wall, d is 0 for every s.
 ///
 /// **Curved surfaces.** Heights are measured from the surface 1/2 u'Ku below the tangent plane. The relative curvature
-/// of cutter and surface is then exact; the third order is left out.
+/// of cutter and surface is then exact. To second order all marks have the normal of the stated contact; the answers
+/// place each mark by its own.
 ///
 /// **Runout.** Heights are measured from the surface that the deepest tooth touches, whose radius is R + |rr|. The
 /// shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep. A pass clears the offsets that a deep and a
@@ -62,7 +65,7 @@ pub struct Envelope {
     pass: Pass,
     cutter: Cutter,
     body: Body,
-    climb: Angle,
+    climb: Direction,
     /// delta, how much less deep the shallowest tooth reaches than the deepest.
     drop: f64,
     relative_curvature: f64,
@@ -84,6 +87,10 @@ impl Envelope {
         Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature })
     }
 
+    pub(super) fn pass(&self) -> &Pass {
+        &self.pass
+    }
+
     /// lambda, the smallest relative curvature of cutter and surface as a share of the cutter's own.
     pub(super) fn relative_curvature(&self) -> f64 {
         self.relative_curvature
@@ -91,8 +98,18 @@ impl Envelope {
 
     /// [`Envelope::max_feed_per_tooth`] to second order.
     fn second_order_max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0)).map(Length::computed)?;
+        self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over)
+    }
+
+    /// The same for a step-over that alone leaves `step_over_height`.
+    fn second_order_max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
-        let step_over_height = Length::computed(self.height(s, Pattern::even(0.0))?);
         let used_up = || {
             let max_step_over = self.second_order_max_step_over(tolerance, None)?;
             Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })

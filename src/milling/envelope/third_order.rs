@@ -12,7 +12,14 @@ use crate::quantity::Length;
 use std::convert::Infallible;
 
 /// A ridge whose length differs by more than this factor from that of the second order is another ridge.
-const SAME_RIDGE: f64 = 4.0;
+const SAME_RIDGE: f64 = 1.6;
+
+/// If the third order differs from the second by at most this factor, the quick search needs no further ones.
+const CLOSE: f64 = 1.02;
+
+/// A length that was sought directly needs no confirmation by its height if it differs from that of the second order by
+/// at most this factor.
+const CONFIRMED: f64 = 1.005;
 
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
@@ -26,7 +33,31 @@ impl Envelope {
     /// # Errors
     /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        self.in_parts(step_over, feed_per_tooth, |s, pattern| self.turned_height(s, pattern))
+        self.height_above(self.step_over_height(step_over)?, step_over, feed_per_tooth)
+    }
+
+    /// h1, the height that passes alone leave.
+    pub(in crate::milling) fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
+        self.turned_height(step_over.mm(), Pattern::even(0.0)).map(Length::computed)
+    }
+
+    /// h, the height that passes and marks leave.
+    pub(in crate::milling) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
+        self.turned_height(step_over.mm(), pattern).map(Length::computed)
+    }
+
+    /// The height in its parts, for a step-over that alone leaves `step_over_height`.
+    pub(in crate::milling) fn height_above(
+        &self,
+        step_over_height: Length,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+    ) -> Result<ScallopHeight, NoAnswer> {
+        let total = if feed_per_tooth.is_some() { self.total_height(step_over, feed_per_tooth)? } else { step_over_height };
+        // Without marks no more is left than with them; where each comes from a polygon of its own, or is rounded, the
+        // lower one holds for both.
+        Ok(ScallopHeight::of_total(step_over_height, total))
     }
 
     /// The same to second order, as if all marks had the normal of the stated contact.
@@ -34,24 +65,10 @@ impl Envelope {
     /// # Errors
     /// Those of [`Envelope::scallop_height`].
     pub fn second_order_scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        self.in_parts(step_over, feed_per_tooth, |s, pattern| self.height(s, pattern))
-    }
-
-    fn in_parts(
-        &self,
-        step_over: Length,
-        feed_per_tooth: Option<Length>,
-        height: impl Fn(f64, Pattern) -> Result<f64, NoAnswer>,
-    ) -> Result<ScallopHeight, NoAnswer> {
         let s = step_over.mm();
-        let step_over_height = height(s, Pattern::even(0.0))?;
-        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| height(s, self.pattern(feed.mm())))?;
-        // Without marks no more is left than with them; where each comes from a polygon of its own, the lower one holds
-        // for both.
-        let step_over_height = step_over_height.min(total);
-        // h is never under h1; where marks leave next to nothing, rounding may put it there.
-        let feed = (total - step_over_height).max(0.0);
-        Ok(ScallopHeight { step_over: Length::computed(step_over_height), feed: Length::computed(feed) })
+        let step_over_height = self.height(s, Pattern::even(0.0))?;
+        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(s, self.pattern(feed.mm())))?;
+        Ok(ScallopHeight::of_total(Length::computed(step_over_height), Length::computed(total)))
     }
 
     /// The largest feed per tooth that keeps the tolerance `tolerance` on h.
@@ -60,22 +77,30 @@ impl Envelope {
     /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
     /// step-over in [`Envelope::scallop_height`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        let second_order = || self.second_order_max_feed_per_tooth(tolerance, step_over);
+        self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over)
+    }
+
+    /// The same for a step-over that alone leaves `step_over_height`.
+    pub(in crate::milling) fn max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
         if !self.has_third_order() {
-            return second_order();
+            return self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over);
         }
         let (p, s) = (tolerance.mm(), step_over.mm());
-        let step_over_height = self.turned_height(s, Pattern::even(0.0))?;
         let used_up = || {
             let max_step_over = self.max_step_over(tolerance, None)?;
-            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height: Length::computed(step_over_height), max_step_over })
+            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
         };
-        if step_over_height >= p {
+        if step_over_height >= tolerance {
             return used_up();
         }
         let largest = self.largest_feed(s);
         let height = |feed: f64| self.turned_height(s, self.pattern(feed)).ok();
-        let (guess, found) = match second_order() {
+        let (guess, found) = match self.second_order_max_feed_per_tooth(tolerance, step_over) {
             Ok(feed) => {
                 let lengths = Lengths { level: p, step_over: s, mark_spacing: feed.mm() };
                 let is_even = self.pattern(feed.mm()).is_even();
@@ -96,9 +121,9 @@ impl Envelope {
     /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
     ///
     /// # Errors
-    /// - [`NoAnswer::FeedUsesUpTolerance`] where even passes [`Length::SMALLEST`] apart leave the tolerance;
+    /// - [`NoAnswer::FeedUsesUpTolerance`] if even passes [`Length::SMALLEST`] apart exceed the tolerance;
     /// - [`NoAnswer::MarksDoNotOverlap`];
-    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] where no step-over up to the largest one leaves the tolerance.
+    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let second_order = self.second_order_max_step_over(tolerance, feed_per_tooth);
         if !self.has_third_order() {
@@ -130,13 +155,14 @@ impl Envelope {
         }
     }
 
-    /// The largest length up to `largest` whose height is at most p: `found`, or from `guess` on by a search over the
-    /// heights; `None` where that of the smallest length is higher.
+    /// The largest length up to `largest` whose height is at most p: `found`, or the result of a search over the
+    /// heights that starts at `guess`; `None` if the height of the smallest length exceeds p.
     fn largest_within(&self, p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
         let is_kept = |length: f64| excess(length) <= ROUNDING;
         if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found)) {
-            if self.is_convex_up_to(p) || excess(found).abs() <= ROUNDING {
+            let is_close = found <= CONFIRMED * guess && guess <= CONFIRMED * found;
+            if is_close && self.is_convex_up_to(p) || excess(found).abs() <= ROUNDING {
                 return Some(found);
             }
         }
@@ -160,7 +186,7 @@ impl Envelope {
                 high = next;
             }
         }
-        // Where no height is found nothing is kept.
+        // A length without a height does not keep the tolerance.
         let bounded = |logarithm: f64| Ok::<_, Infallible>(excess(logarithm.exp()).min(1.0));
         let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), bounded);
         // Where the height jumps over the tolerance, the root can be on the far side.
@@ -171,7 +197,8 @@ impl Envelope {
             .or(Some(low))
     }
 
-    /// Whether the turning of the surface's normal changes marks: that of a ball is the same in every direction.
+    /// Whether the turning of the surface's normal changes the marks. It does not change those of a ball, which is the
+    /// same in every direction.
     ///
     /// A sharp edge has no radius that a turn could change smoothly; its marks keep the second order.
     pub(super) fn has_third_order(&self) -> bool {
@@ -189,66 +216,69 @@ impl Envelope {
         if pattern.is_even() {
             return Ok(turned(lengths(level, pattern.spacing)));
         }
-        // With runout, in the same ratio as for marks of equal depth that leave about the same height.
+        // With runout, the height changes in the same ratio as for marks of equal depth that leave about the same
+        // height.
         let spacing = self.even_spacing(&pattern);
         let even = self.height(s, Pattern::even(spacing));
         Ok(even.map_or(level, |even| if even > 0.0 { level * turned(lengths(even, spacing)) / even } else { level }))
     }
 
-    /// The ridge between marks of equal depth near that of the second order; `None` where there is none.
+    /// The ridge between marks of equal depth near that of the second order; `None` if there is none.
     fn turned(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
-        let marks = TurningMarks::new(&self.pass);
-        let is_same = |ridge: &TurnedRidge| {
-            let ratio = |one: f64, other: f64| one <= SAME_RIDGE * other && other <= SAME_RIDGE * one;
+        let marks = TurningMarks::new(&self.body);
+        let is_within = |ridge: &TurnedRidge, factor: f64| {
             let (one, other) = (ridge.lengths, lengths);
-            ratio(one.level, other.level) && ratio(one.step_over, other.step_over) && ratio(one.mark_spacing, other.mark_spacing)
+            [(one.level, other.level), (one.step_over, other.step_over), (one.mark_spacing, other.mark_spacing)]
+                .into_iter()
+                .all(|(one, other)| one <= factor * other && other <= factor * one)
         };
-        let search = |start: TurnedRidge, is_careful: bool| marks.solve(sought, start, is_careful).filter(is_same);
+        let search =
+            |start: TurnedRidge, is_careful: bool| marks.solve(sought, start, is_careful).filter(|ridge| is_within(ridge, SAME_RIDGE));
         let paraboloid = self.ridge_of_paraboloid(lengths);
-        let further = || {
-            let second_order = self.ridge_of_second_order(sought, lengths);
-            let by = |is_careful: bool| second_order.and_then(|ridge| search(ridge, is_careful));
-            by(false).or_else(|| by(true)).or_else(|| search(paraboloid, true))
+        let quick = search(paraboloid, false);
+        if quick.is_some_and(|ridge| is_within(&ridge, CLOSE)) {
+            return quick;
+        }
+        // The marks' distance can have several minima along the feed, of which the search finds any one. A place is
+        // cleared if one of them clears it, so the better ridge counts.
+        let second_order = self.ridge_of_second_order(sought, lengths);
+        let starts = [(Some(paraboloid), true), (second_order, true), (second_order, false)];
+        let further = starts.into_iter().filter_map(|(start, is_careful)| search(start?, is_careful));
+        let is_better = |one: &TurnedRidge, other: &TurnedRidge| match sought {
+            Sought::Level => one.lengths.level < other.lengths.level,
+            Sought::StepOver => one.lengths.step_over > other.lengths.step_over,
+            Sought::MarkSpacing => one.lengths.mark_spacing > other.lengths.mark_spacing,
         };
-        search(paraboloid, false).or_else(further)
+        quick.into_iter().chain(further).reduce(|one, other| if is_better(&one, &other) { one } else { other })
     }
 
-    /// The ridge of the second order, where its search is proved.
+    /// The ridge of the second order, if its search is proved.
     fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
         let both = [Clearing::EVEN; 2];
         let start = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
         let Ridge { lengths, place } = newton::solve_from(&self.body, sought, lengths, start, both)?;
-        // The body has the feed in the quarter from the steepest line to the level one.
-        let theta = self.contact().theta();
-        let behind = [place.x[0], place.neighbour_x[0]].map(|x| if theta.cos() < 0.0 { lengths.mark_spacing - x } else { x });
-        let aside = place.t - lengths.step_over / 2.0;
-        Some(if theta.sin() < 0.0 {
-            TurnedRidge { behind: [behind[1], behind[0]], aside: -aside, lengths }
-        } else {
-            TurnedRidge { behind, aside, lengths }
-        })
+        Some(TurnedRidge { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths })
     }
 
     /// The ridge where the cutter is a paraboloid.
-    fn ridge_of_paraboloid(&self, lengths: Lengths) -> TurnedRidge {
+    pub(super) fn ridge_of_paraboloid(&self, lengths: Lengths) -> TurnedRidge {
         let radii = self.body.relative_radii();
-        let theta = self.contact().theta();
-        // The body is mirrored where the feed is on the other side of the steepest line.
-        let side = if theta.cos() * theta.sin() < 0.0 { -1.0 } else { 1.0 };
-        let ahead = side * radii.skew / radii.across.max(f64::MIN_POSITIVE) * lengths.step_over / 2.0;
+        let ahead = radii.skew / radii.across.max(f64::MIN_POSITIVE) * lengths.step_over / 2.0;
         let ahead = ahead.clamp(-self.body.reach(), self.body.reach());
         let half = lengths.mark_spacing / 2.0;
         TurnedRidge { behind: [half + ahead, half - ahead], aside: 0.0, lengths }
     }
 
-    /// The largest turn at the ridge as a share of the sine or cosine of the slope.
-    pub(in crate::milling) fn third_order_share(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+    /// How much the surface's normal turns from the stated contact to the marks at the ridge: the tangent of the
+    /// largest angle, as a share of the smaller of sine and cosine of the slope. Infinite if no ridge of turned marks
+    /// was found; the answers are then those of the second order.
+    pub(in crate::milling) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         if !self.has_third_order() {
             return if self.pass.surface.is_plane() || self.cutter.kind() == CutterKind::BallEnd { 0.0 } else { f64::INFINITY };
         }
         let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
         let Ok(level) = self.height(s, Pattern::even(f)) else { return f64::INFINITY };
         let lengths = Lengths { level, step_over: s, mark_spacing: f };
-        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| TurningMarks::new(&self.pass).share(&ridge))
+        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| TurningMarks::new(&self.body).share(&ridge))
     }
 }

@@ -9,8 +9,8 @@
 //! The ridge is where four marks have the same height over one place of the surface, two neighbours of each pass.
 //! Newton's method finds it from the ridge of the second order. Without curvature both are the same.
 
+use super::body::Body;
 use super::newton::{Lengths, Sought};
-use crate::milling::Pass;
 use crate::numerics::{Dual, bracketed_root};
 use std::convert::Infallible;
 
@@ -18,8 +18,15 @@ use std::convert::Infallible;
 /// larger ones are bounded smoothly, so that no mark reaches the floor or the wall, where the cutter's place jumps.
 const LARGEST_TURN: f64 = 0.7;
 
-/// Without marks the ridge is that of marks this share of the step-over apart, of which h keeps the square.
+/// Without marks, the ridge is computed from marks that are this share of the step-over apart. The relative error of h
+/// is the square of the share.
 const NO_MARKS: f64 = 1e-6;
+
+/// Slopes along the feed up to this, a few rounding errors, count as zero.
+const STRAIGHT: f64 = 1e-14;
+
+/// The share of a length by which the last step may change it. Newton's method squares that error, to 1e-14.
+const NEARLY: f64 = 1e-7;
 
 /// Newton's method takes three to five steps from the ridge of the second order.
 const MOST_STEPS: usize = 30;
@@ -52,7 +59,7 @@ pub(super) struct TurningMarks {
     largest_turn: f64,
 }
 
-/// Where the search stands: for each pass the place of the front mark's contact behind the ridge, the ridge's place
+/// The state of the search: for each pass the place of the front mark's contact behind the ridge, the ridge's place
 /// beside the stated contact, and the lengths.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TurnedRidge {
@@ -64,9 +71,9 @@ pub(super) struct TurnedRidge {
 /// Where the ridge's place and the contacts of the pass on `side` (-1 or 1) are beside the stated contact, for a ridge
 /// that is `aside` of the middle of both passes.
 ///
-/// The stated contact is in that middle. Where oblique marks put the ridge beyond the passes, which happens if the
-/// step-over is short compared with the feed, it moves with the ridge: it is never further from it than a pass is, by
-/// y / (1 + (2y/s)^8)^(1/8).
+/// The stated contact is in that middle. If the step-over is short compared with the feed, oblique marks can put the
+/// ridge beyond the passes. The stated contact then moves with the ridge: their distance is y / (1 + (2y/s)^8)^(1/8),
+/// never more than that of a pass from the middle.
 fn placed(aside: Number, step_over: Number, side: f64) -> [Number; 2] {
     let half = step_over * 0.5;
     let share = (aside * half.recip()).square();
@@ -74,9 +81,19 @@ fn placed(aside: Number, step_over: Number, side: f64) -> [Number; 2] {
     [place, half * side + place - aside]
 }
 
+/// A place over the surface, abreast of the stated contact.
+#[derive(Debug, Clone, Copy)]
+struct RidgePlace {
+    aside: Number,
+    /// The turn of the surface's normal there.
+    turn: Plane,
+    /// Its height by the length of the normal that has the turn as its part in the tangent plane.
+    lift: Number,
+}
+
 /// What a pass leaves at the ridge's place: the distance of the place from its two marks' bodies, which vanishes on the
 /// ridge, with the derivatives by the ridge's place and by the length that is sought, and how the marks have to move
-/// for both to be as far away.
+/// for both to be equally far away.
 #[derive(Debug, Clone, Copy)]
 struct Row {
     value: f64,
@@ -99,13 +116,12 @@ impl TurnedRidge {
 }
 
 impl TurningMarks {
-    pub(super) fn new(pass: &Pass) -> Self {
-        let cutter = pass.cutter.widened(pass.runout.radial());
-        let (slope, theta, surface) = (pass.contact.slope(), pass.contact.theta(), pass.surface);
+    pub(super) fn new(body: &Body) -> Self {
+        let (slope, surface) = (body.slope(), body.surface());
         Self {
-            core: cutter.core_radius().mm(),
-            corner: cutter.corner_radius().mm(),
-            axis: [-slope.sin() * theta.cos(), slope.sin() * theta.sin(), slope.cos()],
+            core: body.core(),
+            corner: body.corner(),
+            axis: [-slope.sin() * body.along_steepest(), slope.sin() * body.along_level(), slope.cos()],
             curvature: [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()],
             largest_turn: LARGEST_TURN * slope.sin().min(slope.cos()),
         }
@@ -126,7 +142,7 @@ impl TurningMarks {
         if share.value < 1e-4 {
             return turn;
         }
-        // On floor and wall nothing may turn.
+        // On floor and wall no turn is allowed.
         if share.value.is_nan() || share.value > 1e64 {
             return [Number::constant(0.0); 2];
         }
@@ -134,27 +150,33 @@ impl TurningMarks {
         turn.map(|component| component * factor)
     }
 
+    /// The place at (0, `aside`), `height` along the normal there over the surface.
+    fn ridge_place(&self, aside: Number, height: Number) -> RidgePlace {
+        let turn = self.turn([Number::constant(0.0), aside]);
+        RidgePlace { aside, turn, lift: height * (dot(turn, turn) + 1.0).sqrt().recip() }
+    }
+
     /// The signed distance of a place over the surface from the body of a mark, negative inside. The place is at
     /// (0, `aside`) and `height` along the normal there; the mark's contact is at (-`behind`, `pass`).
     ///
     /// With w and w' the turns at the contact and at the place, L = sqrt(1 + w^2) and L' likewise, d from contact to
-    /// place, the frame of the contact is that of the stated contact turned about the line across w. A vector of the
-    /// parts (v, v_n) has in it the parts v - w (v_n + v.w/(1 + L))/L and (v_n + v.w)/L. The place on the surface is d'w
-    /// + 1/2 d'Kd under the contact, so that nothing cancels: along the contact's normal -1/2 d'Kd/L remains.
-    fn distance(&self, behind: Number, aside: Number, height: Number, pass: Number) -> Number {
+    /// place, the frame of the contact is that of the stated contact turned about the line across w. A vector with the
+    /// components (v, v_n) has in it the components v - w (v_n + v.w/(1 + L))/L and (v_n + v.w)/L. The place on the
+    /// surface is d'w + 1/2 d'Kd under the contact, so that nothing cancels: along the contact's normal -1/2 d'Kd/L
+    /// remains.
+    #[inline]
+    fn distance(&self, behind: Number, ridge: &RidgePlace, pass: Number) -> Number {
         let (a, r) = (self.core, self.corner);
-        let zero = Number::constant(0.0);
+        let RidgePlace { aside, turn: turn_at_place, lift } = *ridge;
         let along = [behind, aside - pass];
-        let (turn, turn_at_place) = (self.turn([-behind, pass]), self.turn([zero, aside]));
+        let turn = self.turn([-behind, pass]);
         let length = (dot(turn, turn) + 1.0).sqrt();
         let (per_length, per_half) = (length.recip(), (length + 1.0).recip());
-        let per_length_at_place = (dot(turn_at_place, turn_at_place) + 1.0).sqrt().recip();
         let sag = dot(along, self.fall(along)) * 0.5;
 
         // The normal at the place, in the contact's frame.
         let cross = dot(turn, turn_at_place);
         let lean = (cross * per_half + 1.0) * per_length;
-        let lift = height * per_length_at_place;
         let raised = (cross + 1.0) * per_length * lift;
         // The place, in the contact's frame: along the normal, and in the tangent plane.
         let up = raised - sag * per_length;
@@ -194,13 +216,16 @@ impl TurningMarks {
         let aside = Number::unknown(ridge.aside, ASIDE);
         let height = Number::unknown(level, HEIGHT);
         let [place, offset] = placed(aside, Number::unknown(step_over, STEP_OVER), side);
-        let at = |behind: f64| self.distance(Number::unknown(behind, BEHIND), place, height, offset);
+        let place = self.ridge_place(place, height);
+        let at = |behind: f64| self.distance(Number::unknown(behind, BEHIND), &place, offset);
         let (front, back) = (at(ridge.behind[pass]), at(ridge.behind[pass] - spacing));
         let mean = (front + back) * 0.5;
         let slope = (front - back) * spacing.recip();
-        // The second derivative along the feed: where it is not positive there is no least distance.
+        // The second derivative along the feed. It vanishes if both marks are on the cutter's flat or side and the
+        // surface is straight along the feed; the marks may then lie anywhere.
         let bend = slope.by[BEHIND];
-        if bend.is_nan() || bend <= 0.0 {
+        let is_straight = bend.abs() * spacing <= STRAIGHT && slope.value.abs() <= STRAIGHT;
+        if bend.is_nan() || bend <= 0.0 && !is_straight {
             return None;
         }
         let (mean_by_sought, slope_by_sought) = match sought {
@@ -209,7 +234,7 @@ impl TurningMarks {
             // The back mark moves against the front one.
             Sought::MarkSpacing => (-0.5 * back.by[BEHIND], (back.by[BEHIND] - slope.value) / spacing),
         };
-        let moves = [slope.value, slope.by[ASIDE], slope_by_sought].map(|by| -by / bend);
+        let moves = [slope.value, slope.by[ASIDE], slope_by_sought].map(|by| if is_straight { 0.0 } else { -by / bend });
         let along = mean.by[BEHIND];
         Some(Row {
             value: mean.value + along * moves[0],
@@ -218,14 +243,14 @@ impl TurningMarks {
             moves,
             difference: front.value - back.value,
             // The distance falls from the back mark to the front one and rises beyond.
-            is_ridge: mean.by[HEIGHT] < 0.0 && (front.by[BEHIND] >= 0.0 && back.by[BEHIND] <= 0.0 || mark_spacing < spacing),
+            is_ridge: mean.by[HEIGHT] < 0.0 && (is_straight || mark_spacing < spacing || front.by[BEHIND] >= 0.0 && back.by[BEHIND] <= 0.0),
         })
     }
 
     /// The ridge from one near it, of whose lengths the sought one is a guess; `None` where the search does not end at
     /// a ridge.
     ///
-    /// Newton's method moves the marks along with the ridge. That fails where a mark's flat or side has next to no
+    /// Newton's method moves the marks along with the ridge. That fails if a mark's flat or side has almost no
     /// curvature along the feed; a careful search brings each pass's marks to the same height before each step.
     pub(super) fn solve(&self, sought: Sought, start: TurnedRidge, is_careful: bool) -> Option<TurnedRidge> {
         let mut ridge = start;
@@ -237,7 +262,7 @@ impl TurningMarks {
             let [near, far] = [self.row(&ridge, 0, -1.0, sought)?, self.row(&ridge, 1, 1.0, sought)?];
             if !(near.aside > 0.0 && far.aside < 0.0) {
                 // The ridge lies beside the deepest place of each pass; the change of slope between the passes shows
-                // about where that is.
+                // roughly where that is.
                 let change = -ridge.lengths.step_over * f64::midpoint(near.aside, far.aside) / (near.aside - far.aside);
                 if !(near.aside > far.aside && change.is_finite()) {
                     return None;
@@ -257,8 +282,8 @@ impl TurningMarks {
                 Sought::MarkSpacing => &mut ridge.lengths.mark_spacing,
             };
             let level = start.lengths.level;
-            let is_level = [near, far].iter().all(|row| row.value.abs() <= 1e-10 * level && row.difference.abs() <= 1e-8 * level);
-            let is_exact = is_level && growth.abs() <= 1e-11 * *length;
+            let is_level = [near, far].iter().all(|row| row.value.abs() <= NEARLY * level && row.difference.abs() <= NEARLY * level);
+            let is_exact = is_level && growth.abs() <= NEARLY * *length;
             let growth = growth.clamp(-0.5 * *length, *length);
             *length += growth;
             ridge.follow([near, far], change.clamp(-reach, reach), growth, reach);
@@ -275,9 +300,13 @@ impl TurningMarks {
         let spacing = mark_spacing.max(NO_MARKS * step_over);
         let height = Number::constant(level);
         let [place, offset] = placed(Number::constant(ridge.aside), Number::constant(step_over), side);
-        let at = |behind: f64| self.distance(Number::constant(behind), place, height, offset).value;
+        let place = self.ridge_place(place, height);
+        let at = |behind: f64| self.distance(Number::constant(behind), &place, offset).value;
         let difference = |behind: f64| at(behind) - at(behind - spacing);
         let start = ridge.behind[pass];
+        if difference(start).abs() <= STRAIGHT * spacing {
+            return Some(start);
+        }
         let side = if difference(start) < 0.0 { 1.0 } else { -1.0 };
         let mut step = 0.1 * (step_over + spacing);
         let mut other = start + side * step;
@@ -303,5 +332,70 @@ impl TurningMarks {
             }
         }
         largest * LARGEST_TURN / self.largest_turn
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::envelope::Envelope;
+    use crate::milling::{Contact, Cutter, Pass, Runout, SurfaceCurvature};
+    use crate::quantity::{Angle, Length};
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    fn envelope(ratio: f64, slope: f64, alpha: f64, principal: [f64; 2], turn: f64) -> Option<Envelope> {
+        let mm = |value: f64| Length::from_mm(value).unwrap();
+        let cutter = Cutter::toroidal(mm(10.0), mm(5.0 * ratio)).unwrap();
+        let surface = SurfaceCurvature::from_principal_per_mm(principal, Angle::from_degrees(turn).unwrap()).unwrap();
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        Envelope::new(Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).ok()
+    }
+
+    /// The distance of the same place from a torus that is placed by vectors.
+    fn placed_distance(marks: &TurningMarks, behind: f64, aside: f64, height: f64, pass: f64) -> f64 {
+        let [f, t, ft] = marks.curvature;
+        let surface = |x: f64, y: f64| Vector3::new(x, y, -(f * x * x + 2.0 * ft * x * y + t * y * y) / 2.0);
+        let normal = |x: f64, y: f64| Vector3::new(f * x + ft * y, ft * x + t * y, 1.0).normalize();
+        let axis = Vector3::from(marks.axis);
+        let at_contact = normal(-behind, pass);
+        let outwards = at_contact - axis * axis.dot(&at_contact);
+        let centre = surface(-behind, pass) + at_contact * marks.corner + outwards.normalize() * marks.core;
+        let from = surface(0.0, aside) + normal(0.0, aside) * height - centre;
+        let up = from.dot(&axis);
+        let beyond = (from - axis * up).norm() - marks.core;
+        let core = if up < 0.0 && beyond > 0.0 { up.hypot(beyond) } else { beyond.max(-up) };
+        core - marks.corner
+    }
+
+    proptest! {
+        #[test]
+        fn distances_are_those_from_a_placed_torus(
+            ratio in 0.1..0.9_f64, slope in 10.0..80.0_f64, alpha in 0.0..360.0_f64, (one, other) in (-0.01..0.01_f64, -0.01..0.01_f64),
+            turn in 0.0..180.0_f64, (behind, aside, height, pass) in (-1.0..1.0_f64, -0.5..0.5_f64, 0.0..0.05_f64, -0.5..0.5_f64),
+        ) {
+            let Some(envelope) = envelope(ratio, slope, alpha, [one, other], turn) else { return Ok(()) };
+            // Turns are at most 0.015; with a bound of 2 they are exact.
+            let marks = TurningMarks { largest_turn: 2.0, ..TurningMarks::new(&envelope.body) };
+            let [behind, aside, height, pass] = [behind, aside, height, pass].map(Number::constant);
+            let found = marks.distance(behind, &marks.ridge_place(aside, height), pass).value;
+            let expected = placed_distance(&marks, behind.value, aside.value, height.value, pass.value);
+            // Roundings of places some 10 mm from the axis.
+            prop_assert!((found - expected).abs() <= 1e-13, "{found} {expected}");
+        }
+
+        /// Without turns the ridge is that of the second order.
+        #[test]
+        fn without_turns_the_ridge_is_that_of_the_second_order(
+            ratio in 0.1..0.9_f64, slope in 10.0..80.0_f64, alpha in 0.0..360.0_f64, (one, other) in (0.0..0.01_f64, 0.0..0.01_f64),
+            turn in 0.0..180.0_f64, s in 0.1..0.5_f64, f in 0.05..0.3_f64,
+        ) {
+            let envelope = envelope(ratio, slope, alpha, [one, other], turn).unwrap();
+            let level = envelope.height(s, super::super::section::Pattern::even(f)).unwrap();
+            let marks = TurningMarks { largest_turn: 0.0, ..TurningMarks::new(&envelope.body) };
+            let start = envelope.ridge_of_paraboloid(Lengths { level, step_over: s, mark_spacing: f });
+            let ridge = marks.solve(Sought::Level, start, false).unwrap();
+            approx::assert_relative_eq!(ridge.lengths.level, level, max_relative = 1e-10);
+        }
     }
 }

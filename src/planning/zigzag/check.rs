@@ -227,7 +227,7 @@ impl<'a> Inspector<'a> {
             }
         }
         let imprints = Imprints::new(self.cutter, &self.facets[index], e);
-        let range = self.range_along(spaced, index);
+        let range = Self::range_along(spaced, index);
         let is_flat = self.cutter.kind() == CutterKind::FlatEnd;
         // A facet that allows far more than the strip's width does not bind it.
         if widest > BINDING * spacing || contact.is_plane() || !(is_flat || imprints.run_level(range)) {
@@ -239,7 +239,7 @@ impl<'a> Inspector<'a> {
     }
 
     /// The ends of a facet along the passes, from its middle.
-    fn range_along(&self, spaced: &Spaced, facet: usize) -> [f64; 2] {
+    fn range_along(spaced: &Spaced, facet: usize) -> [f64; 2] {
         let along = spaced.workpiece.corners[facet].map(|[x, y, _]| spaced.sweep.heading.along(x, y));
         let middle = along.iter().sum::<f64>() / 3.0;
         let (low, high) = along.into_iter().fold((0.0, 0.0), |(low, high): (f64, f64), at| (low.min(at - middle), high.max(at - middle)));

@@ -35,7 +35,7 @@ impl FacetContact {
 
     /// Whether the facet is one of a plane.
     pub(super) fn is_plane(&self) -> bool {
-        self.curvature == [0.0; 3]
+        self.curvature.iter().all(|&curvature| curvature == 0.0)
     }
 
     /// The step-over along the surface of planes `spacing` apart seen from above, in mm.

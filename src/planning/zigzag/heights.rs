@@ -16,7 +16,7 @@ use crate::surface::FinishFacet;
 /// facets that are too steep to set a spacing.
 ///
 /// `plan` must be a result of [`super::rank`] for the same facets, candidate and settings. Once `stop` returns true, it
-/// ends early without heights.
+/// returns early without heights.
 #[must_use]
 pub fn heights(
     plan: &ZigzagPlan,

@@ -30,7 +30,7 @@ const FACETS_AT_ONCE: usize = 8192;
 
 impl<'a> Spaced<'a> {
     /// The facets with their spacings for the cutter of `prepared`; `left_out` is the share of a strip's area that may
-    /// allow less. Once `stop` returns true, it ends early with fewer spacings.
+    /// allow less. Once `stop` returns true, it returns early, with fewer spacings.
     pub(super) fn new(
         workpiece: &'a Workpiece,
         sweep: &'a Sweep,
@@ -109,7 +109,7 @@ pub(super) enum NoPlanes {
     NoSpacing,
     /// There would be more than [`MOST_PLANES`].
     TooManyPlanes,
-    /// There would be more than [`MOST_RUNS`](super::simulate::MOST_RUNS) runs in them.
+    /// There would be more than [`MOST_RUNS`](super::room::MOST_RUNS) runs in them.
     TooManyRuns,
     /// The strips would contain facets more than [`MOST_MET`] times, counted once for each strip.
     TooManyMet,
@@ -136,7 +136,7 @@ pub(super) fn march(
 ) -> Result<(), NoPlanes> {
     let (mut planes, mut met, mut met_at_check) = (0_usize, 0_usize, 0_usize);
     if stop() {
-        // Facets and spacings may be missing.
+        // After a cancellation, facets and spacings may be missing.
         return Err(NoPlanes::Cancelled);
     }
     for band in spaced.sweep.bands(spaced.widest) {
@@ -246,12 +246,13 @@ impl Walk<'_> {
         let mut limit = width;
         let mut area = 0.0;
         for (index, reached) in self.reached.iter().enumerate() {
+            // Skips facets that end at the previous plane and are still in the list.
+            if reached.high <= at {
+                continue;
+            }
             // A strip may extend to the facet's beginning in any case.
             let (own, begins) = (reached.allowed, reached.low - at);
             let bound = if own > begins { own } else { begins };
-            // Facets that end at the previous plane are still in the list, and have no area in the strip. They are as
-            // frequent as others, so that a branch to skip them would be mispredicted often.
-            let bound = if reached.high > at { bound } else { f64::INFINITY };
             let (from, to) = (if reached.low > at { reached.low } else { at }, if reached.high < end { reached.high } else { end });
             area += reached.density * if to > from { to - from } else { 0.0 };
             if bound < limit {

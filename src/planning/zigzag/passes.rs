@@ -120,7 +120,7 @@ pub fn passes(
     passes_until(plan, facets, candidate, settings, raised, limit, &|| false)
 }
 
-/// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+/// The same as [`passes`]. Once `stop` returns true, it returns early, and the result must be discarded.
 ///
 /// # Errors
 /// [`TooManyPoints`]

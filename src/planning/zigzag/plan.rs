@@ -3,7 +3,7 @@
 use super::candidate::ReachFigures;
 use super::check::ScallopFigures;
 use super::march::{MOST_MET, MOST_PLANES, NoPlanes, Plane};
-use super::simulate::MOST_RUNS;
+use super::room::MOST_RUNS;
 use super::tour::TourFigures;
 use crate::planning::RectanglePlan;
 use crate::quantity::{Angle, Length, Speed, Time};

@@ -21,8 +21,8 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// The candidate with spacings at the rows of slopes that `rows` marks. Once `stop` returns true, it ends early with
-    /// spacings that have no meaning.
+    /// The candidate with spacings at the rows of slopes that `rows` marks. Once `stop` returns true, it ends early
+    /// with spacings that must be discarded.
     pub(super) fn new(
         index: usize,
         candidate: &CandidateCutter,

@@ -47,7 +47,7 @@ pub(super) fn in_order(runs: &[Stretch], pattern: Pattern, links: &Links) -> Vec
     if pattern == Pattern::OneWay {
         return (0..runs.len()).map(|run| Leg { run, forward: true }).collect();
     }
-    // Those that are compared are the first ones, so that the removal of one moves few.
+    // The regions that are compared are the first ones, so that removing one moves few others.
     let mut regions = VecDeque::from(regions(runs, links.longest));
     let mut legs: Vec<Leg> = Vec::with_capacity(runs.len());
     let compared = (MOST_COMPARED / regions.len().max(1)).clamp(1, 64);

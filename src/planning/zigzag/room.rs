@@ -1,8 +1,11 @@
 //! Limits on the planes and runs of a plan, so that its memory stays within the reservation.
 
 use super::march::{MOST_PLANES, NoPlanes};
-use super::simulate::MOST_RUNS;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The largest number of runs of a zigzag, somewhat more than the largest number of planes. A run takes some 200 bytes
+/// with its order, and a comb of thin strips has thousands of runs in each plane.
+pub(super) const MOST_RUNS: usize = 65_536;
 
 /// The largest numbers of planes and runs of each candidate's plan. Most plans have a few hundred of each. Memory for
 /// more is reserved only if a plan needs it.

@@ -27,10 +27,6 @@ impl Operation<'_> {
     }
 }
 
-/// The largest number of runs of a zigzag, somewhat more than the largest number of planes. A run takes some 200 bytes
-/// with its order, and a comb of thin strips has thousands of runs in each plane.
-pub(super) const MOST_RUNS: usize = 65_536;
-
 /// A zigzag in one direction.
 #[derive(Debug, Clone)]
 pub(super) struct Simulated {

@@ -140,11 +140,11 @@ impl CutterSpacing {
         }
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         // n/q = 1/((R - r)/sin(S) + r), the body's curvature along the level line; 1/r for a ball at every slope. All
-        // forms are multiplied by q, which leaves one division for all.
+        // quadratic forms are multiplied by q, so that a single division is needed.
         let (n, q) = if core > 0.0 { (tangent.sin, core + corner * tangent.sin) } else { (1.0, corner) };
-        // Twice the forms of the body and of body and surface along the feed, times r q, for the feed's direction
-        // lifted into the tangent plane: (cos(alpha)/cos(S), sin(alpha)), whose squared length cancels against the
-        // ratio of d to s but for cos^2(S).
+        // Twice the quadratic forms of the body, and of body and surface, along the feed, multiplied by r q. The feed's
+        // direction in the tangent plane is (cos(alpha)/cos(S), sin(alpha)); its squared length cancels with the ratio
+        // of d to s, except for cos^2(S).
         let up = cos_alpha * tangent.per_cos;
         let body = up * up * q + corner * n * sin_alpha * sin_alpha;
         let both = body + corner * q * (steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha);
@@ -152,7 +152,8 @@ impl CutterSpacing {
         if !(determinant > 0.0 && both > 0.0 && body > 0.0) {
             return on_plane;
         }
-        // 8 h / (8 h / d^2 + determinant/both - n/body), the rise over cos^2(S), multiplied by d^2 both body.
+        // 8 h / (8 h / d^2 + determinant/both - n/body), the change divided by cos^2(S); numerator and denominator are
+        // multiplied by d^2 both body.
         let (heights, product) = (self.eight_heights, both * body);
         let rise = (determinant * body - n * both) * tangent.per_cos * tangent.per_cos;
         let curvature = heights * product + rise * on_plane;

@@ -88,7 +88,8 @@ impl MeshBuilder {
         }
     }
 
-    /// The same builder, which merges no more facets once `cancel` is set: its mesh has no meaning then.
+    /// The same builder with a cancel flag: once `cancel` is set, no more facets are merged, and the mesh must be
+    /// discarded.
     #[must_use]
     pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
         Self { cancel: cancel.clone(), ..self }
@@ -257,7 +258,7 @@ impl MeshBuilder {
             self.bounds.include(corner);
         }
         if let Some(lattice) = &mut self.lattice {
-            // A facet as large as the part takes a millisecond.
+            // A facet as large as the part takes about a millisecond.
             if !self.cancel.is_cancelled() {
                 lattice.add(corners);
             }

@@ -30,16 +30,13 @@
 //! **Noise.** Errors d of coordinates turn the normals of facets of size L by d/L, and change the curvature by d/L^2:
 //! 0.01/mm for a micrometre and facets of 0.01 mm.
 
+use super::fans::{Fans, LARGEST_FAN};
 use super::flat_regions::{SAME_PLANE, areas_of_flat_regions};
 use super::{Mesh, Visibility, cross, difference, dot};
 use rayon::prelude::*;
 
 /// The angle between normals, in deg, above which facets do not belong to one smooth surface.
 pub const CREASE_ANGLE_DEG: f64 = 35.0;
-
-/// The largest number of facets around a point that are examined if some are beyond a crease. If there are more, this
-/// many are taken, evenly spread in the order of the file. This bounds the time for a million facets around one point.
-pub(super) const LARGEST_FAN: usize = 64;
 
 /// The weight of all neighbours' equations together, relative to the facet's own.
 const NEIGHBOURS: f64 = 0.25;
@@ -53,12 +50,6 @@ const MUCH_LARGER: f64 = 8.0;
 
 /// The factor by which the weight of an edge's equation is reduced if the edge points into the open side of a fan.
 const OPEN_SIDE: f64 = 1e3;
-
-/// The facets around each point: those of point p are `facets[starts[p]..starts[p + 1]]`.
-pub(super) struct Fans {
-    starts: Vec<u32>,
-    facets: Vec<u32>,
-}
 
 /// Each facet's unit normal, reversed if its back is seen, and the area of its flat region.
 struct Sides {
@@ -86,7 +77,7 @@ struct Equations {
 impl Mesh {
     /// The curvature tensor at each of the `wanted` facets, as
     /// [`FinishFacet::curvature`](super::FinishFacet::curvature) describes it. Facets seen from behind count as
-    /// turned. Once `stop` returns true, it ends early with a result that has no meaning.
+    /// turned. Once `stop` returns true, it returns early, and the result must be discarded.
     pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32], stop: &(dyn Fn() -> bool + Sync)) -> Vec<[f64; 6]> {
         let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
         let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
@@ -222,32 +213,6 @@ impl Mesh {
             }
         }
         equations
-    }
-}
-
-impl Fans {
-    fn of(mesh: &Mesh) -> Self {
-        let mut starts = vec![0_u32; mesh.points().len() + 1];
-        for &point in mesh.triangles().iter().flatten() {
-            starts[point as usize + 1] += 1;
-        }
-        for point in 1..starts.len() {
-            starts[point] += starts[point - 1];
-        }
-        let mut next = starts.clone();
-        let mut facets = vec![0; 3 * mesh.triangles().len()];
-        for (facet, triangle) in (0_u32..).zip(mesh.triangles()) {
-            for &point in triangle {
-                facets[next[point as usize] as usize] = facet;
-                next[point as usize] += 1;
-            }
-        }
-        Self { starts, facets }
-    }
-
-    /// The facets around a point.
-    pub(super) fn around(&self, point: usize) -> &[u32] {
-        &self.facets[self.starts[point] as usize..self.starts[point + 1] as usize]
     }
 }
 

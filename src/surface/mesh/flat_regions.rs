@@ -1,7 +1,7 @@
 //! Flat regions of a mesh: connected facets in one plane.
 
-use super::curvature::{Fans, LARGEST_FAN};
 use super::dot;
+use super::fans::{Fans, LARGEST_FAN};
 
 /// The largest angle in rad between normals of one plane. Files in single precision round coordinates of 100 mm by 4e-6
 /// mm, which turns the normals of facets of 0.1 mm by 4e-5 rad.
@@ -17,7 +17,7 @@ const TURN: usize = 1024;
 /// Points with more than [`LARGEST_FAN`] facets do not extend a region, because the time would grow with the square of
 /// their number. The facets of such a fan are also connected at its rim.
 ///
-/// Once `stop` returns true, it ends early; areas are then missing.
+/// Once `stop` returns true, it returns early, and areas are missing.
 pub(super) fn areas_of_flat_regions(
     triangles: &[[u32; 3]],
     fans: &Fans,

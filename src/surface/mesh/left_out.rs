@@ -3,7 +3,7 @@
 use super::cross;
 use crate::surface::LARGEST_COORDINATE;
 
-/// What a mesh, or a part of one, has left out so far.
+/// The facets and points that a mesh, or a part of one, has left out so far.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct LeftOut {
     /// The number of facets without area.
@@ -13,14 +13,14 @@ pub(super) struct LeftOut {
 }
 
 impl LeftOut {
-    /// Whether a point belongs to the mesh; one out of bounds is recorded.
+    /// Whether a point belongs to the mesh. A point out of bounds is recorded.
     pub(super) fn accepts_point(&mut self, point: [f64; 3]) -> bool {
         let is_in_range = in_range(point);
         self.is_out_of_range |= !is_in_range;
         is_in_range
     }
 
-    /// Whether a facet belongs to the mesh; one out of bounds or without area is recorded.
+    /// Whether a facet belongs to the mesh. A facet out of bounds or without area is recorded.
     #[inline]
     pub(super) fn accepts_facet(&mut self, corners: [[f64; 3]; 3]) -> bool {
         if !corners.into_iter().all(in_range) {
@@ -34,7 +34,7 @@ impl LeftOut {
         has_area
     }
 
-    /// Adds what another part left out.
+    /// Adds the counts of another part.
     pub(super) fn merge(&mut self, other: Self) {
         self.degenerate += other.degenerate;
         self.is_out_of_range |= other.is_out_of_range;

@@ -45,7 +45,7 @@ impl HeightLattice {
         lattice
     }
 
-    /// A lattice whose nodes are not there yet.
+    /// A lattice without its nodes, which are added when the bounds are known.
     fn empty(side: i64, exponent: i32) -> Self {
         let by_cell = 2.0_f64.powi(-exponent);
         Self { side, exponent, by_cell, heights: Vec::new(), low: [i64::MAX; 2], high: [i64::MIN; 2], visits: 0 }

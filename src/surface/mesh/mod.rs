@@ -4,6 +4,7 @@ mod builder;
 mod curvature;
 #[cfg(test)]
 mod curvature_tests;
+mod fans;
 mod finish_facet;
 mod flat_regions;
 mod left_out;

@@ -1,4 +1,4 @@
-//! A part of a surface, which one thread receives while others receive further parts.
+//! A part of a surface. Several threads can receive parts at the same time.
 
 use super::left_out::LeftOut;
 use super::weld::Welder;
@@ -16,8 +16,8 @@ pub struct MeshPart {
     pub(super) points: Vec<[f64; 3]>,
 }
 
-/// The facets of a part that is a block of 128 KiB, about, for which room is made at once: a table that grows finds a
-/// place for each of its entries again and again.
+/// The approximate number of facets of a part that is a block of 128 KiB. Room for them is made at the start, because a
+/// growing table inserts all its entries again.
 const USUAL_FACETS: usize = 2_700;
 
 /// The facets of a part.
@@ -27,7 +27,7 @@ pub(super) enum PartFacets {
         welder: Welder,
         triangles: Vec<[u32; 3]>,
     },
-    /// Corners of the facets of a mesh that holds a lattice in place of facets: welding would be of no use.
+    /// The corners of the facets, for a mesh that has a lattice in place of facets and does not need welding.
     Separate(Vec<[[f64; 3]; 3]>),
 }
 

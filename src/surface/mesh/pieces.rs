@@ -39,7 +39,7 @@ impl Mesh {
         self.pieces_until(&|| false)
     }
 
-    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    /// The same as [`Mesh::pieces`]. Once `stop` returns true, it returns early, and the result must be discarded.
     ///
     /// # Panics
     /// Never, as [`Mesh::pieces`].

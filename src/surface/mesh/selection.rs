@@ -128,7 +128,8 @@ impl Mesh {
         self.facets_for_finishing_until(visibility, selected, &|| false)
     }
 
-    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    /// The same as [`Mesh::facets_for_finishing`]. Once `stop` returns true, it returns early, and the result must be
+    /// discarded.
     #[must_use]
     pub fn facets_for_finishing_until(
         &self,

@@ -45,8 +45,8 @@ impl Mesh {
     /// bounds is set to the nearer bound.
     ///
     /// The longer side of the bounds is divided into `side` cells, or fewer if the cells covered by all facets together
-    /// would exceed 5e7. Heights are exact at cell centres; of two facets with the same height, the one that points up
-    /// is seen, then the first. Walls are not seen.
+    /// would exceed 5e7. Heights are exact at cell centres. Of facets with the same height, one that points up is seen,
+    /// otherwise the first. Walls are not seen.
     ///
     /// # Panics
     /// Never: the bound on facets keeps their numbers within 32 bits.
@@ -55,7 +55,8 @@ impl Mesh {
         self.seen_from_above_until(side, &|| false)
     }
 
-    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    /// The same as [`Mesh::seen_from_above`]. Once `stop` returns true, it returns early, and the result must be
+    /// discarded.
     ///
     /// # Panics
     /// Never, as [`Mesh::seen_from_above`].
@@ -64,7 +65,7 @@ impl Mesh {
         let frame = self.frame(side.clamp(1, 4096));
         let mut heights = vec![f64::NEG_INFINITY; frame.cells()];
         let mut facets = vec![NO_FACET; frame.cells()];
-        // Bands of rows, each filled by one thread from all facets.
+        // The rows are divided into bands. One thread fills each band from all facets.
         let rows = frame.rows.div_ceil(rayon::current_num_threads().min(8)).max(1);
         let band = rows * frame.columns;
         heights.par_chunks_mut(band).zip(facets.par_chunks_mut(band)).enumerate().for_each(|(number, (heights, facets))| {

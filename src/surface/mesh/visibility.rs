@@ -98,7 +98,7 @@ impl Mesh {
         self.visibility_until(max_slope, &|| false)
     }
 
-    /// The same. Once `stop` returns true, it ends early with a result that has no meaning.
+    /// The same as [`Mesh::visibility`]. Once `stop` returns true, it returns early, and the result must be discarded.
     #[must_use]
     pub fn visibility_until(&self, max_slope: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Visibility {
         let facets = self.triangles().len();

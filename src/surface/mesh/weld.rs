@@ -28,7 +28,7 @@ impl Welder {
         Self { points: Vec::new(), table: HashTable::new(), keys: HashKeys::random() }
     }
 
-    /// Makes room for `more` different points.
+    /// Makes room for `more` distinct points.
     pub(super) fn reserve(&mut self, more: usize) {
         let Self { points, table, keys } = self;
         points.reserve(more);

@@ -117,7 +117,7 @@ enum Body {
     ThreeMf(three_mf::Reader),
 }
 
-/// The most that a part of a file makes while it is read by [`Reader::push_in_parallel`].
+/// The largest amounts of data that a part of a file becomes while [`Reader::push_in_parallel`] reads it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MostOfPush {
     /// Facets, or points of a file without facets.
@@ -129,10 +129,10 @@ pub struct MostOfPush {
 }
 
 impl MostOfPush {
-    /// Of a file in any format. Few formats state a facet in fewer than 4 bytes or a vertex in fewer than 6. A byte takes
-    /// itself, the number of a vertex at a corner (4 bytes for each 2), and of each facet (4 bytes at least, in binary
-    /// PLY) 12 bytes for its corners, and 36 for the points that it does not share with others and the table that finds
-    /// them.
+    /// The amounts for a file in any format. In nearly every format a facet takes at least 4 bytes and a vertex at
+    /// least 6. A byte of the file takes the byte itself; the index of a vertex at a corner, 4 bytes for each 2; and
+    /// for each facet, which has at least 4 bytes in binary PLY, 12 bytes for its corners and 36 for its own points and
+    /// their table.
     fn of_any(bytes: usize) -> Self {
         Self { facets: bytes / 4, corners: bytes / 6, held: 40 * bytes }
     }
@@ -247,13 +247,13 @@ impl Reader {
         }
     }
 
-    /// The most that a push of `bytes` bytes makes and holds, beside the vertices of [`Reader::held_bytes`].
+    /// The largest amounts that a push of `bytes` bytes adds, in addition to the vertices of [`Reader::held_bytes`].
     #[must_use]
     pub fn most_of_push(&self, bytes: usize) -> MostOfPush {
         match &self.stage {
             Stage::Body(body) => match **body {
-                // 50 bytes a facet, with three corners: in vectors that move to twice their size 36 bytes for its
-                // numbers, 216 for its points, 52 for the tables that find them, and itself.
+                // A facet has 50 bytes in the file and three corners. In vectors that double when they grow, it takes
+                // 36 bytes for its indices, 216 for its points, 52 for their tables, and its bytes themselves.
                 Body::StlBinary(_) => MostOfPush { facets: bytes / 50, corners: 3 * bytes / 50, held: 8 * bytes },
                 // Three lines `vertex 0 0 0` have 39 bytes.
                 Body::StlAscii(_) => MostOfPush { facets: bytes / 39, corners: 3 * bytes / 39, held: 10 * bytes },

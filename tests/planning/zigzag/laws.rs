@@ -53,7 +53,7 @@ fn an_inclined_rectangle_takes_the_time_of_the_published_method() {
 fn turning_the_part_turns_the_directions() {
     let original = facets(&published(0), 50, 50);
     let turned = placed(&original, 30.0, [1000.0, -500.0, 77.0]);
-    // The same line in the opposite sense is walked across from the other border, with other planes.
+    // For the opposite direction of the same line, the planes start from the other border.
     let lines = |offset: f64| Directions::Only((0..36).map(|step| degrees(5.0 * f64::from(step) + offset)).collect());
     for model in [Model::Analytic, Model::Envelope] {
         let of = |facets: &[FinishFacet], offset: f64| {
@@ -64,7 +64,8 @@ fn turning_the_part_turns_the_directions() {
         for (one, other) in of(&original, 0.0).into_iter().zip(of(&turned, 30.0)) {
             assert_eq!(one.0, other.0);
             approx::assert_abs_diff_eq!(other.1 - one.1, 30.0, epsilon = 1e-9);
-            // Coordinates of a metre are rounded to 1e-13, spacings to 6e-8; a pass more or less at a border is 1/100.
+            // Coordinates of a metre are rounded to 1e-13 and spacings to 6e-8. One pass more or less at a border is
+            // 1/100 of the time.
             approx::assert_relative_eq!(one.2, other.2, max_relative = 1e-4);
         }
     }
@@ -80,7 +81,7 @@ fn refining_the_mesh_converges() {
             };
             let [coarse, middle, fine] = [20, 60, 120].map(time);
             println!("{model:?} surface {surface}: {coarse:.3} {middle:.3} {fine:.3} s");
-            // A pass more or less is 1 in 100.
+            // One pass more or less is 1 in 100.
             assert!((fine / middle - 1.0).abs() < 0.011, "{coarse} {middle} {fine}");
             assert!((middle / coarse - 1.0).abs() < 0.025, "{coarse} {middle} {fine}");
         }
@@ -93,7 +94,7 @@ fn two_pieces_take_the_sum_of_their_runs_and_links() {
     let settings = in_direction(Model::Analytic, 0.0);
     let cutters = published_cutters();
     let alone = ranked(&one, &cutters[..1], &settings).plans.remove(0);
-    // Beside each other across the passes: the planes of each are those of one alone.
+    // The pieces are beside each other across the passes: each has the same planes as alone.
     let mut beside = one.clone();
     beside.extend(placed(&one, 0.0, [0.0, 100.0, 0.0]));
     let plan = ranked(&beside, &cutters[..1], &settings).plans.remove(0);

@@ -48,14 +48,14 @@ fn a_floor_of_a_few_large_facets_beside_a_fillet_takes_flat_and_bull_nose_cutter
     let fine = times(160);
     for strips in [1, 4, 40] {
         for (coarse, fine) in times(strips).into_iter().zip(&fine) {
-            // The same surface: a pass more or less at the border of floor and fillet.
+            // The surface is the same; the plans may differ by a pass at the border of floor and fillet.
             assert!((coarse / fine - 1.0).abs() < 0.03, "{strips} strips: {coarse} s, {fine} s");
         }
     }
 }
 
-/// Waves with a level saddle and level tops, on a grid of 1 mm: there the curvature is not small against that of the
-/// cutter's body.
+/// Waves on a grid of 1 mm, with a level saddle and level tops, at which the curvature is not small compared with that
+/// of the cutter's body.
 fn waves() -> Vec<FinishFacet> {
     estimated(46, 61, |row, column| {
         let (x, y) = (f64::from(column), f64::from(row));

@@ -96,7 +96,7 @@ fn fewer_points_are_kept_with_a_wider_chord_tolerance() {
     assert_eq!(all.chord_tolerance, mm(0.001));
     let fewer = of(all.points.len() / 2).unwrap();
     assert!(fewer.points.len() <= all.points.len() / 2 && fewer.chord_tolerance > all.chord_tolerance);
-    // Two ends of each run are kept whatever the tolerance.
+    // The two ends of each run are kept at any tolerance.
     assert_eq!(of(plan.tour.runs).unwrap_err().limit, plan.tour.runs);
 }
 

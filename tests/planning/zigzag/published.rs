@@ -1,4 +1,4 @@
-//! Times against those of Herraz et al. 2020 and of an independent simulation.
+//! Comparison of times with those of Herraz et al. 2020 and of an independent simulation.
 
 use super::surfaces::{facets, published};
 use super::{in_direction, published_cutters, ranked};
@@ -8,9 +8,9 @@ use scallopd::planning::zigzag::{Passes, ZigzagPlan, passes};
 use scallopd::quantity::Length;
 use serde_json::Value;
 
-/// The time by the rules of section 4 of the paper: each plane is one pass, whose cuts count with their whole length,
-/// and each link is as long as the spacing. Runs split at gaps, lifts, and links along an oblique border are the
-/// simulation's own.
+/// The time by the rules of section 4 of the paper: each plane is one pass with the length of all its cuts, and each
+/// link is as long as the spacing. The simulation differs in splitting runs at gaps, in lifts, and in links along an
+/// oblique border.
 fn by_the_papers_rules(plan: &ZigzagPlan, passes: &Passes) -> f64 {
     let limits = Preset::named("five_axis_vmc").unwrap().limits;
     let time = |length: f64| travel_time(Length::from_mm(length.max(1e-6)).unwrap(), limits).seconds();
@@ -66,8 +66,8 @@ fn an_independent_simulation_takes_the_same_time_in_every_direction() {
                 let expected = reference[name][["toroidal", "ball_end"][plan.candidate]][index].as_f64().unwrap();
                 // The reference has no lifts.
                 let ratio = (plan.time.seconds() - plan.tour.lift_seconds) / expected;
-                // It is good to about 1 %, and its links are as long as the spacing. Along a border at 45 deg they are
-                // sqrt(2) as long, which takes the cube root of that, 1.12 times as long: 10 ms of about 0.6 s for a
+                // The reference has an error of about 1 %, and its links are as long as the spacing. Along a border at
+                // 45 deg links are longer by sqrt(2) and take longer by its cube root, 1.12: 10 ms of about 0.6 s for a
                 // pass and its link, 1.6 %.
                 assert!((ratio - 1.0).abs() < 0.032, "{name}, cutter {} at {direction} deg: {ratio}", plan.candidate);
                 ratios.push(ratio);

@@ -110,7 +110,7 @@ fn the_faster_cutter_is_recommended_on_random_patches() {
         let samples = samples(&patch);
         let of_cutter = |cutter: usize| {
             let (core, corner) = if cutter == 0 { (3.0, 2.0) } else { (0.0, 5.0) };
-            // All around, and where the plans have their passes.
+            // All directions, and those of the plans.
             let planned = ranking.plans.iter().map(|plan| plan.direction.degrees());
             let directions = (0..12).map(|step| 15.0 * f64::from(step)).chain(planned);
             directions.map(|direction| time(&samples, direction, core, corner)).fold(f64::INFINITY, f64::min)
@@ -120,7 +120,7 @@ fn the_faster_cutter_is_recommended_on_random_patches() {
         let named = ranking.plans[0].candidate;
         agree += u32::from(named == fastest);
         losses.push(times[named] / times[fastest] - 1.0);
-        // Both simulations err by some 2 %.
+        // Both simulations have an error of some 2 %.
         if (times[0] / times[1] - 1.0).abs() > 0.04 {
             clear += 1;
             assert_eq!(named, fastest, "{times:?} against {:?}", ranking.plans.iter().map(|plan| plan.time).collect::<Vec<_>>());

@@ -141,13 +141,15 @@ fn a_cancelled_ranking_ends_early() {
     // Two cutters in 46 directions, each with some 80 planes.
     let in_all = asked.into_inner();
     assert!(in_all > 200, "{in_all}");
-    // After the cancellation, the flag is checked only a few times: once for each step that would have started.
+    // After the cancellation, the flag is checked once for each step that would have started: for two cutters up to 2,000
+    // places of a check, 400 strips and 200 rows of a table.
     for stopped_at in [0, 1, 10, in_all / 2, in_all - 10] {
         let asked = AtomicUsize::new(0);
         let stop = || asked.fetch_add(1, Ordering::Relaxed) >= stopped_at;
         let ranking = rank(&facets, &published_cutters(), &settings, SurfaceEvidence::default(), &stop);
         assert!(ranking.is_none(), "stopped at {stopped_at} of {in_all}");
-        assert!(asked.into_inner() <= stopped_at + 100);
+        let afterwards = asked.into_inner() - stopped_at;
+        assert!(afterwards <= 6_000, "{afterwards} checks after the cancellation");
     }
 }
 

@@ -16,12 +16,12 @@ const MOST_LINES: u64 = 10_000;
 /// The smallest number of lines from which anything is concluded; fewer points are no surface.
 const FEWEST_LINES: u64 = 3;
 
-/// The most rows of a matrix of heights for each column. A table with more than three columns is taken for a longer
-/// matrix where its columns are alike.
+/// The largest number of rows of a matrix of heights for each column. A longer table with more than three columns can
+/// be a matrix only if its columns have similar ranges.
 const LONGEST_MATRIX: u64 = 50;
 
-/// Three columns can be a matrix of heights where the numbers in each line differ by less than this share of the range
-/// of all numbers. As points they would lie along the line x = y = z and nowhere else.
+/// Three columns can be a matrix of heights if the numbers in each line differ by less than this share of the range of
+/// all numbers. As points, they would all lie near the line x = y = z.
 const LARGEST_DIFFERENCE: f64 = 0.25;
 
 /// The statistics of a table in which every line examined has the same number of columns, at least three, and only
@@ -66,7 +66,7 @@ impl Evidence {
         self.columns.len()
     }
 
-    /// The number of lines that are examined. Three columns are a matrix in a short table only.
+    /// The largest number of lines that are examined. A table of three columns can be a matrix only if it is short.
     fn most_lines(&self) -> u64 {
         if self.width() == POINT { POINT as u64 * LONGEST_MATRIX + 1 } else { MOST_LINES }
     }
@@ -106,8 +106,8 @@ impl Evidence {
         self.largest_difference = self.largest_difference.max(most - least);
     }
 
-    /// Whether the first column can number the lines: whole numbers that rise by the same amount, beside three
-    /// coordinates.
+    /// Whether the first column can number the lines: it has whole numbers that rise by a constant amount, and three
+    /// more columns follow.
     pub(super) fn is_numbered(&self) -> bool {
         self.width() > POINT && self.lines >= FEWEST_LINES && self.columns[0].is_whole && self.step.is_some_and(|step| step > 0.0)
     }
@@ -149,7 +149,7 @@ impl Evidence {
     }
 }
 
-/// The least and the largest number of these ranges.
+/// The smallest and the largest number in these ranges.
 fn range(ranges: impl Iterator<Item = [f64; 2]>) -> (f64, f64) {
     ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), [low, high]| (least.min(low), most.max(high)))
 }

@@ -1,0 +1,61 @@
+//! The contacts of a batch as rows or as columns, in a body whose syntax has been checked.
+
+use crate::http::reading::{Faulted, Faults, JsonPath, items};
+use crate::http::wire::{BatchContact, ContactColumns, ContactParameters, StatedParameters};
+use serde_json::value::RawValue;
+
+/// The largest number of contacts in a request. Without this limit, a body of the largest size could hold some ten
+/// million. With it, an answer stays below about 100 MB.
+pub(super) const MOST_CONTACTS: usize = 250_000;
+
+/// Contacts that are not read yet.
+pub(super) enum Contacts<'a> {
+    /// An array of objects.
+    Rows(Vec<&'a RawValue>),
+    /// An object of arrays.
+    Columns(Box<ContactColumns>),
+}
+
+impl<'a> Contacts<'a> {
+    /// Opens an array or an object of columns. Faults of a contact are found when it is read.
+    pub(super) fn open(raw: &'a RawValue, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        if !raw.get().starts_with('{') {
+            return items(raw, MOST_CONTACTS, path, faults).map(Self::Rows);
+        }
+        // Columns are read even if another part of the request has faults.
+        let mut of_columns = faults.cancel_flag().map_or_else(Faults::default, |cancel| Faults::until(&cancel));
+        let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, &mut of_columns);
+        faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
+        columns.map(|columns| Self::Columns(Box::new(columns)))
+    }
+
+    pub(super) fn count(&self) -> usize {
+        match self {
+            Self::Rows(rows) => rows.len(),
+            Self::Columns(columns) => columns.count,
+        }
+    }
+
+    /// The path of a contact, where `path` is that of all.
+    pub(super) fn path<'p>(&self, index: usize, path: &'p JsonPath<'p>) -> JsonPath<'p> {
+        match self {
+            Self::Rows(_) => path.item(index),
+            Self::Columns(columns) => columns.path(index, path),
+        }
+    }
+
+    /// Reads a contact, whose own parameters override `defaults`.
+    pub(super) fn read(
+        &self,
+        index: usize,
+        stated: StatedParameters,
+        defaults: &ContactParameters,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<BatchContact, Faulted> {
+        match self {
+            Self::Rows(rows) => BatchContact::read(rows[index], stated, defaults, path, faults),
+            Self::Columns(columns) => columns.contact(index, stated, defaults, path, faults),
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! Tests of the inverses: the largest step-over and feed that keep a height.
+
+use super::*;
+
+proptest! {
+    #[test]
+    fn the_inverses_give_back_step_over_and_feed(
+        cutter in cutters(), slope in 0.1..89.0_f64, theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.05..0.4_f64,
+        radius in prop_oneof![Just(None), (30.0..1e4_f64).prop_map(Some)], radial in 0.0..0.005_f64, axial in -0.005..0.005_f64,
+    ) {
+        let mut pass = by_theta(cutter, slope, theta).pass;
+        pass.runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
+        if let Some(radius) = radius {
+            pass = curved(pass, radius);
+        }
+        // Some of these cutters do not fit the surface.
+        let Ok(envelope) = Envelope::new(pass) else { return Ok(()) };
+        let (s, f) = (mm(share * cutter.outer_radius().mm()), mm(marks));
+        let Ok(height) = envelope.scallop_height(s, Some(f)) else { return Ok(()) };
+        // A relative error of the height of 1e-13 becomes 1e-13 h / (its part of h) of the step-over or feed. Parts
+        // below 1e-3 of h are left out, because 1e-9 cannot be expected of them.
+        prop_assume!(height.feed.mm() > 1e-3 * height.total().mm() && height.step_over.mm() > 1e-3 * height.total().mm());
+        // At the height from which the interval of deep marks alone touches that of deep and shallow marks, the width
+        // jumps: several step-overs and feeds leave that height, and the largest ones are found.
+        let back = envelope.max_step_over(height.total(), Some(f)).unwrap();
+        prop_assert!(back.mm() >= s.mm() * (1.0 - 1e-9));
+        if back.mm() > s.mm() * (1.0 + 1e-9) {
+            approx::assert_relative_eq!(envelope.scallop_height(back, Some(f)).unwrap().total().mm(), height.total().mm(), max_relative = 1e-9);
+            prop_assert!(pass.runout != Runout::NONE);
+        }
+        let back = envelope.max_feed_per_tooth(height.total(), s).unwrap();
+        prop_assert!(back.mm() >= f.mm() * (1.0 - 1e-9));
+        if back.mm() > f.mm() * (1.0 + 1e-9) {
+            approx::assert_relative_eq!(envelope.scallop_height(s, Some(back)).unwrap().total().mm(), height.total().mm(), max_relative = 1e-9);
+            prop_assert!(pass.runout != Runout::NONE);
+        }
+        let back = envelope.max_step_over(height.step_over, None).unwrap();
+        approx::assert_relative_eq!(back.mm(), s.mm(), max_relative = 1e-9);
+    }
+}

@@ -1,0 +1,107 @@
+//! Tests of the searches: the fast and the general one agree, and they converge up to the ends of the domain.
+
+use super::*;
+
+/// Asserts that the largest step-over and feed have heights, and that these are not less than those at a thousandth
+/// less.
+fn assert_widest_leave_most(cutter: Cutter, slope: f64, alpha: f64, share: f64) {
+    let envelope = on_plane(cutter, slope, alpha);
+    for marks in [0.0, share * envelope.largest_feed(0.0)] {
+        let s = envelope.largest_step_over(marks);
+        let (widest, before) =
+            (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(0.999 * s, Pattern::even(marks)).unwrap());
+        assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {s}, {widest} there");
+    }
+    let s = share.max(0.01) * envelope.largest_step_over(0.0);
+    let marks = envelope.largest_feed(s);
+    let (widest, before) = (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(s, Pattern::even(0.999 * marks)).unwrap());
+    assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {marks}, {widest} there");
+}
+
+/// An input with which rounding errors could put the largest step-over outside the domain.
+#[test]
+fn the_largest_step_over_and_feed_are_in_the_domain() {
+    let cutter = Cutter::toroidal(mm(10.145_104_240_978_43), mm(1.446_994_298_805_383_7)).unwrap();
+    assert_widest_leave_most(cutter, 67.405_866_252_726_36, 12.228_362_219_247_067, 0.952_840_327_116_88);
+}
+
+proptest! {
+    #[test]
+    fn the_quick_and_the_general_search_agree(
+        cutter in cutters(), slope in 0.01..89.99_f64, theta in quarter_turn(), share in 0.001..0.9_f64, marks in 0.0..0.4_f64,
+    ) {
+        let envelope = by_theta(cutter, slope, theta);
+        let s = share * cutter.outer_radius().mm();
+        let lengths = Lengths { level: envelope.guess(s, Pattern::even(marks)), step_over: s, mark_spacing: marks };
+        let Some(quick) = envelope.quickly(lengths, Sought::Level) else { return Ok(()) };
+        // Both have rounding errors of coordinates of the size of R, which is up to a hundred times h.
+        approx::assert_relative_eq!(quick.level, searched(&envelope, s, marks), max_relative = 1e-12);
+    }
+
+    /// The general search has no special case for ridges between marks of two kinds: it intersects and joins intervals.
+    #[test]
+    fn with_runout_the_quick_and_the_general_search_agree(
+        cutter in cutters(), slope in 0.01..89.99_f64, theta in quarter_turn(), share in 0.001..0.9_f64, marks in 0.001..0.4_f64, radial in 0.0..0.005_f64, axial in -0.005..0.005_f64, teeth in 2_u32..6, bend in prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.3_f64, 0.0..0.3_f64]],
+        tolerance in 1e-4..0.03_f64,
+    ) {
+        let (on_plane, outer) = (by_theta(cutter, slope, theta), cutter.outer_radius().mm());
+        let runout = Runout::NONE.with_radial_mm(radial * outer).unwrap().with_axial_mm(axial * outer).unwrap();
+        let surface = SurfaceCurvature::from_principal_per_mm(bend.map(|bend| bend / outer), Angle::from_degrees(20.0).unwrap()).unwrap();
+        let Ok(envelope) = Envelope::new(Pass { runout, surface, teeth: NonZeroU32::new(teeth), ..on_plane.pass }) else { return Ok(()) };
+        let (s, p) = (share * outer, tolerance * outer);
+        let pattern = envelope.pattern(marks * outer);
+        prop_assume!(!pattern.is_even());
+        let search = |s: f64, pattern| Section::new(&envelope.body, pattern, 2.0 * s).level(s, envelope.guess(s, pattern));
+        let width = |pattern| Section::new(&envelope.body, pattern, 4.0 * outer / envelope.spacing_ratio().max(1e-9)).width(p);
+        if let Ok(level) = envelope.height(s, pattern) {
+            // Both have rounding errors of coordinates of the size of R.
+            approx::assert_relative_eq!(level, search(s, pattern), max_relative = 1e-10, epsilon = 1e-13 * outer);
+        }
+        if let Ok(feed) = envelope.max_feed_per_tooth(mm(p), mm(s)) {
+            let level = |share: f64| search(s, envelope.pattern(feed.mm() * share));
+            prop_assert!(level(1.0 - 1e-9) <= p * (1.0 + 1e-9) && level(1.0 + 1e-6) >= p * (1.0 - 1e-9), "{} {} {p}", level(1.0 - 1e-9), level(1.0 + 1e-6));
+        }
+        if let Ok(step_over) = envelope.max_step_over(mm(p), Some(mm(pattern.spacing))) {
+            approx::assert_relative_eq!(step_over.mm(), width(pattern), max_relative = 1e-8);
+        }
+    }
+
+    #[test]
+    fn the_distance_to_the_body_is_convex(
+        cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(),
+        (x, y, p) in (-20.0..20.0_f64, -20.0..20.0_f64, -20.0..20.0_f64), (u, v, q) in (-20.0..20.0_f64, -20.0..20.0_f64, -20.0..20.0_f64),
+    ) {
+        let body = by_theta(cutter, slope, theta).body;
+        let ends = f64::midpoint(body.distance(x, y, p).value, body.distance(u, v, q).value);
+        let middle = body.distance(f64::midpoint(x, u), f64::midpoint(y, v), f64::midpoint(p, q)).value;
+        // Distances are up to some 60 mm, with rounding errors of 1e-14 mm. A few of these add up; they would be
+        // magnified only if the sum of distance and corner radius were small, which it is not at a random point.
+        prop_assert!(middle <= ends + 1e-12, "{middle} over {ends}");
+    }
+
+    #[test]
+    fn the_height_grows_with_step_over_and_feed(
+        cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.01..0.4_f64,
+        more in 1.001..1.2_f64,
+    ) {
+        let envelope = by_theta(cutter, slope, theta);
+        let s = share * 2.0 * cutter.outer_radius().mm();
+        if let (Ok(height), Ok(wider), Ok(faster)) =
+            (envelope.height(s, Pattern::even(marks)), envelope.height(more * s, Pattern::even(marks)), envelope.height(s, Pattern::even(more * marks)))
+        {
+            // The heights are equal on a flat and along a wall. Otherwise the change for 0.1 % more is far above the
+            // rounding error of 1e-13.
+            prop_assert!(wider >= height * (1.0 - 1e-13) && faster >= height * (1.0 - 1e-13), "{height} {wider} {faster}");
+            prop_assert!(height >= envelope.height(s, Pattern::even(0.0)).unwrap() * (1.0 - 1e-13));
+        }
+    }
+
+    /// The search must converge even if passes overlap only by a rounding error: the height must exceed that at a
+    /// smaller distance.
+    #[test]
+    fn the_widest_passes_and_marks_leave_the_most(
+        cutter in cutters(), slope in 0.0..90.0_f64, alpha in 0.0..90.0_f64, share in prop_oneof![1 => Just(0.0), 3 => 0.01..1.0_f64],
+    ) {
+        assert_widest_leave_most(cutter, slope, alpha, share);
+    }
+}
