@@ -47,6 +47,9 @@ const WORK: f64 = 6e7;
 /// are more, this many are taken, evenly spread.
 const MOST_PLACED: usize = 4_096;
 
+/// The steps of the search for a normal: 0.618^10 = 0.8 % of the turn between neighbouring cells.
+const TURNS: u32 = 10;
+
 /// A surface on a raster, for computing the reach of cutters.
 #[derive(Debug, Clone)]
 pub struct ReachMap {
@@ -156,7 +159,7 @@ impl ReachMap {
         for &(cell, fine) in seeming.iter().step_by(step) {
             let area = f64::from(self.area[fine]);
             let Some(on_raster) = left[cell].map(f64::from) else { continue };
-            let height = on_raster.min(self.rise(cutter, fine)).max(0.0);
+            let height = on_raster.min(self.rise(cutter, fine, error(area))).max(0.0);
             left[cell] = Some(height as f32);
             if height > error(area) {
                 // A cell represents those between it and the next sampled one.
@@ -192,33 +195,69 @@ impl ReachMap {
     }
 
     /// The height in mm by which the cutter must rise from its contact at the middle of a cell until it does not cut
-    /// into the surface.
+    /// into the surface: the least over the contact's normals that were tried, or the first at most `enough`.
     ///
-    /// The contact has the normal of the facet, or the mean normal of the nine cells around it if the rise is less with
-    /// that: near the end of a facet that approximates an arc, the facet's normal differs from the arc's by half the
-    /// angle to the next facet.
-    fn rise(&self, cutter: Cutter, cell: usize) -> f64 {
+    /// Every placement that touches the point shows how far the surface can be cut there, whatever the normal is. The
+    /// facet's own normal comes first, then the mean of the nine cells around: near the end of a facet that
+    /// approximates an arc, the facet's normal differs from the arc's by half the angle to the next facet. A cutter of
+    /// nearly the radius of a hollow fits with one normal only: the search turns the mean normal within the normals of
+    /// the cells around, about two axes.
+    fn rise(&self, cutter: Cutter, cell: usize, enough: f64) -> f64 {
         let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
         let [x, y] = self.frame.centre(column, row);
         let z = f64::from(self.heights.cells()[cell]) + self.heights.level();
-        let normal_of = |cell: usize| {
-            let [x, y] = self.normals[cell].map(f64::from);
-            [x, y, f64::from(self.area[cell]).recip()]
-        };
-        let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-        let nine = around(row, self.frame.rows)
-            .flat_map(|row| around(column, self.frame.columns).map(move |column| (column, row)))
-            .map(|(column, row)| self.frame.index(column, row));
-        let sum = nine
-            .filter(|&cell| self.area[cell] > 0.0)
-            .map(normal_of)
-            .fold([0.0; 3], |sum, n| [sum[0] + n[0], sum[1] + n[1], sum[2] + n[2]]);
-        let length = sum[0].hypot(sum[1]).hypot(sum[2]);
         let rise = |normal: [f64; 3]| {
             let tip = tip_of(cutter, [x, y, z], normal);
             self.heights.raised(cutter, tip) - tip[2]
         };
-        rise(normal_of(cell)).min(rise(sum.map(|part| part / length)))
+        let own = self.normal(cell);
+        let mut least = rise(own);
+        if least <= enough {
+            return least;
+        }
+        let nine: Vec<[f64; 3]> = self.around(cell).map(|cell| self.normal(cell)).collect();
+        let mean = unit(nine.iter().fold([0.0; 3], |sum, n| [sum[0] + n[0], sum[1] + n[1], sum[2] + n[2]]));
+        least = least.min(rise(mean));
+        if least <= enough {
+            return least;
+        }
+        let turn = |n: &[f64; 3]| [n[0] - mean[0], n[1] - mean[1], n[2] - mean[2]];
+        let length = |v: [f64; 3]| v[0].hypot(v[1]).hypot(v[2]);
+        let Some(widest) = nine.iter().map(turn).max_by(|a, b| length(*a).total_cmp(&length(*b))).filter(|widest| length(*widest) > 0.0)
+        else {
+            return least;
+        };
+        let across = [
+            mean[1] * widest[2] - mean[2] * widest[1],
+            mean[2] * widest[0] - mean[0] * widest[2],
+            mean[0] * widest[1] - mean[1] * widest[0],
+        ];
+        let mut centre = mean;
+        for axis in [widest, across] {
+            let turned = |share: f64| unit([0, 1, 2].map(|i| centre[i] + share * axis[i]));
+            let (share, found) = least_of(|share| rise(turned(share)), enough);
+            if found < least {
+                (least, centre) = (found, turned(share));
+            }
+            if least <= enough {
+                break;
+            }
+        }
+        least
+    }
+
+    /// The unit normal of the machined surface over a cell.
+    fn normal(&self, cell: usize) -> [f64; 3] {
+        let [x, y] = self.normals[cell].map(f64::from);
+        [x, y, f64::from(self.area[cell]).recip()]
+    }
+
+    /// The machined cells among the nine around a cell.
+    fn around(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
+        let three = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        let nine = three(row, self.frame.rows).flat_map(move |row| three(column, self.frame.columns).map(move |column| (column, row)));
+        nine.map(|(column, row)| self.frame.index(column, row)).filter(|&cell| self.area[cell] > 0.0)
     }
 
     /// [`ReachMap::uncut`] of several cutters, in their order, on all threads.
@@ -226,6 +265,35 @@ impl ReachMap {
     pub fn uncut_of_each(&self, cutters: &[Cutter], scallop_height: Length) -> Vec<Uncut> {
         cutters.par_iter().map(|&cutter| self.uncut(cutter, scallop_height)).collect()
     }
+}
+
+/// The place from -1 to 1 with the least value of a function that falls and then rises, and that value, by the golden
+/// section; a value of at most `enough` ends the search.
+fn least_of(f: impl Fn(f64) -> f64, enough: f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    let (mut low, mut high) = (-1.0, 1.0);
+    let at = |place: f64| (place, f(place));
+    let (mut one, mut other) = (at(high - GOLDEN * (high - low)), at(low + GOLDEN * (high - low)));
+    for _ in 0..TURNS {
+        if one.1.min(other.1) <= enough {
+            break;
+        }
+        if one.1 < other.1 {
+            high = other.0;
+            other = one;
+            one = at(high - GOLDEN * (high - low));
+        } else {
+            low = one.0;
+            one = other;
+            other = at(low + GOLDEN * (high - low));
+        }
+    }
+    if one.1 < other.1 { one } else { other }
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = v[0].hypot(v[1]).hypot(v[2]);
+    v.map(|part| part / length)
 }
 
 /// The tip of a cutter that touches a plane with the normal n at the contact c: the corner's centre is r n above it,

@@ -3,7 +3,7 @@
 use super::*;
 use crate::quantity::Angle;
 use crate::surface::mesh::{FacetClass, Selection};
-use crate::surface::{Facing, Grid, MeshBuilder, Unit};
+use crate::surface::{Facing, Grid, MeshBuilder, Sink, Unit};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 
 fn mm(value: f64) -> Length {
@@ -218,7 +218,7 @@ fn a_ball_that_just_fits_reaches_the_whole_groove() {
             let u = x - side / 2.0;
             if u.abs() < a - 1e-9 { edge - (rho * rho - u * u).sqrt() } else { 0.0 }
         });
-        for radius in [2.5, 3.5, 3.7, 3.9] {
+        for radius in [2.5, 3.5, 3.7, 3.9, 3.99] {
             let found = uncut(&groove, Cutter::ball_end(mm(2.0 * radius)));
             assert!(found.share < 1e-3, "{side}, R {radius}: {} {}", found.share, found.height.mm());
         }
@@ -245,4 +245,39 @@ fn a_surface_far_smaller_than_any_rounding_of_the_cutter_is_reached() {
         let surface = surface(side, side, 3, 3, |_, _| 0.0);
         assert_eq!(uncut(&surface, Cutter::ball_end(mm(500.0))).share, 0.0, "{side}");
     }
+}
+
+/// A channel with level floor, vertical walls and fillets of 3 mm between them, from facets, as CAD systems write it.
+fn channel() -> (Mesh, Vec<bool>) {
+    let (half, fillet, parts, rows) = (15.0, 3.0, 60_u32, 20_u32);
+    let arc = |part: u32| (std::f64::consts::FRAC_PI_2 * f64::from(part) / f64::from(parts)).sin_cos();
+    let mut right: Vec<[f64; 2]> = (0..=parts).map(arc).map(|(sin, cos)| [half - fillet + fillet * sin, fillet - fillet * cos]).collect();
+    right.extend([[half, 10.0], [half + 8.0, 10.0]]);
+    let profile: Vec<[f64; 2]> = right.iter().rev().map(|&[x, z]| [-x, z]).chain(right.iter().copied()).collect();
+    let mut builder = MeshBuilder::new();
+    for pair in profile.windows(2) {
+        for row in 0..rows {
+            let at = |[x, z]: [f64; 2], row: u32| [x, 2.0 * f64::from(row), z];
+            let [a, b, c, d] = [at(pair[0], row), at(pair[1], row), at(pair[1], row + 1), at(pair[0], row + 1)];
+            builder.facet([a, b, c]);
+            builder.facet([a, c, d]);
+        }
+    }
+    let mesh = builder.finish(Unit::Millimetre, Facing::Up).unwrap();
+    let visibility = mesh.visibility(Angle::from_degrees(85.0).unwrap());
+    let machined = visibility.classes().iter().map(|class| *class == FacetClass::Machined).collect();
+    (mesh, machined)
+}
+
+#[test]
+fn a_ball_of_nearly_the_radius_of_the_fillets_reaches_the_channel() {
+    let channel = channel();
+    for diameter in [4.0, 5.0, 5.5, 5.9] {
+        let found = uncut(&channel, Cutter::ball_end(mm(diameter)));
+        println!("{diameter}: {} {}", found.share, found.height.mm());
+        assert!(found.share < 0.005, "{diameter}: {} {}", found.share, found.height.mm());
+    }
+    let large = uncut(&channel, Cutter::ball_end(mm(8.0)));
+    println!("8: {} {}", large.share, large.height.mm());
+    assert!(large.share > 0.05, "{} {}", large.share, large.height.mm());
 }

@@ -1,14 +1,15 @@
-//! The check of a plan: scallop heights at sampled facets by model `envelope` with the curvature of each facet, and the
-//! correction of the spacing by these heights.
+//! The check of a plan: scallop heights and spacings at single facets, by model `envelope` with the curvature of each.
 
 use super::contacts::{FacetContact, NoContact};
-use super::march::{BINDING, NoPlanes, Plane, Spaced};
+use super::imprint::Imprints;
+use super::march::{NoPlanes, Plane, Spaced};
 use super::prepared::Prepared;
+use super::refine::{Tightest, refine, tightest};
 use super::settings::ZigzagSettings;
-use super::simulate::{Operation, Simulated, planes_of, simulate};
+use super::simulate::{Operation, Simulated, simulate};
 use super::spacing::FeedLaw;
 use super::workpiece::Workpiece;
-use crate::milling::{Cutter, Model, NoAnswer};
+use crate::milling::{Cutter, CutterKind, Model, NoAnswer};
 use crate::quantity::Length;
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
@@ -40,33 +41,37 @@ pub struct ScallopFigures {
 /// The number of points sampled in proportion to area.
 const DRAWN: usize = 400;
 
-/// The number of further points chosen from all strips: those that bind the spacing of a strip, and those with the
-/// largest error of the spacing.
-const CHOSEN: usize = 1600;
+/// The number of further points, about: those that determine the strips.
+const CHOSEN: usize = 1000;
 
-/// The largest number of strips with chosen points. If there are more strips, this many are taken at even distances.
-const STRIPS: usize = 400;
-
-/// The largest number of points chosen from a strip. Half of them are those that bind it.
-const MOST_OF_STRIP: usize = 6;
-
-/// The largest number of rounds in which a check corrects the spacing.
-const ROUNDS: usize = 4;
-
-/// The number of facets and strips between two checks for cancellation.
-const TURN: usize = 16_384;
-
-/// Shares of the tolerance: heights of at least `TIGHT` use the tolerance fully, heights above `OVER` are too high, and
-/// spacings are corrected so that the height is `AIM`.
-const TIGHT: f64 = 0.97;
-const AIM: f64 = 0.995;
+/// Shares of the tolerance: spacings are set to `AIM`, with feed marks to `AIM_WITH_MARKS`, because the feed of a
+/// spacing under the largest one exceeds the tolerance by up to 1.4 %; heights above `OVER` are too high.
+const AIM: f64 = 0.99;
+const AIM_WITH_MARKS: f64 = 0.975;
 const OVER: f64 = 1.0033;
 
 /// A plan whose heights exceed this share of the tolerance on more than a thousandth of the area loses confidence.
 const FAR_OVER: f64 = 1.03;
 
-/// The upper limit of the curvature's factor in a facet's risk.
-const LARGEST_CURVATURE: f64 = 10.0;
+/// The steps in which spacing and feed are brought together.
+const FEED_STEPS: usize = 3;
+
+/// Facets whose spacing by the envelope is over this multiple of the strip's width are not compared with imprints.
+const BINDING: f64 = 1.8;
+
+/// Spacings are widened where imprints leave less than this share of the tolerance, to at most `WIDEST` of the
+/// envelope's.
+const TIGHT: f64 = 0.97;
+const WIDEST: f64 = 1.4;
+
+/// The relative curvature up to which spacings are not widened, because the imprints cut into the surface.
+const NEAR_GOUGING: f64 = 0.6;
+
+/// The least share of the tolerance from which on the envelope's height is compared with that of imprints.
+const LEAST_COMPARED: f64 = 0.4;
+
+/// The largest number of steps in which a spacing is reduced to the height of its imprints.
+const IMPRINT_STEPS: usize = 6;
 
 /// The data for the check of a plan.
 #[derive(Clone, Copy)]
@@ -77,24 +82,18 @@ pub(super) struct Inspector<'a> {
     pub(super) feeds: &'a FeedLaw,
     pub(super) teeth_per_second: Option<f64>,
     /// Once it returns true, the check ends early with a result that has no meaning.
-    stop: &'a (dyn Fn() -> bool + Sync),
+    pub(super) stop: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// A height at a point, and its strip.
+/// A height at a facet.
 #[derive(Debug, Clone, Copy)]
 struct Evaluated {
-    strip: usize,
     facet: u32,
     height: Option<f64>,
 }
 
-/// Simulates with the model's spacings. If `follows` is set, the spacing of each strip is then corrected by the check.
-///
-/// Each round evaluates the heights at three groups of facets: those that bind the strips, those where the spacing errs
-/// most, and those sampled by area. If the highest of a strip exceeds the tolerance, the strip's spacing becomes the
-/// one with [`AIM`] of the tolerance at that facet. In the first two rounds, strips below [`TIGHT`] of the tolerance
-/// are widened in the same way, by a fifth at most; in later rounds strips only become narrower. There are at most
-/// [`ROUNDS`] rounds.
+/// Simulates with the model's spacings, or, if `follows` is set, with spacings that are refined where they bind the
+/// strips, and checks the heights.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -105,20 +104,12 @@ pub(super) fn checked(
     follows: bool,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Simulated, ScallopFigures), NoPlanes> {
-    let drawn = drawn_by_area(spaced.workpiece, DRAWN);
-    let mut kept = None;
-    for round in 0..if follows { ROUNDS } else { 0 } {
-        let planes = planes_of(&spaced, operation.room, stop)?;
-        let evaluated = inspector.evaluate(&spaced, &planes, &drawn);
-        let widens = round < 2;
-        let Some(next) = corrected(&spaced, &planes, &evaluated, &inspector, widens) else {
-            kept = Some(evaluated);
-            break;
-        };
-        spaced.factors = next;
+    if follows {
+        refine(&mut spaced, &inspector, operation.room, stop)?;
     }
     let simulated = simulate(&spaced, operation, stop)?;
-    let evaluated = kept.unwrap_or_else(|| inspector.evaluate(&spaced, &simulated.planes, &drawn));
+    let drawn = drawn_by_area(spaced.workpiece, DRAWN);
+    let evaluated = inspector.evaluate(&spaced, &simulated.planes, &drawn);
     let figures = figures(&evaluated, drawn.len(), spaced.workpiece, inspector.tolerance);
     Ok((simulated, figures))
 }
@@ -145,68 +136,12 @@ impl<'a> Inspector<'a> {
         self.evaluate_all(spaced, planes, &Self::by_strip(spaced, planes, facets)).into_iter().map(|evaluated| evaluated.height).collect()
     }
 
-    /// The heights at the sampled facets, followed by those at the facets chosen from the strips.
+    /// The heights at the sampled facets, followed by those at the facets that determine the strips.
     fn evaluate(&self, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Evaluated> {
-        let stride = planes.len().div_ceil(STRIPS).max(1);
-        let of_strip = (CHOSEN * stride / planes.len().max(1)).clamp(2, MOST_OF_STRIP) / 2;
-        // A ball's spacing is exact to second order at every slope.
-        let is_ball = self.cutter.core_radius().mm() == 0.0;
-        let risky = if is_ball { vec![[(0.0, 0); BINDING]; planes.len()] } else { self.riskiest(spaced, planes, stride) };
-        let chosen = planes.iter().zip(&risky).enumerate().step_by(stride).flat_map(|(strip, (plane, risky))| {
-            let binding = plane.binding.into_iter().flatten().take(of_strip);
-            let risky = risky.iter().take(of_strip).filter(|(risk, _)| *risk > 0.0).map(|&(_, facet)| facet);
-            let risky = risky.filter(move |facet| !plane.binding[..of_strip].contains(&Some(*facet)));
-            binding.chain(risky).map(move |facet| (strip, facet))
-        });
+        let tightest = tightest(spaced, planes, self, CHOSEN).into_iter();
+        let chosen = tightest.map(|Tightest { strip, place }| (strip, spaced.sweep.covered[place as usize].facet));
         let places: Vec<(usize, u32)> = Self::by_strip(spaced, planes, drawn).into_iter().chain(chosen).collect();
         self.evaluate_all(spaced, planes, &places)
-    }
-
-    /// The facets of each strip at which the height may exceed the tolerance most, in falling order of risk.
-    ///
-    /// Spacings come from second-order curvatures at the contact. Their error is large if the surface's curvature is
-    /// not small compared with that of the cutter's body, 1/((R - r)/sin(S) + r), which is the case near a floor. A
-    /// facet's risk is the share of its allowed height that the spacing uses, multiplied by one plus that ratio.
-    fn riskiest(&self, spaced: &Spaced, planes: &[Plane], stride: usize) -> Vec<[(f64, u32); BINDING]> {
-        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
-        let mut riskiest = vec![[(0.0, 0_u32); BINDING]; planes.len()];
-        let (mut first, mut examined) = (0, 0);
-        for (covered, &allowed) in spaced.sweep.covered.iter().zip(&spaced.allowed) {
-            examined += 1;
-            if examined >= TURN {
-                examined = 0;
-                if (self.stop)() {
-                    break;
-                }
-            }
-            while planes.get(first + 1).is_some_and(|next| next.at <= covered.low) {
-                first += 1;
-            }
-            let tangent = &spaced.workpiece.tangents[covered.facet as usize];
-            if tangent.is_steep {
-                continue;
-            }
-            let [steepest, twist, level] = tangent.curvature;
-            let curvature = steepest.abs().max(level.abs()) + twist.abs();
-            let ratio = if curvature > 0.0 { (curvature * (core / tangent.sin + corner)).min(LARGEST_CURVATURE) } else { 0.0 };
-            let per_squared_spacing = (1.0 + ratio) / f64::from(allowed).powi(2);
-            for (strip, plane) in
-                planes.iter().enumerate().skip(first).take_while(|(strip, plane)| *strip == first || plane.at < covered.high)
-            {
-                examined += 1;
-                if strip % stride != 0 {
-                    continue;
-                }
-                let risk = per_squared_spacing * plane.after * plane.after;
-                let found = &mut riskiest[strip];
-                if risk > found[BINDING - 1].0 {
-                    let place = found.iter().position(|&(other, _)| risk > other).unwrap_or(BINDING - 1);
-                    found[place..].rotate_right(1);
-                    found[place] = (risk, covered.facet);
-                }
-            }
-        }
-        riskiest
     }
 
     /// Pairs each facet with the strip that contains its centroid.
@@ -220,12 +155,11 @@ impl<'a> Inspector<'a> {
     }
 
     fn evaluate_all(&self, spaced: &Spaced, planes: &[Plane], places: &[(usize, u32)]) -> Vec<Evaluated> {
-        let evaluate = |&(strip, facet): &(usize, u32)| {
-            let spacing = planes[strip].after;
-            let height = if (self.stop)() { None } else { self.height(spaced, facet, spacing) };
-            Evaluated { strip, facet, height }
-        };
-        places.par_iter().with_min_len(64).map(evaluate).collect()
+        let height = |&(strip, facet): &(usize, u32)| (!(self.stop)()).then(|| self.height(spaced, facet, planes[strip].after));
+        let heights = places.par_iter().with_min_len(64).map(height).collect::<Option<Vec<_>>>();
+        // Cancelled: the heights have no meaning.
+        let heights = heights.unwrap_or_else(|| vec![None; places.len()]);
+        places.iter().zip(heights).map(|(&(_, facet), height)| Evaluated { facet, height }).collect()
     }
 
     /// The height at a facet; `None` if the model has none, infinite if material stays uncut between the passes.
@@ -235,14 +169,29 @@ impl<'a> Inspector<'a> {
         if tangent.is_steep {
             return None;
         }
-        let feed = self.feed(spaced, index, spacing);
-        match FacetContact::new(&self.facets[index], spaced.sweep.heading.e)
-            .and_then(|contact| contact.height(self.cutter, Model::Envelope, spacing, feed))
-        {
+        match self.height_at(spaced, index, spacing) {
             Ok(height) => Some(height),
             Err(NoContact::Model(NoAnswer::PassesDoNotOverlap { .. } | NoAnswer::MarksDoNotOverlap { .. })) => Some(f64::INFINITY),
             Err(_) => None,
         }
+    }
+
+    /// The height at a facet that is not too steep: by the envelope, and by imprints for a flat-end cutter on a
+    /// curved surface, whose marks are of the second order in the envelope.
+    fn height_at(&self, spaced: &Spaced, index: usize, spacing: f64) -> Result<f64, NoContact> {
+        let e = spaced.sweep.heading.e;
+        let contact = FacetContact::new(&self.facets[index], e)?;
+        let evaluated = contact.evaluated(self.cutter, Model::Envelope)?;
+        let step_over = Length::computed(contact.step_over(spacing));
+        let feed = self.feed(spaced, index, spacing).map(Length::computed);
+        let height = evaluated.scallop_height(step_over, feed).map_err(NoContact::Model)?;
+        let total = height.total().mm();
+        if total < LEAST_COMPARED * self.tolerance || self.cutter.kind() != CutterKind::FlatEnd || contact.is_plane() {
+            return Ok(total);
+        }
+        let by_imprints = Imprints::new(self.cutter, &self.facets[index], e).height(spacing, 0.0) + height.feed.mm();
+        // Imprints that nearly gouge are low because they cut into the surface.
+        Ok(if evaluated.relative_curvature() > NEAR_GOUGING { by_imprints.max(0.0) } else { total.max(by_imprints) })
     }
 
     /// The feed per tooth of the plan at a facet; `None` without a drive.
@@ -253,18 +202,75 @@ impl<'a> Inspector<'a> {
         self.teeth_per_second.map(|teeth| self.feeds.rate(tangent, cos_alpha, taken) / teeth)
     }
 
-    /// The widest spacing at which a facet's height is [`AIM`] of the tolerance, at the feed that belongs to `spacing`.
-    fn widest(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
-        let index = facet as usize;
-        let contact = FacetContact::new(&self.facets[index], spaced.sweep.heading.e).ok()?;
+    /// The widest spacing that keeps [`AIM`] of the tolerance at a facet that meets a strip `spacing` wide: by the
+    /// envelope, and by imprints for a flat-end cutter on a curved surface, where the envelope leaves out the third
+    /// order, and where passes run level, which gives heights a narrow peak within the facet.
+    pub(super) fn widest(&self, spaced: &Spaced, facet: u32, spacing: f64) -> Option<f64> {
+        let (index, e) = (facet as usize, spaced.sweep.heading.e);
+        let contact = FacetContact::new(&self.facets[index], e).ok()?;
         let evaluated = contact.evaluated(self.cutter, Model::Envelope).ok()?;
-        let feed = self.feed(spaced, index, spacing).map(Length::computed);
-        match evaluated.max_step_over(Length::computed(AIM * self.tolerance), feed) {
+        let aim = if self.teeth_per_second.is_some() { AIM_WITH_MARKS } else { AIM };
+        let inverse = |feed: Option<f64>| match evaluated.max_step_over(Length::computed(aim * self.tolerance), feed.map(Length::computed))
+        {
             Ok(step_over) | Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: step_over }) => {
                 Some(step_over.mm() * contact.contact.spacing_ratio())
             }
             Err(_) => None,
+        };
+        let without_marks = inverse(None)?;
+        let mut widest = without_marks;
+        if self.teeth_per_second.is_some() {
+            // The feed depends on the spacing: from the estimate of both, three times.
+            widest = spaced.squared(index).sqrt();
+            for _ in 0..FEED_STEPS {
+                widest = inverse(self.feed(spaced, index, widest))?;
+            }
         }
+        let imprints = Imprints::new(self.cutter, &self.facets[index], e);
+        let range = Self::range_along(spaced, index);
+        let is_flat = self.cutter.kind() == CutterKind::FlatEnd;
+        // A facet that allows far more than the strip's width does not bind it.
+        if widest > BINDING * spacing || contact.is_plane() || !(is_flat || imprints.run_level(range)) {
+            return Some(widest);
+        }
+        let widens = is_flat && self.teeth_per_second.is_none() && evaluated.relative_curvature() > NEAR_GOUGING;
+        // Imprints have no tooth marks: the spacing with marks shrinks as that without does.
+        Some(widest * self.share_by_imprints(&imprints, without_marks.min(spaced.widest), range, widens))
+    }
+
+    /// The ends of a facet along the passes, from its middle.
+    fn range_along(spaced: &Spaced, facet: usize) -> [f64; 2] {
+        let along = spaced.workpiece.corners[facet].map(|[x, y, _]| spaced.sweep.heading.along(x, y));
+        let middle = along.iter().sum::<f64>() / 3.0;
+        let (low, high) = along.into_iter().fold((0.0, 0.0), |(low, high): (f64, f64), at| (low.min(at - middle), high.max(at - middle)));
+        [low, high]
+    }
+
+    /// The share of a spacing at which imprints leave the tolerance on a facet with these ends along the passes; at most
+    /// 1 unless it `widens`.
+    fn share_by_imprints(&self, imprints: &Imprints, spacing: f64, range: [f64; 2], widens: bool) -> f64 {
+        let (place, mut height) = imprints.highest(spacing, range);
+        let (mut share, mut last, mut kept) = (1.0, None::<(f64, f64)>, None::<f64>);
+        for _ in 0..IMPRINT_STEPS {
+            let of_tolerance = height / self.tolerance;
+            if of_tolerance <= OVER {
+                kept = Some(share);
+                if !widens || of_tolerance >= TIGHT || share >= WIDEST {
+                    break;
+                }
+            }
+            // Heights grow with the first power of the spacing beside a sharp edge, elsewhere with the second.
+            let power = last.map_or(2.0, |(other, at_other)| (at_other / of_tolerance).ln() / (other / share).ln());
+            let power = if power > 1.0 { power.min(2.0) } else { 1.0 };
+            last = Some((share, of_tolerance));
+            let factor = if of_tolerance.is_finite() { (AIM / of_tolerance.max(0.1)).powf(power.recip()) } else { 0.5 };
+            share = (share * factor.clamp(0.3, 1.2)).min(WIDEST);
+            if kept.is_some_and(|kept| share <= kept) {
+                break;
+            }
+            height = imprints.height(share * spacing, place);
+        }
+        kept.unwrap_or(share)
     }
 }
 
@@ -272,51 +278,6 @@ impl<'a> Inspector<'a> {
 /// the first plane belong to strip 0.
 fn strip_of(planes: &[Plane], at: f64) -> usize {
     planes.partition_point(|plane| plane.at <= at).saturating_sub(1)
-}
-
-/// The factors of the next round; `None` if no strip needs a correction.
-fn corrected(spaced: &Spaced, planes: &[Plane], evaluated: &[Evaluated], inspector: &Inspector, widens: bool) -> Option<Vec<(f64, f64)>> {
-    let tolerance = inspector.tolerance;
-    let mut highest: Vec<Option<(f64, u32)>> = vec![None; planes.len()];
-    for place in evaluated {
-        if let Some(height) = place.height
-            && highest[place.strip].is_none_or(|(other, _)| height > other)
-        {
-            highest[place.strip] = Some((height, place.facet));
-        }
-    }
-    let correction = |(strip, highest): (usize, &Option<(f64, u32)>)| {
-        let &(height, facet) = highest.as_ref()?;
-        if (inspector.stop)() {
-            return None;
-        }
-        let is_over = height > OVER * tolerance;
-        // The band's end determines the width of its last strip.
-        let is_loose = widens && height < TIGHT * tolerance && strip + 1 < planes.len();
-        if !is_over && !is_loose {
-            return Some(1.0);
-        }
-        let spacing = planes[strip].after;
-        let by_inverse = inspector.widest(spaced, facet, spacing).map(|widest| widest / spacing);
-        // Heights are about proportional to the square of the spacing.
-        let correction = by_inverse.unwrap_or_else(|| if height.is_finite() { (AIM * tolerance / height).sqrt() } else { 0.5 });
-        // The factor is limited: with a spacing wider than the cutter, later corrections would have no effect.
-        let widest = (spaced.widest / spacing).clamp(1.0, 1.2);
-        Some(if is_over { correction.clamp(0.5, AIM) } else { correction.clamp(1.0, widest) })
-    };
-    let corrections: Vec<Option<f64>> = highest.par_iter().enumerate().with_min_len(8).map(correction).collect();
-    #[expect(clippy::float_cmp, reason = "1 where nothing is corrected")]
-    let changes = corrections.iter().flatten().any(|&correction| correction != 1.0);
-    let mut last = None;
-    let factors = planes.iter().zip(corrections).map(|(plane, correction)| {
-        let own = spaced.factor(plane.at);
-        // Strips without a height use their neighbour's factor.
-        let factor = correction.map_or_else(|| last.unwrap_or(own), |correction| own * correction);
-        last = Some(factor);
-        (plane.at, factor)
-    });
-    let factors = factors.collect();
-    changes.then_some(factors)
 }
 
 fn figures(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, tolerance: f64) -> ScallopFigures {

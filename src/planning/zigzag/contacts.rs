@@ -2,7 +2,6 @@
 //! feeds.
 
 use crate::milling::{Contact, ContactError, CurvatureOutOfRange, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
-use crate::quantity::Length;
 use crate::surface::FinishFacet;
 
 /// The reason why a facet has no height or feed.
@@ -34,6 +33,11 @@ impl FacetContact {
         Ok(Self { contact, curvature })
     }
 
+    /// Whether the facet is one of a plane.
+    pub(super) fn is_plane(&self) -> bool {
+        self.curvature.iter().all(|&curvature| curvature == 0.0)
+    }
+
     /// The step-over along the surface of planes `spacing` apart seen from above, in mm.
     pub(super) fn step_over(&self, spacing: f64) -> f64 {
         spacing / self.contact.spacing_ratio()
@@ -44,13 +48,5 @@ impl FacetContact {
         let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).map_err(NoContact::Curvature)?;
         let pass = Pass { cutter, contact: self.contact, surface, runout: Runout::NONE, teeth: None };
         EvaluatedPass::new(model, pass).map_err(NoContact::Model)
-    }
-
-    /// The height that planes `spacing` apart and a feed per tooth leave, in mm.
-    pub(super) fn height(&self, cutter: Cutter, model: Model, spacing: f64, feed: Option<f64>) -> Result<f64, NoContact> {
-        let evaluated = self.evaluated(cutter, model)?;
-        let step_over = Length::computed(self.step_over(spacing));
-        let height = evaluated.scallop_height(step_over, feed.map(Length::computed)).map_err(NoContact::Model)?;
-        Ok(height.total().mm())
     }
 }

@@ -23,9 +23,6 @@ pub(super) struct Spaced<'a> {
     pub(super) widest: f64,
     /// The share of a strip's area that may allow less than its spacing.
     pub(super) left_out: f64,
-    /// Correction factors of the spacings, each with the coordinate across the passes from which it applies, in rising
-    /// order.
-    pub(super) factors: Vec<(f64, f64)>,
 }
 
 /// The number of facets between two checks for cancellation while their spacings are computed.
@@ -48,7 +45,7 @@ impl<'a> Spaced<'a> {
             allowed
         };
         let allowed = sweep.covered.chunks(FACETS_AT_ONCE).take_while(|_| !stop()).flatten().map(allowed).collect();
-        Self { workpiece, sweep, spacing, allowed, widest, left_out, factors: Vec::new() }
+        Self { workpiece, sweep, spacing, allowed, widest, left_out }
     }
 
     /// The squared spacing that a facet allows; infinite for a steep facet.
@@ -56,9 +53,9 @@ impl<'a> Spaced<'a> {
         squared_spacing(&self.workpiece.tangents[facet], self.sweep, self.spacing)
     }
 
-    pub(super) fn factor(&self, at: f64) -> f64 {
-        let next = self.factors.partition_point(|&(start, _)| start <= at);
-        if next == 0 { self.factors.first().map_or(1.0, |&(_, factor)| factor) } else { self.factors[next - 1].1 }
+    /// The same for a plane of the facet's slope.
+    pub(super) fn squared_on_plane(&self, facet: usize) -> f64 {
+        squared_spacing(&Tangent { curvature: [0.0; 3], ..self.workpiece.tangents[facet] }, self.sweep, self.spacing)
     }
 }
 
@@ -90,12 +87,9 @@ pub(super) struct Plane {
     pub(super) at: f64,
     pub(super) before: f64,
     pub(super) after: f64,
-    /// The facets that bind the spacing after it most, if known.
-    pub(super) binding: [Option<u32>; BINDING],
+    /// The place in the sweep of the facet that binds the spacing after it, if one does.
+    pub(super) binding: Option<u32>,
 }
-
-/// The number of binding facets that are recorded for a spacing.
-pub(super) const BINDING: usize = 4;
 
 impl Plane {
     /// The spacing that determines the scallop height: the wider one.
@@ -146,15 +140,8 @@ pub(super) fn march(
         return Err(NoPlanes::Cancelled);
     }
     for band in spaced.sweep.bands(spaced.widest) {
-        let mut walk = Walk {
-            spaced,
-            next: band.start,
-            end: band.end,
-            reached: Vec::new(),
-            hint: spaced.widest,
-            tightest: Vec::new(),
-            binding: [None; BINDING],
-        };
+        let mut walk =
+            Walk { spaced, next: band.start, end: band.end, reached: Vec::new(), hint: spaced.widest, tightest: Vec::new(), binding: None };
         let first = walk.widest_from(band.low)?;
         let mut is_last = band.high - band.low < first;
         // The first plane is half a spacing from the border; in a band narrower than one spacing, in the middle.
@@ -162,7 +149,7 @@ pub(super) fn march(
             at: if is_last { f64::midpoint(band.low, band.high) } else { band.low + first / 2.0 },
             before: first,
             after: first,
-            binding: [None; BINDING],
+            binding: None,
         };
         loop {
             planes += 1;
@@ -196,7 +183,7 @@ pub(super) fn march(
                 plane.before = plane.after;
             }
             visit(plane, &mut walk.reached)?;
-            plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: [None; BINDING] };
+            plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: None };
         }
     }
     Ok(())
@@ -213,8 +200,8 @@ struct Walk<'a> {
     hint: f64,
     /// The tightest facets of the strip: the width that each allows, and its index among the reached facets.
     tightest: Vec<(f64, usize)>,
-    /// The facets that bind the last strip most, without those left out.
-    binding: [Option<u32>; BINDING],
+    /// The place of the facet that binds the last strip; those left out do not.
+    binding: Option<u32>,
 }
 
 impl Walk<'_> {
@@ -239,7 +226,6 @@ impl Walk<'_> {
 
     /// The same with an upper limit: the result is at most `width`.
     fn widest_within(&mut self, at: f64, width: f64) -> f64 {
-        let factor = self.spaced.factor(at);
         let end = at + width;
         while self.next < self.end {
             let covered = self.spaced.sweep.covered[self.next];
@@ -265,7 +251,7 @@ impl Walk<'_> {
                 continue;
             }
             // A strip may extend to the facet's beginning in any case.
-            let (own, begins) = (reached.allowed * factor, reached.low - at);
+            let (own, begins) = (reached.allowed, reached.low - at);
             let bound = if own > begins { own } else { begins };
             let (from, to) = (if reached.low > at { reached.low } else { at }, if reached.high < end { reached.high } else { end });
             area += reached.density * if to > from { to - from } else { 0.0 };
@@ -295,11 +281,7 @@ impl Walk<'_> {
         // If all recorded facets could be left out, the facets that were not recorded might exceed the share: then the
         // last recorded facet binds.
         let first = (0..self.tightest.len()).find(holds_too_much).or((self.tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
-        let mut binding = self.tightest[first.unwrap_or(self.tightest.len())..].iter().map(|&(_, index)| {
-            let place = self.reached[index].place as usize;
-            self.spaced.sweep.covered[place].facet
-        });
-        self.binding = std::array::from_fn(|_| binding.next());
+        self.binding = first.map(|first| self.reached[self.tightest[first].1].place);
         first.map_or(width, |first| self.tightest[first].0)
     }
 }

@@ -8,15 +8,17 @@
 //! The files in the order of use: `workpiece` prepares facets; `slopes` and `spacing` compute the spacings that a
 //! cutter allows; `sweep` sorts facets across a direction; `march` places the planes; `runs` intersects planes and
 //! facets; `regions` and `links` order the runs; `tour` adds up times; `simulate` combines these steps. `room` limits
-//! the size of a plan; `prepared` is a candidate with its spacings; `search` tries directions; `contacts` and `check`
-//! evaluate a plan; `least_time` is a lower bound of its time; `plan` is the result; `ranking` is the entry point;
-//! `confidence` rates the ranking. `passes` lists the points of a plan, and `heights` its scallop heights at facets.
+//! the size of a plan; `prepared` is a candidate with its spacings; `search` tries directions; `contacts`, `imprint`
+//! and `check` evaluate facets; `refine` refines the spacings that bind strips; `least_time` is a lower bound of its
+//! time; `plan` is the result; `ranking` is the entry point; `confidence` rates the ranking. `passes` lists the
+//! points of a plan, and `heights` its scallop heights at facets.
 
 mod candidate;
 mod check;
 mod confidence;
 mod contacts;
 mod heights;
+mod imprint;
 mod least_time;
 mod links;
 mod march;
@@ -24,6 +26,7 @@ mod passes;
 mod plan;
 mod prepared;
 mod ranking;
+mod refine;
 mod regions;
 mod room;
 mod runs;

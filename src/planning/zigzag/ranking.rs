@@ -100,6 +100,7 @@ fn ranked(
     let prepared: Vec<Prepared> = reaching.par_iter().map(prepare).collect::<Option<_>>()?;
     let times = times_by_direction(&workpiece, &prepared, settings, room, stop)?;
     let work: Vec<_> = prepared.iter().zip(times).collect();
+    let planner = Planner { facets, workpiece: &workpiece, settings, room, stop };
     let mut plans = Vec::new();
     // Each candidate in progress stores all facets in the order of its direction. More candidates at once than threads
     // would only take memory.
@@ -107,7 +108,7 @@ fn ranked(
         let planned: Vec<Result<ZigzagPlan, NotRanked>> = group
             .par_iter()
             .map(|(prepared, times)| {
-                let plan = plan(facets, &workpiece, prepared, times, settings, room, stop);
+                let plan = planner.plan(prepared, times);
                 plan.map_err(|reason| NotRanked { candidate: prepared.index, reason })
             })
             .collect();
@@ -149,102 +150,106 @@ struct CheckedPlan {
     scallop_height: ScallopFigures,
 }
 
-/// The fastest zigzag of a candidate after the check, and the times of all directions. The times that were not checked
-/// are multiplied by the factor by which the check changed the fastest one.
-///
-/// The check changes the spacing, so that the fastest direction may become slower than another. Directions whose time
-/// before the check is less than the fastest after it are therefore checked as well.
-fn fastest_checked(
-    facets: &[FinishFacet],
-    workpiece: &Workpiece,
-    prepared: &Prepared,
-    times: &[TimeOfDirection],
-    settings: &ZigzagSettings,
-    room: &Room,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Result<(CheckedPlan, Vec<TimeOfDirection>), NotRankedReason> {
-    let inspector = Inspector::new(facets, prepared, settings, stop);
-    // With model `analytic` the spacing is the published one: it is checked, but not corrected.
-    let follows = settings.model == Model::Envelope;
-    let mut best: Option<CheckedPlan> = None;
-    let mut reason = times.iter().filter_map(|time| time.seconds.err()).max().map_or(NotRankedReason::NoStepOver, NotRankedReason::from);
-    let mut checked_times: Vec<TimeOfDirection> = Vec::new();
-    let mut factor = None;
-    while checked_times.len() < MOST_CHECKED {
-        let is_open =
-            |time: &&TimeOfDirection| checked_times.iter().all(|other| lines_apart(other.direction, time.direction) >= CHECKED_APART);
-        let open: Vec<TimeOfDirection> = times.iter().filter(is_open).copied().collect();
-        let Some(next) = fastest(&open) else { break };
-        if best.as_ref().zip(next.seconds.ok()).is_some_and(|(best, seconds)| seconds >= best.simulated.figures.seconds) {
-            break;
+/// The data that the plans of all candidates share.
+#[derive(Clone, Copy)]
+struct Planner<'a> {
+    facets: &'a [FinishFacet],
+    workpiece: &'a Workpiece,
+    settings: &'a ZigzagSettings,
+    room: &'a Room,
+    stop: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Planner<'_> {
+    /// The plan of a candidate in its fastest direction.
+    fn plan(&self, prepared: &Prepared, times: &[TimeOfDirection]) -> Result<ZigzagPlan, NotRankedReason> {
+        let Self { workpiece, settings, .. } = *self;
+        let cutter = prepared.candidate.cutter;
+        let (best, times) = self.fastest_checked(prepared, times)?;
+        let CheckedPlan { direction, simulated, scallop_height } = best;
+        if scallop_height.without_height_share > LARGEST_SHARE_WITHOUT_HEIGHT {
+            return Err(NotRankedReason::NoHeight { share: scallop_height.without_height_share });
         }
-        let sweep = Sweep::new(workpiece, next.direction, stop);
-        let spaced = Spaced::new(workpiece, &sweep, prepared, settings.left_out_share, stop);
-        let seconds = match checked(spaced, prepared.operation(settings, room), inspector, follows, stop) {
-            Ok((simulated, scallop_height)) if simulated.figures.runs > 0 => {
-                let seconds = simulated.figures.seconds;
-                if best.as_ref().is_none_or(|best| seconds < best.simulated.figures.seconds) {
-                    best = Some(CheckedPlan { direction: next.direction, simulated, scallop_height });
-                }
-                factor = factor.or(next.seconds.ok().map(|before| seconds / before));
-                Ok(seconds)
-            }
-            Ok(_) => Err(NoPlanes::NoSpacing),
-            Err(error) => {
-                reason = error.into();
-                Err(error)
-            }
-        };
-        checked_times.push(TimeOfDirection { seconds, ..next });
+        let tour = simulated.figures;
+        let rate = tour.run_length / tour.cutting_seconds;
+        let depth = 2.0 * workpiece.top;
+        Ok(ZigzagPlan {
+            candidate: prepared.index,
+            direction,
+            time: Time::computed(tour.seconds),
+            tour,
+            planes: simulated.planes.len(),
+            step_over: SpacingFigures::of(&simulated.planes),
+            feed_rate: Speed::computed(rate),
+            feed_per_tooth: prepared.range.map(|range| Length::computed(rate / range.teeth_per_second)),
+            scallop_height,
+            least_time: Time::computed(least_seconds(workpiece, prepared)),
+            by_direction: times.iter().map(|time| (time.direction, time.seconds.ok().map(Time::computed))).collect(),
+            reach: prepared.candidate.reach,
+            rectangle: on_rectangle(cutter, settings),
+            flutes_too_short: prepared.candidate.flute_length.is_some_and(|flutes| flutes.mm() < depth),
+            passes: simulated.planes,
+        })
     }
-    let after = |time: &TimeOfDirection| {
-        let checked = checked_times.iter().find(|checked| checked.direction == time.direction);
-        checked.copied().unwrap_or(TimeOfDirection { seconds: time.seconds.map(|seconds| seconds * factor.unwrap_or(1.0)), ..*time })
-    };
-    best.map(|best| (best, times.iter().map(after).collect())).ok_or(reason)
+
+    /// The fastest zigzag of a candidate after the check, and the times of all directions. The times that were not checked
+    /// are multiplied by the factor by which the check changed the fastest one.
+    ///
+    /// The check changes the spacing, so that the fastest direction may become slower than another. Directions whose time
+    /// before the check is less than the fastest after it are therefore checked as well.
+    fn fastest_checked(
+        &self,
+        prepared: &Prepared,
+        times: &[TimeOfDirection],
+    ) -> Result<(CheckedPlan, Vec<TimeOfDirection>), NotRankedReason> {
+        let Self { facets, workpiece, settings, room, stop } = *self;
+        let inspector = Inspector::new(facets, prepared, settings, stop);
+        // With model `analytic` the spacing is the published one: it is checked, but not corrected.
+        let follows = settings.model == Model::Envelope;
+        let mut best: Option<CheckedPlan> = None;
+        let mut reason =
+            times.iter().filter_map(|time| time.seconds.err()).max().map_or(NotRankedReason::NoStepOver, NotRankedReason::from);
+        let mut checked_times: Vec<TimeOfDirection> = Vec::new();
+        let mut factor = None;
+        while checked_times.len() < MOST_CHECKED {
+            let is_open =
+                |time: &&TimeOfDirection| checked_times.iter().all(|other| lines_apart(other.direction, time.direction) >= CHECKED_APART);
+            let open: Vec<TimeOfDirection> = times.iter().filter(is_open).copied().collect();
+            let Some(next) = fastest(&open) else { break };
+            if best.as_ref().zip(next.seconds.ok()).is_some_and(|(best, seconds)| seconds >= best.simulated.figures.seconds) {
+                break;
+            }
+            let sweep = Sweep::new(workpiece, next.direction, stop);
+            let spaced = Spaced::new(workpiece, &sweep, prepared, settings.left_out_share, stop);
+            let seconds = match checked(spaced, prepared.operation(settings, room), inspector, follows, stop) {
+                Ok((simulated, scallop_height)) if simulated.figures.runs > 0 => {
+                    let seconds = simulated.figures.seconds;
+                    if best.as_ref().is_none_or(|best| seconds < best.simulated.figures.seconds) {
+                        best = Some(CheckedPlan { direction: next.direction, simulated, scallop_height });
+                    }
+                    factor = factor.or(next.seconds.ok().map(|before| seconds / before));
+                    Ok(seconds)
+                }
+                Ok(_) => Err(NoPlanes::NoSpacing),
+                Err(error) => {
+                    reason = error.into();
+                    Err(error)
+                }
+            };
+            checked_times.push(TimeOfDirection { seconds, ..next });
+        }
+        let after = |time: &TimeOfDirection| {
+            let checked = checked_times.iter().find(|checked| checked.direction == time.direction);
+            checked.copied().unwrap_or(TimeOfDirection { seconds: time.seconds.map(|seconds| seconds * factor.unwrap_or(1.0)), ..*time })
+        };
+        best.map(|best| (best, times.iter().map(after).collect())).ok_or(reason)
+    }
 }
 
 /// The angle between two lines, in deg.
 fn lines_apart(one: Angle, other: Angle) -> f64 {
     let apart = (one.degrees() - other.degrees()).abs();
     apart.min(180.0 - apart)
-}
-
-fn plan(
-    facets: &[FinishFacet],
-    workpiece: &Workpiece,
-    prepared: &Prepared,
-    times: &[TimeOfDirection],
-    settings: &ZigzagSettings,
-    room: &Room,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Result<ZigzagPlan, NotRankedReason> {
-    let cutter = prepared.candidate.cutter;
-    let (best, times) = fastest_checked(facets, workpiece, prepared, times, settings, room, stop)?;
-    let CheckedPlan { direction, simulated, scallop_height } = best;
-    if scallop_height.without_height_share > LARGEST_SHARE_WITHOUT_HEIGHT {
-        return Err(NotRankedReason::NoHeight { share: scallop_height.without_height_share });
-    }
-    let tour = simulated.figures;
-    let rate = tour.run_length / tour.cutting_seconds;
-    let depth = 2.0 * workpiece.top;
-    Ok(ZigzagPlan {
-        candidate: prepared.index,
-        direction,
-        time: Time::computed(tour.seconds),
-        tour,
-        planes: simulated.planes.len(),
-        step_over: SpacingFigures::of(&simulated.planes),
-        feed_rate: Speed::computed(rate),
-        feed_per_tooth: prepared.range.map(|range| Length::computed(rate / range.teeth_per_second)),
-        scallop_height,
-        least_time: Time::computed(least_seconds(workpiece, prepared)),
-        by_direction: times.iter().map(|time| (time.direction, time.seconds.ok().map(Time::computed))).collect(),
-        reach: prepared.candidate.reach,
-        rectangle: on_rectangle(cutter, settings),
-        flutes_too_short: prepared.candidate.flute_length.is_some_and(|flutes| flutes.mm() < depth),
-        passes: simulated.planes,
-    })
 }
 
 /// The plan by the published method with its own model; `None` if a side is outside the range of lengths.

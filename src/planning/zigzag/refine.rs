@@ -1,0 +1,165 @@
+//! Spacings refined where they bind the strips: the estimates of the tables are replaced, facet by facet, by the
+//! spacings at which the scallop height is kept.
+
+use super::check::Inspector;
+use super::march::{NoPlanes, Plane, Spaced};
+use super::room::Room;
+use super::simulate::planes_of;
+use super::workpiece::Tangent;
+use rayon::prelude::*;
+
+/// The number of facets that are refined in a round, over all strips.
+const REFINED: usize = 1_200;
+
+/// The largest number of facets refined in a strip in each of the two orders.
+const MOST_OF_STRIP: usize = 16;
+
+/// The number of facets and strips between two checks for cancellation.
+const TURN: usize = 16_384;
+
+/// The largest number of rounds. The planes of a round lie elsewhere than those before, so that other facets bind; two
+/// rounds bring nearly all of them.
+const ROUNDS: usize = 4;
+
+/// Estimates over this multiple of the strip's width are left as they are, unless their risk is large.
+const NEAR: f64 = 1.15;
+
+/// The factor by which an estimate may be too large on a facet on which passes run level.
+const LEVEL: f64 = 2.0;
+
+/// The largest part of a facet's risk that is due to its curvature against that of the cutter's body.
+const LARGEST_CURVATURE: f64 = 10.0;
+
+/// Refines the spacings of the facets that bind the strips, and of those where the estimate errs most, until all
+/// that bind are refined.
+///
+/// # Errors
+/// [`NoPlanes`]
+pub(super) fn refine(spaced: &mut Spaced, inspector: &Inspector, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<(), NoPlanes> {
+    let mut is_refined = vec![false; spaced.allowed.len()];
+    for _ in 0..ROUNDS {
+        let planes = planes_of(spaced, room, stop)?;
+        let bound = planes.iter().enumerate().filter_map(|(strip, plane)| Some(Tightest { strip, place: plane.binding? }));
+        let mut wanted = tightest(spaced, &planes, inspector, REFINED);
+        wanted.extend(bound);
+        wanted.retain(|one| !is_refined[one.place as usize]);
+        wanted.sort_unstable_by_key(|one| one.place);
+        wanted.dedup_by_key(|one| one.place);
+        if wanted.is_empty() {
+            break;
+        }
+        let widest = |one: &Tightest| {
+            let facet = spaced.sweep.covered[one.place as usize].facet;
+            (!stop()).then(|| inspector.widest(spaced, facet, planes[one.strip].after))
+        };
+        let widest = wanted.par_iter().with_min_len(16).map(widest).collect::<Option<Vec<_>>>().ok_or(NoPlanes::Cancelled)?;
+        for (&Tightest { place, .. }, widest) in wanted.iter().zip(widest) {
+            is_refined[place as usize] = true;
+            // Where the cutter gouges, the estimate stays.
+            if let Some(widest) = widest {
+                #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
+                let widest = widest.min(spaced.widest) as f32;
+                spaced.allowed[place as usize] = widest;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A facet that determines a strip.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tightest {
+    /// The number of the strip, which is that of the plane before it.
+    pub(super) strip: usize,
+    /// The facet's place in the sweep.
+    pub(super) place: u32,
+}
+
+/// About `count` facets that determine the strips, at least two of a strip; of more strips than `count`, as many at
+/// even distances.
+///
+/// Estimates err where the surface's curvature is not small against that of the cutter's body, 1/((R - r)/sin(S) + r).
+/// Half of the facets of a strip are those with the smallest estimates, the other half those whose estimates, or the
+/// spacings of a plane, are smallest once lowered by that ratio, or because the passes run level on the facet.
+pub(super) fn tightest(spaced: &Spaced, planes: &[Plane], inspector: &Inspector, count: usize) -> Vec<Tightest> {
+    let (core, corner) = (inspector.cutter.core_radius().mm(), inspector.cutter.corner_radius().mm());
+    let stride = planes.len().div_ceil(count).max(1);
+    // The estimates of a ball are exact to second order.
+    let most = if core == 0.0 { 2 } else { MOST_OF_STRIP };
+    let of_strip = (count / (2 * planes.len().max(1))).clamp(1, most);
+    let mut by_estimate: Vec<Least> = vec![Least::default(); planes.len()];
+    let mut by_risk = by_estimate.clone();
+    let (mut first, mut examined) = (0, 0);
+    for (place, (covered, &allowed)) in (0_u32..).zip(spaced.sweep.covered.iter().zip(&spaced.allowed)) {
+        examined += 1;
+        if examined >= TURN {
+            examined = 0;
+            if (inspector.stop)() {
+                break;
+            }
+        }
+        while planes.get(first + 1).is_some_and(|next| next.at <= covered.low) {
+            first += 1;
+        }
+        let tangent = &spaced.workpiece.tangents[covered.facet as usize];
+        if tangent.is_steep {
+            continue;
+        }
+        let [steepest, twist, level] = tangent.curvature;
+        let curvature = steepest.abs().max(level.abs()) + twist.abs();
+        let ratio = if curvature > 0.0 { (curvature * (core / tangent.sin + corner)).min(LARGEST_CURVATURE) } else { 0.0 };
+        let allowed = f64::from(allowed);
+        let is_level = runs_level(tangent, spaced.workpiece.areas[covered.facet as usize], spaced.sweep.heading.e);
+        let on_plane = spaced.squared_on_plane(covered.facet as usize).sqrt();
+        let at_risk = allowed.min(on_plane) / if is_level { LEVEL } else { (1.0 + ratio).sqrt() };
+        let reached = planes.iter().enumerate().skip(first).take_while(|(strip, plane)| *strip == first || plane.at < covered.high);
+        for (strip, plane) in reached {
+            examined += 1;
+            if strip % stride != 0 {
+                continue;
+            }
+            if allowed < NEAR * plane.after {
+                by_estimate[strip].add(place, allowed, of_strip);
+            }
+            if core > 0.0 && at_risk < NEAR * plane.after {
+                by_risk[strip].add(place, at_risk, of_strip);
+            }
+        }
+    }
+    let lists = by_estimate.into_iter().zip(by_risk).enumerate();
+    let places = lists.flat_map(|(strip, (one, mut other))| {
+        other.facets.retain(|(place, _)| one.facets.iter().all(|(known, _)| known != place));
+        one.facets.into_iter().chain(other.facets).map(move |(place, _)| Tightest { strip, place })
+    });
+    places.collect()
+}
+
+/// Whether passes in the direction `e` run level on a facet: the climb from its middle changes sign within its size.
+fn runs_level(tangent: &Tangent, area: f64, e: [f64; 2]) -> bool {
+    let (cos_alpha, sin_alpha) = tangent.alpha(e);
+    let [steepest, twist, level] = tangent.curvature;
+    let up = cos_alpha / tangent.cos;
+    // Climb and its change per length, both over cos(S).
+    let change = steepest * up * up + 2.0 * twist * up * sin_alpha + level * sin_alpha * sin_alpha;
+    (tangent.sin * cos_alpha).abs() <= change.abs() * (2.0 * area).sqrt()
+}
+
+/// The facets of a strip with the smallest keys, in rising order of these.
+#[derive(Debug, Clone, Default)]
+struct Least {
+    /// Their places in the sweep, and the keys.
+    facets: Vec<(u32, f64)>,
+}
+
+impl Least {
+    fn add(&mut self, place: u32, key: f64, most: usize) {
+        if self.facets.len() == most {
+            if self.facets.last().is_some_and(|&(_, largest)| largest <= key) {
+                return;
+            }
+            self.facets.pop();
+        }
+        let at = self.facets.partition_point(|&(_, other)| other <= key);
+        self.facets.insert(at, (place, key));
+    }
+}
