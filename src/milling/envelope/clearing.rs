@@ -62,40 +62,25 @@ impl Clearing {
 
     /// The chord in a row whose further end is furthest outside. `x` has the front end of each chord: the start of its
     /// search, and afterwards its result.
+    #[inline]
     pub(super) fn search(&self, body: &Body, x: &mut [f64; 2], row: Row, accuracy: Accuracy, reach: f64) -> Held {
-        let (one, other) = self.pairs(row.feed);
-        let first = Chord::search(body, &mut x[0], row.t, row.p, &one, accuracy, reach);
-        let second = other.map(|marks| Chord::search(body, &mut x[1], row.t, row.p, &marks, accuracy, reach));
-        self.of(first, second)
-    }
-
-    /// The same of the chords that `find` has for the first and the second pair of marks, where there is one.
-    pub(super) fn held(&self, feed: f64, mut find: impl FnMut(usize, &Marks) -> Option<Chord>) -> Option<Held> {
-        let (one, other) = self.pairs(feed);
-        let first = find(0, &one)?;
-        let second = match other {
-            Some(marks) => Some(find(1, &marks)?),
-            None => None,
-        };
-        Some(self.of(first, second))
-    }
-
-    fn of(&self, first: Chord, second: Option<Chord>) -> Held {
-        let mut shifts = [first.shift, second.map_or(first.shift, |second| second.shift)];
-        let mut chord = match second {
-            Some(second) => {
-                Chord { furthest: first.furthest.max(second.furthest), ..if first.value >= second.value { first } else { second } }
+        let Row { t, p, feed } = row;
+        match (self, self.pairs(feed)) {
+            (Self::Even { feeds, .. }, (marks, _)) => {
+                let mut chord = Chord::search(body, &mut x[0], t, p, &marks, accuracy, reach);
+                // The distance of the marks grows by this much when the feed grows by 1.
+                chord.by_spacing *= feeds;
+                chord.shift.by_spacing *= feeds;
+                Held { chord, shifts: [chord.shift; 2] }
             }
-            None => first,
-        };
-        if let Self::Even { feeds, .. } = self {
-            // The distance of the marks grows by this much when the feed grows by 1.
-            chord.by_spacing *= feeds;
-            for shift in &mut shifts {
-                shift.by_spacing *= feeds;
+            (Self::Mixed { .. }, (one, other)) => {
+                let first = Chord::search(body, &mut x[0], t, p, &one, accuracy, reach);
+                let second = other.map_or(first, |marks| Chord::search(body, &mut x[1], t, p, &marks, accuracy, reach));
+                let furthest = first.furthest.max(second.furthest);
+                let chord = Chord { furthest, ..if first.value >= second.value { first } else { second } };
+                Held { chord, shifts: [first.shift, second.shift] }
             }
         }
-        Held { chord, shifts }
     }
 
     /// The distance of the chords in a row from the section, negative inside. The search starts at `x`.

@@ -9,11 +9,12 @@
 //! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel; the surface is
 //! of the second order, so that changes of its curvature are left out.
 //!
-//! - `mod` (this file): the model's answers, each by the quickest way that has one
-//! - `closed_form`: planes at floors and walls, balls, sharp edges on planes
-//! - `newton`: all unknowns at once, with a proof of the outcome; `clearing` and `runout`: the same with runout
-//! - `section`: the general search; `chord`: what all searches do along the feed
-//! - `concave`, `outline` and `local`: surfaces on which the section need not be convex
+//! - `mod` (this file): the model's answers, each by the fastest search that has one
+//! - `closed_form`: plane floors and walls, ball-end cutters, sharp edges on planes
+//! - `newton`: the fast search on all unknowns at once, with a proof of the result; `clearing` and `runout`: the same
+//!   with runout; `sharp_edge`: sharp edges on curved surfaces
+//! - `section`: the general search; `chord`: the search along the feed, which the other searches use
+//! - `concave` and `outline`: surfaces on which the section need not be convex
 //! - `body`: the cutter's solid over the surface
 //! - `turning_marks`: the ridge between marks that have normals of their own on a curved surface; `third_order`: the
 //!   answers corrected by it
@@ -23,11 +24,11 @@ mod chord;
 mod clearing;
 mod closed_form;
 mod concave;
-mod local;
 mod newton;
 mod outline;
 mod runout;
 mod section;
+mod sharp_edge;
 mod third_order;
 mod turning_marks;
 
@@ -36,8 +37,6 @@ use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Direction, Length};
 use body::Body;
-use clearing::Clearing;
-use concave::Found;
 use newton::{Lengths, Sought};
 use section::{Pattern, Section};
 use std::convert::Infallible;
@@ -122,28 +121,21 @@ impl Envelope {
         let room = tolerance.mm() - step_over_height.mm();
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().max(self.feed_on_flat(tolerance.mm(), s)).min(largest);
         let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
-        let p = tolerance.mm();
-        let found = if self.is_convex_up_to(p) {
-            let quick = if let Some(feed) = self.feed_on_floor_or_wall(p, s) {
-                Some(feed.min(largest))
-            } else if self.pattern(guess).is_even() {
-                self.quickly(lengths, Sought::MarkSpacing).map(|found| found.mark_spacing)
-            } else {
-                self.quick_feed_with_runout(p, s, step_over_height.mm(), guess)
-            };
-            let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
-            quick.or_else(|| self.feed_held(p, s, guess, largest)).map(|value| Found { value, is_exact: true })
+        let quick = if let Some(feed) = self.feed_on_floor_or_wall(tolerance.mm(), s) {
+            Some(feed.min(largest))
+        } else if self.pattern(guess).is_even() {
+            self.quickly(lengths, Sought::MarkSpacing).map(|found| found.mark_spacing)
+        } else if self.is_convex_up_to(tolerance.mm()) {
+            self.quick_feed_with_runout(tolerance.mm(), s, step_over_height.mm(), guess)
         } else {
-            self.feed_on_concave(p, s, largest)
+            None
         };
+        let height = |feed: f64| self.level(s, self.pattern(feed));
+        let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
+        let found = self.feed_at(tolerance.mm(), s, quick, guess, largest);
         match found {
-            Some(Found { value, .. }) if value >= largest => {
-                Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) })
-            }
-            Some(found) => {
-                let keeps = Self::confirmed(found, p, |feed| self.level(s, self.pattern(feed)));
-                keeps.map_or_else(used_up, |feed| Ok(Length::computed(feed)))
-            }
+            Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
+            Some(feed) => self.confirmed(feed, tolerance.mm(), height).map_or_else(used_up, |feed| Ok(Length::computed(feed))),
             // The tolerance allows only feeds below the smallest accepted one.
             None => used_up(),
         }
@@ -207,20 +199,23 @@ impl Envelope {
         let on_floor = 2.0 * (core + (2.0 * corner * p).sqrt());
         let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
-        let found = if self.is_convex_up_to(p) {
-            let quick = if let Some(step_over) = self.step_over_on_floor_or_wall(p, &pattern) {
-                Some(step_over.min(largest))
-            } else if pattern.is_even() {
-                self.quickly(lengths, Sought::StepOver).map(|found| found.step_over)
-            } else {
-                self.quick_step_over_with_runout(p, &pattern, guess)
-            };
-            Found { value: quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p)), is_exact: true }
+        let quick = if let Some(step_over) = self.step_over_on_floor_or_wall(p, &pattern) {
+            Some(step_over.min(largest))
+        } else if self.is_sharp_on_concave(pattern.spacing) {
+            sharp_edge::step_over(&self.body, p, guess)
+        } else if pattern.is_even() {
+            self.quickly(lengths, Sought::StepOver).map(|found| found.step_over)
+        } else if self.is_convex_up_to(p) {
+            self.quick_step_over_with_runout(p, &pattern, guess)
         } else {
-            self.step_over_on_concave(p, pattern, largest)
+            None
         };
-        let width = found.value;
-        // Where only the passes' overlap ends the interval, it ends there to a rounding.
+        let width = if self.is_convex_up_to(p) {
+            quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p))
+        } else {
+            self.step_over_on_concave(p, pattern, quick, largest)
+        };
+        // If only the overlap of the passes limits the step-over, the result is that limit.
         if width >= largest * (1.0 - 1e-12) {
             Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
         } else if width < Length::SMALLEST {
@@ -230,16 +225,18 @@ impl Envelope {
                 // On a concave surface, the height is evaluated to check that passes this wide still overlap.
                 self.height(width, pattern)?;
             }
-            let confirmed = Self::confirmed(found, p, |step_over| self.level(step_over, pattern)).map(Length::computed);
+            let confirmed = self.confirmed(width, p, |step_over| self.level(step_over, pattern)).map(Length::computed);
             confirmed.map_or_else(|| Err(NoAnswer::FeedUsesUpTolerance { feed_height: tolerance }), Ok)
         }
     }
 
-    /// The value found, or, where it comes from an outline, a smaller one at which the height keeps the tolerance; `None`
-    /// where the smallest does not keep it.
-    fn confirmed(found: Found, tolerance: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-        let Found { value: found, is_exact } = found;
-        if is_exact {
+    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` if the smallest
+    /// value does not.
+    ///
+    /// If the section is not convex, an inverse and the height can differ by the error of their outlines. The height
+    /// decides, so that no answer exceeds the tolerance.
+    fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        if self.is_convex_up_to(tolerance) {
             return Some(found);
         }
         let keeps = |value: &f64| height(*value).is_some_and(|height| height <= tolerance * (1.0 + 1e-9));
@@ -261,10 +258,12 @@ impl Envelope {
     /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
     /// wall.
     fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
-        if !self.is_quick(lengths.mark_spacing) {
-            return None;
-        }
-        newton::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
+        if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
+    }
+
+    /// Whether a sharp edge without marks cuts a concave surface, in which case `sharp_edge` finds the ridge.
+    fn is_sharp_on_concave(&self, mark_spacing: f64) -> bool {
+        mark_spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd && self.body.is_concave()
     }
 
     /// Whether the fast search can converge. It cannot on plane floors and walls, where the section's edges are
@@ -296,10 +295,7 @@ impl Envelope {
         let f = pattern.spacing;
         if !pattern.is_even() {
             let quick = self.level_on_floor_or_wall(s, &pattern).or_else(|| self.quick_level_with_runout(s, &pattern));
-            return match quick {
-                Some(level) if self.is_convex_up_to(level) => Some(level),
-                quick => self.searched_level(s, pattern, quick, self.guess(s, pattern)),
-            };
+            return quick.filter(|level| self.is_convex_up_to(*level)).or_else(|| self.searched_level(s, pattern, self.guess(s, pattern)));
         }
         if self.pass.surface.is_plane()
             && let Some(closed) = self.closed_form(s, f)
@@ -307,10 +303,15 @@ impl Envelope {
             return Some(closed);
         }
         let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
-        let quick = self.quickly(lengths, Sought::Level).map(|found| found.level);
+        let quick = if self.is_sharp_on_concave(f) {
+            sharp_edge::level(&self.body, s)
+        } else {
+            self.quickly(lengths, Sought::Level).map(|found| found.level)
+        };
         match quick {
             Some(level) if self.is_convex_up_to(level) => Some(level),
-            quick => self.searched_level(s, pattern, quick, lengths.level),
+            Some(level) => self.height_on_concave(s, pattern, Some(level), true),
+            None => self.searched_level(s, pattern, lengths.level),
         }
     }
 
@@ -364,43 +365,45 @@ impl Envelope {
         ((diameter - s) * (diameter + s)).max(0.0).sqrt()
     }
 
-    /// h by the general search, on a concave surface from a guess by the quick one.
-    fn searched_level(&self, s: f64, pattern: Pattern, quick: Option<f64>, guess: f64) -> Option<f64> {
-        if self.body.is_concave() {
-            return self.level_on_concave(s, pattern, quick);
+    /// h by the general search.
+    fn searched_level(&self, s: f64, pattern: Pattern, guess: f64) -> Option<f64> {
+        let level = Some(Section::new(&self.body, pattern, 2.0 * s).level(s, guess)).filter(|level| *level <= Length::LARGEST);
+        if !self.body.is_concave() || level.is_some_and(|level| self.is_convex_up_to(level)) {
+            return level;
         }
-        Some(Section::new(&self.body, pattern, 2.0 * s).level(s, guess)).filter(|level| *level <= Length::LARGEST)
+        self.height_on_concave(s, pattern, level, false)
     }
 
     /// The reason why passes s apart have no height although they and their marks overlap seen from above: on a curved
     /// surface the grooves, or the marks, do not meet.
     fn no_height(&self, s: f64) -> NoAnswer {
         let outer = self.cutter.outer_radius().mm();
-        // On a concave surface the section seen from the contact only grows with the height.
-        let levels: &[f64] = if self.body.is_concave() { &[self.highest()] } else { &[0.25 * outer, outer, 2.0 * outer] };
-        let levels = || levels.iter().copied();
+        let levels = [0.25, 1.0, 2.0].map(|share| share * outer);
         let width = |p: f64| {
             let pattern = Pattern::even(0.0);
             if self.body.is_concave() {
-                self.step_over_on_concave(p, pattern, 2.0 * s).value
+                self.step_over_on_concave(p, pattern, None, 2.0 * s)
             } else {
                 Section::new(&self.body, pattern, 2.0 * s).width(p)
             }
         };
-        let largest_step_over = levels().map(width).fold(0.0, f64::max);
+        let largest_step_over = levels.into_iter().map(width).fold(0.0, f64::max);
         if largest_step_over < s {
             return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(largest_step_over) };
         }
         let largest = self.largest_feed(s);
-        let feed = |p: f64| {
-            if self.body.is_concave() {
-                self.feed_on_concave(p, s, largest).map(|found| found.value)
-            } else {
-                self.feed_held(p, s, largest, largest)
-            }
-        };
-        let largest_mark_spacing = levels().filter_map(feed).fold(0.0, f64::max);
+        let feed = |p: f64| self.feed_at(p, s, None, largest, largest);
+        let largest_mark_spacing = levels.into_iter().filter_map(feed).fold(0.0, f64::max);
         NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_mark_spacing) }
+    }
+
+    /// The largest feed per tooth, at most `largest`, that keeps the height p in passes s apart. `quick` is the result
+    /// of the fast search; otherwise the search starts from `guess`.
+    fn feed_at(&self, p: f64, s: f64, quick: Option<f64>, guess: f64, largest: f64) -> Option<f64> {
+        if !self.is_convex_up_to(p) {
+            return self.feed_on_concave(p, s, quick, largest);
+        }
+        quick.or_else(|| self.feed_held(p, s, guess, largest))
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved

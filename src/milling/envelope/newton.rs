@@ -18,7 +18,6 @@
 use super::body::Body;
 use super::chord::{Accuracy, balance};
 use super::clearing::{Clearing, Held, Row};
-use super::local;
 
 /// The height p of the ridge, the step-over s and the distance f of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
@@ -51,24 +50,11 @@ pub(super) struct Ridge {
     pub(super) place: Place,
 }
 
-/// The ridge on the body, of whose lengths the sought one is only a guess; `None` unless the outcome is proved.
-///
-/// Where the chords' searches do not end, on a convex section the steps of [`local`] do, from the contact or, near the
-/// floor, from under the axis. Each of its results is proved by convexity, too: a ridge near the start is the only one.
-pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths, marks: [Clearing; 2]) -> Option<Ridge> {
-    let place = Place::start(body, lengths.step_over, marks, lengths.mark_spacing);
-    let found = solve_from(body, sought, lengths, place, marks);
-    if found.is_some() || body.is_concave() {
-        return found;
-    }
-    let under_axis = || {
-        let mut lengths = lengths;
-        if matches!(sought, Sought::Level) {
-            lengths.level = lengths.level.max(body.height_under_axis(lengths.step_over.hypot(lengths.mark_spacing)));
-        }
-        local::solve(body, sought, lengths, Place::under_axis(body, lengths, marks), marks)
-    };
-    local::solve(body, sought, lengths, place, marks).or_else(|| if body.is_nearly_level() { under_axis() } else { None })
+/// The ridge on the body for marks of equal depth. In `lengths`, the unknown is a guess. `None` unless the result is
+/// proved.
+pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths) -> Option<Lengths> {
+    let both = [Clearing::EVEN; 2];
+    solve_from(body, sought, lengths, Place::start(body, lengths.step_over, both, lengths.mark_spacing), both).map(|ridge| ridge.lengths)
 }
 
 /// The ridge, searched from a position near it. Different marks may clear its near and its far edge.
@@ -135,24 +121,24 @@ pub(super) fn solve_from(
 
 /// The changes of the lengths in a step; all except that of the unknown are 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Change {
-    pub(super) rise: f64,
-    pub(super) wider: f64,
-    pub(super) longer: f64,
+struct Change {
+    rise: f64,
+    wider: f64,
+    longer: f64,
 }
 
 impl Change {
-    pub(super) const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
+    const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
 }
 
-/// A change that leaves a quarter of the length at least and makes it four times as long at most: from far off a
-/// tangent may point below 0 or to the horizon. The level needs the former only, since no tangent leads above h.
-pub(super) fn bounded(change: f64, length: f64) -> f64 {
+/// The change, limited so that a length shrinks at most to a quarter and grows at most fourfold: far from the root, a
+/// tangent may lead below 0 or very far away. The height needs only the former limit, because no tangent leads above h.
+fn bounded(change: f64, length: f64) -> f64 {
     change.clamp(-0.75 * length, 3.0 * length)
 }
 
-/// Moves the place by a step of t, and x of both chords as the step changes them.
-pub(super) fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Change) {
+/// Moves the position by a step of t, and the ends of both chords accordingly.
+fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Change) {
     place.t += aside;
     for (x, shift) in place.x.iter_mut().zip(&near.shifts) {
         *x += shift.of(aside, change.rise, change.longer);
@@ -172,14 +158,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// On both sides of the axis, around which a level section lies.
-    fn under_axis(body: &Body, Lengths { step_over, mark_spacing, .. }: Lengths, marks: [Clearing; 2]) -> Self {
-        let [x, t] = body.flat_centre();
-        let [near, far] = marks.map(|marks| x + marks.spacing(mark_spacing) / 2.0);
-        Self { t: t + step_over / 2.0, x: [near; 2], neighbour_x: [far; 2] }
-    }
-
-    /// Half-way between the passes, the chords where the body is a paraboloid.
+    /// The position half-way between the passes, with the chords of a paraboloid with the body's curvature.
     pub(super) fn start(body: &Body, step_over: f64, [near, far]: [Clearing; 2], feed: f64) -> Self {
         let (half_step, radii) = (step_over / 2.0, body.relative_radii());
         // A sharp edge fed along the level line has no radius across the feed, so the guess is limited to the extent of
