@@ -57,11 +57,11 @@ proptest! {
             // Both have rounding errors of coordinates of the size of R.
             approx::assert_relative_eq!(level, search(s, pattern), max_relative = 1e-10, epsilon = 1e-13 * outer);
         }
-        if let Ok(feed) = envelope.max_feed_per_tooth(mm(p), mm(s)) {
+        if let Ok(feed) = envelope.second_order_max_feed_per_tooth(mm(p), mm(s)) {
             let level = |share: f64| search(s, envelope.pattern(feed.mm() * share));
             prop_assert!(level(1.0 - 1e-9) <= p * (1.0 + 1e-9) && level(1.0 + 1e-6) >= p * (1.0 - 1e-9), "{} {} {p}", level(1.0 - 1e-9), level(1.0 + 1e-6));
         }
-        if let Ok(step_over) = envelope.max_step_over(mm(p), Some(mm(pattern.spacing))) {
+        if let Ok(step_over) = envelope.second_order_max_step_over(mm(p), Some(mm(pattern.spacing))) {
             approx::assert_relative_eq!(step_over.mm(), width(pattern), max_relative = 1e-8);
         }
     }
