@@ -332,7 +332,7 @@ fn scallops_of_a_sharp_bull_nose_keep_the_tolerance_and_use_it() {
 }
 
 /// On a border that the passes cross obliquely, facets are wider than the strips of a flat-end cutter and bind them by
-/// parts that lie outside: one strip in six is loose there.
+/// parts that lie outside: one strip in five of all is loose.
 #[test]
 fn scallops_of_a_flat_end_keep_the_tolerance_and_use_it() {
     keeps_and_uses_the_tolerance(Cutter::flat_end(mm(6.0)), 0.75);
