@@ -52,7 +52,8 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let machine = Machine::from(Preset::named("five_axis_vmc").expect("a preset").limits);
     let directions = Directions::Only(vec![Angle::from_degrees(f64::from(*first)).expect("an angle")]);
     let settings = ZigzagSettings { directions, ..ZigzagSettings::new(height, machine) };
-    let ranking = rank(&facets, &[CandidateCutter::new(cutter)], &settings, SurfaceEvidence::default(), &|| false).expect("nobody stops it");
+    let ranking =
+        rank(&facets, &[CandidateCutter::new(cutter)], &settings, SurfaceEvidence::default(), &|| false).expect("nobody stops it");
     for plan in &ranking.plans {
         assert!(plan.time.seconds() > 0.0 && plan.time.seconds().is_finite() && plan.path_length().mm().is_finite());
     }

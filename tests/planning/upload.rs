@@ -154,7 +154,7 @@ async fn files_that_span_no_surface_are_refused() {
     for (file, code) in [
         ("1,2,3\n", "too-few-points"),
         ("1,2,3\n1,2,3\n1,2,3\n", "all-points-equal"),
-        ("0,0,0\n1,1,1\n2,2,2\n3,3,3\n", "collinear"),
+        ("0,0,0\n1,2,0\n2,4,0\n3,6,0\n", "collinear"),
         ("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n", "only-degenerate-facets"),
     ] {
         assert_eq!(app.upload(file, &job()).await.faults(), (422, vec![("/surface", code)]), "{file}");
