@@ -118,7 +118,10 @@ impl MeshBuilder {
         }
         let count = self.triangles.len() + facets;
         let (facets, merged) = if count > self.limit { (self.limit - self.triangles.len(), 2 * lattice) } else { (facets, 0) };
-        let triangles = if count > self.triangles.capacity() { 2 * count.min(self.limit) * size_of::<[u32; 3]>() } else { 0 };
+        // While it doubles for the last time, the old and the new vector take less than three times the facets; what the
+        // vector has now is held already.
+        let capacity = self.triangles.capacity();
+        let triangles = if count > capacity { (3 * count.min(self.limit) - capacity) * size_of::<[u32; 3]>() } else { 0 };
         triangles + merged + self.welder.bytes_to_take(corners.min(3 * facets)) + self.cloud.bytes_to_take(facets)
     }
 

@@ -259,7 +259,9 @@ impl Reader {
                 Body::StlAscii(_) => MostOfPush { facets: bytes / 39, corners: 3 * bytes / 39, held: 10 * bytes },
                 // A point takes 6 bytes, `0 0 0` with a line's end: 72 bytes in such a vector, and its text.
                 Body::Text(_) | Body::Pcd(_) => MostOfPush { facets: bytes / 6, corners: 0, held: 16 * bytes },
-                Body::Obj(_) | Body::Ply(_) | Body::ThreeMf(_) => MostOfPush::of_any(bytes),
+                // Each byte of a binary polygon can be a facet: 86 bytes were counted for each.
+                Body::Ply(_) => MostOfPush { held: 96 * bytes, ..MostOfPush::of_any(bytes) },
+                Body::Obj(_) | Body::ThreeMf(_) => MostOfPush::of_any(bytes),
             },
             Stage::Head(_) | Stage::Refused(_) => MostOfPush::of_any(bytes),
         }
