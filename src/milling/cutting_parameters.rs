@@ -136,6 +136,8 @@ impl EvaluatedPass {
         }
         let fastest = |best: (f64, f64), next: (f64, f64)| if next.1 > best.1 { next } else { best };
         let mut best = places.iter().copied().fold((largest_feed.mm(), 0.0), fastest);
+        // The corner below is no place of the search, and must not keep a maximum between two places from it.
+        let nearly = NEARLY_BEST * best.1;
         // At the feed from which the largest step-over binds, the product has a corner, which the search would find
         // only approximately.
         if let Some(max_step_over) = limits.max_step_over
@@ -145,7 +147,6 @@ impl EvaluatedPass {
             best = fastest(best, (feed, area(feed)));
         }
         let area_at = |place: Option<usize>| place.and_then(|place| places.get(place)).map_or(0.0, |(_, area)| *area);
-        let nearly = NEARLY_BEST * best.1;
         let peaks = places
             .iter()
             .enumerate()

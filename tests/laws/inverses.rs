@@ -1,6 +1,6 @@
 //! Inverses: the height at a largest feed or step-over is the tolerance, and runout's formula and its inverse cancel.
 
-use crate::laws::passes::{BOTH, has_lobes, height, mm, passes};
+use crate::laws::passes::{BOTH, has_lobes, height, is_settled, mm, passes};
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, NoAnswer, Pass, Runout, SurfaceCurvature};
@@ -31,6 +31,9 @@ proptest! {
         for model in BOTH {
             let Ok(evaluated) = EvaluatedPass::new(model, pass) else { continue };
             match evaluated.max_feed_per_tooth(mm(tolerance), mm(step_over)) {
+                Ok(feed) if !is_settled(&evaluated, step_over, feed.mm()) => {
+                    prop_assert!(height(&evaluated, step_over, feed.mm()).unwrap() <= tolerance * (1.0 + 1e-9));
+                }
                 Ok(feed) => {
                     let more = height(&evaluated, step_over, feed.mm() * (1.0 + 1e-9));
                     assert_largest(&pass, height(&evaluated, step_over, feed.mm()).unwrap(), more, tolerance);
@@ -38,6 +41,9 @@ proptest! {
                 Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over }) => {
                     prop_assert!(step_over_height.mm() >= tolerance && max_step_over.mm() <= step_over * (1.0 + 1e-9));
                     let left = height(&evaluated, max_step_over.mm(), 0.0).unwrap();
+                    if !is_settled(&evaluated, max_step_over.mm(), 0.0) {
+                        continue;
+                    }
                     assert_largest(&pass, left, height(&evaluated, max_step_over.mm() * (1.0 + 1e-9), 0.0), tolerance);
                 }
                 Err(NoAnswer::RunoutUsesUpTolerance) => prop_assert!(pass.runout != Runout::NONE),
@@ -57,6 +63,9 @@ proptest! {
         for model in BOTH {
             let Ok(evaluated) = EvaluatedPass::new(model, pass) else { continue };
             match evaluated.max_step_over(mm(tolerance), (feed > 0.0).then(|| mm(feed))) {
+                Ok(step_over) if !is_settled(&evaluated, step_over.mm(), feed) => {
+                    prop_assert!(height(&evaluated, step_over.mm(), feed).unwrap() <= tolerance * (1.0 + 1e-9));
+                }
                 Ok(step_over) => {
                     let more = height(&evaluated, step_over.mm() * (1.0 + 1e-9), feed);
                     assert_largest(&pass, height(&evaluated, step_over.mm(), feed).unwrap(), more, tolerance);

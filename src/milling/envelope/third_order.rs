@@ -17,10 +17,6 @@ const SAME_RIDGE: f64 = 1.6;
 /// If the third order differs from the second by at most this factor, the quick search needs no further ones.
 const CLOSE: f64 = 1.02;
 
-/// A length that was sought directly needs no confirmation by its height if it differs from that of the second order by
-/// at most this factor.
-const CONFIRMED: f64 = 1.005;
-
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
 
@@ -161,8 +157,7 @@ impl Envelope {
         let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
         let is_kept = |length: f64| excess(length) <= ROUNDING;
         if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found)) {
-            let is_close = found <= CONFIRMED * guess && guess <= CONFIRMED * found;
-            if is_close && self.is_convex_up_to(p) || excess(found).abs() <= ROUNDING {
+            if excess(found).abs() <= ROUNDING {
                 return Some(found);
             }
         }
