@@ -282,8 +282,8 @@ impl Envelope {
         if across > 2.0 * outer || s > self.largest_step_over(0.0) {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
         }
-        // The largest step-over and feed lie on this border to a rounding.
-        if across.hypot(along) > 2.0 * outer * (1.0 + 4.0 * f64::EPSILON) {
+        // The largest step-over and feed lie on this border to a few roundings.
+        if across.hypot(along) > 2.0 * outer * (1.0 + 16.0 * f64::EPSILON) {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
         self.level(s, pattern).ok_or_else(|| self.no_height(s))

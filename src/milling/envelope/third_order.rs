@@ -107,7 +107,7 @@ impl Envelope {
             Err(NoAnswer::StepOverUsesUpTolerance { .. }) => (Length::SMALLEST, None),
             Err(other) => return Err(other),
         };
-        match self.largest_within(p, guess, found, largest, height) {
+        match Self::largest_within(p, guess, found, largest, height) {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
             Some(feed) => Ok(Length::computed(feed)),
             None => used_up(),
@@ -139,7 +139,7 @@ impl Envelope {
             Err(NoAnswer::FeedUsesUpTolerance { .. }) => (Length::SMALLEST, None),
             Err(other) => return Err(other),
         };
-        match self.largest_within(p, guess, found, largest, height) {
+        match Self::largest_within(p, guess, found, largest, height) {
             Some(step_over) if step_over >= largest * (1.0 - 1e-12) => {
                 Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
             }
@@ -153,13 +153,13 @@ impl Envelope {
 
     /// The largest length up to `largest` whose height is at most p: `found`, or the result of a search over the
     /// heights that starts at `guess`; `None` if the height of the smallest length exceeds p.
-    fn largest_within(&self, p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
         let is_kept = |length: f64| excess(length) <= ROUNDING;
-        if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found)) {
-            if excess(found).abs() <= ROUNDING {
-                return Some(found);
-            }
+        if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found))
+            && excess(found).abs() <= ROUNDING
+        {
+            return Some(found);
         }
         let (mut low, mut high) = (guess, guess);
         let mut step = STEPS[0];
