@@ -50,21 +50,14 @@ impl PartedSink for Sum {
     }
 }
 
-/// The sums of the service, and the mesh where it is wanted.
+/// The sums of the service, and the mesh if it is wanted; of the whole file or of a part.
 #[derive(Default)]
-struct Received {
+struct Received<M> {
     sampled: SampledSurface,
-    mesh: Option<MeshBuilder>,
+    mesh: Option<M>,
 }
 
-/// A part of it.
-#[derive(Default)]
-struct ReceivedPart {
-    sampled: SampledSurface,
-    mesh: Option<MeshPart>,
-}
-
-impl Sink for ReceivedPart {
+impl<M: Sink> Sink for Received<M> {
     fn point(&mut self, point: [f64; 3]) {
         self.sampled.point(point);
         if let Some(mesh) = &mut self.mesh {
@@ -80,30 +73,14 @@ impl Sink for ReceivedPart {
     }
 }
 
-impl Sink for Received {
-    fn point(&mut self, point: [f64; 3]) {
-        self.sampled.point(point);
-        if let Some(mesh) = &mut self.mesh {
-            mesh.point(point);
-        }
+impl PartedSink for Received<MeshBuilder> {
+    type Part = Received<MeshPart>;
+
+    fn part(&self) -> Received<MeshPart> {
+        Received { sampled: SampledSurface::new(), mesh: self.mesh.as_ref().map(MeshBuilder::part) }
     }
 
-    fn facet(&mut self, corners: [[f64; 3]; 3]) {
-        self.sampled.facet(corners);
-        if let Some(mesh) = &mut self.mesh {
-            mesh.facet(corners);
-        }
-    }
-}
-
-impl PartedSink for Received {
-    type Part = ReceivedPart;
-
-    fn part(&self) -> ReceivedPart {
-        ReceivedPart { sampled: SampledSurface::new(), mesh: self.mesh.as_ref().map(MeshBuilder::part) }
-    }
-
-    fn append(&mut self, part: ReceivedPart) {
+    fn append(&mut self, part: Received<MeshPart>) {
         self.sampled.merge(&part.sampled);
         if let (Some(mesh), Some(part)) = (&mut self.mesh, part.mesh) {
             mesh.append(part);

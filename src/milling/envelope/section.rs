@@ -107,6 +107,8 @@ impl<'a> Section<'a> {
     /// applied to this square, inside a bracket. An interval that is cut off at the widest width has no derivative.
     /// Then, or if three steps have not halved the bracket, the bracket is divided.
     pub(super) fn level(&self, width: f64, guess: f64) -> f64 {
+        // The interval can be a few roundings too narrow, and at the largest step-over no height would give its width.
+        let width = width * (1.0 - 16.0 * f64::EPSILON);
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut p = guess;
         let mut last = None::<Interval>;
