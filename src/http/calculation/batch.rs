@@ -236,15 +236,25 @@ impl<C: Calculation> Batch<C> {
         // The fault points to the contact as a whole: any of its parameters, defaults included, may be the cause.
         let mut fail =
             |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
-        let pass = single::evaluate(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
-        let figures = single::compute(&self.calculation, &self.shared, &pass, step_over, &parameters, self.heights)?;
-        let mut figures = figures.map_err(fail)?;
+        // The results are borrowed: they are large, and each `?` would copy them.
+        let evaluated = single::evaluate(&self.shared, contact, &parameters);
+        let pass = match &evaluated {
+            Ok(Ok(pass)) => pass,
+            Ok(Err(cause)) => return Err(fail(*cause)),
+            Err(faulted) => return Err(*faulted),
+        };
+        let mut computed = single::compute(&self.calculation, &self.shared, pass, step_over, &parameters, self.heights);
+        let figures = match &mut computed {
+            Ok(Ok(figures)) => figures,
+            Ok(Err(cause)) => return Err(fail(*cause)),
+            Err(faulted) => return Err(*faulted),
+        };
         if self.is_compared {
-            let check = single::compare(&pass, &figures);
+            let check = single::compare(pass, figures);
             part.outside_range += usize::from(single::is_outside_range(&check));
             figures.check = check.ok();
         }
-        part.add(index, &figures, &pass, &self.selection);
+        part.add(index, figures, pass, &self.selection);
         Ok(())
     }
 
