@@ -87,7 +87,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
     })
 }
 
-/// Answers a batch whose contacts can be read in one pass, without a check of the body's syntax before. `None` where
+/// Answers a batch whose contacts can be read in one pass, without a check of the body's syntax before. `None` if
 /// the request may have faults other than those of single contacts; then nothing is answered yet.
 fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Result<WrittenJson, Problem>> {
     let cut = CutOut::of(body, CONTACTS)?;
@@ -160,7 +160,7 @@ impl<C: Calculation> Batch<C> {
         ReadBatch { shared, defaults, calculation, selection: Selection::read::<C>(object, faults) }
     }
 
-    /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` where the general reader has
+    /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` if the general reader has
     /// to read them.
     fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<(Part, usize)> {
         let (parts, count) = (Parts::default(), AtomicUsize::new(0));
@@ -351,7 +351,7 @@ impl Part {
         }
     }
 
-    /// The answer, or the faults where no contact has one.
+    /// The answer, or the faults if no contact has one.
     fn answer<C>(self, batch: &Batch<C>, count: usize, cancel: &CancelFlag, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
         if cancel.is_cancelled() {
             // The answer of a cancelled batch is discarded.

@@ -15,9 +15,9 @@ pub(crate) const MOST_WORDS: usize = 5;
 /// The result of a calculation at a contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Figures {
-    /// h, where a figure of the answer needs it.
+    /// h, if a figure of the answer needs it.
     pub(crate) height: Option<Length>,
-    /// h in its parts, where a figure of the answer needs them.
+    /// h in its parts, if a figure of the answer needs them.
     parts: Option<ScallopHeight>,
     /// Along the surface.
     pub(crate) step_over: Length,
@@ -47,7 +47,7 @@ pub(crate) enum Heights {
 }
 
 impl Figures {
-    /// The figures at a step-over and a feed per tooth, given or found. `step_over_height` is h1 where it is known.
+    /// The figures at a step-over and a feed per tooth, given or found. `step_over_height` is h1, if it is known.
     #[inline]
     pub(crate) fn at(
         pass: &EvaluatedPass,
