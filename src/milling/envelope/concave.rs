@@ -93,7 +93,7 @@ impl Envelope {
         let lengths = Lengths { level: high, step_over: s, mark_spacing: pattern.spacing };
         let agrees = |level: &f64| (high * (1.0 - CUT_OFF)..=high * (1.0 + COARSE)).contains(level);
         let quick = self.polished(&pattern, lengths, &cleared, Sought::Level).map(|lengths| lengths.level).filter(agrees);
-        let general = || Some(Section::new(&self.body, pattern, 2.0 * s).level(s, high)).filter(agrees);
+        let general = || Some(Section::new(&self.body, pattern, 2.0 * s).level(s, high, f64::INFINITY)).filter(agrees);
         Some(quick.or_else(general).unwrap_or(high))
     }
 

@@ -230,17 +230,19 @@ impl Envelope {
         }
     }
 
-    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` if the smallest
-    /// value does not.
+    /// `found`, or a smaller value up to which the height keeps the tolerance; `None` if the smallest value does not
+    /// keep it.
     ///
-    /// If the section is not convex, an inverse and the height can differ by the error of their outlines. The height
-    /// decides, so that no answer exceeds the tolerance.
+    /// The height decides, so that no answer exceeds the tolerance. If the section is not convex, an inverse and the
+    /// height can differ by the error of their outlines. With runout, an inverse can lie at a length at which the
+    /// height jumps, so that a rounding error of the inverse exceeds the tolerance.
     fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-        if self.is_convex_up_to(tolerance) {
+        let is_convex = self.is_convex_up_to(tolerance);
+        if is_convex && self.drop == 0.0 {
             return Some(found);
         }
         let keeps = |value: &f64| height(*value).is_some_and(|height| height <= tolerance * (1.0 + 1e-9));
-        let smaller = [1.0, 0.98, 0.95, 0.9, 0.7, 0.3].map(|share| share * found);
+        let smaller = [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9, 0.98, 0.95, 0.9, 0.7, 0.3].map(|share| share * found);
         smaller.into_iter().chain([Length::SMALLEST]).filter(|value| *value >= Length::SMALLEST).find(keeps)
     }
 
@@ -365,9 +367,27 @@ impl Envelope {
         ((diameter - s) * (diameter + s)).max(0.0).sqrt()
     }
 
+    /// A height that clears passes s apart on a plane whose marks overlap seen from above; infinity on other surfaces.
+    ///
+    /// The rectangle between four marks, centred under the cutter's axis and seen from above, lies in the circle of
+    /// radius R. Its corners are in the body if they are not below the upper end of the corner's round, which is r
+    /// cos(S) above the contact. At the height p, a corner a + r sin(S) + c from the contact along the steepest line is
+    /// (p - sin(S) (a + r sin(S) + c)) / cos(S) above it. With the largest c this gives p = r + sin(S) (a + c). A
+    /// shallow mark needs delta more.
+    fn ceiling(&self, s: f64, pattern: &Pattern) -> f64 {
+        if !self.pass.surface.is_plane() {
+            return f64::INFINITY;
+        }
+        let (contact, core) = (self.contact(), self.cutter.core_radius().mm());
+        let (across, along) = (s * self.spacing_ratio(), pattern.spacing * self.climb.cos());
+        let furthest = (across * contact.alpha().sin().abs() + along * contact.alpha().cos().abs()) / 2.0;
+        let drop = if pattern.is_even() { 0.0 } else { pattern.drop };
+        self.cutter.corner_radius().mm() + contact.slope().sin() * (core + furthest) + drop
+    }
+
     /// h by the general search.
     fn searched_level(&self, s: f64, pattern: Pattern, guess: f64) -> Option<f64> {
-        let level = Some(Section::new(&self.body, pattern, 2.0 * s).level(s, guess)).filter(|level| *level <= Length::LARGEST);
+        let level = Some(Section::new(&self.body, pattern, 2.0 * s).level(s, guess, self.ceiling(s, &pattern))).filter(|level| *level <= Length::LARGEST);
         if !self.body.is_concave() || level.is_some_and(|level| self.is_convex_up_to(level)) {
             return level;
         }
