@@ -25,16 +25,14 @@ struct Found {
 
 impl Envelope {
     /// The two kinds: marks that alternate in depth, and marks of the deepest tooth alone.
-    fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
+    pub(super) fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
         let drop = self.drop;
         let alternating = if pattern.shallow_pairs { Clearing::Even { feeds: 1.0, drop } } else { Clearing::Mixed { drop } };
         [alternating, Clearing::Even { feeds: pattern.deep_spacing / pattern.spacing, drop: 0.0 }]
     }
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
-        let both = [marks; 2];
-        let place = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        newton::solve_from(&self.body, sought, lengths, place, both).map(|ridge| Found { ridge, marks })
+        newton::solve(&self.body, sought, lengths, [marks; 2]).map(|ridge| Found { ridge, marks })
     }
 
     /// Whether the intervals of both kinds in `marks` meet at a ridge.

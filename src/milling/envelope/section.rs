@@ -38,6 +38,11 @@ impl Pattern {
         Self { spacing, deep_spacing: spacing, drop: 0.0, shallow_pairs: false }
     }
 
+    /// The distance of the marks of all teeth that cut as deep as the deepest.
+    pub(super) fn deepest_spacing(&self) -> f64 {
+        if self.is_even() { self.spacing } else { self.deep_spacing }
+    }
+
     /// Whether all marks have the same depth, because all teeth cut equally deep or only one tooth cuts.
     pub(super) fn is_even(&self) -> bool {
         self.drop == 0.0 || self.deep_spacing <= self.spacing
