@@ -85,7 +85,6 @@ fn answers_on_convex_surfaces_and_with_runout_are_continuous() {
                 let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout, teeth: None }).ok()?;
                 let (s, f, tolerance) = (mm(input[2]), mm(input[3]), mm(2e-3 * outer));
                 let height = evaluated.scallop_height(s, Some(f)).ok()?.total().mm();
-                // With larger turns of the normal, which carry a warning, one of several ridges may be found.
                 if !is_settled(&evaluated, input[2], input[3]) {
                     return None;
                 }

@@ -1,7 +1,7 @@
 //! Random passes for the laws, and functions to build and evaluate them.
 
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, CutterKind, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, CutterKind, EvaluatedPass, Model, ModelWarning, NoAnswer, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Length;
 
 pub(crate) const BOTH: [Model; 2] = [Model::Analytic, Model::Envelope];
@@ -75,13 +75,11 @@ pub(crate) fn has_lobes(pass: &Pass) -> bool {
     pass.surface.principal_per_mm()[1] < 0.0 && !(in_middle && lambda > 0.6)
 }
 
-/// The largest turn of the normal that gives no warning.
-const SMALL_TURN: f64 = 0.1;
-
-/// Whether the height of a toroidal cutter on a curved surface has no warning about the turning of its normal; the laws
-/// hold there. Warnings about slopes under 10 deg and close fits are not asked for.
+/// Whether the height has no warning about the turning of the surface's normal, for which the laws hold. Near the floor,
+/// and with larger turns, a toroidal cutter's marks can have several lowest places along the feed, and the height can be
+/// that of any one.
 pub(crate) fn is_settled(evaluated: &EvaluatedPass, s: f64, f: f64) -> bool {
-    let pass = evaluated.pass();
-    let is_toroidal_on_curve = !pass.surface.is_plane() && pass.cutter.kind() == CutterKind::Toroidal;
-    !is_toroidal_on_curve || evaluated.largest_turn(mm(s.max(1e-6)), Some(mm(f.max(1e-6)))) <= SMALL_TURN
+    let is_smooth_on_curve = !evaluated.pass().surface.is_plane() && evaluated.pass().cutter.kind() == CutterKind::Toroidal;
+    let warns = || evaluated.warnings(mm(s.max(1e-6)), Some(mm(f.max(1e-6)))).any(|warning| warning == ModelWarning::CurvatureApproximate);
+    !is_smooth_on_curve || !warns()
 }

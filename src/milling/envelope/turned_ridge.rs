@@ -14,7 +14,8 @@ use crate::numerics::bracketed_root;
 /// is the square of the share.
 const NO_MARKS: f64 = 1e-6;
 
-/// Curvatures along the feed in 1/mm, and slopes, up to this count as zero.
+/// Slopes along the feed up to this, a few rounding errors, count as zero: both marks are on the cutter's flat or side,
+/// and may lie anywhere.
 const STRAIGHT: f64 = 1e-14;
 
 /// The share of a length by which the last step may change it. Newton's method squares that error, to 1e-14.
@@ -85,12 +86,11 @@ struct Shift {
 
 impl Pair {
     /// The pair by the tangents at both marks. The distance falls from the back mark and rises to the front one.
-    fn between(front: &MarkDistance, back: &MarkDistance, spacing: f64) -> Self {
+    fn between(front: &MarkDistance, back: &MarkDistance, spacing: f64, is_straight: bool) -> Self {
         let steepening = front.by_behind - back.by_behind;
         let share = balance(front.by_behind, back.by_behind);
         let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
-        let is_round = steepening > STRAIGHT * spacing;
-        let per_steepening = if is_round { steepening.recip() } else { 0.0 };
+        let per_steepening = if is_straight { 0.0 } else { steepening.recip() };
         let shift = |one: f64, other: f64| (other - one) * per_steepening;
         let off = shift(front.value, back.value);
         Self {
@@ -165,11 +165,12 @@ impl<'a> RidgeSearch<'a> {
             if !difference.is_finite() {
                 return None;
             }
-            let is_straight = steepening.abs() <= STRAIGHT * spacing && difference.abs() <= STRAIGHT * spacing;
+            let is_straight = steepening.abs() <= STRAIGHT && difference.abs() <= STRAIGHT * spacing;
             let is_between = front.by_behind >= 0.0 && back.by_behind <= 0.0;
             if is_straight || is_between {
-                let pair = Pair::between(&front, &back, spacing);
-                if is_straight || pair.error <= tolerance {
+                let pair = Pair::between(&front, &back, spacing, is_straight);
+                // The parabola holds near the marks: a flat ends.
+                if is_straight || pair.error <= tolerance && pair.shift.off.abs() <= 0.5 * spacing {
                     return Some(pair);
                 }
             }
@@ -180,7 +181,7 @@ impl<'a> RidgeSearch<'a> {
             }
             let is_open = high == f64::INFINITY || low == f64::NEG_INFINITY;
             if !is_open && high - low <= 4.0 * f64::EPSILON * low.abs().max(high.abs()) {
-                return is_between.then(|| Pair::between(&front, &back, spacing));
+                return is_between.then(|| Pair::between(&front, &back, spacing, is_straight));
             }
             let newton = *behind - difference / steepening;
             *behind = if steepening > 0.0 && newton > low && newton < high && (newton - *behind).abs() <= reach {
@@ -311,26 +312,21 @@ impl<'a> RidgeSearch<'a> {
     fn nested(&self, start: &TurnedRidge) -> Option<TurnedRidge> {
         let Lengths { level, step_over, mark_spacing } = start.lengths;
         let spacing = mark_spacing.max(NO_MARKS * step_over);
-        let mut behind = start.behind;
-        let mut levels = [level; 2];
-        let mut excess = |offset: f64| {
+        // The height and the place of the marks that both passes leave at an offset. Every search starts at the same place,
+        // so that what it finds depends on the offset alone.
+        let left = |offset: f64| {
             let aside = Self::stated(offset - 0.5 * step_over, step_over, spacing).place;
-            let mut level = |pass: usize, offset: f64| {
-                let found = self.level(levels[pass], aside, offset, spacing, &mut behind[pass]).or_else(|| {
-                    let mut behind = start.behind[pass];
-                    self.level(level, aside, offset, spacing, &mut behind)
-                });
-                if let Some(found) = found {
-                    levels[pass] = found;
-                }
-                found
+            let left_by = |pass: usize, offset: f64| {
+                let mut behind = start.behind[pass];
+                self.level(level, aside, offset, spacing, &mut behind).map(|level| (level, behind))
             };
-            match (level(0, offset), level(1, offset - step_over)) {
-                (Some(near), Some(far)) => Ok(near - far),
-                (None, Some(_)) => Ok(f64::MAX),
-                (Some(_), None) => Ok(-f64::MAX),
-                (None, None) => Err(()),
-            }
+            [left_by(0, offset), left_by(1, offset - step_over)]
+        };
+        let excess = |offset: f64| match left(offset) {
+            [Some(near), Some(far)] => Ok(near.0 - far.0),
+            [None, Some(_)] => Ok(f64::MAX),
+            [Some(_), None] => Ok(-f64::MAX),
+            [None, None] => Err(()),
         };
         let start_offset = start.offset();
         let first = excess(start_offset).ok()?;
@@ -341,13 +337,16 @@ impl<'a> RidgeSearch<'a> {
             other -= step.copysign(first);
             if (excess(other).ok()? > 0.0) != (first > 0.0) {
                 let (low, high) = (last.min(other), last.max(other));
-                let offset = bracketed_root(low, high, &mut excess).ok()?;
-                excess(offset).ok()?;
-                return Some(TurnedRidge {
-                    behind,
-                    aside: offset - 0.5 * step_over,
-                    lengths: Lengths { level: f64::midpoint(levels[0], levels[1]), ..start.lengths },
+                let offset = bracketed_root(low, high, excess).ok()?;
+                // Where the marks that clear a pass change, its height can jump, and the ridge is under the higher of
+                // both ends of the jump.
+                let resolution = 4.0 * f64::EPSILON * low.abs().max(high.abs());
+                let ridges = [offset - resolution, offset + resolution].into_iter().filter_map(|offset| {
+                    let [Some(near), Some(far)] = left(offset) else { return None };
+                    let lengths = Lengths { level: near.0.min(far.0), ..start.lengths };
+                    Some(TurnedRidge { behind: [near.1, far.1], aside: offset - 0.5 * step_over, lengths })
                 });
+                return ridges.reduce(|one, other| if one.lengths.level >= other.lengths.level { one } else { other });
             }
             step *= 2.0;
             if step > 8.0 * self.marks.diameter() {
