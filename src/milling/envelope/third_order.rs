@@ -12,6 +12,10 @@ use crate::numerics::bracketed_root;
 use crate::quantity::Length;
 use std::convert::Infallible;
 
+/// Under the whole cutter, the normal turns by at most this share of the slope's sine or cosine where the second order
+/// answers: the answers change by about that share.
+const NO_TURN: f64 = 1e-11;
+
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
 
@@ -192,9 +196,14 @@ impl Envelope {
     ///
     /// A sharp edge has no radius that a turn could change smoothly; its marks keep the second order.
     pub(super) fn has_third_order(&self) -> bool {
+        let is_turning = || TurningMarks::new(&self.body).turn_per_mm() * self.body.reach() > NO_TURN;
+        !self.pass.surface.is_plane() && self.cutter.kind() == CutterKind::Toroidal && self.is_inclined() && is_turning()
+    }
+
+    /// Whether the contact is neither on the floor nor on a wall, where no turn is allowed.
+    fn is_inclined(&self) -> bool {
         let slope = self.contact().slope();
-        let is_inclined = slope.sin() > 0.0 && slope.cos() > 0.0;
-        !self.pass.surface.is_plane() && self.cutter.kind() == CutterKind::Toroidal && is_inclined
+        slope.sin() > 0.0 && slope.cos() > 0.0
     }
 
     /// h for passes s apart with a pattern of marks.
@@ -245,7 +254,12 @@ impl Envelope {
     /// was found; the answers are then those of the second order.
     pub(in crate::milling) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         if !self.has_third_order() {
-            return if self.pass.surface.is_plane() || self.cutter.kind() == CutterKind::BallEnd { 0.0 } else { f64::INFINITY };
+            let is_exact = match self.cutter.kind() {
+                CutterKind::BallEnd => true,
+                CutterKind::FlatEnd => false,
+                CutterKind::Toroidal => self.is_inclined(),
+            };
+            return if is_exact || self.pass.surface.is_plane() { 0.0 } else { f64::INFINITY };
         }
         let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
         let Ok(level) = self.height(s, Pattern::even(f)) else { return f64::INFINITY };

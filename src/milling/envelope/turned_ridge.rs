@@ -21,6 +21,9 @@ const STRAIGHT: f64 = 1e-14;
 /// The share of a length by which the last step may change it. Newton's method squares that error, to 1e-14.
 const NEARLY: f64 = 1e-7;
 
+/// The share of the lengths within which marks are near their place.
+const NEAR: f64 = 1e-4;
+
 /// Newton's method takes three to five steps from the ridge of the second order.
 const MOST_STEPS: usize = 20;
 
@@ -111,6 +114,26 @@ impl Pair {
     }
 }
 
+/// The accuracy of a pair: the error of its value, and how near the marks are to their place, as a share of the lengths.
+/// The parabola along the feed holds only near the marks, because a flat ends.
+#[derive(Debug, Clone, Copy)]
+struct Accuracy {
+    tolerance: f64,
+    near: f64,
+}
+
+impl Accuracy {
+    /// For Newton's method, which also corrects the marks' places.
+    fn rough(level: f64) -> Self {
+        Self { tolerance: 0.1 * level, near: 0.25 }
+    }
+
+    /// For a value to the rounding of the height.
+    fn full(level: f64) -> Self {
+        Self { tolerance: NEARLY * NEARLY * level, near: NEAR }
+    }
+}
+
 /// The search for the ridge at one contact.
 #[derive(Debug)]
 pub(super) struct RidgeSearch<'a> {
@@ -150,12 +173,19 @@ impl<'a> RidgeSearch<'a> {
         Stated { place, by_aside, by_step_over: by_bound * growth / step_over, by_spacing: -by_bound * loss / spacing }
     }
 
-    /// The two marks of a pass that are equally far from the ridge's place, to a tolerance of that distance. `behind`
+    /// The two marks of a pass that are equally far from the ridge's place. `behind`
     /// is the start, and afterwards the end, of the search.
     ///
     /// The difference of the distances of front and back mark changes its sign only there if the distance has one
     /// minimum along the feed.
-    fn pair(&self, place: &RidgePlace, offset: f64, spacing: f64, behind: &mut f64, tolerance: f64) -> Option<Pair> {
+    fn pair(
+        &self,
+        place: &RidgePlace,
+        offset: f64,
+        spacing: f64,
+        behind: &mut f64,
+        Accuracy { tolerance, near }: Accuracy,
+    ) -> Option<Pair> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut reach = 0.25 * (spacing + offset.abs());
         for _ in 0..MOST_CHORD_STEPS {
@@ -166,11 +196,10 @@ impl<'a> RidgeSearch<'a> {
                 return None;
             }
             let is_straight = steepening.abs() <= STRAIGHT && difference.abs() <= STRAIGHT * spacing;
-            let is_between = front.by_behind >= 0.0 && back.by_behind <= 0.0;
+            let is_between = front.by_behind >= -STRAIGHT && back.by_behind <= STRAIGHT;
             if is_straight || is_between {
                 let pair = Pair::between(&front, &back, spacing, is_straight);
-                // The parabola holds near the marks: a flat ends.
-                if is_straight || pair.error <= tolerance && pair.shift.off.abs() <= 0.5 * spacing {
+                if is_straight || pair.error <= tolerance && pair.shift.off.abs() <= near * (spacing + offset.abs()) {
                     return Some(pair);
                 }
             }
@@ -215,8 +244,8 @@ impl<'a> RidgeSearch<'a> {
             let stated = Self::stated(offset - 0.5 * step_over, step_over, spacing);
             let place = self.marks.ridge_place(stated.place, level);
             let [near_behind, far_behind] = &mut ridge.behind;
-            let near = self.pair(&place, offset, spacing, near_behind, 0.1 * level)?;
-            let far = self.pair(&place, offset - step_over, spacing, far_behind, 0.1 * level)?;
+            let near = self.pair(&place, offset, spacing, near_behind, Accuracy::rough(level))?;
+            let far = self.pair(&place, offset - step_over, spacing, far_behind, Accuracy::rough(level))?;
             if !(near.by_height < 0.0 && far.by_height < 0.0) {
                 return None;
             }
@@ -247,7 +276,9 @@ impl<'a> RidgeSearch<'a> {
                     Sought::MarkSpacing => (mark_spacing, &mut change.longer),
                 };
                 *change_of = growth.clamp(-0.5 * length, length);
-                is_exact = [near, far].iter().all(|pair| pair.value.abs() <= small && pair.error <= NEARLY * small)
+                is_exact = [near, far]
+                    .iter()
+                    .all(|pair| pair.value.abs() <= small && pair.error <= NEARLY * small && pair.shift.off.abs() <= NEAR * reach)
                     && growth.abs() <= NEARLY * length
                     && change.offset.abs() <= NEARLY * reach;
             } else {
@@ -284,7 +315,7 @@ impl<'a> RidgeSearch<'a> {
         let mut level = start;
         for _ in 0..MOST_STEPS {
             let place = self.marks.ridge_place(aside, level);
-            let pair = self.pair(&place, offset, spacing, behind, NEARLY * NEARLY * level)?;
+            let pair = self.pair(&place, offset, spacing, behind, Accuracy::full(level))?;
             let rise = -pair.value / pair.by_height;
             if !(pair.by_height < 0.0 && rise.is_finite()) {
                 return None;
@@ -322,11 +353,10 @@ impl<'a> RidgeSearch<'a> {
             };
             [left_by(0, offset), left_by(1, offset - step_over)]
         };
+        // Without a height of either pass nothing is known of the ridge.
         let excess = |offset: f64| match left(offset) {
             [Some(near), Some(far)] => Ok(near.0 - far.0),
-            [None, Some(_)] => Ok(f64::MAX),
-            [Some(_), None] => Ok(-f64::MAX),
-            [None, None] => Err(()),
+            _ => Err(()),
         };
         let start_offset = start.offset();
         let first = excess(start_offset).ok()?;

@@ -221,6 +221,13 @@ impl TurningMarks {
         }
     }
 
+    /// The largest turn of the normal over 1 mm, as a share of the smaller of the slope's sine and cosine; not bounded.
+    pub(super) fn turn_per_mm(&self) -> f64 {
+        let [f, t, ft] = self.curvature;
+        let largest = f64::midpoint(f, t).abs() + (0.5 * (f - t)).hypot(ft);
+        largest * LARGEST_TURN / self.largest_turn
+    }
+
     /// How much the normal turns from the stated contact to the contact of a mark, as a share of the smaller of the
     /// slope's sine and cosine; not bounded.
     pub(super) fn share(&self, contact: Plane) -> f64 {
