@@ -66,9 +66,16 @@ impl Imprints {
     /// The height that passes in planes `spacing` apart leave half-way between their contacts at a place along them,
     /// along the normal, in mm; infinite where they do not meet.
     pub(super) fn height(&self, spacing: f64, place: f64) -> f64 {
+        let planes = [-0.5 * spacing, 0.5 * spacing];
+        self.height_between(planes, planes, place)
+    }
+
+    /// The largest height that passes in two planes leave over a part of the strip between them, at a place along them.
+    /// `planes` and the ends of the part are coordinates across the passes, both in rising order.
+    pub(super) fn height_between(&self, planes: [f64; 2], [low, high]: [f64; 2], place: f64) -> f64 {
         let step = 2.0 * self.outer / f64::from(TIPS);
         let steps = if self.corner > 0.0 { STEPS_ALONG } else { STEPS_OF_EDGE };
-        let tips = [-0.5 * spacing, 0.5 * spacing].map(|across| {
+        let tips = planes.map(|across| {
             let along = (-TIPS..=TIPS).map(|number| place + f64::from(number) * step);
             (across, along.map(|along| (along, self.tip(along, across))).collect::<Vec<_>>())
         });
@@ -85,11 +92,17 @@ impl Imprints {
             });
             lowest[0].min(lowest[1]) - self.surface(place, at)
         };
-        let part = spacing / f64::from(PARTS);
-        let coarse = (0..=PARTS).map(|number| part * f64::from(number) - 0.5 * spacing).map(|at| (left(at), at));
-        let (_, at) = coarse.fold((f64::NEG_INFINITY, 0.0), |highest, place| if place.0 > highest.0 { place } else { highest });
-        let ends = ((at - part).max(-0.5 * spacing), (at + part).min(0.5 * spacing));
+        let interval = (high - low) / f64::from(PARTS);
+        let coarse = (0..=PARTS).map(|number| low + interval * f64::from(number)).map(|at| (left(at), at));
+        let (_, at) = coarse.fold((f64::NEG_INFINITY, low), |highest, place| if place.0 > highest.0 { place } else { highest });
+        let ends = ((at - interval).max(low), (at + interval).min(high));
         -least(|at| -left(at), ends.0, ends.1, STEPS_ACROSS) * self.cos
+    }
+
+    /// The place along a plane at which the pass in it runs level; infinite if it has the same climb everywhere.
+    pub(super) fn level_at(&self, across: f64) -> f64 {
+        let climb = self.gradient[0] + self.hessian[1] * across;
+        if self.hessian[0] == 0.0 { f64::INFINITY } else { -climb / self.hessian[0] }
     }
 
     fn surface(&self, along: f64, across: f64) -> f64 {
