@@ -178,12 +178,12 @@ impl<C: Calculation> Batch<C> {
     fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
         let mut json = PlainJson::new(run);
         let mut part = self.part(run.len() / USUAL_CONTACT);
+        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
         while !cancel.is_cancelled() {
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
             let path = JsonPath::Root;
             let contact = BatchContact::read_next(&mut json, C::STATED, &self.defaults, path, &mut faults)?;
             let index = part.count;
-            self.take_in(&mut part, index, contact, path, faults);
+            self.take_in(&mut part, index, contact, path, &mut faults);
             if json.is_at_end() {
                 break;
             }
@@ -199,23 +199,24 @@ impl<C: Calculation> Batch<C> {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
-                let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, C::STATED, &self.defaults, path, &mut faults);
-                self.take_in(&mut part, index, contact, path, faults);
+                self.take_in(&mut part, index, contact, path, &mut faults);
             }
             parts.insert(chunk, part);
         });
         self.joined(parts, None)
     }
 
-    /// Adds the contact `index` to a part: its figures, or its faults if it has no answer.
+    /// Adds the contact `index` to a part: its figures, or its faults if it has no answer. `faults` are empty
+    /// afterwards, for the next contact.
     #[inline]
-    fn take_in(&self, part: &mut Part, index: usize, contact: Result<BatchContact, Faulted>, path: JsonPath<'_>, mut faults: Faults) {
+    fn take_in(&self, part: &mut Part, index: usize, contact: Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
         part.count += 1;
-        if contact.and_then(|contact| self.compute_contact(part, index, contact, path, &mut faults)).is_err() {
-            part.fail(index, faults);
+        if contact.and_then(|contact| self.compute_contact(part, index, contact, path, faults)).is_err() {
+            part.fail(index, std::mem::replace(faults, Faults::at_most(MOST_FAULTS_OF_A_CONTACT)));
         }
     }
 

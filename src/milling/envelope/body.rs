@@ -21,9 +21,8 @@ pub(super) struct Body {
     axis: f64,
     surface: SurfaceCurvature,
     is_plane: bool,
-    /// The curvature k_ss along the steepest line and the twist k_sl with the level line, if the surface has a concave
-    /// direction.
-    concave: Option<[f64; 2]>,
+    /// The overhang of the surface, if it has a concave direction.
+    concave: Option<Overhang>,
 }
 
 /// The signed distance of a point from the body, negative inside. With its derivatives along the feed, to the side and
@@ -37,6 +36,17 @@ pub(super) struct Distance {
     pub(super) bend: f64,
     pub(super) bend_to_side: f64,
     pub(super) bend_to_height: f64,
+}
+
+/// The curvature of a surface with a concave direction, in the axes of the steepest and the level line.
+#[derive(Debug, Clone, Copy)]
+struct Overhang {
+    /// k_ss, along the steepest line.
+    bend: f64,
+    /// k_sl, the twist.
+    twist: f64,
+    /// k_ll, along the level line.
+    level_bend: f64,
 }
 
 /// The relative radii of curvature of cutter and surface at the contact, in the axes of the feed: the inverse of C^-1 +
@@ -58,6 +68,25 @@ pub(super) struct EdgePlace {
     pub(super) height: f64,
     pub(super) height_by_psi: f64,
 }
+
+/// Where H can change from rising to falling on a line from the contact.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    /// The share of the line.
+    at: f64,
+    /// Whether H is highest there, on the flat.
+    is_top: bool,
+}
+
+/// A part of the surface of a body with a flat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Face {
+    Floor,
+    Side,
+}
+
+/// The slope's sine below which the section at most heights lies around the axis.
+const NEARLY_LEVEL: f64 = 0.05;
 
 /// The sine of an overhang below which it counts as a rounding error.
 const OVERHANG: f64 = 1e-12;
@@ -85,7 +114,7 @@ impl Body {
             // On a wall that the cutter does not gouge, the side curves away from the surface everywhere.
             concave: (surface.principal_per_mm()[1] < 0.0 && slope.cos() != 0.0).then(|| {
                 let steepest = surface.turned(-sin.abs(), cos.abs());
-                [steepest.along_per_mm(), steepest.twist_per_mm()]
+                Overhang { bend: steepest.along_per_mm(), twist: steepest.twist_per_mm(), level_bend: steepest.across_per_mm() }
             }),
         }
     }
@@ -166,6 +195,54 @@ impl Body {
         self.along_level
     }
 
+    /// The components along the feed and to its side of a step along the steepest and the level line.
+    pub(super) fn along_feed(&self, steep: f64, level: f64) -> [f64; 2] {
+        [steep * self.along_steepest + level * self.along_level, level * self.along_steepest - steep * self.along_level]
+    }
+
+    /// The components along the steepest and the level line of a point in the tangent plane.
+    fn in_slope(&self, x: f64, y: f64) -> (f64, f64) {
+        (x * self.along_steepest - y * self.along_level, x * self.along_level + y * self.along_steepest)
+    }
+
+    /// Whether the flat is so nearly level that the section at most heights lies around the axis.
+    pub(super) fn is_nearly_level(&self) -> bool {
+        self.slope.sin() < NEARLY_LEVEL
+    }
+
+    /// The point under the middle of the flat.
+    pub(super) fn flat_centre(&self) -> [f64; 2] {
+        let (sin, cos) = (self.slope.sin(), self.slope.cos());
+        self.along_feed(self.axis * cos + self.corner * (1.0 - cos) * sin, 0.0)
+    }
+
+    /// An approximation of the height of points around the axis that are `across` apart: that of the tilted flat and of
+    /// the round beyond the flat.
+    pub(super) fn height_under_axis(&self, across: f64) -> f64 {
+        let beyond = ((across / 2.0 - self.core) / self.corner.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        self.slope.sin() * across + self.corner * (1.0 - (1.0 - beyond * beyond).sqrt())
+    }
+
+    /// An approximation of half of the section's extent along the level line at the height p, by the parabola of H.
+    pub(super) fn level_extent(&self, p: f64) -> f64 {
+        let (sin, outer) = (self.slope.sin(), self.core + self.corner);
+        let bend =
+            (if self.core > 0.0 { sin / self.axis } else { self.corner.recip() }) + self.concave.map_or(0.0, |surface| surface.level_bend);
+        if bend > 0.0 { (2.0 * p / bend).sqrt().min(outer) } else { outer }
+    }
+
+    /// Where on the line from the contact through a point H can change from rising to falling, as a share of the line
+    /// up to the point: where the parabola of H on the flat is highest, or, if the line misses the flat, nearest to the
+    /// axis. `None` if there is no such point.
+    fn turn(&self, direction: [f64; 2]) -> Option<Turn> {
+        let [enters, leaves, top, nearest] = self.turns_by_kind(direction)?;
+        Some(if enters < leaves {
+            Turn { at: top.clamp(enters, leaves), is_top: top > enters && top < leaves }
+        } else {
+            Turn { at: nearest, is_top: false }
+        })
+    }
+
     /// The distances from the contact, in rising order, at which H can change between rising and falling along a
     /// direction (along the feed, to the side). They are the points at which the line enters and leaves the flat, is
     /// nearest to the axis, and reaches the maximum of the parabola of H on the flat. Points that do not exist are 0.
@@ -173,28 +250,30 @@ impl Body {
     /// The flat is the disc of radius a, shortened by cos(S) along the steepest line. On it H = tan(S) u_s + r (1 -
     /// 1/cos(S)) + 1/2 u'Ku.
     pub(super) fn turns(&self, direction: [f64; 2]) -> [f64; 4] {
+        let Some([enters, leaves, top, nearest]) = self.turns_by_kind(direction) else { return [0.0; 4] };
+        let mut turns = if enters < leaves { [enters, leaves, nearest, top.clamp(enters, leaves)] } else { [nearest, 0.0, 0.0, 0.0] };
+        turns.sort_unstable_by(f64::total_cmp);
+        turns
+    }
+
+    /// The points of [`Body::turns`]: where the line enters and leaves the flat, both 0 if it misses the flat, where the
+    /// parabola is highest, and where the line is nearest to the axis.
+    fn turns_by_kind(&self, direction: [f64; 2]) -> Option<[f64; 4]> {
         let (sin, cos) = (self.slope.sin(), self.slope.cos());
-        let steep = direction[0] * self.along_steepest - direction[1] * self.along_level;
-        let level = direction[0] * self.along_level + direction[1] * self.along_steepest;
+        let (steep, level) = self.in_slope(direction[0], direction[1]);
         let bend = self.surface.along_per_mm() * direction[0] * direction[0]
             + 2.0 * self.surface.twist_per_mm() * direction[0] * direction[1]
             + self.surface.across_per_mm() * direction[1] * direction[1];
         if bend >= 0.0 || self.core == 0.0 || cos <= 0.0 {
-            return [0.0; 4];
+            return None;
         }
         let centre = self.axis * cos + self.corner * (1.0 - cos) * sin;
         let (square, half) = ((steep / cos).powi(2) + level * level, centre * steep / (cos * cos));
         let nearest = half / square;
         let discriminant = half * half - square * ((centre / cos).powi(2) - self.core * self.core);
-        let mut turns = if discriminant > 0.0 {
-            let root = discriminant.sqrt();
-            let (enters, leaves) = ((half - root) / square, (half + root) / square);
-            [enters, leaves, nearest, (-sin / cos * steep / bend).clamp(enters, leaves)]
-        } else {
-            [nearest, 0.0, 0.0, 0.0]
-        };
-        turns.sort_unstable_by(f64::total_cmp);
-        turns
+        let root = discriminant.max(0.0).sqrt();
+        let (enters, leaves) = if root > 0.0 { ((half - root) / square, (half + root) / square) } else { (0.0, 0.0) };
+        Some([enters, leaves, -sin / cos * steep / bend, nearest])
     }
 
     /// Whether the section at the height p is known to be convex although the surface is not, because the section
@@ -235,13 +314,15 @@ impl Body {
     /// The normal of the surface is n + K u; its component along the axis is cos(S) - sin(S) (k_ss u_s + k_sl u_l).
     /// Along the cutter's side, the height above the surface rises up to the point where this component is 0, and falls
     /// beyond it.
+    ///
+    /// Negative on this side of either line; `None` if the surface has no such line.
     fn overhang(&self, steep: f64, level: f64) -> Option<Distance> {
-        let [bend, twist] = self.concave?;
-        let excess = self.slope.sin() * (bend * steep + twist * level) - self.slope.cos();
-        if excess <= OVERHANG || steep >= 0.0 {
+        let Overhang { bend, twist, .. } = self.concave?;
+        let (gradient, length) = ((self.slope.sin() * bend, self.slope.sin() * twist), self.slope.sin() * bend.hypot(twist));
+        if length <= 0.0 {
             return None;
         }
-        let (gradient, length) = ((self.slope.sin() * bend, self.slope.sin() * twist), self.slope.sin() * bend.hypot(twist));
+        let excess = self.slope.sin() * (bend * steep + twist * level) - self.slope.cos() - OVERHANG;
         let (value, (by_steep, by_level)) =
             if excess / length < -steep { (excess / length, (gradient.0 / length, gradient.1 / length)) } else { (-steep, (-1.0, 0.0)) };
         Some(Distance {
@@ -253,6 +334,39 @@ impl Body {
             bend_to_side: 0.0,
             bend_to_height: 0.0,
         })
+    }
+
+    /// Calls `bound` with each smooth function of the point (x, y, p) that is not positive if the point, and the line to
+    /// it from the contact, are in the section.
+    ///
+    /// These are the distance to the body, that to the overhang, and the distance at the point of the line at which H is
+    /// greatest on the flat. At a sharp edge the distance has a corner, and the distances to side and floor replace it;
+    /// beside a round they bound the other part.
+    pub(super) fn bounds(&self, x: f64, y: f64, p: f64, mut bound: impl FnMut(Distance)) {
+        if self.corner > 0.0 {
+            bound(self.solid::<false>(x, y, p, None));
+        }
+        if self.core > 0.0 {
+            bound(self.solid::<false>(x, y, p, Some(Face::Side)));
+            bound(self.solid::<false>(x, y, p, Some(Face::Floor)));
+        }
+        if self.concave.is_none() {
+            return;
+        }
+        let (steep, level) = self.in_slope(x, y);
+        if let Some(overhang) = self.overhang(steep, level) {
+            bound(overhang);
+        }
+        if steep > 0.0
+            && let Some(Turn { at, is_top: true }) = self.turn([x, y])
+            && at < 1.0
+        {
+            let top = self.solid::<false>(at * x, at * y, p, Some(Face::Floor));
+            // Along the line the highest point has no slope, so that a step aside moves it by its share of the line. Its
+            // second derivatives are left out.
+            let (by_feed, by_side) = (at * top.by_feed, at * top.by_side);
+            bound(Distance { by_feed, by_side, bend: 0.0, bend_to_side: 0.0, bend_to_height: 0.0, ..top });
+        }
     }
 
     /// The signed distance to the body at (x, y, p).
@@ -278,14 +392,26 @@ impl Body {
     /// are 0.
     #[inline]
     fn distance_over<const PLANE: bool>(&self, x: f64, y: f64, p: f64) -> Distance {
+        if !PLANE && self.concave.is_some() {
+            let (steep, level) = self.in_slope(x, y);
+            if let Some(overhang) = self.overhang(steep, level).filter(|overhang| overhang.value > 0.0) {
+                let solid = self.solid::<PLANE>(x, y, p, None);
+                return if overhang.value > solid.value { overhang } else { solid };
+            }
+        }
+        self.solid::<PLANE>(x, y, p, None)
+    }
+
+    /// The distance to the whole body, or to the plane of its floor or the cylinder of its side alone.
+    #[expect(clippy::inline_always, reason = "callers that do not use the second derivatives need not compute them")]
+    #[inline(always)]
+    fn solid<const PLANE: bool>(&self, x: f64, y: f64, p: f64, face: Option<Face>) -> Distance {
         let (sin, cos, r) = (self.slope.sin(), self.slope.cos(), self.corner);
         let (k_f, k_t, k_ft) = (self.surface.along_per_mm(), self.surface.across_per_mm(), self.surface.twist_per_mm());
         // How far the surface has fallen from the tangent plane, and its derivatives along the feed and to the side.
         let (fall_by_feed, fall_by_side) = (k_f * x + k_ft * y, k_ft * x + k_t * y);
         let p = if PLANE { p } else { p - 0.5 * (x * fall_by_feed + y * fall_by_side) };
-        let steep = x * self.along_steepest - y * self.along_level;
-        let level = x * self.along_level + y * self.along_steepest;
-        let overhang = if PLANE { None } else { self.overhang(steep, level) };
+        let (steep, level) = self.in_slope(x, y);
         let (d, e) = (p * sin + steep * cos, p * cos - steep * sin);
         let b = self.axis - d;
         let radius = (b * b + level * level).sqrt();
@@ -293,19 +419,16 @@ impl Body {
         let grown = excess - d;
         let (outside, below) = (r * sin + grown, r * cos - e);
         let to_core = if outside > 0.0 && below > 0.0 { (outside * outside + below * below).sqrt() } else { outside.max(below) };
-        let (value, out, down, meridian) = if outside > 0.0 && below > 0.0 {
+        let is_round = face.is_none() && outside > 0.0 && below > 0.0;
+        let is_side = face.map_or(outside > below, |face| face == Face::Side);
+        let (value, out, down, meridian) = if is_round {
             let value = (2.0 * r * (sin * excess - p) + grown * grown + e * e) / (to_core + r);
             (value, outside / to_core, below / to_core, to_core.recip())
-        } else if outside > below {
+        } else if is_side {
             (grown - r * (1.0 - sin), 1.0, 0.0, 0.0)
         } else {
             (-e - r * (1.0 - cos), 0.0, 1.0, 0.0)
         };
-        if let Some(overhang) = overhang
-            && overhang.value > value
-        {
-            return overhang;
-        }
         // The radial unit vector. On the axis the core's floor is nearer than its side, so the direction does not
         // matter.
         let (radial_d, radial_level) = if radius > 0.0 { (-b / radius, level / radius) } else { (-1.0, 0.0) };

@@ -62,8 +62,8 @@ impl Accuracy {
         Self { crossing: 0.1 * p, round: 0.1 * p, corner: 1e-15 * p }
     }
 
-    /// The accuracy for a value to the rounding of p. At a crossing, the error of the value is the square of that of x.
-    /// On a round, the parabola is accurate only near its minimum, because the second derivative jumps where flat,
+    /// The accuracy for a value to the rounding of p. At a crossing, the error of the value is the square of that of x
+    /// times the second derivative. On a round, the parabola is accurate only near its minimum, because the second derivative jumps where flat,
     /// corner and side meet.
     pub(super) fn full(p: f64) -> Self {
         Self { crossing: 1e-9 * p, round: 1e-14 * p, corner: 1e-15 * p }
@@ -105,7 +105,10 @@ impl Chord {
             let by_crossing = crossing && !(is_round && to_least.abs() < to_crossing.abs());
             if by_crossing {
                 let chord = Self::between(&front, &back);
-                if chord.furthest - chord.value <= accuracy.crossing {
+                // The tangents err by the square of the distance from the crossing, which is far off where they are
+                // nearly level, as those of marks close together.
+                let error = front.bend.max(back.bend) * chord.shift.off * chord.shift.off;
+                if chord.furthest - chord.value <= accuracy.crossing && error <= accuracy.round {
                     return chord;
                 }
                 best = Some((*x, chord));

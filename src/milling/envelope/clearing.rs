@@ -65,22 +65,41 @@ impl Clearing {
     #[inline]
     pub(super) fn search(&self, body: &Body, x: &mut [f64; 2], row: Row, accuracy: Accuracy, reach: f64) -> Held {
         let Row { t, p, feed } = row;
-        match (self, self.pairs(feed)) {
-            (Self::Even { feeds, .. }, (marks, _)) => {
-                let mut chord = Chord::search(body, &mut x[0], t, p, &marks, accuracy, reach);
-                // The distance of the marks grows by this much when the feed grows by 1.
-                chord.by_spacing *= feeds;
-                chord.shift.by_spacing *= feeds;
-                Held { chord, shifts: [chord.shift; 2] }
-            }
-            (Self::Mixed { .. }, (one, other)) => {
-                let first = Chord::search(body, &mut x[0], t, p, &one, accuracy, reach);
-                let second = other.map_or(first, |marks| Chord::search(body, &mut x[1], t, p, &marks, accuracy, reach));
+        let (one, other) = self.pairs(feed);
+        let first = Chord::search(body, &mut x[0], t, p, &one, accuracy, reach);
+        let second = other.map(|marks| Chord::search(body, &mut x[1], t, p, &marks, accuracy, reach));
+        self.limiting(first, second)
+    }
+
+    /// The same of the chords that `find` returns for the first pair of marks and for the second, if there is one.
+    pub(super) fn held(&self, feed: f64, mut find: impl FnMut(usize, &Marks) -> Option<Chord>) -> Option<Held> {
+        let (one, other) = self.pairs(feed);
+        let first = find(0, &one)?;
+        let second = match other {
+            Some(marks) => Some(find(1, &marks)?),
+            None => None,
+        };
+        Some(self.limiting(first, second))
+    }
+
+    #[inline]
+    fn limiting(&self, first: Chord, second: Option<Chord>) -> Held {
+        let mut shifts = [first.shift, second.map_or(first.shift, |second| second.shift)];
+        let mut chord = match second {
+            Some(second) => {
                 let furthest = first.furthest.max(second.furthest);
-                let chord = Chord { furthest, ..if first.value >= second.value { first } else { second } };
-                Held { chord, shifts: [first.shift, second.shift] }
+                Chord { furthest, ..if first.value >= second.value { first } else { second } }
+            }
+            None => first,
+        };
+        if let Self::Even { feeds, .. } = self {
+            // The distance of the marks grows by this much when the feed grows by 1.
+            chord.by_spacing *= feeds;
+            for shift in &mut shifts {
+                shift.by_spacing *= feeds;
             }
         }
+        Held { chord, shifts }
     }
 
     /// The distance of the chords in a row from the section, negative inside. The search starts at `x`.

@@ -1,170 +1,216 @@
-//! The model on concave surfaces, on which the section at a height need not be convex. Results of the other searches
-//! are compared with the section's outline; if they differ, the search is repeated from the outline.
+//! The model on concave surfaces, on which the section at a height need not be convex. The section's outline gives the
+//! ridge to a few percent, from which Newton's method finds it. A result is accepted if its chords are seen from the
+//! contact, and if the outline a little below it clears less than the step-over.
 
 use super::Envelope;
-use super::clearing::Clearing;
-use super::newton::{self, Lengths, Place, Sought};
-use super::outline::{Cleared, Outline, Outlook};
+use super::clearing::{Clearing, Row};
+use super::local;
+use super::newton::{Lengths, Place, Ridge, Sought};
+use super::outline::{Cleared, Outline, Outlook, Rows};
 use super::section::{Pattern, Section};
 use crate::quantity::Length;
 
-/// The outline, a polygon inside the section, may give a height that is lower than the result by this share. Widths may
-/// differ by half as much.
+/// The outline, a polygon inside the section, may clear a step-over at a height that is lower than the result by this
+/// share.
 const COARSE: f64 = 0.03;
 
-/// The outline may give a height that is higher by this share, because the polygon cuts off thin tips of the section.
-const CUT_OFF: f64 = 0.3;
+/// A little below the result the outline may clear this share less, because the polygon cuts off thin tips.
+const CUT_OFF: f64 = 0.12;
 
-/// The largest number of steps of the search for a height on the outline, more than a tenth of [`COARSE`] needs.
-const MOST_STEPS: usize = 40;
+/// The largest number of outlines that a search for a height evaluates.
+const MOST_OUTLINES: usize = 24;
+
+/// The share of the height to which the bracket is narrowed down if Newton's method finds no ridge.
+const NARROW: f64 = 0.005;
+
+/// The number of halvings that find the share of step-over and mark spacing that an outline clears.
+const MOST_SHARES: usize = 24;
+
+/// The error of a share.
+const SHARE_ERROR: f64 = 1e-3;
+
+/// The shares from which Newton's method is tried.
+const NEAR: std::ops::Range<f64> = 0.4..2.5;
+
+/// A proved result counts although the outline has a lower one, for which no ridge is found, if they differ by no more
+/// than this share.
+const FAR: f64 = 0.06;
+
+/// Two results that differ by less than this share are the same.
+const SAME: f64 = 1e-3;
 
 impl Envelope {
-    /// The interval that a pattern of marks clears on the outline `deep` at the height p.
-    fn cleared_by(outlook: &Outlook<'_>, deep: &Outline, p: f64, pattern: &Pattern) -> Option<Cleared> {
+    /// The rows of the section at the height p, whose outline is `deep`, for a pattern of marks.
+    fn rows(&self, outlook: &Outlook<'_>, deep: &Outline, p: f64, pattern: &Pattern) -> Rows {
         if pattern.is_even() {
-            return deep.cleared(pattern.spacing);
+            return deep.rows();
         }
-        let shallow = (p > pattern.drop).then(|| outlook.at(p - pattern.drop, deep));
-        deep.cleared_by(pattern, shallow.as_ref())
+        let shallow = (p > self.drop).then(|| outlook.at(p - self.drop, deep));
+        deep.rows_by_depth(pattern, shallow.as_ref())
     }
 
-    /// h for passes s apart: `found` if the outline agrees with it, otherwise the result of a search from the outline;
-    /// `None` if no height clears s. `is_clear` states that `found` clears s, so that only lower heights are searched.
-    pub(super) fn height_on_concave(&self, s: f64, pattern: Pattern, found: Option<f64>, is_clear: bool) -> Option<f64> {
-        let highest = 4.0 * self.cutter.outer_radius().mm();
-        let found = found.filter(|found| *found < highest);
-        let mut p = found.map_or_else(|| self.guess(s, pattern), |found| found * (1.0 - COARSE));
-        let outlook = Outlook::new(&self.body, p);
-        let mut near = *outlook.first();
-        let mut cleared = |p: f64, is_first: bool| {
-            if !is_first {
-                near = outlook.at(p, &near);
-            }
-            Self::cleared_by(&outlook, &near, p, &pattern)
-        };
-        let width = |cleared: Option<&Cleared>| cleared.map_or(0.0, Cleared::width);
-        let (mut low, mut high) = ((0.0, 0.0), (f64::INFINITY, f64::INFINITY));
-        let mut at_high = None;
-        for step in 0..MOST_STEPS {
-            let outline = cleared(p, step == 0);
-            let wide = width(outline.as_ref());
-            if wide >= s {
-                (high, at_high) = ((p, wide), outline);
-            } else {
-                low = (p, wide);
-            }
-            if let Some(found) = found
-                && step == 0
-                && wide < s
-            {
-                if is_clear {
-                    return Some(found);
-                }
-                // If the outline is wide enough at a slightly higher p, `found` is right.
-                p = found * (1.0 + CUT_OFF);
-                continue;
-            }
-            if let Some(found) = found
-                && step == 1
-                && low.0 > 0.0
-                && wide >= s
-            {
-                return Some(found);
-            }
-            if high.0 < f64::INFINITY && high.0 - low.0 <= 0.5 * COARSE * high.0 || low.0 >= highest {
+    /// The largest share of a step-over s and of a pattern's distances that the rows of an outline clear, and the cleared
+    /// interval; `None` if there is none.
+    fn share(rows: &Rows, s: f64, pattern: &Pattern) -> Option<(f64, Cleared)> {
+        let (f, deepest) = (pattern.spacing, pattern.deepest_spacing());
+        if f == 0.0 {
+            let cleared = rows.extent();
+            return Some((cleared.width() / s, cleared));
+        }
+        let at = |share: f64| rows.cleared(share * f, share * deepest).filter(|cleared| cleared.width() >= share * s);
+        let mut low = at(1.0).map(|cleared| (1.0, cleared));
+        let mut high = if low.is_some() { f64::INFINITY } else { 1.0 };
+        for _ in 0..MOST_SHARES {
+            let lowest = low.map_or(0.0, |(share, _)| share);
+            if high - lowest <= if NEAR.contains(&lowest) { SHARE_ERROR } else { 0.1 } * lowest {
                 break;
             }
-            // The square of the width is nearly linear in the height.
-            let linear = if high.0 < f64::INFINITY && high.1 > low.1 {
-                low.0 + (high.0 - low.0) * (s * s - low.1 * low.1) / (high.1 * high.1 - low.1 * low.1)
+            let middle = if high == f64::INFINITY {
+                2.0 * lowest
+            } else if lowest == 0.0 {
+                0.5 * high
             } else {
-                p * (s / wide).powi(2)
+                f64::midpoint(lowest, high)
             };
-            p = if high.0 == f64::INFINITY {
-                linear.clamp(1.5 * p, 16.0 * p).min(highest)
-            } else if step % 3 == 2 {
-                if high.0 > 4.0 * low.0 { (high.0 * low.0.max(high.0 / 4096.0)).sqrt() } else { f64::midpoint(low.0, high.0) }
+            match at(middle) {
+                Some(cleared) => low = Some((middle, cleared)),
+                None => high = middle,
+            }
+        }
+        low
+    }
+
+    /// The ridge near the edges of a cleared interval, if its chords are seen from the contact.
+    fn ridge(&self, pattern: &Pattern, sought: Sought, lengths: Lengths, cleared: &Cleared) -> Option<Ridge> {
+        let place = Place { t: cleared.right.t, x: cleared.right.x, neighbour_x: cleared.left.x };
+        let marks = [&cleared.right, &cleared.left].map(|edge| {
+            if pattern.is_even() {
+                return Clearing::EVEN;
+            }
+            let [alternating, deep] = self.kinds(pattern);
+            if edge.is_deep { deep } else { alternating }
+        });
+        let ridge = local::solve(&self.body, sought, lengths, place, marks)?;
+        let Ridge { lengths: Lengths { level, step_over, mark_spacing }, place: Place { t, x, neighbour_x } } = ridge;
+        let row = |t: f64| Row { t, p: level, feed: mark_spacing };
+        let is_seen = marks[0].is_seen(&self.body, x, row(t)) && marks[1].is_seen(&self.body, neighbour_x, row(t - step_over));
+        is_seen.then_some(ridge)
+    }
+
+    /// The height up to which the section grows: that of the cutter's axis beside a wall, and several radii elsewhere.
+    fn highest(&self) -> f64 {
+        self.cutter.outer_radius().mm() / self.contact().slope().sin().max(0.25)
+    }
+
+    /// h for passes s apart; `None` if no height clears s. `quick` is the proved result of the fast search.
+    pub(super) fn level_on_concave(&self, s: f64, pattern: Pattern, quick: Option<f64>) -> Option<f64> {
+        let highest = self.highest();
+        let reach = self.body.reach() + s;
+        // A ridge that is clear, and whether the outline need not clear nearly as much.
+        let mut candidate = quick.filter(|quick| *quick < highest).map(|level| (level, true));
+        let mut refused = f64::NAN;
+        let mut p = candidate.map_or_else(|| self.guess(s, pattern), |(level, _)| level * (1.0 - COARSE));
+        // Heights, and the shares of the lengths that are cleared there.
+        let (mut low, mut high) = ((0.0, 0.0), (f64::INFINITY, f64::INFINITY));
+        for step in 0..MOST_OUTLINES {
+            let outlook = Outlook::new(&self.body, p, reach);
+            let found = Self::share(&self.rows(&outlook, outlook.first(), p, &pattern), s, &pattern);
+            let share = found.map_or(0.0, |(share, _)| share);
+            if let Some((level, is_proved)) = candidate.take() {
+                if share < 1.0 && (is_proved || share >= 1.0 - CUT_OFF) {
+                    return Some(level);
+                }
+                refused = level;
+            }
+            if share >= 1.0 {
+                high = (p, share);
             } else {
-                let room = 0.2 * COARSE * high.0;
+                low = (p, share);
+            }
+            if high.0 < f64::INFINITY && high.0 - low.0 <= NARROW * high.0 || low.0 >= highest {
+                break;
+            }
+            // A height grows with the square of the lengths.
+            let guess = p / (share * share);
+            let ridge = found.filter(|_| NEAR.contains(&share)).and_then(|(share, cleared)| {
+                let lengths = Lengths { level: guess, step_over: s, mark_spacing: pattern.spacing };
+                self.ridge(&pattern, Sought::Level, lengths, &cleared.scaled(share.recip()))
+            });
+            if let Some(level) = ridge.map(|ridge| ridge.lengths.level)
+                && (refused.is_nan() || (level / refused - 1.0).abs() > SAME)
+                && level > low.0
+                && level * (1.0 - COARSE) < high.0
+            {
+                candidate = Some((level, false));
+                p = level * (1.0 - COARSE);
+                continue;
+            }
+            p = if high.0 == f64::INFINITY && step == 2 && share < 1.0 - CUT_OFF {
+                // If no height clears s, the highest one shows it.
+                highest
+            } else if high.0 == f64::INFINITY {
+                guess.clamp(1.1 * p, 16.0 * p).min(highest)
+            } else if low.0 == 0.0 {
+                guess.clamp(p / 64.0, 0.9 * p)
+            } else if step % 3 == 2 || low.1 == 0.0 {
+                if high.0 > 4.0 * low.0 { (high.0 * low.0).sqrt() } else { f64::midpoint(low.0, high.0) }
+            } else {
+                let room = 0.2 * NARROW * high.0;
+                let linear = low.0 + (high.0 - low.0) * (1.0 - low.1 * low.1) / (high.1 * high.1 - low.1 * low.1);
                 linear.clamp(low.0 + room, high.0 - room)
             };
         }
-        let (cleared, high) = (at_high?, high.0);
-        let lengths = Lengths { level: high, step_over: s, mark_spacing: pattern.spacing };
-        let agrees = |level: &f64| (high * (1.0 - CUT_OFF)..=high * (1.0 + COARSE)).contains(level);
-        let quick = self.polished(&pattern, lengths, &cleared, Sought::Level).map(|lengths| lengths.level).filter(agrees);
-        let general = || Some(Section::new(&self.body, pattern, 2.0 * s).level(s, high)).filter(agrees);
-        Some(quick.or_else(general).unwrap_or(high))
+        let high = (high.0 < f64::INFINITY).then_some(high.0)?;
+        if let Some(quick) = quick.filter(|quick| high > quick * (1.0 - FAR)) {
+            return Some(quick);
+        }
+        let general = Section::new(&self.body, pattern, 2.0 * s).level(s, high, f64::INFINITY);
+        Some(if (high * (1.0 - CUT_OFF)..=high * (1.0 + COARSE)).contains(&general) { general } else { high })
     }
 
-    /// The largest step-over, at most `largest`, that keeps the height p. It is `found`, which keeps p, unless the
-    /// outline has a larger one; then it is the result of a search from the outline.
-    pub(super) fn step_over_on_concave(&self, p: f64, pattern: Pattern, found: Option<f64>, largest: f64) -> f64 {
-        let under = p * (1.0 - COARSE);
-        let outlook = Outlook::new(&self.body, under);
-        let cleared = |p: f64| Self::cleared_by(&outlook, &outlook.at(p, outlook.first()), p, &pattern);
-        let width = |p: f64| cleared(p).map_or(0.0, |cleared| cleared.width()).min(largest);
-        let least = Self::cleared_by(&outlook, outlook.first(), under, &pattern).map_or(0.0, |cleared| cleared.width()).min(largest);
-        if let Some(found) = found.filter(|found| *found >= least) {
-            return found;
-        }
-        let most = width(p * (1.0 + CUT_OFF));
-        let agrees = |step_over: &f64| (least..=most).contains(step_over);
-        let quick = cleared(p).and_then(|cleared| {
-            let lengths = Lengths { level: p, step_over: cleared.width(), mark_spacing: pattern.spacing };
-            self.polished(&pattern, lengths, &cleared, Sought::StepOver).map(|lengths| lengths.step_over)
+    /// An approximation of the largest step-over that keeps the height p, at most `largest`: a ridge, or the width of the
+    /// outline.
+    pub(super) fn step_over_on_concave(&self, p: f64, pattern: Pattern, largest: f64) -> f64 {
+        let outlook = Outlook::new(&self.body, p, self.body.reach() + largest);
+        let rows = self.rows(&outlook, outlook.first(), p, &pattern);
+        let (f, deepest) = (pattern.spacing, pattern.deepest_spacing());
+        let cleared = |share: f64| rows.cleared(share * f, share * deepest).filter(|cleared| cleared.width() > 0.0);
+        let here = if f == 0.0 { Some(rows.extent()) } else { cleared(1.0) };
+        let near = here.or_else(|| cleared(1.0 - COARSE));
+        let ridge = near.and_then(|cleared| {
+            let lengths = Lengths { level: p, step_over: cleared.width(), mark_spacing: f };
+            let step_over = self.ridge(&pattern, Sought::StepOver, lengths, &cleared)?.lengths.step_over;
+            let share = Self::share(&rows, step_over, &pattern).map_or(0.0, |(share, _)| share);
+            (1.0 - CUT_OFF..1.0 + COARSE).contains(&share).then_some(step_over)
         });
-        let general = || Some(Section::new(&self.body, pattern, 2.0 * largest).width(p)).filter(agrees);
-        quick.filter(agrees).or_else(general).unwrap_or_else(|| width(p))
+        ridge.or_else(|| here.map(|cleared| cleared.width())).unwrap_or(0.0).min(largest)
     }
 
-    /// The largest feed per tooth, at most `largest`, that keeps the height p in passes s apart. It is `found`, which
-    /// keeps p, unless the outline has a larger one; then it is the result of a search from the outline.
-    pub(super) fn feed_on_concave(&self, p: f64, s: f64, found: Option<f64>, largest: f64) -> Option<f64> {
-        let outlook = Outlook::new(&self.body, p * (1.0 - COARSE));
-        let with_shallow = |deep: Outline, p: f64| (deep, (self.drop > 0.0 && p > self.drop).then(|| outlook.at(p - self.drop, &deep)));
-        let outlines = |p: f64| with_shallow(outlook.at(p, outlook.first()), p);
-        let cleared = |(deep, shallow): &(Outline, Option<Outline>), feed: f64| {
-            let pattern = self.pattern(feed);
-            if pattern.is_even() { deep.cleared(feed) } else { deep.cleared_by(&pattern, shallow.as_ref()) }
-        };
-        let is_wide =
-            |outlines: &(Outline, Option<Outline>), feed: f64| cleared(outlines, feed).is_some_and(|cleared| cleared.width() >= s);
-        let under = with_shallow(*outlook.first(), outlook.height());
-        if let Some(found) = found.filter(|found| !is_wide(&under, *found)) {
-            return Some(found);
+    /// An approximation of the largest feed per tooth that keeps the height p in passes s apart, at most `largest`, from a
+    /// ridge or the outline; `None` if none does from [`Length::SMALLEST`] on.
+    pub(super) fn feed_on_concave(&self, p: f64, s: f64, largest: f64) -> Option<f64> {
+        let outlook = Outlook::new(&self.body, p, self.body.reach() + s);
+        let rows = self.rows(&outlook, outlook.first(), p, &self.pattern(1.0));
+        let cleared = |feed: f64| rows.cleared(feed, self.pattern(feed).deepest_spacing()).filter(|cleared| cleared.width() >= s);
+        let (mut low, mut high) = ((0.0, None), largest);
+        if let Some(cleared) = cleared(largest) {
+            low = (largest, Some(cleared));
         }
-        let (here, over) = (outlines(p), outlines(p * (1.0 + CUT_OFF)));
-        let agrees = |feed: &f64| is_wide(&over, *feed) && !is_wide(&under, *feed);
-        if is_wide(&here, largest) {
-            return Some(largest);
-        }
-        let (mut low, mut high) = (0.0, largest);
-        while high - low > 0.1 * COARSE * high {
-            let middle = if low > 0.0 { f64::midpoint(low, high) } else { high / 4.0 };
-            if is_wide(&here, middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-            if high < Length::SMALLEST {
-                return None;
+        while high - low.0 > 0.003 * high && high > 0.5 * Length::SMALLEST {
+            let middle = if low.0 > 0.0 { f64::midpoint(low.0, high) } else { high / 4.0 };
+            match cleared(middle) {
+                Some(cleared) => low = (middle, Some(cleared)),
+                None => high = middle,
             }
         }
-        let pattern = self.pattern(low);
-        let lengths = Lengths { level: p, step_over: s, mark_spacing: low };
-        let quick = cleared(&here, low).and_then(|cleared| self.polished(&pattern, lengths, &cleared, Sought::MarkSpacing));
-        let quick = quick.map(|lengths| lengths.mark_spacing).filter(agrees);
-        let general = || self.feed_between(p, s, (low * (1.0 - CUT_OFF)).max(Length::SMALLEST), (low * (1.0 + CUT_OFF)).min(largest));
-        Some(quick.or_else(|| general().filter(agrees)).unwrap_or(low))
-    }
-
-    /// The ridge by Newton's method, starting from the ridge on the outline.
-    fn polished(&self, pattern: &Pattern, lengths: Lengths, cleared: &Cleared, sought: Sought) -> Option<Lengths> {
-        if !pattern.is_even() || !self.is_quick(pattern.spacing) {
-            return None;
-        }
-        let place = Place { t: cleared.right, x: [cleared.right_x; 2], neighbour_x: [cleared.left_x; 2] };
-        newton::solve_from(&self.body, sought, lengths, place, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
+        let (feed, near) = low;
+        let ridge = near.and_then(|cleared| {
+            let lengths = Lengths { level: p, step_over: s, mark_spacing: feed };
+            let feed = self.ridge(&self.pattern(feed), Sought::MarkSpacing, lengths, &cleared)?.lengths.mark_spacing;
+            let share = Self::share(&rows, s, &self.pattern(feed)).map_or(0.0, |(share, _)| share);
+            (1.0 - CUT_OFF..1.0 + COARSE).contains(&share).then_some(feed)
+        });
+        let value = ridge.unwrap_or(feed).min(largest);
+        (value >= Length::SMALLEST).then_some(value)
     }
 }

@@ -14,7 +14,7 @@
 //! - `newton`: the fast search on all unknowns at once, with a proof of the result; `clearing` and `runout`: the same
 //!   with runout; `sharp_edge`: sharp edges on curved surfaces
 //! - `section`: the general search; `chord`: the search along the feed, which the other searches use
-//! - `concave` and `outline`: surfaces on which the section need not be convex
+//! - `concave`, `outline` and `local`: surfaces on which the section need not be convex
 //! - `body`: the cutter's solid over the surface
 //! - `turning_marks`: the ridge between marks that have normals of their own on a curved surface; `third_order`: the
 //!   answers corrected by it
@@ -24,6 +24,7 @@ mod chord;
 mod clearing;
 mod closed_form;
 mod concave;
+mod local;
 mod newton;
 mod outline;
 mod runout;
@@ -37,6 +38,7 @@ use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Direction, Length};
 use body::Body;
+use clearing::Clearing;
 use newton::{Lengths, Sought};
 use section::{Pattern, Section};
 use std::convert::Infallible;
@@ -130,12 +132,12 @@ impl Envelope {
         } else {
             None
         };
-        let height = |feed: f64| self.level(s, self.pattern(feed));
+        let height = |feed: f64| self.height(s, self.pattern(feed)).ok();
         let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
         let found = self.feed_at(tolerance.mm(), s, quick, guess, largest);
-        match found {
+        match found.and_then(|feed| self.confirmed(feed, tolerance.mm(), largest, height)) {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
-            Some(feed) => self.confirmed(feed, tolerance.mm(), height).map_or_else(used_up, |feed| Ok(Length::computed(feed))),
+            Some(feed) => Ok(Length::computed(feed)),
             // The tolerance allows only feeds below the smallest accepted one.
             None => used_up(),
         }
@@ -213,35 +215,43 @@ impl Envelope {
         let width = if self.is_convex_up_to(p) {
             quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p))
         } else {
-            self.step_over_on_concave(p, pattern, quick, largest)
+            quick.unwrap_or_else(|| self.step_over_on_concave(p, pattern, largest))
         };
         // If only the overlap of the passes limits the step-over, the result is that limit.
-        if width >= largest * (1.0 - 1e-12) {
-            Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
-        } else if width < Length::SMALLEST {
-            Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(self.height(Length::SMALLEST, pattern)?) })
-        } else {
-            if self.body.is_concave() && width > self.body.reach() {
-                // On a concave surface, the height is evaluated to check that passes this wide still overlap.
-                self.height(width, pattern)?;
-            }
-            let confirmed = self.confirmed(width, p, |step_over| self.level(step_over, pattern)).map(Length::computed);
-            confirmed.map_or_else(|| Err(NoAnswer::FeedUsesUpTolerance { feed_height: tolerance }), Ok)
+        let no_limit = Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) });
+        if width >= largest * (1.0 - 1e-12) && (self.is_convex_up_to(p) || self.has_third_order()) {
+            return no_limit;
+        }
+        if width < Length::SMALLEST {
+            return Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(self.height(Length::SMALLEST, pattern)?) });
+        }
+        match self.confirmed(width, p, largest, |step_over| self.height(step_over, pattern).ok()) {
+            Some(step_over) if step_over >= largest * (1.0 - 1e-12) => no_limit,
+            Some(step_over) => Ok(Length::computed(step_over)),
+            None => Err(NoAnswer::FeedUsesUpTolerance { feed_height: tolerance }),
         }
     }
 
-    /// `found`, or on a concave surface a smaller value at which the height keeps the tolerance; `None` if the smallest
-    /// value does not.
+    /// `found`, or the largest value up to `largest` at which the height keeps the tolerance; `None` if the smallest value
+    /// does not keep it.
     ///
-    /// If the section is not convex, an inverse and the height can differ by the error of their outlines. The height
-    /// decides, so that no answer exceeds the tolerance.
-    fn confirmed(&self, found: f64, tolerance: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-        if self.is_convex_up_to(tolerance) {
+    /// The height decides, so that no answer exceeds the tolerance. If the section is not convex, `found` and the height
+    /// can belong to different ridges. With runout, `found` can be a length at which the height jumps, so that its
+    /// rounding error exceeds the tolerance. Before a correction by the third order, `found` is only a guess.
+    fn confirmed(&self, found: f64, tolerance: f64, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let is_convex = self.is_convex_up_to(tolerance);
+        if is_convex && self.drop == 0.0 || self.has_third_order() {
             return Some(found);
         }
-        let keeps = |value: &f64| height(*value).is_some_and(|height| height <= tolerance * (1.0 + 1e-9));
-        let smaller = [1.0, 0.98, 0.95, 0.9, 0.7, 0.3].map(|share| share * found);
-        smaller.into_iter().chain([Length::SMALLEST]).filter(|value| *value >= Length::SMALLEST).find(keeps)
+        if is_convex {
+            let keeps = |value: &f64| height(*value).is_some_and(|height| height <= tolerance * (1.0 + 1e-9));
+            let smaller = [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9].map(|share| share * found);
+            if let Some(kept) = smaller.into_iter().find(keeps) {
+                return Some(kept);
+            }
+        }
+        let found = found.clamp(Length::SMALLEST, largest);
+        Self::largest_within(tolerance, found, Some(found), largest, height)
     }
 
     /// Whether the section at the height p is known to be convex.
@@ -258,7 +268,11 @@ impl Envelope {
     /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
     /// wall.
     fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
-        if self.is_quick(lengths.mark_spacing) { newton::solve(&self.body, sought, lengths) } else { None }
+        if self.is_quick(lengths.mark_spacing) {
+            newton::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
+        } else {
+            None
+        }
     }
 
     /// Whether a sharp edge without marks cuts a concave surface, in which case `sharp_edge` finds the ridge.
@@ -276,17 +290,21 @@ impl Envelope {
 
     /// h for passes s apart with a pattern of marks, both in the tangent plane.
     fn height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
-        let f = pattern.spacing;
-        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
         let outer = self.cutter.outer_radius().mm();
-        if across > 2.0 * outer || s > self.largest_step_over(0.0) {
+        if s * self.spacing_ratio() > 2.0 * outer || s > self.largest_step_over(0.0) {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
         }
-        // The largest step-over and feed lie on this border to a few roundings.
-        if across.hypot(along) > 2.0 * outer * (1.0 + 16.0 * f64::EPSILON) {
+        if !self.overlap(s, pattern.spacing) {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
         self.level(s, pattern).ok_or_else(|| self.no_height(s))
+    }
+
+    /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
+    /// limit, up to a few rounding errors.
+    fn overlap(&self, s: f64, f: f64) -> bool {
+        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
+        across.hypot(along) <= 2.0 * self.cutter.outer_radius().mm() * (1.0 + 16.0 * f64::EPSILON)
     }
 
     /// h for passes and marks that overlap seen from above; `None` if no height clears s, which can happen on a curved
@@ -295,7 +313,10 @@ impl Envelope {
         let f = pattern.spacing;
         if !pattern.is_even() {
             let quick = self.level_on_floor_or_wall(s, &pattern).or_else(|| self.quick_level_with_runout(s, &pattern));
-            return quick.filter(|level| self.is_convex_up_to(*level)).or_else(|| self.searched_level(s, pattern, self.guess(s, pattern)));
+            return match quick {
+                Some(level) if self.is_convex_up_to(level) => Some(level),
+                quick => self.searched_level(s, pattern, quick),
+            };
         }
         if self.pass.surface.is_plane()
             && let Some(closed) = self.closed_form(s, f)
@@ -310,8 +331,7 @@ impl Envelope {
         };
         match quick {
             Some(level) if self.is_convex_up_to(level) => Some(level),
-            Some(level) => self.height_on_concave(s, pattern, Some(level), true),
-            None => self.searched_level(s, pattern, lengths.level),
+            quick => self.searched_level(s, pattern, quick),
         }
     }
 
@@ -365,13 +385,32 @@ impl Envelope {
         ((diameter - s) * (diameter + s)).max(0.0).sqrt()
     }
 
-    /// h by the general search.
-    fn searched_level(&self, s: f64, pattern: Pattern, guess: f64) -> Option<f64> {
-        let level = Some(Section::new(&self.body, pattern, 2.0 * s).level(s, guess)).filter(|level| *level <= Length::LARGEST);
-        if !self.body.is_concave() || level.is_some_and(|level| self.is_convex_up_to(level)) {
-            return level;
+    /// A height that clears passes s apart on a plane; infinity on other surfaces, and if passes and marks do not overlap
+    /// seen from above.
+    ///
+    /// The rectangle between four marks, centred under the cutter's axis and seen from above, lies in the circle of
+    /// radius R. Its corners are in the body if they are not below the upper end of the corner's round, which is r
+    /// cos(S) above the contact. At the height p, a corner a + r sin(S) + c from the contact along the steepest line is
+    /// (p - sin(S) (a + r sin(S) + c)) / cos(S) above it. With the largest c this gives p = r + sin(S) (a + c). A
+    /// shallow mark needs delta more.
+    fn ceiling(&self, s: f64, pattern: &Pattern) -> f64 {
+        if !self.pass.surface.is_plane() || !self.overlap(s, pattern.spacing) {
+            return f64::INFINITY;
         }
-        self.height_on_concave(s, pattern, level, false)
+        let (contact, core) = (self.contact(), self.cutter.core_radius().mm());
+        let (across, along) = (s * self.spacing_ratio(), pattern.spacing * self.climb.cos());
+        let furthest = f64::midpoint(across * contact.alpha().sin().abs(), along * contact.alpha().cos().abs());
+        let drop = if pattern.is_even() { 0.0 } else { pattern.drop };
+        self.cutter.corner_radius().mm() + contact.slope().sin() * (core + furthest) + drop
+    }
+
+    /// h by the general search, or on a concave surface by the outline, which checks what the fast search found.
+    fn searched_level(&self, s: f64, pattern: Pattern, quick: Option<f64>) -> Option<f64> {
+        if self.body.is_concave() {
+            return self.level_on_concave(s, pattern, quick);
+        }
+        let level = Section::new(&self.body, pattern, 2.0 * s).level(s, self.guess(s, pattern), self.ceiling(s, &pattern));
+        Some(level).filter(|level| *level <= Length::LARGEST)
     }
 
     /// The reason why passes s apart have no height although they and their marks overlap seen from above: on a curved
@@ -382,7 +421,7 @@ impl Envelope {
         let width = |p: f64| {
             let pattern = Pattern::even(0.0);
             if self.body.is_concave() {
-                self.step_over_on_concave(p, pattern, None, 2.0 * s)
+                self.step_over_on_concave(p, pattern, 2.0 * s)
             } else {
                 Section::new(&self.body, pattern, 2.0 * s).width(p)
             }
@@ -401,7 +440,7 @@ impl Envelope {
     /// of the fast search; otherwise the search starts from `guess`.
     fn feed_at(&self, p: f64, s: f64, quick: Option<f64>, guess: f64, largest: f64) -> Option<f64> {
         if !self.is_convex_up_to(p) {
-            return self.feed_on_concave(p, s, quick, largest);
+            return quick.or_else(|| self.feed_on_concave(p, s, largest));
         }
         quick.or_else(|| self.feed_held(p, s, guess, largest))
     }

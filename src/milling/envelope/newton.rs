@@ -18,6 +18,7 @@
 use super::body::Body;
 use super::chord::{Accuracy, balance};
 use super::clearing::{Clearing, Held, Row};
+use super::local;
 
 /// The height p of the ridge, the step-over s and the distance f of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
@@ -50,11 +51,24 @@ pub(super) struct Ridge {
     pub(super) place: Place,
 }
 
-/// The ridge on the body for marks of equal depth. In `lengths`, the unknown is a guess. `None` unless the result is
-/// proved.
-pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths) -> Option<Lengths> {
-    let both = [Clearing::EVEN; 2];
-    solve_from(body, sought, lengths, Place::start(body, lengths.step_over, both, lengths.mark_spacing), both).map(|ridge| ridge.lengths)
+/// The ridge on the body, whose sought length is a guess in `lengths`; `None` unless the result is proved.
+///
+/// If the searches of chords do not converge on a convex section, the steps of [`local`] do, from the contact or, near
+/// the floor, from under the axis. Convexity proves these results, too: a ridge near the start is the only one.
+pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths, marks: [Clearing; 2]) -> Option<Ridge> {
+    let place = Place::start(body, lengths.step_over, marks, lengths.mark_spacing);
+    let found = solve_from(body, sought, lengths, place, marks);
+    if found.is_some() || body.is_concave() {
+        return found;
+    }
+    let under_axis = || {
+        let mut lengths = lengths;
+        if matches!(sought, Sought::Level) {
+            lengths.level = lengths.level.max(body.height_under_axis(lengths.step_over.hypot(lengths.mark_spacing)));
+        }
+        local::solve(body, sought, lengths, Place::under_axis(body, lengths, marks), marks)
+    };
+    local::solve(body, sought, lengths, place, marks).or_else(|| if body.is_nearly_level() { under_axis() } else { None })
 }
 
 /// The ridge, searched from a position near it. Different marks may clear its near and its far edge.
@@ -121,24 +135,24 @@ pub(super) fn solve_from(
 
 /// The changes of the lengths in a step; all except that of the unknown are 0.
 #[derive(Debug, Clone, Copy)]
-struct Change {
-    rise: f64,
-    wider: f64,
-    longer: f64,
+pub(super) struct Change {
+    pub(super) rise: f64,
+    pub(super) wider: f64,
+    pub(super) longer: f64,
 }
 
 impl Change {
-    const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
+    pub(super) const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
 }
 
 /// The change, limited so that a length shrinks at most to a quarter and grows at most fourfold: far from the root, a
 /// tangent may lead below 0 or very far away. The height needs only the former limit, because no tangent leads above h.
-fn bounded(change: f64, length: f64) -> f64 {
+pub(super) fn bounded(change: f64, length: f64) -> f64 {
     change.clamp(-0.75 * length, 3.0 * length)
 }
 
 /// Moves the position by a step of t, and the ends of both chords accordingly.
-fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Change) {
+pub(super) fn follow(place: &mut Place, (near, far): (&Held, &Held), aside: f64, change: Change) {
     place.t += aside;
     for (x, shift) in place.x.iter_mut().zip(&near.shifts) {
         *x += shift.of(aside, change.rise, change.longer);
@@ -158,6 +172,13 @@ pub(super) struct Place {
 }
 
 impl Place {
+    /// The position on both sides of the axis, around which a nearly level section lies.
+    fn under_axis(body: &Body, Lengths { step_over, mark_spacing, .. }: Lengths, marks: [Clearing; 2]) -> Self {
+        let [x, t] = body.flat_centre();
+        let [near, far] = marks.map(|marks| x + marks.spacing(mark_spacing) / 2.0);
+        Self { t: t + step_over / 2.0, x: [near; 2], neighbour_x: [far; 2] }
+    }
+
     /// The position half-way between the passes, with the chords of a paraboloid with the body's curvature.
     pub(super) fn start(body: &Body, step_over: f64, [near, far]: [Clearing; 2], feed: f64) -> Self {
         let (half_step, radii) = (step_over / 2.0, body.relative_radii());

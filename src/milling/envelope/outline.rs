@@ -14,26 +14,26 @@
 use super::body::Body;
 use super::section::Pattern;
 
-/// The number of lines from the contact, each of which has one corner of the polygon. The first [`FIRST_LINES`] are
-/// spread evenly. The next, up to [`EVEN_LINES`], divide the longest side of the polygon. The last ones are next to the
-/// corners that are furthest across the feed.
-const LINES: usize = 48;
-const FIRST_LINES: usize = 16;
-const EVEN_LINES: usize = 36;
+/// Lines from the contact, by which the polygon is made: a first round of them evenly, then where the polygon's sides
+/// are longest, the last ones beside its corners furthest across the feed.
+const LINES: usize = 42;
+const FIRST_LINES: usize = 14;
+const EVEN_LINES: usize = 32;
 
 /// The largest number of steps of the search for a corner, more than [`CLOSE`] needs.
 const MOST_STEPS: usize = 40;
 
-/// The relative accuracy of a corner's distance from the contact.
-const CLOSE: f64 = 1e-6;
+/// How near to the edge a corner of the polygon is, as a share of its distance from the contact.
+const CLOSE: f64 = 1e-3;
 
 /// The directions of the lines, which are chosen at one height and used at all heights.
 #[derive(Debug)]
 pub(super) struct Outlook<'a> {
     body: &'a Body,
+    /// Places further from the contact are left out, in mm.
+    furthest: f64,
     directions: [[f64; 2]; LINES],
     first: Outline,
-    height: f64,
 }
 
 /// The outline at a height: the furthest visible point (x, t) in each direction.
@@ -42,69 +42,102 @@ pub(super) struct Outline {
     corners: [[f64; 2]; LINES],
 }
 
-/// The interval of offsets that a pass clears. At each of its ends, the coordinate along the feed of the chord between
-/// the marks.
+/// An end of the cleared offsets.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    pub(super) t: f64,
+    /// Where the chords' front ends are along the feed, as in [`super::newton::Place`].
+    pub(super) x: [f64; 2],
+    /// Whether the deepest tooth alone clears it, or all teeth equally deep.
+    pub(super) is_deep: bool,
+}
+
+/// The offsets that a pass clears.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cleared {
-    pub(super) left: f64,
-    pub(super) right: f64,
-    pub(super) left_x: f64,
-    pub(super) right_x: f64,
+    pub(super) left: Edge,
+    pub(super) right: Edge,
 }
 
 impl Cleared {
     pub(super) fn width(&self) -> f64 {
-        self.right - self.left
+        self.right.t - self.left.t
+    }
+
+    /// The same with all places `factor` times as far from the contact.
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let [left, right] = [self.left, self.right].map(|edge| Edge { t: factor * edge.t, x: edge.x.map(|x| factor * x), ..edge });
+        Self { left, right }
     }
 }
 
 impl<'a> Outlook<'a> {
     /// Chooses the lines for the section at about the height p.
-    pub(super) fn new(body: &'a Body, p: f64) -> Self {
-        let (along, across) = (body.along_steepest(), body.along_level());
-        let mut outlook = Self { body, directions: [[0.0; 2]; LINES], first: Outline { corners: [[0.0; 2]; LINES] }, height: p };
-        let mut start = body.reach().min((p * body.reach()).sqrt());
-        #[expect(clippy::cast_precision_loss, reason = "at most 16")]
+    ///
+    /// Sections are up to some thousand times as long along the level line as across it. Directions and sides are
+    /// therefore measured in units of the section's extent along either line. Extents over `reach` do not matter.
+    pub(super) fn new(body: &'a Body, p: f64, reach: f64) -> Self {
+        let mut outlook =
+            Self { body, furthest: 4.0 * reach, directions: [[0.0; 2]; LINES], first: Outline { corners: [[0.0; 2]; LINES] } };
+        let unit = |steep: f64, level: f64| body.along_feed(steep, level);
+        let guess = body.reach().min((p * body.reach()).sqrt());
+        let uphill = outlook.exit(unit(-1.0, 0.0), p, guess);
+        let downhill = outlook.exit(unit(1.0, 0.0), p, guess);
+        let extent = [uphill.max(downhill).min(reach).max(p), body.level_extent(p)];
+        let (mut units, mut measured) = ([[0.0; 2]; LINES], [[0.0; 2]; LINES]);
+        let mut reached = 1.0;
+        #[expect(clippy::cast_precision_loss, reason = "at most 14")]
         for i in 0..FIRST_LINES {
             let (level, steep) = (i as f64 * (std::f64::consts::TAU / FIRST_LINES as f64)).sin_cos();
-            let direction = [steep * along + level * across, level * along - steep * across];
-            start = outlook.exit(direction, p, start);
-            outlook.place(i, direction, start);
+            units[i] = [steep, level];
+            reached = outlook.place(i, units[i], extent, p, reached);
+            measured[i] = units[i].map(|part| part * reached);
+        }
+        let mut sides = [0.0; LINES];
+        let side = |from: [f64; 2], to: [f64; 2]| (from[0] - to[0]).powi(2) + (from[1] - to[1]).powi(2);
+        for i in 0..FIRST_LINES {
+            sides[i] = side(measured[i], measured[(i + 1) % FIRST_LINES]);
         }
         for count in FIRST_LINES..LINES {
-            let corners = &outlook.first.corners;
-            let side = |i: usize| {
-                let (from, to) = (corners[i], corners[if i + 1 == count { 0 } else { i + 1 }]);
-                (from[0] - to[0]).powi(2) + (from[1] - to[1]).powi(2)
-            };
             let longest = if count < EVEN_LINES {
-                (0..count).fold((0, 0.0), |longest, i| if side(i) > longest.1 { (i, side(i)) } else { longest }).0
+                (0..count).fold(0, |longest, i| if sides[i] > sides[longest] { i } else { longest })
             } else {
+                let corners = &outlook.first.corners;
                 let sense = if count % 2 == 0 { 1.0 } else { -1.0 };
                 let furthest = (0..count).fold(0, |best, i| if corners[i][1] * sense > corners[best][1] * sense { i } else { best });
                 let before = if furthest == 0 { count - 1 } else { furthest - 1 };
-                if side(before) > side(furthest) { before } else { furthest }
+                if sides[before] > sides[furthest] { before } else { furthest }
             };
-            let (from, to) = (outlook.directions[longest], outlook.directions[if longest + 1 == count { 0 } else { longest + 1 }]);
-            let middle = [from[0] + to[0], from[1] + to[1]];
+            let next = if longest + 1 == count { 0 } else { longest + 1 };
+            let middle: [f64; 2] = std::array::from_fn(|i| units[longest][i] + units[next][i]);
             let length = middle[0].hypot(middle[1]);
-            let direction = middle.map(|component| component / length);
+            let middle = middle.map(|part| part / length);
+            let (from, to) = (measured[longest], measured[next]);
+            let guess = 0.5 * (from[0].hypot(from[1]) + to[0].hypot(to[1]));
             outlook.directions[longest + 1..=count].rotate_right(1);
             outlook.first.corners[longest + 1..=count].rotate_right(1);
-            let reached = outlook.exit(direction, p, distance_of(outlook.first.corners[longest]));
-            outlook.place(longest + 1, direction, reached);
+            units[longest + 1..=count].rotate_right(1);
+            measured[longest + 1..=count].rotate_right(1);
+            sides[longest + 1..=count].rotate_right(1);
+            let reached = outlook.place(longest + 1, middle, extent, p, guess);
+            units[longest + 1] = middle;
+            measured[longest + 1] = middle.map(|part| part * reached);
+            sides[longest] = side(from, measured[longest + 1]);
+            sides[longest + 1] = side(measured[longest + 1], to);
         }
         outlook
     }
 
-    fn place(&mut self, i: usize, direction: [f64; 2], reached: f64) {
+    /// Places the line number i in a direction that is measured in units of the section's extent along the steepest and
+    /// the level line; returns the distance of the section's edge in the same units, of which `guess` is one.
+    fn place(&mut self, i: usize, [steep, level]: [f64; 2], extent: [f64; 2], p: f64, guess: f64) -> f64 {
+        let along = self.body.along_feed(steep * extent[0], level * extent[1]);
+        let unit = along[0].hypot(along[1]);
+        let direction = along.map(|part| part / unit);
+        let reached = self.exit(direction, p, guess * unit);
         self.directions[i] = direction;
-        self.first.corners[i] = direction.map(|component| component * reached);
-    }
-
-    /// The height for which the lines were chosen.
-    pub(super) fn height(&self) -> f64 {
-        self.height
+        self.first.corners[i] = direction.map(|part| part * reached);
+        reached / unit
     }
 
     /// The outline at the height for which the lines were chosen.
@@ -143,10 +176,13 @@ impl<'a> Outlook<'a> {
             at = if high < f64::INFINITY { 0.5 * (low + high) } else { start };
         }
         for _ in 0..MOST_STEPS {
+            at = at.min(self.furthest);
             let place = outside(at);
             let slope = place.by_feed * direction[0] + place.by_side * direction[1];
             if place.value > 0.0 {
                 high = at;
+            } else if at >= self.furthest {
+                return at;
             } else {
                 low = at;
             }
@@ -161,9 +197,6 @@ impl<'a> Outlook<'a> {
             at = if safe && (high < f64::INFINITY || newton < 8.0 * at) {
                 newton
             } else if high == f64::INFINITY {
-                if low > FURTHEST {
-                    break;
-                }
                 4.0 * at
             } else if low < high / 16.0 {
                 high / 8.0
@@ -179,14 +212,19 @@ fn distance_of([x, t]: [f64; 2]) -> f64 {
     x.hypot(t)
 }
 
-/// The largest distance that is considered, in mm.
-const FURTHEST: f64 = 2e6;
-
-/// A row of the outline: the ends of its intervals, in rising order.
+/// A row of the outline: its intervals' ends in order.
 #[derive(Debug, Clone, Copy)]
 struct Row {
     ends: [f64; 8],
     count: usize,
+}
+
+impl Row {
+    /// The longest interval, of those between `least` and `most`.
+    fn longest(&self, least: f64, most: f64) -> Option<[f64; 2]> {
+        let inside = self.ends[..self.count].chunks_exact(2).filter(|ends| ends[1] > least && ends[0] < most);
+        inside.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0]))).map(|ends| [ends[0], ends[1]])
+    }
 }
 
 impl Outline {
@@ -205,67 +243,112 @@ impl Outline {
         row
     }
 
-    /// The widest interval of offsets that marks of equal depth, f apart, clear; `None` if there is none.
-    pub(super) fn cleared(&self, f: f64) -> Option<Cleared> {
-        self.widest(f, |t| {
-            let row = self.row(t);
-            let longest = row.ends[..row.count].chunks_exact(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
-            Some((longest[1] - longest[0] - f, longest[1]))
-        })
+    /// The rows through the corners, for marks of equal depth.
+    pub(super) fn rows(&self) -> Rows {
+        self.rows_with(|_, deep| MarkedRow { deep: deep[1] - deep[0], front: deep[1], alternating: None })
     }
 
-    /// The widest interval of offsets that a pattern of deep and shallow marks clears. `shallow` is the outline for the
-    /// shallow marks; `None` if these do not reach the height.
-    pub(super) fn cleared_by(&self, pattern: &Pattern, shallow: Option<&Self>) -> Option<Cleared> {
-        let f = pattern.spacing;
-        self.widest(f, |t| {
-            let row = self.row(t);
-            let deep = row.ends[..row.count].chunks_exact(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
-            let alone = deep[1] - deep[0] - pattern.deep_spacing;
-            let alternating = shallow.and_then(|shallow| {
-                let row = shallow.row(t);
-                let inside = row.ends[..row.count].chunks_exact(2).filter(|ends| ends[1] > deep[0] && ends[0] < deep[1]);
-                let ends = inside.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
-                let mixed = (ends[1] - deep[0]).min(deep[1] - ends[0]) - f;
-                Some(if pattern.shallow_pairs { mixed.min(ends[1] - ends[0] - f) } else { mixed })
+    /// The rows through the corners, for a pattern of deep and shallow marks; `shallow` is the outline for the shallow
+    /// ones, `None` where these do not reach as deep.
+    pub(super) fn rows_by_depth(&self, pattern: &Pattern, shallow: Option<&Self>) -> Rows {
+        self.rows_with(|t, deep| {
+            let alternating = shallow.and_then(|shallow| shallow.row(t).longest(deep[0], deep[1])).map(|ends| {
+                let mixed = (ends[1] - deep[0]).min(deep[1] - ends[0]);
+                Alternating { length: if pattern.shallow_pairs { mixed.min(ends[1] - ends[0]) } else { mixed }, front: ends[1] }
             });
-            Some((alternating.map_or(alone, |alternating| alternating.max(alone)), deep[1]))
+            MarkedRow { deep: deep[1] - deep[0], front: deep[1], alternating }
         })
     }
 
-    /// The widest interval of offsets at which `excess` is not negative. It is evaluated at the rows through the
-    /// corners and interpolated linearly between them.
-    fn widest(&self, f: f64, excess: impl Fn(f64) -> Option<(f64, f64)>) -> Option<Cleared> {
+    fn rows_with(&self, marked: impl Fn(f64, [f64; 2]) -> MarkedRow) -> Rows {
         let mut offsets = self.corners.map(|corner| corner[1]);
         offsets.sort_unstable_by(f64::total_cmp);
-        if f <= 0.0 {
-            let x_at = |t: f64| self.corners.iter().find(|corner| corner[1].to_bits() == t.to_bits()).map_or(0.0, |corner| corner[0]);
-            let (left, right) = (offsets[0], offsets[LINES - 1]);
-            return Some(Cleared { left, right, left_x: x_at(left), right_x: x_at(right) });
-        }
+        let furthest = |sense: f64| {
+            let further = |best: [f64; 2], corner: &[f64; 2]| if sense * corner[1] > sense * best[1] { *corner } else { best };
+            let [x, t] = self.corners.iter().fold(self.corners[0], further);
+            Edge { t, x: [x; 2], is_deep: true }
+        };
+        let extent = Cleared { left: furthest(-1.0), right: furthest(1.0) };
+        let marked = offsets.map(|t| self.row(t).longest(f64::NEG_INFINITY, f64::INFINITY).map(|deep| marked(t, deep)));
+        Rows { offsets, marked, extent }
+    }
+}
+
+/// What the marks at one offset clear: the longest interval of the section there and of that for the shallow marks.
+#[derive(Debug, Clone, Copy)]
+struct MarkedRow {
+    deep: f64,
+    front: f64,
+    alternating: Option<Alternating>,
+}
+
+/// The largest distance of marks that alternate in depth, and where the shallow one's interval ends ahead.
+#[derive(Debug, Clone, Copy)]
+struct Alternating {
+    length: f64,
+    front: f64,
+}
+
+/// The rows of an outline through its corners, from left to right.
+#[derive(Debug)]
+pub(super) struct Rows {
+    offsets: [f64; LINES],
+    marked: [Option<MarkedRow>; LINES],
+    extent: Cleared,
+}
+
+impl Rows {
+    /// All offsets of the section, which passes without marks clear.
+    pub(super) fn extent(&self) -> Cleared {
+        self.extent
+    }
+
+    /// The widest interval of offsets that marks f apart, the deepest tooth's `deep_spacing` apart, clear, between the
+    /// rows by proportion; `None` where there is none.
+    pub(super) fn cleared(&self, f: f64, deep_spacing: f64) -> Option<Cleared> {
         let mut best = None::<Cleared>;
-        let mut open = None::<(f64, f64)>;
-        let mut before = None::<(f64, f64, f64)>;
-        // The rows at the outermost corners have no length.
+        let mut open = None::<Edge>;
+        let mut before = None::<(f64, Edge)>;
+        // At the outermost corners rows have no length.
         for i in 0..=LINES {
-            let t = if i == LINES { offsets[LINES - 1] } else { offsets[i] };
-            let found = if i == LINES { None } else { excess(t) };
-            let (value, x) = found.unwrap_or((-f, before.map_or(0.0, |before| before.2)));
-            let crossing = before.map(|(before_t, before_value, _)| before_t + (t - before_t) * before_value / (before_value - value));
+            let t = self.offsets[i.min(LINES - 1)];
+            let marked = self.marked.get(i).copied().flatten();
+            let (value, edge) = marked.map_or_else(
+                || (-f, Edge { t, ..before.map_or(Edge { t, x: [0.0; 2], is_deep: true }, |(_, edge)| edge) }),
+                |row| row.excess(t, f, deep_spacing),
+            );
+            let crossing = before.map(|(before_value, before)| {
+                let share = before_value / (before_value - value);
+                let between = |from: f64, to: f64| from + share * (to - from);
+                let inside = if value >= 0.0 { edge } else { before };
+                let x = std::array::from_fn(|i| if inside.is_deep == edge.is_deep { between(before.x[i], edge.x[i]) } else { inside.x[i] });
+                Edge { t: between(before.t, t), x, ..inside }
+            });
             if value >= 0.0 && open.is_none() {
-                open = Some((before.filter(|before| before.1 < 0.0).and(crossing).unwrap_or(t), x));
+                open = Some(before.filter(|(before, _)| *before < 0.0).and(crossing).unwrap_or(edge));
             }
             if value < 0.0
-                && let (Some((left, left_x)), Some(right), Some((_, _, right_x))) = (open, crossing, before)
+                && let (Some(left), Some(right)) = (open, crossing)
             {
-                let cleared = Cleared { left, right, left_x, right_x };
+                let cleared = Cleared { left, right };
                 if best.is_none_or(|best| best.width() < cleared.width()) {
                     best = Some(cleared);
                 }
                 open = None;
             }
-            before = Some((t, value, x));
+            before = Some((value, edge));
         }
         best
+    }
+}
+
+impl MarkedRow {
+    /// By how much the better kind of marks may be further apart, and the edge that they would have there.
+    fn excess(&self, t: f64, f: f64, deep_spacing: f64) -> (f64, Edge) {
+        let deep = self.deep - deep_spacing;
+        match self.alternating {
+            Some(Alternating { length, front }) if length - f > deep => (length - f, Edge { t, x: [front, self.front], is_deep: false }),
+            _ => (deep, Edge { t, x: [self.front; 2], is_deep: true }),
+        }
     }
 }

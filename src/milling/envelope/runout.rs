@@ -25,16 +25,14 @@ struct Found {
 
 impl Envelope {
     /// The two kinds: marks that alternate in depth, and marks of the deepest tooth alone.
-    fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
+    pub(super) fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
         let drop = self.drop;
         let alternating = if pattern.shallow_pairs { Clearing::Even { feeds: 1.0, drop } } else { Clearing::Mixed { drop } };
         [alternating, Clearing::Even { feeds: pattern.deep_spacing / pattern.spacing, drop: 0.0 }]
     }
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
-        let both = [marks; 2];
-        let place = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        newton::solve_from(&self.body, sought, lengths, place, both).map(|ridge| Found { ridge, marks })
+        newton::solve(&self.body, sought, lengths, [marks; 2]).map(|ridge| Found { ridge, marks })
     }
 
     /// Whether the intervals of both kinds in `marks` meet at a ridge.
@@ -79,7 +77,8 @@ impl Envelope {
         let lengths = |level: f64| Lengths { level, step_over: s, mark_spacing: pattern.spacing };
         let even = |spacing: f64| self.guess(s, Pattern::even(spacing));
         let across = s * self.spacing_ratio();
-        let deep_overlaps = across.hypot(pattern.deep_spacing * self.climb.cos()) <= 2.0 * self.cutter.outer_radius().mm();
+        let (diameter, deep_along) = (2.0 * self.cutter.outer_radius().mm(), pattern.deep_spacing * self.climb.cos());
+        let deep_overlaps = across.hypot(deep_along) <= diameter;
         let by_deep = deep_overlaps.then(|| self.ridge_between(Sought::Level, lengths(even(pattern.deep_spacing)), deep));
         let by_deep = match by_deep {
             Some(found) => Some(found?),
@@ -91,6 +90,8 @@ impl Envelope {
         }
         let by_both = self.ridge_between(Sought::Level, lengths(even(pattern.spacing) + self.drop), alternating)?;
         let ridge = match by_deep {
+            // Deep marks that meet clear a part of the step-over, although not all of it.
+            None if deep_along < diameter => self.or_with(Sought::Level, by_both, deep)?,
             None => by_both.ridge,
             Some(by_deep) if by_deep.ridge.lengths.level < by_both.ridge.lengths.level => {
                 self.or_with(Sought::Level, by_deep, alternating)?

@@ -38,6 +38,11 @@ impl Pattern {
         Self { spacing, deep_spacing: spacing, drop: 0.0, shallow_pairs: false }
     }
 
+    /// The distance of the marks of all teeth that cut as deep as the deepest.
+    pub(super) fn deepest_spacing(&self) -> f64 {
+        if self.is_even() { self.spacing } else { self.deep_spacing }
+    }
+
     /// Whether all marks have the same depth, because all teeth cut equally deep or only one tooth cuts.
     pub(super) fn is_even(&self) -> bool {
         self.drop == 0.0 || self.deep_spacing <= self.spacing
@@ -101,22 +106,25 @@ impl<'a> Section<'a> {
         self.interval(p, None).map_or(0.0, |interval| interval.width().max(0.0))
     }
 
-    /// The height at which the cleared interval is `width` wide, starting from `guess`.
+    /// The height at which the cleared interval is `width` wide, starting from `guess`. At the height `ceiling` it is
+    /// known to be at least as wide; infinity if no such height is known.
     ///
     /// The square of the width is nearly linear in the height, exactly for a paraboloid. Newton's method is therefore
     /// applied to this square, inside a bracket. An interval that is cut off at the widest width has no derivative.
     /// Then, or if three steps have not halved the bracket, the bracket is divided.
-    pub(super) fn level(&self, width: f64, guess: f64) -> f64 {
-        // The interval can be a few roundings too narrow, and at the largest step-over no height would give its width.
-        let width = width * (1.0 - 16.0 * f64::EPSILON);
+    ///
+    /// At the largest step-over, rounding can make every interval narrower than the width. The ceiling is then the
+    /// result.
+    pub(super) fn level(&self, width: f64, guess: f64, ceiling: f64) -> f64 {
         let (mut low, mut high) = (0.0, f64::INFINITY);
-        let mut p = guess;
+        let mut p = guess.min(ceiling);
         let mut last = None::<Interval>;
         let least = f64::EPSILON.powi(2) * width;
         let mut lengths = [f64::INFINITY; 3];
         for step in 0..MOST_STEPS {
-            let found = self.interval(p, last.as_ref());
-            let excess = found.as_ref().map_or(-width, |interval| interval.width() - width);
+            let is_at_ceiling = p >= ceiling;
+            let found = if is_at_ceiling { None } else { self.interval(p, last.as_ref()) };
+            let excess = if is_at_ceiling { 0.0 } else { found.as_ref().map_or(-width, |interval| interval.width() - width) };
             if excess < 0.0 {
                 low = p;
             } else {
@@ -126,7 +134,7 @@ impl<'a> Section<'a> {
                 let (at, slope) = (interval.width(), interval.by_height());
                 p - excess * (at + width) / (2.0 * at * slope)
             });
-            last = found;
+            last = found.or(last);
             // Newton's step squares the error, so that after a step of 1e-12 the error is below rounding. The rounding
             // of the edges can keep steps from becoming smaller.
             if (newton - p).abs() <= 1e-12 * p {
@@ -149,7 +157,8 @@ impl<'a> Section<'a> {
             } else {
                 // The bracket is divided by ratio while it is wide, because the magnitude of the height is unknown.
                 if high > 4.0 * low { (low * high).sqrt() } else { f64::midpoint(low, high) }
-            };
+            }
+            .min(ceiling);
         }
         high.min(f64::MAX)
     }

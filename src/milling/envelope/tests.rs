@@ -58,5 +58,9 @@ fn quarter_turn() -> impl Strategy<Value = f64> {
 
 /// The height by the general search, even if the model has a closed form.
 fn searched(envelope: &Envelope, s: f64, f: f64) -> f64 {
-    Section::new(&envelope.body, Pattern::even(f), 2.0 * s).level(s, envelope.guess(s, Pattern::even(f)))
+    Section::new(&envelope.body, Pattern::even(f), 2.0 * s).level(
+        s,
+        envelope.guess(s, Pattern::even(f)),
+        envelope.ceiling(s, &Pattern::even(f)),
+    )
 }

@@ -153,7 +153,7 @@ impl Envelope {
 
     /// The largest length up to `largest` whose height is at most p: `found`, or the result of a search over the
     /// heights that starts at `guess`; `None` if the height of the smallest length exceeds p.
-    fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
         let is_kept = |length: f64| excess(length) <= ROUNDING;
         if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found))

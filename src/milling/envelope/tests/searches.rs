@@ -25,6 +25,33 @@ fn the_largest_step_over_and_feed_are_in_the_domain() {
     assert_widest_leave_most(cutter, 67.405_866_252_726_36, 12.228_362_219_247_067, 0.952_840_327_116_88);
 }
 
+/// Inputs at which rounding errors of the section, or of the largest step-over, exceed those at other slopes.
+#[test]
+fn the_largest_step_over_has_a_height_beside_a_wall() {
+    let cutter = Cutter::toroidal(mm(18.831_778_998_470_928), mm(7.543_019_925_938_837)).unwrap();
+    assert_widest_leave_most(cutter, 86.318_437_761_672_12, 83.432_599_109_847_3, 0.979_435_833_896_094_5);
+}
+
+/// Marks of the deepest tooth that meet clear offsets beyond those that all marks clear, even if they do not clear the
+/// whole step-over by themselves.
+#[test]
+fn with_runout_deep_marks_extend_the_offsets_that_all_marks_clear() {
+    let (outer, teeth) = (0.5, NonZeroU32::new(5));
+    let runout = Runout::NONE.with_radial_mm(0.004_315_946_068_936_546 * outer).unwrap();
+    let runout = runout.with_axial_mm(0.000_892_927_179_126_459_3 * outer).unwrap();
+    let envelope = Envelope::new(Pass { runout, teeth, ..by_theta(cutter(outer, 0.0), 0.01, 65.000_991_707_652_8).pass }).unwrap();
+    let (s, pattern) = (0.860_414_538_672_917_1 * outer, envelope.pattern(0.397_136_333_858_897_13 * outer));
+    let general = Section::new(&envelope.body, pattern, 2.0 * s).level(s, envelope.guess(s, pattern), envelope.ceiling(s, &pattern));
+    approx::assert_relative_eq!(envelope.height(s, pattern).unwrap(), general, max_relative = 1e-10);
+    // Both intervals meet at this height, so that the step-over jumps there. The deep marks' interval then stays as wide
+    // as it is, so that the height jumps at the largest step-over.
+    let step_over = envelope.second_order_max_step_over(mm(general), Some(mm(pattern.spacing))).unwrap().mm();
+    assert!(step_over > 1.1 * s, "{step_over} {s}");
+    let [height, more] = [1.0, 1.0 + 1e-9].map(|share| envelope.height(share * step_over, pattern).unwrap());
+    approx::assert_relative_eq!(height, general, max_relative = 1e-10);
+    assert!(more > 1.04 * general, "{more} {general}");
+}
+
 proptest! {
     #[test]
     fn the_quick_and_the_general_search_agree(
@@ -51,7 +78,7 @@ proptest! {
         let (s, p) = (share * outer, tolerance * outer);
         let pattern = envelope.pattern(marks * outer);
         prop_assume!(!pattern.is_even());
-        let search = |s: f64, pattern| Section::new(&envelope.body, pattern, 2.0 * s).level(s, envelope.guess(s, pattern));
+        let search = |s: f64, pattern| Section::new(&envelope.body, pattern, 2.0 * s).level(s, envelope.guess(s, pattern), envelope.ceiling(s, &pattern));
         let width = |pattern| Section::new(&envelope.body, pattern, 4.0 * outer / envelope.spacing_ratio().max(1e-9)).width(p);
         if let Ok(level) = envelope.height(s, pattern) {
             // Both have rounding errors of coordinates of the size of R.
