@@ -220,4 +220,44 @@ mod tests {
             }
         }
     }
+
+    /// Curved facets on a slope of 20 deg: convex, concave and twisted, with radii of 50 mm and more.
+    fn curved() -> [FinishFacet; 3] {
+        let (sin, cos) = 20.0_f64.to_radians().sin_cos();
+        let (t, u) = ([cos, 0.0, -sin], [0.0, 1.0, 0.0]);
+        [[0.01, 0.0, 0.02], [-0.008, 0.0, -0.005], [0.005, 0.01, -0.005]].map(|[steepest, twist, level]| {
+            let k = |i: usize, j: usize| steepest * t[i] * t[j] + twist * (t[i] * u[j] + u[i] * t[j]) + level * u[i] * u[j];
+            facet(20.0, [k(0, 0), k(0, 1), k(0, 2), k(1, 1), k(1, 2), k(2, 2)])
+        })
+    }
+
+    #[test]
+    fn heights_grow_with_the_spacing() {
+        for cutter in cutters() {
+            for facet in curved() {
+                for direction in [0.0_f64, 50.0] {
+                    let (sin, cos) = direction.to_radians().sin_cos();
+                    let imprints = Imprints::new(cutter, &facet, [cos, sin]);
+                    let heights: Vec<f64> = [0.1, 0.2, 0.3, 0.4].map(|spacing| imprints.height(spacing, 0.0)).to_vec();
+                    assert!(heights[0] > 0.0 && heights.windows(2).all(|pair| pair[1] > pair[0]), "{heights:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_parts_of_a_strip_have_the_height_of_the_whole() {
+        for cutter in cutters() {
+            for facet in curved() {
+                let imprints = Imprints::new(cutter, &facet, [0.6, 0.8]);
+                let planes = [-0.1, 0.2];
+                let of = |part: [f64; 2]| imprints.height_between(planes, part, 0.05);
+                let parts = [[-0.1, 0.0], [0.0, 0.1], [0.1, 0.2]].map(of);
+                let most = parts.into_iter().fold(0.0, f64::max);
+                // The search across a strip ends within 0.9 % of its highest point.
+                approx::assert_relative_eq!(most, of(planes), max_relative = 0.01);
+                assert!(parts.iter().any(|&part| part < 0.99 * most));
+            }
+        }
+    }
 }
