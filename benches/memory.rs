@@ -182,13 +182,14 @@ fn files() {
     stl[80..84].copy_from_slice(&count.to_le_bytes());
     (0..1000).for_each(|index| text.extend(["1 2 3\n", "4 5 6\n"].map(|line| line.repeat(500 + index % 2))));
     (0..40_000).for_each(|_| obj.extend(["f", &" 1 2 3".repeat(40), "\n"]));
-    let ply = |vertices: usize, of_vertices: &[u8], faces: usize, of_face: &[u8]| {
+    let ply_of = |index: &str, vertices: usize, of_vertices: &[u8], faces: usize, of_face: &[u8]| {
         let header = format!(
             "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty char x\nproperty char y\nproperty char z\n\
-             element face {faces}\nproperty list uchar uchar vertex_indices\nend_header\n"
+             element face {faces}\nproperty list uchar {index} vertex_indices\nend_header\n"
         );
         [header.as_bytes(), of_vertices, &of_face.repeat(faces)].concat()
     };
+    let ply = |vertices, of_vertices, faces, of_face| ply_of("uchar", vertices, of_vertices, faces, of_face);
     let circle: Vec<u8> = (0..250)
         .flat_map(|index| {
             let (sin, cos) = (f64::from(index) / 250.0 * std::f64::consts::TAU).sin_cos();
@@ -200,6 +201,10 @@ fn files() {
     read("text", text.as_bytes());
     read("OBJ", obj.as_bytes());
     read("PLY of triangles", &ply(3, &[0, 0, 0, 9, 0, 0, 0, 9, 0], 1_000_000, &[3, 0, 1, 2]));
+    let wide = |corners: [i32; 3]| std::iter::once(3).chain(corners.into_iter().flat_map(i32::to_le_bytes)).collect::<Vec<u8>>();
+    read("PLY of triangles, wide", &ply_of("int", 3, &[0, 0, 0, 9, 0, 0, 0, 9, 0], 300_000, &wide([0, 1, 2])));
+    let wide_polygon: Vec<u8> = std::iter::once(250).chain((0..250_i32).flat_map(i32::to_le_bytes)).collect();
+    read("PLY of polygons, wide", &ply_of("int", 250, &circle, 3000, &wide_polygon));
     read("PLY of polygons", &ply(250, &circle, 12_000, &polygon));
 }
 

@@ -1,11 +1,16 @@
 //! The memory budget for all data whose size a client determines: heads, bodies, vertices, unsent answers. Code
 //! reserves bytes before it allocates them, and returns them by dropping the reservation.
 
+mod input_queue;
+
+pub use input_queue::InputPlace;
+
 use std::fmt;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use input_queue::InputQueue;
 use tokio::sync::Notify;
 use tokio::sync::futures::Notified;
 use tokio::time::{Instant, timeout_at};
@@ -26,6 +31,8 @@ struct Shared {
     /// At most the least number of bytes that a request waits for. Without it, each of thousands of returns in a second
     /// would wake dozens of requests that wait for far more.
     least_wanted: AtomicU64,
+    /// The inputs that are being read.
+    queue: Mutex<InputQueue>,
 }
 
 /// The reason why bytes were not reserved.
@@ -59,6 +66,7 @@ impl MemoryBudget {
             refusals: AtomicU64::new(0),
             returned: Notify::new(),
             least_wanted: AtomicU64::new(u64::MAX),
+            queue: Mutex::default(),
         }))
     }
 
@@ -67,6 +75,18 @@ impl MemoryBudget {
     #[must_use]
     pub fn largest(&self) -> u64 {
         self.0.total - self.0.total / 4
+    }
+
+    /// The most that inputs and the work on them may reserve. The rest, a sixteenth, is for bodies that arrive while
+    /// those fill the budget: without it, each of them would be refused.
+    fn most_for_work(&self) -> u64 {
+        self.0.total - self.0.total / 16
+    }
+
+    /// The most that inputs may hold when another one grows: as much as the largest reservation leaves of the memory for
+    /// work, so that the work on one of the inputs is always possible.
+    fn most_for_inputs(&self) -> u64 {
+        self.most_for_work() - self.largest()
     }
 
     /// The bytes reserved at this moment.
@@ -85,6 +105,11 @@ impl MemoryBudget {
     pub(crate) fn refuse(&self, exceeded: BudgetExceeded) -> BudgetExceeded {
         self.0.refusals.fetch_add(1, Ordering::Relaxed);
         exceeded
+    }
+
+    /// Whether an input that holds `held` bytes may grow, if it is not the first.
+    fn has_room_for_inputs(&self, held: u64) -> bool {
+        self.0.inputs.load(Ordering::Relaxed).saturating_sub(held) <= self.most_for_inputs()
     }
 
     /// Ready when bytes return after this call and `wanted` bytes may be free.
@@ -115,7 +140,7 @@ impl MemoryBudget {
     }
 
     /// An empty reservation for an input that is stored until its request can be processed. It grows only while the
-    /// other inputs have at most a quarter of the budget. Without this limit, inputs that arrive together could fill
+    /// other inputs have at most three sixteenths of the budget. Without this limit, inputs that arrive together could fill
     /// the budget, and none of their requests would get the memory for its work.
     pub fn open_for_input(&self) -> Reservation {
         Reservation { budget: self.clone(), bytes: 0, is_input: true }
@@ -197,13 +222,27 @@ impl Reservation {
     /// # Errors
     /// [`BudgetExceeded`]; the reservation is unchanged then.
     pub fn try_grow(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
+        self.try_grow_beside(bytes, self.budget.most_for_inputs())
+    }
+
+    /// The same for the first of the inputs that are being read, however much the others hold.
+    fn try_grow_first(&mut self, bytes: u64) -> Result<(), BudgetExceeded> {
+        self.try_grow_beside(bytes, u64::MAX)
+    }
+
+    /// Reserves `bytes` more. For an input, the other inputs may hold `most_of_others` bytes.
+    fn try_grow_beside(&mut self, bytes: u64, most_of_others: u64) -> Result<(), BudgetExceeded> {
+        if bytes == 0 {
+            return Ok(());
+        }
         let Shared { total, reserved, inputs, .. } = &*self.budget.0;
         let own = self.bytes.checked_add(bytes).filter(|own| *own <= self.budget.largest()).ok_or(BudgetExceeded::Always)?;
         // No overflow: `reserved` and `bytes` are at most `total`, and a sum beyond it is not stored.
-        let add = |reserved: u64| reserved.checked_add(bytes).filter(|sum| sum <= total);
+        let most = if self.is_input { self.budget.most_for_work() } else { *total };
+        let add = |reserved: u64| reserved.checked_add(bytes).filter(|sum| *sum <= most);
         if self.is_input {
             // No underflow: `inputs` includes this reservation.
-            let add = |inputs: u64| (inputs - self.bytes <= total / 4).then(|| inputs.saturating_add(bytes));
+            let add = |inputs: u64| (inputs - self.bytes <= most_of_others).then(|| inputs.saturating_add(bytes));
             inputs.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add).map_err(|_| BudgetExceeded::Now)?;
         }
         if reserved.fetch_update(Ordering::SeqCst, Ordering::SeqCst, add).is_err() {
@@ -220,23 +259,24 @@ impl Reservation {
     /// input.
     ///
     /// # Errors
-    /// [`BudgetExceeded::Now`] if the other inputs hold more than a quarter of the budget.
+    /// [`BudgetExceeded::Now`] if the other inputs hold more than three sixteenths of the budget.
     pub fn begin_wait(&mut self) -> Result<(), BudgetExceeded> {
         if self.is_input {
             return Ok(());
         }
-        let Shared { total, inputs, .. } = &*self.budget.0;
-        let add = |inputs: u64| (inputs <= total / 4).then(|| inputs.saturating_add(self.bytes));
+        let (inputs, most) = (&self.budget.0.inputs, self.budget.most_for_inputs());
+        let add = |inputs: u64| (inputs <= most).then(|| inputs.saturating_add(self.bytes));
         let added = inputs.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
         added.map_err(|_| self.budget.refuse(BudgetExceeded::Now))?;
         self.is_input = true;
         Ok(())
     }
 
-    /// The largest size to which the reservation can grow now. Other requests may reserve the bytes first.
+    /// The largest size to which the reservation of an input's work can grow now. Other requests may reserve the bytes
+    /// first.
     #[must_use]
     pub fn attainable(&self) -> u64 {
-        let free = self.budget.0.total.saturating_sub(self.budget.reserved());
+        let free = self.budget.most_for_work().saturating_sub(self.budget.reserved());
         self.bytes.saturating_add(free).min(self.budget.largest())
     }
 
@@ -307,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_grow_while_the_others_hold_at_most_a_quarter() {
+    fn inputs_grow_while_the_others_hold_at_most_three_sixteenths() {
         let budget = MemoryBudget::new(100);
         let (mut first, mut second, mut work) = (budget.open_for_input(), budget.open_for_input(), budget.open());
         first.grow(30).unwrap();
@@ -315,9 +355,11 @@ mod tests {
         first.grow(30).unwrap();
         work.grow(40).unwrap();
         assert_eq!(first.grow(1), Err(BudgetExceeded::Now));
-        first.shrink_to(25);
+        // What is reserved stays reserved.
+        second.resize(0).unwrap();
+        first.shrink_to(19);
         second.grow(10).unwrap();
-        assert_eq!(budget.reserved(), 75);
+        assert_eq!(budget.reserved(), 69);
         let mut waiting = budget.open_for_input();
         second.grow(20).unwrap();
         assert_eq!(waiting.grow(1), Err(BudgetExceeded::Now));
@@ -325,14 +367,16 @@ mod tests {
         waiting.grow(1).unwrap();
         drop((first, second, waiting));
         let mut third = budget.open_for_input();
-        third.grow(60).unwrap();
-        assert_eq!(budget.reserved(), 100);
+        third.grow(54).unwrap();
+        assert_eq!((third.grow(1), budget.reserved()), (Err(BudgetExceeded::Now), 94));
+        // The rest is for bodies.
+        work.grow(6).unwrap();
     }
 
     #[test]
     fn requests_that_wait_for_their_work_leave_memory_for_one_of_them() {
         let budget = MemoryBudget::new(100);
-        let (mut first, mut second, mut third) = (budget.reserve(25).unwrap(), budget.reserve(25).unwrap(), budget.reserve(25).unwrap());
+        let (mut first, mut second, mut third) = (budget.reserve(19).unwrap(), budget.reserve(19).unwrap(), budget.reserve(25).unwrap());
         assert_eq!([&first, &second].map(Reservation::attainable), [50, 50]);
         first.begin_wait().unwrap();
         first.begin_wait().unwrap();

@@ -87,7 +87,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
     })
 }
 
-/// Answers a batch whose contacts can be read in one pass, without a check of the body's syntax before. `None` where
+/// Answers a batch whose contacts can be read in one pass, without a check of the body's syntax before. `None` if
 /// the request may have faults other than those of single contacts; then nothing is answered yet.
 fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Result<WrittenJson, Problem>> {
     let cut = CutOut::of(body, CONTACTS)?;
@@ -160,7 +160,7 @@ impl<C: Calculation> Batch<C> {
         ReadBatch { shared, defaults, calculation, selection: Selection::read::<C>(object, faults) }
     }
 
-    /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` where the general reader has
+    /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` if the general reader has
     /// to read them.
     fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<(Part, usize)> {
         let (parts, count) = (Parts::default(), AtomicUsize::new(0));
@@ -178,12 +178,12 @@ impl<C: Calculation> Batch<C> {
     fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
         let mut json = PlainJson::new(run);
         let mut part = self.part(run.len() / USUAL_CONTACT);
+        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
         while !cancel.is_cancelled() {
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
             let path = JsonPath::Root;
             let contact = BatchContact::read_next(&mut json, C::STATED, &self.defaults, path, &mut faults)?;
             let index = part.count;
-            self.take_in(&mut part, index, contact, path, faults);
+            self.take_in(&mut part, index, contact, path, &mut faults);
             if json.is_at_end() {
                 break;
             }
@@ -199,23 +199,24 @@ impl<C: Calculation> Batch<C> {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
-                let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, C::STATED, &self.defaults, path, &mut faults);
-                self.take_in(&mut part, index, contact, path, faults);
+                self.take_in(&mut part, index, contact, path, &mut faults);
             }
             parts.insert(chunk, part);
         });
         self.joined(parts, None)
     }
 
-    /// Adds the contact `index` to a part: its figures, or its faults if it has no answer.
+    /// Adds the contact `index` to a part: its figures, or its faults if it has no answer. `faults` are empty
+    /// afterwards, for the next contact.
     #[inline]
-    fn take_in(&self, part: &mut Part, index: usize, contact: Result<BatchContact, Faulted>, path: JsonPath<'_>, mut faults: Faults) {
+    fn take_in(&self, part: &mut Part, index: usize, contact: Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
         part.count += 1;
-        if contact.and_then(|contact| self.compute_contact(part, index, contact, path, &mut faults)).is_err() {
-            part.fail(index, faults);
+        if contact.and_then(|contact| self.compute_contact(part, index, contact, path, faults)).is_err() {
+            part.fail(index, std::mem::replace(faults, Faults::at_most(MOST_FAULTS_OF_A_CONTACT)));
         }
     }
 
@@ -235,15 +236,25 @@ impl<C: Calculation> Batch<C> {
         // The fault points to the contact as a whole: any of its parameters, defaults included, may be the cause.
         let mut fail =
             |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
-        let pass = single::evaluate(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
-        let figures = single::compute(&self.calculation, &self.shared, &pass, step_over, &parameters, self.heights)?;
-        let mut figures = figures.map_err(fail)?;
+        // The results are borrowed: they are large, and each `?` would copy them.
+        let evaluated = single::evaluate(&self.shared, contact, &parameters);
+        let pass = match &evaluated {
+            Ok(Ok(pass)) => pass,
+            Ok(Err(cause)) => return Err(fail(*cause)),
+            Err(faulted) => return Err(*faulted),
+        };
+        let mut computed = single::compute(&self.calculation, &self.shared, pass, step_over, &parameters, self.heights);
+        let figures = match &mut computed {
+            Ok(Ok(figures)) => figures,
+            Ok(Err(cause)) => return Err(fail(*cause)),
+            Err(faulted) => return Err(*faulted),
+        };
         if self.is_compared {
-            let check = single::compare(&pass, &figures);
+            let check = single::compare(pass, figures);
             part.outside_range += usize::from(single::is_outside_range(&check));
             figures.check = check.ok();
         }
-        part.add(index, &figures, &pass, &self.selection);
+        part.add(index, figures, pass, &self.selection);
         Ok(())
     }
 
@@ -340,7 +351,7 @@ impl Part {
         }
     }
 
-    /// The answer, or the faults where no contact has one.
+    /// The answer, or the faults if no contact has one.
     fn answer<C>(self, batch: &Batch<C>, count: usize, cancel: &CancelFlag, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
         if cancel.is_cancelled() {
             // The answer of a cancelled batch is discarded.

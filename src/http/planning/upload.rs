@@ -23,6 +23,7 @@ use crate::surface::read::{self, Format, FormatHint, Reader};
 use crate::tooling::ToolLibrary;
 use axum::body::Bytes;
 use axum::extract::State;
+use std::time::Duration;
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -85,8 +86,10 @@ struct Received {
     libraries: Libraries,
     /// Faults of the form itself.
     faults: Vec<Fault>,
-    /// The reserved memory of surface and libraries, until the answer is ready.
-    memory: Vec<Reservation>,
+    /// The reserved memory of the surface as it was read, until it is prepared for the plan.
+    surface_memory: Option<Reservation>,
+    /// The reserved memory of the libraries, until the answer is ready.
+    library_memory: Vec<Reservation>,
 }
 
 impl Received {
@@ -96,9 +99,9 @@ impl Received {
         while let Some(head) = form.next().await? {
             match head.name.as_deref() {
                 Some(name) if name == SURFACE.name && received.surface.is_none() => {
-                    let (surface, memory) = read_file(form, &head, work, metrics, work.budget().open_for_input()).await?;
+                    let (surface, memory) = read_file(form, &head, work, metrics).await?;
                     received.surface = Some(surface);
-                    received.memory.push(memory);
+                    received.surface_memory = Some(memory);
                 }
                 Some(PARAMETERS) if received.parameters.is_none() => {
                     received.parameters = Some(read_small(form, PARAMETERS, LARGEST_PARAMETERS, &mut work.reserve(0)?).await?);
@@ -119,7 +122,7 @@ impl Received {
         self.libraries.push(library);
         // A library has at most ten thousand tools, each with a name and figures.
         memory.shrink_to(MEMORY_OF_A_LIBRARY);
-        self.memory.push(memory);
+        self.library_memory.push(memory);
         Ok(())
     }
 
@@ -152,7 +155,7 @@ impl Received {
     }
 
     fn answer(mut self, resources: Resources, budget: &MemoryBudget, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
-        self.memory.iter_mut().for_each(Reservation::begin_work);
+        self.surface_memory.iter_mut().for_each(Reservation::begin_work);
         let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
             let _ = (self.surface(&mut faults), self.libraries.check(&mut faults));
@@ -169,6 +172,7 @@ impl Received {
             task.warn(warnings);
             Ok(task)
         })?;
+        drop(self.surface_memory.take());
         answer_to(task, resources, cancelled)
     }
 
@@ -187,30 +191,45 @@ impl Received {
 }
 
 /// Reads the part with the surface file. The outer error is the form's, the inner one the file's. While one block is
-/// parsed, the next is received; only these two are in memory. `memory` is the file's reservation.
-async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics, memory: Reservation) -> Result<ReadFile, Problem> {
+/// parsed, the next is received; only these two are in memory. If others use the memory, the file waits for its turn,
+/// and no data are received meanwhile.
+async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics) -> Result<ReadFile, Problem> {
+    const LONGEST_WAIT: Duration = Work::LONGEST_WAIT_OF_PLAN;
     let cancel = CancelOnDrop::default();
+    let memory = work.budget().open_for_input();
     let mut file = File::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()), memory, &cancel);
-    let mut received = Block::receive(form, metrics).await?;
+    let place = work.budget().queue_input();
+    let mut received = Block::receive(form, metrics, Block::FIRST).await?;
     while !received.pieces.is_empty() {
         let block = received;
+        let bytes = file.bytes_to_take(&block);
+        place.grow(&mut file.memory, bytes, LONGEST_WAIT).await?;
+        let held = file.memory.bytes();
         let reading = work.run_piece(move || {
             let taken = file.take(&block);
             (file, taken)
         });
-        let (worked, next) = tokio::join!(reading, Block::receive(form, metrics));
+        let next = async {
+            place.may_grow(held, LONGEST_WAIT).await?;
+            Block::receive(form, metrics, Block::SIZE).await
+        };
+        let (worked, next) = tokio::join!(reading, next);
         let taken;
         (file, taken) = worked;
-        received = next?;
         if let Err(fault) = taken? {
             return Ok((Err(fault), file.memory));
         }
+        received = next?;
+    }
+    let is_archive = file.reader.is_archive();
+    let metrics = metrics.clone();
+    if !is_archive {
+        return Ok(work.run_piece(move || file.finish(&metrics)).await?);
     }
     // A 3MF package is read as a whole, which takes longer than a short task may.
-    let (is_archive, metrics) = (file.reader.is_archive(), metrics.clone());
-    let finish = move || file.finish(&metrics);
-    let finished = if is_archive { work.run_after_upload(move |_| finish()).await? } else { work.run_piece(finish).await };
-    Ok(finished?)
+    let bytes = MEMORY_OF_A_PACKAGE + file.surface.bytes_to_take_package();
+    place.grow(&mut file.memory, bytes, LONGEST_WAIT).await?;
+    Ok(work.run_after_upload(move |_| file.finish(&metrics)).await??)
 }
 
 /// The surface of a file or its fault, with the file's reservation.
@@ -231,24 +250,25 @@ impl File {
         Self { reader, surface: ReceivedSurface::until(cancel), memory }
     }
 
-    /// Reads a block. Meanwhile the largest memory that it can take is reserved, and afterwards the memory in use.
-    fn take(&mut self, block: &Block) -> Result<Result<(), read::Fault>, BudgetExceeded> {
+    /// The most memory in bytes that reading a block adds.
+    fn bytes_to_take(&self, block: &Block) -> u64 {
         let bytes: usize = block.pieces.iter().map(Bytes::len).sum();
         let held = self.reader.held_bytes();
         // A package is collected in one vector, which doubles when it grows.
         let collected = if self.reader.is_archive() { 2 * (held + bytes) } else { 0 };
         let push = self.reader.most_of_push(bytes);
-        self.memory.grow(self.surface.bytes_to_take(push, held / size_of::<[f64; 3]>()) + collected as u64)?;
+        self.surface.bytes_to_take(push, held / size_of::<[f64; 3]>()) + collected as u64
+    }
+
+    /// Reads a block, for which [`File::bytes_to_take`] has been reserved. Afterwards the memory in use is reserved.
+    fn take(&mut self, block: &Block) -> Result<Result<(), read::Fault>, BudgetExceeded> {
         let pushed = block.read(&mut self.reader, &mut self.surface);
         self.memory.resize(self.reader.held_bytes() as u64 + self.surface.held_bytes())?;
         Ok(pushed)
     }
 
     /// Reads the end of the file, or all of a 3MF package.
-    fn finish(mut self, metrics: &Metrics) -> Result<ReadFile, BudgetExceeded> {
-        if self.reader.is_archive() {
-            self.memory.grow(MEMORY_OF_A_PACKAGE + self.surface.bytes_to_take_package())?;
-        }
+    fn finish(self, metrics: &Metrics) -> Result<ReadFile, BudgetExceeded> {
         let Self { reader, mut surface, mut memory } = self;
         let finished = reader.finish(&mut surface);
         memory.resize(surface.held_bytes())?;
@@ -271,13 +291,17 @@ impl Block {
     /// compared with the memory budget.
     const SIZE: usize = 1 << 20;
 
+    /// The size of the first block. The memory for it is reserved before the file's format is known, and some formats
+    /// take a hundred times their bytes.
+    const FIRST: usize = 1 << 16;
+
     /// The largest number of chunks of a block. A chunk may be one byte, and each keeps its receive buffer in memory.
     const PIECES: usize = 64;
 
-    /// Receives the part's next block; an empty one at its end.
-    async fn receive(form: &mut Form, metrics: &Metrics) -> Result<Self, Problem> {
+    /// Receives the part's next block, of about `most` bytes; an empty one at its end.
+    async fn receive(form: &mut Form, metrics: &Metrics, most: usize) -> Result<Self, Problem> {
         let (mut block, mut size) = (Self::default(), 0);
-        while size < Self::SIZE && block.pieces.len() < Self::PIECES {
+        while size < most && block.pieces.len() < Self::PIECES {
             let Some(piece) = form.chunk().await? else { break };
             size += piece.len();
             block.pieces.push(piece);

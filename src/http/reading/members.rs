@@ -42,6 +42,9 @@ pub(crate) trait PlainMembers: Members {
     /// Reads columns of at most `most` rows from `object`, which may have other members.
     fn read_columns(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self::Columns;
 
+    /// Whether there are no columns.
+    fn columns_are_absent(columns: &Self::Columns) -> bool;
+
     /// Takes columns of at most `most` rows from `columns`, which may have others; `None` if one is unusual.
     fn read_plain_columns(columns: &mut PlainColumns<'_>, most: usize) -> Option<Self::Columns>;
 
@@ -154,6 +157,10 @@ macro_rules! members {
                 faults: &mut $crate::http::reading::Faults,
             ) -> $columns {
                 $columns { $( $field: object.column($member.name, most, faults), )+ }
+            }
+
+            fn columns_are_absent(columns: &$columns) -> bool {
+                $( columns.$field.is_none() )&&+
             }
 
             fn read_plain_columns(columns: &mut $crate::http::reading::PlainColumns<'_>, most: usize) -> Option<$columns> {

@@ -25,8 +25,8 @@ impl BatchContact {
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
-        match Self::read_plain(raw, stated) {
-            Some(plain) => plain.with_defaults(stated, defaults, path, faults),
+        match Self::read_plain(raw, stated, defaults) {
+            Some(plain) => plain.complete(stated, path, faults),
             None => Self::read_faulty(raw, stated, defaults, path, faults),
         }
     }
@@ -45,25 +45,18 @@ impl BatchContact {
         let first = json.position();
         let mut slots = Slots::default();
         if slots.deserialize(&mut *json).is_ok()
-            && let Some(plain) = Self::accept(&slots, stated)
+            && let Some(plain) = Self::accept(&slots, stated, defaults)
         {
-            return Ok(plain.with_defaults(stated, defaults, path, faults));
+            return Ok(plain.complete(stated, path, faults));
         }
         json.seek(first);
         Ok(Self::read_faulty(json.value()?, stated, defaults, path, faults))
     }
 
-    /// The contact with its own parameters, and `defaults` for those that it does not state.
-    pub(super) fn with_defaults(
-        self,
-        stated: StatedParameters,
-        defaults: &ContactParameters,
-        path: JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Self, Faulted> {
-        let parameters = self.parameters.or(defaults);
-        parameters.step_over(stated, &path, faults)?;
-        Ok(Self { contact: self.contact, parameters })
+    /// The contact, unless it lacks a step-over that it needs.
+    #[inline]
+    pub(super) fn complete(self, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        self.parameters.step_over(stated, &path, faults).map(|_| self)
     }
 
     /// Reads a contact that cannot be read in one pass.
@@ -83,16 +76,18 @@ impl BatchContact {
     }
 
     /// The contact, or `None` if it cannot be read in one pass.
-    fn read_plain(raw: &RawValue, stated: StatedParameters) -> Option<Self> {
+    fn read_plain(raw: &RawValue, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
         let mut slots = Slots::default();
         slots.deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
-        Self::accept(&slots, stated)
+        Self::accept(&slots, stated, defaults)
     }
 
-    /// The contact from its values; `None` if there is a fault.
-    pub(super) fn accept(slots: &Slots, stated: StatedParameters) -> Option<Self> {
+    /// The contact from its values, with `defaults` for the parameters that it does not state; `None` if there is a
+    /// fault.
+    #[inline]
+    pub(super) fn accept(slots: &Slots, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
         let contact = contact::accept(slots.angles, slots.vectors)?;
-        Some(Self { contact, parameters: ContactParameters::accept(slots.parameters, stated)? })
+        Some(Self { contact, parameters: ContactParameters::accept(&slots.parameters, stated, defaults)? })
     }
 
     /// The contact and its parameters with all their faults.
@@ -171,10 +166,10 @@ mod tests {
         let slow = BatchContact::read_with_faults(raw, stated, JsonPath::Root, &mut faults);
         let slow = slow.and_then(|(contact, parameters)| Ok(BatchContact { contact: contact?, parameters }));
         let slow = slow.ok().filter(|_| faults.is_empty());
-        let plain = BatchContact::read_plain(raw, stated);
+        let plain = BatchContact::read_plain(raw, stated, &ContactParameters::NONE);
         let mut slots = Slots::default();
         let unchecked = slots.deserialize(&mut PlainJson::new(text.as_bytes()));
-        let unchecked = unchecked.ok().and_then(|()| BatchContact::accept(&slots, stated));
+        let unchecked = unchecked.ok().and_then(|()| BatchContact::accept(&slots, stated, &ContactParameters::NONE));
         let shown = |read: Option<BatchContact>| read.map(|read| format!("{read:?}"));
         assert_eq!(shown(plain), shown(unchecked), "{text}");
         [plain, slow].map(shown)

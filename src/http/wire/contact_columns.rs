@@ -1,7 +1,7 @@
 //! The contacts of a batch as an object of columns, which is parsed directly into numbers.
 
 use super::batch_contact::{BatchContact, Slots};
-use super::contact::{AngleColumns, AngleMembers, VectorColumns, VectorMembers};
+use super::contact::{self, AngleColumns, AngleMembers, StatedContact, VectorColumns, VectorMembers, VectorSlots};
 use super::parameters::{ContactParameters, ParameterColumns, StatedParameters};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumns, PlainMembers, RowText, Rows};
@@ -14,6 +14,9 @@ pub(crate) struct ContactColumns {
     angles: AngleColumns,
     vectors: VectorColumns,
     parameters: ParameterColumns,
+    /// Whether there are columns of vectors and of parameters.
+    has_vectors: bool,
+    has_parameters: bool,
     first_column: &'static str,
     /// The number of contacts.
     pub(crate) count: usize,
@@ -44,11 +47,11 @@ impl ContactColumns {
             let detail = "give the columns slope_deg and feed_angle_deg, or normal and feed";
             return Err(faults.add(&path, RequestFault::MissingField, detail));
         };
-        Ok(Self { angles, vectors, parameters, first_column, count })
+        Ok(Self::of_rows(angles, vectors, parameters, first_column, count))
     }
 
-    /// Reads columns whose syntax has not been checked. `None` where only the general reader can read them, and where
-    /// it finds faults of the columns as a whole.
+    /// Reads columns whose syntax has not been checked. `None` if only the general reader can read them, or if it
+    /// finds faults of the columns as a whole.
     pub(crate) fn read_plain(mut columns: PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
         let angles = AngleMembers::read_plain_columns(&mut columns, most)?;
         let vectors = VectorMembers::read_plain_columns(&mut columns, most)?;
@@ -58,7 +61,18 @@ impl ContactColumns {
         VectorMembers::check_rows(&vectors, &JsonPath::Root, &mut rows, &mut faults);
         parameters.check_rows(&JsonPath::Root, &mut rows, &mut faults);
         let (first_column, count) = rows.first()?;
-        (columns.is_empty() && faults.is_empty()).then_some(Self { angles, vectors, parameters, first_column, count })
+        (columns.is_empty() && faults.is_empty()).then(|| Self::of_rows(angles, vectors, parameters, first_column, count))
+    }
+
+    fn of_rows(
+        angles: AngleColumns,
+        vectors: VectorColumns,
+        parameters: ParameterColumns,
+        first_column: &'static str,
+        count: usize,
+    ) -> Self {
+        let (has_vectors, has_parameters) = (!VectorMembers::columns_are_absent(&vectors), !parameters.are_absent());
+        Self { angles, vectors, parameters, has_vectors, has_parameters, first_column, count }
     }
 
     /// The contact in the row `index`, whose own parameters override `defaults`. `path` is that of the columns.
@@ -70,8 +84,13 @@ impl ContactColumns {
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
-        match self.row(index).and_then(|slots| BatchContact::accept(&slots, stated)) {
-            Some(contact) => contact.with_defaults(stated, defaults, path, faults),
+        let contact = if self.has_parameters {
+            self.row(index).and_then(|slots| BatchContact::accept(&slots, stated, defaults))
+        } else {
+            self.stated_contact(index).map(|contact| BatchContact { contact, parameters: *defaults })
+        };
+        match contact {
+            Some(contact) => contact.complete(stated, path, faults),
             None => BatchContact::read_faulty(&self.text(index), stated, defaults, path, faults),
         }
     }
@@ -82,11 +101,17 @@ impl ContactColumns {
     }
 
     fn row(&self, index: usize) -> Option<Slots> {
-        Some(Slots {
-            angles: AngleMembers::row(&self.angles, index)?,
-            vectors: VectorMembers::row(&self.vectors, index)?,
-            parameters: self.parameters.row(index)?,
-        })
+        let angles = AngleMembers::row(&self.angles, index)?;
+        Some(Slots { angles, vectors: self.vectors_of(index)?, parameters: self.parameters.row(index)? })
+    }
+
+    /// The contact of a row without parameters of its own; `None` if there is a fault.
+    fn stated_contact(&self, index: usize) -> Option<StatedContact> {
+        contact::accept(AngleMembers::row(&self.angles, index)?, self.vectors_of(index)?)
+    }
+
+    fn vectors_of(&self, index: usize) -> Option<VectorSlots> {
+        if self.has_vectors { VectorMembers::row(&self.vectors, index) } else { Some(VectorSlots::default()) }
     }
 
     /// The row as the JSON of a contact, for the reader that collects faults.

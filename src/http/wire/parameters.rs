@@ -61,6 +61,10 @@ pub(crate) struct ContactParameters {
 }
 
 impl ContactParameters {
+    /// No parameters.
+    #[cfg(test)]
+    pub(super) const NONE: Self = Self { step_over: Ok(None), feed_per_tooth: Ok(None), curvature: Ok(None) };
+
     /// Reads from `object` the parameters that `stated` allows, all of them optional.
     pub(crate) fn read(object: &mut Object<'_, '_>, stated: StatedParameters, faults: &mut Faults) -> Self {
         let path = object.path();
@@ -75,8 +79,15 @@ impl ContactParameters {
         schema.with::<CurvatureMembers>()
     }
 
-    /// The parameters from values that were read in one pass; `None` if there is a fault.
-    pub(super) fn accept(slots: ParameterSlots, stated: StatedParameters) -> Option<Self> {
+    /// The parameters from values that were read in one pass, with those of `defaults` in place of absent ones; `None`
+    /// if there is a fault.
+    #[inline]
+    pub(super) fn accept(slots: &ParameterSlots, stated: StatedParameters, defaults: &Self) -> Option<Self> {
+        // Nearly all contacts state no parameters.
+        if slots.are_absent() { Some(*defaults) } else { Some(Self::accept_stated(*slots, stated)?.or(defaults)) }
+    }
+
+    fn accept_stated(slots: ParameterSlots, stated: StatedParameters) -> Option<Self> {
         let ParameterSlots { step_over, feed, curvature } = slots;
         let unknown =
             !(stated.step_over || StepOverMembers::are_absent(&step_over)) || !(stated.feed_per_tooth || FeedMembers::are_absent(&feed));
@@ -144,6 +155,11 @@ pub(super) struct ParameterSlots {
 }
 
 impl ParameterSlots {
+    #[inline]
+    fn are_absent(&self) -> bool {
+        StepOverMembers::are_absent(&self.step_over) && FeedMembers::are_absent(&self.feed) && CurvatureMembers::are_absent(&self.curvature)
+    }
+
     /// Reads the value of `name` into its slot. False if no parameter has this name.
     pub(super) fn fill<'de, A: MapAccess<'de>>(&mut self, name: &str, map: &mut A) -> Result<bool, A::Error> {
         Ok(StepOverMembers::fill(&mut self.step_over, name, map)?
@@ -189,6 +205,13 @@ impl ParameterColumns {
         StepOverMembers::check_rows(&self.step_over, path, rows, faults);
         FeedMembers::check_rows(&self.feed, path, rows, faults);
         CurvatureMembers::check_rows(&self.curvature, path, rows, faults);
+    }
+
+    /// Whether there are no columns.
+    pub(super) fn are_absent(&self) -> bool {
+        StepOverMembers::columns_are_absent(&self.step_over)
+            && FeedMembers::columns_are_absent(&self.feed)
+            && CurvatureMembers::columns_are_absent(&self.curvature)
     }
 
     /// The values of a row; `None` if one is of another type.

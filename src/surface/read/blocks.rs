@@ -6,45 +6,52 @@
 //! Points, facets and faults are therefore the same as when the file is read on one thread.
 
 use super::fault::Fault;
-use super::{Body, Sink, mesh, obj, ply, stl_ascii, stl_binary, text};
-use crate::surface::PartedSink;
+use crate::surface::{PartedSink, Sink};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::borrow::Cow;
 
+/// A reader of files that can be divided into blocks.
+pub(super) trait BlockReader: Sync {
+    /// The assumption about the start of a block.
+    type Job: Send;
+    /// The parsed content of a block.
+    type Run: Send;
+
+    /// Takes the next piece of the file from `rest`; `None` if `rest` is used up.
+    fn next_unit<'a>(&mut self, rest: &mut &'a [u8]) -> Result<Option<Unit<'a, Self::Job>>, Fault>;
+
+    /// Parses a block; `None` if it must be read in order.
+    fn parse(bytes: &[u8], job: Self::Job) -> Option<Self::Run>;
+
+    /// Adds the content of a block, and returns whether the assumption about its start was true.
+    fn link(&mut self, run: &mut Self::Run, bytes: &[u8]) -> bool;
+
+    /// Passes the points or facets of a block that was added to `sink`.
+    fn emit<S: Sink>(&self, run: &Self::Run, bytes: &[u8], sink: &mut S) -> Emitted;
+
+    /// Adds the counts of a block. Formats that count when a block is added have nothing to do.
+    fn count(&mut self, _: Emitted) {}
+
+    /// Reads the next bytes of the file in order.
+    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault>;
+
+    /// The bytes after the last block.
+    fn rest(&mut self) -> Vec<u8>;
+}
+
 /// The next piece of a file.
 #[derive(Debug)]
-pub(super) enum Unit<'a> {
+pub(super) enum Unit<'a, J> {
     /// Bytes for the sequential reader.
     Serial(Cow<'a, [u8]>),
-    Block(Block),
+    Block(Block<J>),
 }
 
 /// Bytes that can be parsed independently.
 #[derive(Debug)]
-pub(super) struct Block {
+pub(super) struct Block<J> {
     pub(super) bytes: Vec<u8>,
-    pub(super) job: Job,
-}
-
-/// The assumption about the start of a block, for the parser of each format.
-#[derive(Debug)]
-pub(super) enum Job {
-    Text(text::Job),
-    StlAscii(stl_ascii::Job),
-    StlBinary,
-    Obj,
-    PlyAscii(ply::AsciiJob),
-    PlyBinary(ply::BinaryJob),
-}
-
-/// The parsed content of a block.
-#[derive(Debug)]
-pub(super) enum Run {
-    Text(text::Run),
-    StlAscii(stl_ascii::Run),
-    StlBinary(stl_binary::Run),
-    Obj(obj::Run),
-    Ply(ply::Run),
+    pub(super) job: J,
 }
 
 /// The counts of what a block passed to the sink.
@@ -55,116 +62,62 @@ pub(super) struct Emitted {
 }
 
 /// A parsed block.
-struct Parsed {
+struct Parsed<R> {
     bytes: Vec<u8>,
     /// `None` if the block must be read in order.
-    run: Option<Run>,
+    run: Option<R>,
 }
 
-impl Block {
-    fn parse(self) -> Parsed {
-        let Self { bytes, job } = self;
-        let run = match job {
-            Job::Text(job) => text::parse(&bytes, job).map(Run::Text),
-            Job::StlAscii(job) => stl_ascii::parse(&bytes, job).map(Run::StlAscii),
-            Job::StlBinary => stl_binary::parse(&bytes).map(Run::StlBinary),
-            Job::Obj => obj::parse(&bytes).map(Run::Obj),
-            Job::PlyAscii(job) => ply::parse_ascii(&bytes, job).map(Run::Ply),
-            Job::PlyBinary(job) => ply::parse_binary(&bytes, job).map(Run::Ply),
-        };
-        Parsed { bytes, run }
+/// Divides consecutive bytes of a file into blocks, and reads the blocks on the threads of the current pool.
+pub(super) fn push<R: BlockReader, S: PartedSink>(reader: &mut R, pieces: &[Cow<'_, [u8]>], sink: &mut S) -> Result<(), Fault> {
+    let mut waiting = Vec::new();
+    for piece in pieces {
+        let mut rest = &**piece;
+        while let Some(unit) = reader.next_unit(&mut rest)? {
+            match unit {
+                Unit::Block(block) => waiting.push(block),
+                Unit::Serial(bytes) => {
+                    read(reader, std::mem::take(&mut waiting), sink)?;
+                    reader.push(&bytes, sink)?;
+                }
+            }
+        }
     }
+    read(reader, waiting, sink)
 }
 
-/// Reads consecutive blocks on the threads of the current pool. Each block is a part of its own in the sink, whether it
-/// was parsed independently or not.
-pub(super) fn read<S: PartedSink>(body: &mut Body, blocks: Vec<Block>, sink: &mut S) -> Result<(), Fault> {
-    let parsed: Vec<Parsed> = blocks.into_par_iter().map(Block::parse).collect();
+/// Reads consecutive blocks. Each block is a part of its own in the sink, whether it was parsed independently or not.
+fn read<R: BlockReader, S: PartedSink>(reader: &mut R, blocks: Vec<Block<R::Job>>, sink: &mut S) -> Result<(), Fault> {
+    let parse = |Block { bytes, job }| {
+        let run = R::parse(&bytes, job);
+        Parsed { bytes, run }
+    };
+    let parsed: Vec<Parsed<R::Run>> = blocks.into_par_iter().map(parse).collect();
     let mut parsed = parsed.into_iter();
     loop {
         let (mut linked, mut serial) = (Vec::new(), None);
         for Parsed { bytes, mut run } in parsed.by_ref() {
-            let is_linked = run.as_mut().is_some_and(|run| body.link(run, &bytes));
+            let is_linked = run.as_mut().is_some_and(|run| reader.link(run, &bytes));
             let Some(run) = run.filter(|_| is_linked) else {
                 serial = Some(bytes);
                 break;
             };
             linked.push((run, bytes, sink.part()));
         }
-        let read: &Body = body;
-        let emit = |(run, bytes, mut part): (Run, Vec<u8>, S::Part)| {
-            let emitted = read.emit(&run, &bytes, &mut part);
+        let shared: &R = reader;
+        let emit = |(run, bytes, mut part): (R::Run, Vec<u8>, S::Part)| {
+            let emitted = shared.emit(&run, &bytes, &mut part);
             (part, emitted)
         };
         let parts: Vec<(S::Part, Emitted)> = linked.into_par_iter().map(emit).collect();
         for (part, emitted) in parts {
             sink.append(part);
-            body.count(emitted);
+            reader.count(emitted);
         }
         let Some(bytes) = serial else { return Ok(()) };
         let mut part = sink.part();
-        let result = body.push(&bytes, &mut part);
+        let result = reader.push(&bytes, &mut part);
         sink.append(part);
         result?;
-    }
-}
-
-impl Body {
-    /// Takes the next piece of the file from `rest`; `None` if `rest` is used up.
-    pub(super) fn next_unit<'a>(&mut self, rest: &mut &'a [u8]) -> Result<Option<Unit<'a>>, Fault> {
-        match self {
-            Self::Text(reader) => Ok(reader.next_unit(rest)),
-            Self::StlAscii(reader) => Ok(reader.next_unit(rest)),
-            Self::StlBinary(reader) => Ok(reader.next_unit(rest)),
-            Self::Obj(reader) => Ok(reader.next_unit(rest)),
-            Self::Ply(reader) => reader.next_unit(rest),
-            Self::Pcd(_) | Self::ThreeMf(_) => Ok((!rest.is_empty()).then(|| Unit::Serial(std::mem::take(rest).into()))),
-        }
-    }
-
-    /// The bytes after the last block.
-    pub(super) fn rest(&mut self) -> Vec<u8> {
-        match self {
-            Self::Text(reader) => reader.rest(),
-            Self::StlAscii(reader) => reader.rest(),
-            Self::StlBinary(reader) => reader.rest(),
-            Self::Obj(reader) => reader.rest(),
-            Self::Ply(reader) => reader.rest(),
-            Self::Pcd(_) | Self::ThreeMf(_) => Vec::new(),
-        }
-    }
-
-    /// Adds the content of a block, and returns whether the assumption about its start was true.
-    fn link(&mut self, run: &mut Run, bytes: &[u8]) -> bool {
-        match (self, run) {
-            (Self::Text(reader), Run::Text(run)) => reader.link(run),
-            (Self::StlAscii(reader), Run::StlAscii(run)) => reader.link(run),
-            (Self::StlBinary(reader), Run::StlBinary(run)) => reader.link(run),
-            (Self::Obj(reader), Run::Obj(run)) => reader.link(run),
-            (Self::Ply(reader), Run::Ply(run)) => reader.link(run, bytes.len()),
-            _ => unreachable!("a reader makes blocks of its own kind"),
-        }
-    }
-
-    /// Passes the points or facets of a block that was added to `sink`.
-    fn emit<S: Sink>(&self, run: &Run, bytes: &[u8], sink: &mut S) -> Emitted {
-        match (self, run) {
-            (_, Run::Text(run)) => run.emit(sink),
-            (_, Run::StlAscii(run)) => run.emit(sink),
-            (_, Run::StlBinary(_)) => stl_binary::emit(bytes, sink),
-            (Self::Obj(reader), Run::Obj(run)) => reader.emit(run, sink),
-            (Self::Ply(reader), Run::Ply(run)) => reader.emit(run, sink),
-            _ => unreachable!("a reader makes blocks of its own kind"),
-        }
-    }
-
-    fn count(&mut self, emitted: Emitted) {
-        let mesh: &mut mesh::Mesh = match self {
-            Self::Obj(reader) => reader.mesh(),
-            Self::Ply(reader) => reader.mesh(),
-            // These formats count when a block is added.
-            Self::Text(_) | Self::Pcd(_) | Self::StlAscii(_) | Self::StlBinary(_) | Self::ThreeMf(_) => return,
-        };
-        mesh.count(emitted);
     }
 }

@@ -34,7 +34,7 @@ pub use three_mf::DEFAULT_ARCHIVE_LIMIT;
 
 use super::{LARGEST_COORDINATE, PartedSink, Sink, Unit};
 use crate::cancellation::CancelFlag;
-use blocks::Block;
+use blocks::BlockReader;
 use format::{Detected, HEAD};
 use std::borrow::Cow;
 use utf_16::Utf16;
@@ -259,11 +259,15 @@ impl Reader {
                 Body::StlAscii(_) => MostOfPush { facets: bytes / 39, corners: 3 * bytes / 39, held: 10 * bytes },
                 // A point takes 6 bytes, `0 0 0` with a line's end: 72 bytes in such a vector, and its text.
                 Body::Text(_) | Body::Pcd(_) => MostOfPush { facets: bytes / 6, corners: 0, held: 16 * bytes },
-                // Each byte of a binary polygon can be a facet: 86 bytes were counted for each.
-                Body::Ply(_) => MostOfPush { held: 96 * bytes, ..MostOfPush::of_any(bytes) },
+                // For a facet of a polygon, 86 bytes were counted.
+                Body::Ply(ref reader) => {
+                    let facets = bytes / reader.fewest_bytes_of_a_facet();
+                    MostOfPush { held: 10 * bytes + 86 * facets, ..MostOfPush::of_any(bytes) }
+                }
                 Body::Obj(_) | Body::ThreeMf(_) => MostOfPush::of_any(bytes),
             },
-            Stage::Head(_) | Stage::Refused(_) => MostOfPush::of_any(bytes),
+            // As PLY with one byte for each facet.
+            Stage::Head(_) | Stage::Refused(_) => MostOfPush { held: 96 * bytes, ..MostOfPush::of_any(bytes) },
         }
     }
 
@@ -288,25 +292,18 @@ impl Reader {
     }
 
     fn advance_in_parallel<'a, S: PartedSink>(&mut self, chunks: impl IntoIterator<Item = &'a [u8]>, sink: &mut S) -> Result<(), Fault> {
-        let mut waiting: Vec<Block> = Vec::new();
+        let mut pieces = Vec::new();
         for chunk in chunks {
-            for bytes in self.take(chunk)? {
-                let Stage::Body(body) = &mut self.stage else { continue };
-                let mut rest = &*bytes;
-                while let Some(unit) = body.next_unit(&mut rest)? {
-                    match unit {
-                        blocks::Unit::Block(block) => waiting.push(block),
-                        blocks::Unit::Serial(bytes) => {
-                            blocks::read(body, std::mem::take(&mut waiting), sink)?;
-                            body.push(&bytes, sink)?;
-                        }
-                    }
-                }
-            }
+            pieces.extend(self.take(chunk)?);
         }
-        match &mut self.stage {
-            Stage::Body(body) => blocks::read(body, waiting, sink),
-            Stage::Head(_) | Stage::Refused(_) => Ok(()),
+        let Stage::Body(body) = &mut self.stage else { return Ok(()) };
+        match &mut **body {
+            Body::Text(reader) => blocks::push(reader, &pieces, sink),
+            Body::StlAscii(reader) => blocks::push(reader, &pieces, sink),
+            Body::StlBinary(reader) => blocks::push(reader, &pieces, sink),
+            Body::Obj(reader) => blocks::push(reader, &pieces, sink),
+            Body::Ply(reader) => blocks::push(reader, &pieces, sink),
+            Body::Pcd(_) | Body::ThreeMf(_) => pieces.iter().try_for_each(|piece| body.push(piece, sink)),
         }
     }
 
@@ -385,6 +382,18 @@ impl Body {
             Self::Obj(reader) => reader.push(chunk, sink),
             Self::Ply(reader) => reader.push(chunk, sink),
             Self::ThreeMf(reader) => reader.push(chunk),
+        }
+    }
+
+    /// The bytes after the last block.
+    fn rest(&mut self) -> Vec<u8> {
+        match self {
+            Self::Text(reader) => reader.rest(),
+            Self::StlAscii(reader) => reader.rest(),
+            Self::StlBinary(reader) => reader.rest(),
+            Self::Obj(reader) => reader.rest(),
+            Self::Ply(reader) => reader.rest(),
+            Self::Pcd(_) | Self::ThreeMf(_) => Vec::new(),
         }
     }
 }

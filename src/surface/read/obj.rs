@@ -6,7 +6,7 @@
 //! counted. The vertices of a file without faces are points. Unknown statements are refused. Free-form curves and
 //! surfaces are refused too, because their control points do not lie on the surface.
 
-use super::blocks::{Block, Emitted, Job, Unit};
+use super::blocks::{Block, BlockReader, Emitted, Unit};
 use super::decimal::coordinate;
 use super::fault::{Fault, FaultKind, Flaw, quoted};
 use super::lines::{LONGEST_LINE, Lines, Words, too_long, trimmed};
@@ -98,50 +98,11 @@ impl Target for mesh::Run {
     }
 }
 
-/// Parses a block; `None` if it has a fault, or refers to vertices whose numbers cannot be determined without the file
-/// before it.
-pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
-    let (mut lines, mut content, mut mesh) = (Lines::after(0), Content::default(), mesh::Run::of_bytes(bytes.len()));
-    lines.push(bytes, |line, _| content.line(line, &mut mesh)).ok()?;
-    content.begun.is_empty().then_some(Run { lines: lines.ended(), mesh, content })
-}
-
 impl Reader {
     pub(super) fn new(vertex_limit: usize, block: usize) -> Self {
         // A statement that continues on the next line is not divided.
         let splitter = BlockSplitter::new(block, |line| trimmed(line).last() != Some(&b'\\'));
         Self { lines: Lines::after(0), mesh: Mesh::new(vertex_limit), content: Content::default(), splitter }
-    }
-
-    pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        let mut target = Whole { mesh: &mut self.mesh, sink };
-        self.lines.push(chunk, |line, _| self.content.line(line, &mut target))
-    }
-
-    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
-        self.splitter.next(chunk).map(|bytes| Unit::Block(Block { bytes, job: Job::Obj }))
-    }
-
-    pub(super) fn rest(&mut self) -> Vec<u8> {
-        self.splitter.rest()
-    }
-
-    /// Adds the content of a block, unless a statement continues in it or it refers to a missing vertex.
-    pub(super) fn link(&mut self, run: &mut Run) -> bool {
-        if !self.content.begun.is_empty() || !self.mesh.link(&mut run.mesh) {
-            return false;
-        }
-        self.content.other_elements += run.content.other_elements;
-        self.lines.skip(run.lines);
-        true
-    }
-
-    pub(super) fn emit<S: Sink>(&self, run: &Run, sink: &mut S) -> Emitted {
-        self.mesh.emit(&run.mesh, sink)
-    }
-
-    pub(super) fn mesh(&mut self) -> &mut Mesh {
-        &mut self.mesh
     }
 
     /// The memory that the vertices take, in bytes.
@@ -166,6 +127,49 @@ impl Reader {
             sink.point(*vertex);
         }
         Ok(Summary { format: Format::Obj, points: mesh.vertices().len() as u64, facets: 0, unit: None, notes })
+    }
+}
+
+impl BlockReader for Reader {
+    type Job = ();
+    type Run = Run;
+
+    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a, ()>>, Fault> {
+        Ok(self.splitter.next(chunk).map(|bytes| Unit::Block(Block { bytes, job: () })))
+    }
+
+    fn rest(&mut self) -> Vec<u8> {
+        self.splitter.rest()
+    }
+
+    /// Adds the content of a block, unless a statement continues in it or it refers to a missing vertex.
+    fn link(&mut self, run: &mut Run, _: &[u8]) -> bool {
+        if !self.content.begun.is_empty() || !self.mesh.link(&mut run.mesh) {
+            return false;
+        }
+        self.content.other_elements += run.content.other_elements;
+        self.lines.skip(run.lines);
+        true
+    }
+
+    fn emit<S: Sink>(&self, run: &Run, _: &[u8], sink: &mut S) -> Emitted {
+        self.mesh.emit(&run.mesh, sink)
+    }
+
+    /// `None` also if a block refers to vertices whose numbers cannot be determined without the file before it.
+    fn parse(bytes: &[u8], (): ()) -> Option<Run> {
+        let (mut lines, mut content, mut mesh) = (Lines::after(0), Content::default(), mesh::Run::of_bytes(bytes.len()));
+        lines.push(bytes, |line, _| content.line(line, &mut mesh)).ok()?;
+        content.begun.is_empty().then_some(Run { lines: lines.ended(), mesh, content })
+    }
+
+    fn count(&mut self, emitted: Emitted) {
+        self.mesh.count(emitted);
+    }
+
+    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        let mut target = Whole { mesh: &mut self.mesh, sink };
+        self.lines.push(chunk, |line, _| self.content.line(line, &mut target))
     }
 }
 

@@ -4,7 +4,7 @@
 //! its line. Normals are ignored, because the corners define them: zero and NaN are accepted. The last `endsolid` may
 //! be missing, and so may one before another `solid`.
 
-use super::blocks::{self, Block, Emitted, Unit};
+use super::blocks::{Block, BlockReader, Emitted, Unit};
 use super::decimal::{coordinate, number};
 use super::fault::{Fault, FaultKind, Flaw};
 use super::lines::{Lines, Words, trimmed_start};
@@ -54,31 +54,6 @@ impl Reader {
         Self { lines: Lines::after(0), state: State::at_start(false), splitter, is_divided: false }
     }
 
-    /// The next block, which begins between facets in nearly all files.
-    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
-        let bytes = self.splitter.next(chunk)?;
-        let in_solid = std::mem::replace(&mut self.is_divided, true);
-        Some(Unit::Block(Block { bytes, job: blocks::Job::StlAscii(Job { in_solid }) }))
-    }
-
-    pub(super) fn rest(&mut self) -> Vec<u8> {
-        self.splitter.rest()
-    }
-
-    /// Adds the facets of a block, if the block begins between facets as was assumed.
-    pub(super) fn link(&mut self, run: &Run) -> bool {
-        if self.state.step != Step::Between || self.state.in_solid != run.began_in_solid {
-            return false;
-        }
-        self.state = State { facets: self.state.facets + run.end.facets, ..run.end.clone() };
-        self.lines.skip(run.lines);
-        true
-    }
-
-    pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        self.lines.push(chunk, |line, _| self.state.line(line, sink))
-    }
-
     pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
         self.lines.finish(|line, _| self.state.line(line, sink))?;
         let State { step, in_solid, facets, .. } = self.state;
@@ -91,6 +66,57 @@ impl Reader {
         }
         let notes = Notes { missing_end: in_solid, ..Notes::default() };
         Ok(Summary { format: Format::StlAscii, points: 0, facets, unit: None, notes })
+    }
+}
+
+impl BlockReader for Reader {
+    type Job = Job;
+    type Run = Run;
+
+    /// The next block, which begins between facets in nearly all files.
+    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a, Job>>, Fault> {
+        let Some(bytes) = self.splitter.next(chunk) else { return Ok(None) };
+        let in_solid = std::mem::replace(&mut self.is_divided, true);
+        Ok(Some(Unit::Block(Block { bytes, job: Job { in_solid } })))
+    }
+
+    fn rest(&mut self) -> Vec<u8> {
+        self.splitter.rest()
+    }
+
+    /// Adds the facets of a block, if the block begins between facets as was assumed.
+    fn link(&mut self, run: &mut Run, _: &[u8]) -> bool {
+        if self.state.step != Step::Between || self.state.in_solid != run.began_in_solid {
+            return false;
+        }
+        self.state = State { facets: self.state.facets + run.end.facets, ..run.end.clone() };
+        self.lines.skip(run.lines);
+        true
+    }
+
+    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        self.lines.push(chunk, |line, _| self.state.line(line, sink))
+    }
+
+    fn parse(bytes: &[u8], Job { in_solid }: Job) -> Option<Run> {
+        struct Facets(Vec<[[f64; 3]; 3]>);
+        impl Sink for Facets {
+            fn point(&mut self, _: [f64; 3]) {}
+            fn facet(&mut self, corners: [[f64; 3]; 3]) {
+                self.0.push(corners);
+            }
+        }
+        let (mut lines, mut state) = (Lines::after(0), State::at_start(in_solid));
+        let mut facets = Facets(Vec::with_capacity(bytes.len() / 128));
+        lines.push(bytes, |line, _| state.line(line, &mut facets)).ok()?;
+        Some(Run { lines: lines.ended(), began_in_solid: in_solid, facets: facets.0, end: state })
+    }
+
+    fn emit<S: Sink>(&self, run: &Run, _: &[u8], sink: &mut S) -> Emitted {
+        for facet in &run.facets {
+            sink.facet(*facet);
+        }
+        Emitted::default()
     }
 }
 
@@ -107,30 +133,6 @@ pub(super) struct Run {
     began_in_solid: bool,
     facets: Vec<[[f64; 3]; 3]>,
     end: State,
-}
-
-impl Run {
-    pub(super) fn emit<S: Sink>(&self, sink: &mut S) -> Emitted {
-        for facet in &self.facets {
-            sink.facet(*facet);
-        }
-        Emitted::default()
-    }
-}
-
-/// Parses a block; `None` if it has a fault.
-pub(super) fn parse(bytes: &[u8], Job { in_solid }: Job) -> Option<Run> {
-    struct Facets(Vec<[[f64; 3]; 3]>);
-    impl Sink for Facets {
-        fn point(&mut self, _: [f64; 3]) {}
-        fn facet(&mut self, corners: [[f64; 3]; 3]) {
-            self.0.push(corners);
-        }
-    }
-    let (mut lines, mut state) = (Lines::after(0), State::at_start(in_solid));
-    let mut facets = Facets(Vec::with_capacity(bytes.len() / 128));
-    lines.push(bytes, |line, _| state.line(line, &mut facets)).ok()?;
-    Some(Run { lines: lines.ended(), began_in_solid: in_solid, facets: facets.0, end: state })
 }
 
 impl Step {

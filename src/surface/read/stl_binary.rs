@@ -3,7 +3,7 @@
 //!
 //! Normals are ignored, because the corners define them. Bytes after the last facet are counted.
 
-use super::blocks::{Block, Emitted, Job, Unit};
+use super::blocks::{Block, BlockReader, Emitted, Unit};
 use super::decimal::unbounded;
 use super::fault::{Fault, FaultKind, Flaw};
 use super::{Format, LARGEST_COORDINATE, Notes, Sink, Summary};
@@ -36,71 +36,6 @@ impl Reader {
     pub(super) fn new(block: usize) -> Self {
         let size = block.div_ceil(RECORD) * RECORD;
         Self { begun: [0; START], length: 0, promised: None, facets: 0, trailing_bytes: 0, header: 0, divided: 0, block: Vec::new(), size }
-    }
-
-    /// The next piece: the header, a block of records, or the bytes after the records.
-    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
-        let mut take = |length: usize| {
-            let (part, rest) = chunk.split_at(chunk.len().min(length));
-            *chunk = rest;
-            part
-        };
-        if self.header < START {
-            let part = take(START - self.header);
-            self.header += part.len();
-            return (!part.is_empty()).then(|| Unit::Serial(part.into()));
-        }
-        let records = usize::try_from(self.promised.unwrap_or(0) - self.divided).unwrap_or(usize::MAX);
-        if records == 0 {
-            let rest = take(usize::MAX);
-            return (!rest.is_empty()).then(|| Unit::Serial(rest.into()));
-        }
-        let size = self.size.min(records.saturating_mul(RECORD));
-        self.block.reserve_exact(size - self.block.len());
-        self.block.extend_from_slice(take(size - self.block.len()));
-        (self.block.len() == size).then(|| {
-            self.divided += (size / RECORD) as u64;
-            Unit::Block(Block { bytes: std::mem::take(&mut self.block), job: Job::StlBinary })
-        })
-    }
-
-    pub(super) fn rest(&mut self) -> Vec<u8> {
-        std::mem::take(&mut self.block)
-    }
-
-    pub(super) fn link(&mut self, run: &Run) -> bool {
-        self.facets += run.facets;
-        true
-    }
-
-    pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        let promised = if let Some(promised) = self.promised {
-            promised
-        } else {
-            if !self.complete(&mut chunk, START) {
-                return Ok(());
-            }
-            let [.., a, b, c, d] = self.begun;
-            let promised = u64::from(u32::from_le_bytes([a, b, c, d]));
-            self.promised = Some(promised);
-            promised
-        };
-        if self.length > 0 && self.complete(&mut chunk, RECORD) {
-            let record = self.begun;
-            self.records(&[*record.first_chunk().expect("84 bytes hold 50")], sink)?;
-        }
-        let (records, _) = chunk.as_chunks::<RECORD>();
-        let left = usize::try_from(promised - self.facets).unwrap_or(usize::MAX);
-        let records = &records[..records.len().min(left)];
-        self.records(records, sink)?;
-        let rest = &chunk[records.len() * RECORD..];
-        if self.facets == promised {
-            self.trailing_bytes += rest.len() as u64;
-        } else {
-            self.begun[self.length..self.length + rest.len()].copy_from_slice(rest);
-            self.length += rest.len();
-        }
-        Ok(())
     }
 
     /// Moves bytes from `chunk` to the incomplete header or record until it has `size` bytes, and returns whether it is
@@ -157,24 +92,93 @@ impl Reader {
     }
 }
 
+impl BlockReader for Reader {
+    type Job = ();
+    type Run = Run;
+
+    /// The header, a block of records, or the bytes after the records.
+    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a, ()>>, Fault> {
+        let mut take = |length: usize| {
+            let (part, rest) = chunk.split_at(chunk.len().min(length));
+            *chunk = rest;
+            part
+        };
+        if self.header < START {
+            let part = take(START - self.header);
+            self.header += part.len();
+            return Ok((!part.is_empty()).then(|| Unit::Serial(part.into())));
+        }
+        let records = usize::try_from(self.promised.unwrap_or(0) - self.divided).unwrap_or(usize::MAX);
+        if records == 0 {
+            let rest = take(usize::MAX);
+            return Ok((!rest.is_empty()).then(|| Unit::Serial(rest.into())));
+        }
+        let size = self.size.min(records.saturating_mul(RECORD));
+        self.block.reserve_exact(size - self.block.len());
+        self.block.extend_from_slice(take(size - self.block.len()));
+        Ok((self.block.len() == size).then(|| {
+            self.divided += (size / RECORD) as u64;
+            Unit::Block(Block { bytes: std::mem::take(&mut self.block), job: () })
+        }))
+    }
+
+    fn parse(bytes: &[u8], (): ()) -> Option<Run> {
+        let (records, _) = bytes.as_chunks::<RECORD>();
+        let is_bounded = |record| corners(record).iter().flatten().fold(true, |fine, value| fine & (value.abs() <= LARGEST_COORDINATE));
+        records.iter().all(is_bounded).then_some(Run { facets: records.len() as u64 })
+    }
+
+    fn link(&mut self, run: &mut Run, _: &[u8]) -> bool {
+        self.facets += run.facets;
+        true
+    }
+
+    fn emit<S: Sink>(&self, _: &Run, bytes: &[u8], sink: &mut S) -> Emitted {
+        for record in bytes.as_chunks::<RECORD>().0 {
+            sink.facet(corners(record));
+        }
+        Emitted::default()
+    }
+
+    fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        let promised = if let Some(promised) = self.promised {
+            promised
+        } else {
+            if !self.complete(&mut chunk, START) {
+                return Ok(());
+            }
+            let [.., a, b, c, d] = self.begun;
+            let promised = u64::from(u32::from_le_bytes([a, b, c, d]));
+            self.promised = Some(promised);
+            promised
+        };
+        if self.length > 0 && self.complete(&mut chunk, RECORD) {
+            let record = self.begun;
+            self.records(&[*record.first_chunk().expect("84 bytes hold 50")], sink)?;
+        }
+        let (records, _) = chunk.as_chunks::<RECORD>();
+        let left = usize::try_from(promised - self.facets).unwrap_or(usize::MAX);
+        let records = &records[..records.len().min(left)];
+        self.records(records, sink)?;
+        let rest = &chunk[records.len() * RECORD..];
+        if self.facets == promised {
+            self.trailing_bytes += rest.len() as u64;
+        } else {
+            self.begun[self.length..self.length + rest.len()].copy_from_slice(rest);
+            self.length += rest.len();
+        }
+        Ok(())
+    }
+
+    fn rest(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.block)
+    }
+}
+
 /// The number of facets in a block. They are decoded when they are passed to the sink.
 #[derive(Debug)]
 pub(super) struct Run {
     facets: u64,
-}
-
-/// Checks a block of records; `None` if it has a fault.
-pub(super) fn parse(bytes: &[u8]) -> Option<Run> {
-    let (records, _) = bytes.as_chunks::<RECORD>();
-    let is_bounded = |record| corners(record).iter().flatten().fold(true, |fine, value| fine & (value.abs() <= LARGEST_COORDINATE));
-    records.iter().all(is_bounded).then_some(Run { facets: records.len() as u64 })
-}
-
-pub(super) fn emit<S: Sink>(bytes: &[u8], sink: &mut S) -> Emitted {
-    for record in bytes.as_chunks::<RECORD>().0 {
-        sink.facet(corners(record));
-    }
-    Emitted::default()
 }
 
 #[inline]

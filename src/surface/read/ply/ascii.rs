@@ -1,7 +1,7 @@
 //! The body of ASCII PLY: one row in each line.
 
 use super::super::Format;
-use super::super::blocks::{self, Block, Unit};
+use super::super::blocks::{Block, Unit};
 use super::super::decimal::coordinate;
 use super::super::fault::{Fault, FaultKind, Flaw, quoted};
 use super::super::lines::{Lines, Words, trimmed_start};
@@ -39,7 +39,7 @@ impl Body {
     }
 
     /// The next block. A file with strips has none: its rows depend on each other and are read in order.
-    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a, super::Job>> {
         if self.rows.have_strips() {
             return (!chunk.is_empty()).then(|| Unit::Serial(std::mem::take(chunk).into()));
         }
@@ -48,7 +48,7 @@ impl Body {
         // Old Macintosh files end lines with CR alone.
         let lines = [b'\n', b'\r'].map(|end| memchr::memchr_iter(end, &bytes).count()).into_iter().find(|count| *count > 0).unwrap_or(0);
         self.ahead.skip(lines as u64);
-        Some(Unit::Block(Block { bytes, job: blocks::Job::PlyAscii(Job { start }) }))
+        Some(Unit::Block(Block { bytes, job: super::Job::Ascii(Job { start }) }))
     }
 
     pub(super) fn rest(&mut self) -> Vec<u8> {
@@ -69,7 +69,7 @@ pub(in super::super) struct Job {
 }
 
 /// Parses a block; `None` if it has a fault.
-pub(in super::super) fn parse(bytes: &[u8], Job { start }: Job) -> Option<Run> {
+pub(super) fn parse(bytes: &[u8], Job { start }: Job) -> Option<Run> {
     let (mut lines, mut rows, mut run) = (Lines::after(0), start.clone(), Run::of_bytes(bytes.len(), start));
     lines.push(bytes, |line, _| rows.line(line, &mut run)).ok()?;
     (run.lines, run.end) = (lines.ended(), rows);

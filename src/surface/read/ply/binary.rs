@@ -1,6 +1,6 @@
 //! The body of binary PLY: rows without separators, in either byte order.
 
-use super::super::blocks::{self, Block, Unit};
+use super::super::blocks::{Block, Unit};
 use super::super::decimal::unbounded;
 use super::super::fault::{Fault, FaultKind, Flaw};
 use super::super::{Format, LARGEST_COORDINATE};
@@ -58,7 +58,7 @@ impl Body {
         self.input.offset += bytes as u64;
     }
 
-    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a, super::Job>> {
         self.divider.next_unit(chunk)
     }
 
@@ -227,7 +227,7 @@ impl Divider {
         Self { size, format, ahead: rows, steps, start, begun: Vec::new(), complete: 0, rows: 0, is_over }
     }
 
-    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
+    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a, super::Job>> {
         while !self.is_over {
             let is_surface = self.ahead.element().is_some_and(|element| matches!(element.kind, Kind::Vertex | Kind::Face));
             let next = if is_surface { next_row(&self.steps, self.format, &self.begun[self.complete..]) } else { NextRow::TooLong };
@@ -262,7 +262,7 @@ impl Divider {
     }
 
     /// The complete rows as a block.
-    fn block(&mut self) -> Unit<'static> {
+    fn block(&mut self) -> Unit<'static, super::Job> {
         let rest = self.begun.split_off(self.complete);
         let bytes = std::mem::replace(&mut self.begun, rest);
         let job = Job { format: self.format, start: self.start.clone(), steps: Arc::clone(&self.steps), rows: self.rows };
@@ -270,7 +270,7 @@ impl Divider {
         if self.ahead.read == 0 {
             self.steps = steps(&self.ahead);
         }
-        Unit::Block(Block { bytes, job: blocks::Job::PlyBinary(job) })
+        Unit::Block(Block { bytes, job: super::Job::Binary(job) })
     }
 }
 
@@ -294,7 +294,7 @@ fn next_row(steps: &[Step], format: Format, bytes: &[u8]) -> NextRow {
 }
 
 /// Parses a block; `None` if it has a fault.
-pub(in super::super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
+pub(super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
     let Job { format, start, steps, rows } = job;
     let kind = start.element()?.kind;
     let mut run = Run::of_bytes(bytes.len(), start);

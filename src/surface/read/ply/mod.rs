@@ -12,14 +12,11 @@ mod binary;
 mod header;
 mod strip;
 
-pub(super) use ascii::{Job as AsciiJob, parse as parse_ascii};
-pub(super) use binary::{Job as BinaryJob, parse as parse_binary};
-
-use super::blocks::{Emitted, Unit};
+use super::blocks::{BlockReader, Emitted, Unit};
 use super::fault::{Fault, FaultKind, Flaw};
 use super::mesh::{self, Mesh, too_many_vertices};
 use super::{Format, Notes, Sink, Summary};
-use header::{Element, Header, HeaderLines, Kind};
+use header::{Element, Header, HeaderLines, Kind, Property};
 use std::sync::Arc;
 use strip::Strip;
 
@@ -81,6 +78,13 @@ struct Whole<'a, S> {
     sink: &'a mut S,
 }
 
+/// The assumption about the start of a block: the row with which it begins.
+#[derive(Debug)]
+pub(super) enum Job {
+    Ascii(ascii::Job),
+    Binary(binary::Job),
+}
+
 /// The rows of a block.
 #[derive(Debug)]
 pub(super) struct Run {
@@ -98,74 +102,14 @@ impl Reader {
         Self { stage: Stage::Header(HeaderLines::after(skipped)), surface, block }
     }
 
-    pub(super) fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        if let Stage::Header(lines) = &mut self.stage {
-            let Some(header) = lines.push(&mut chunk)? else { return Ok(()) };
-            self.stage = self.surface.begin(header, lines, self.block)?;
+    /// The fewest bytes that a facet takes in the body: a polygon or strip has a corner more for each facet more.
+    pub(super) fn fewest_bytes_of_a_facet(&self) -> usize {
+        match &self.stage {
+            Stage::Header(_) => 1,
+            // A digit and a blank.
+            Stage::Ascii(_) => 2,
+            Stage::Binary(body) => body.rows().fewest_bytes_of_a_corner(),
         }
-        match &mut self.stage {
-            Stage::Header(_) => Ok(()),
-            Stage::Ascii(body) => body.push(chunk, &mut self.surface, sink),
-            Stage::Binary(body) => body.push(chunk, &mut self.surface, sink),
-        }
-    }
-
-    /// The next piece of the body. The header is read here.
-    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a>>, Fault> {
-        if let Stage::Header(lines) = &mut self.stage {
-            let Some(header) = lines.push(chunk)? else { return Ok(None) };
-            self.stage = self.surface.begin(header, lines, self.block)?;
-        }
-        Ok(match &mut self.stage {
-            Stage::Header(_) => None,
-            Stage::Ascii(body) => body.next_unit(chunk),
-            Stage::Binary(body) => body.next_unit(chunk),
-        })
-    }
-
-    pub(super) fn rest(&mut self) -> Vec<u8> {
-        match &mut self.stage {
-            Stage::Header(_) => Vec::new(),
-            Stage::Ascii(body) => body.rest(),
-            Stage::Binary(body) => body.rest(),
-        }
-    }
-
-    /// Adds the rows of a block of this many bytes, unless other rows were expected or a face refers to a missing
-    /// vertex.
-    pub(super) fn link(&mut self, run: &mut Run, bytes: usize) -> bool {
-        let rows = match &self.stage {
-            Stage::Header(_) => return false,
-            Stage::Ascii(body) => body.rows(),
-            Stage::Binary(body) => body.rows(),
-        };
-        if !rows.is_at(&run.start) || (self.surface.keeps && !self.surface.mesh.link(&mut run.mesh)) {
-            return false;
-        }
-        if !self.surface.keeps {
-            self.surface.points += run.mesh.vertices().len() as u64;
-        }
-        self.surface.trailing_bytes += run.trailing_bytes;
-        match &mut self.stage {
-            Stage::Header(_) => {}
-            Stage::Ascii(body) => body.skip(run.end.clone(), run.lines),
-            Stage::Binary(body) => body.skip(run.end.clone(), bytes),
-        }
-        true
-    }
-
-    pub(super) fn emit<S: Sink>(&self, run: &Run, sink: &mut S) -> Emitted {
-        if self.surface.keeps {
-            return self.surface.mesh.emit(&run.mesh, sink);
-        }
-        for vertex in run.mesh.vertices() {
-            sink.point(*vertex);
-        }
-        Emitted::default()
-    }
-
-    pub(super) fn mesh(&mut self) -> &mut Mesh {
-        &mut self.surface.mesh
     }
 
     /// The memory that the vertices take, in bytes.
@@ -190,6 +134,88 @@ impl Reader {
             ..Notes::default()
         };
         Ok(Summary { format, points: self.surface.points, facets: mesh.facets(), unit: None, notes })
+    }
+}
+
+impl BlockReader for Reader {
+    type Job = Job;
+    type Run = Run;
+
+    /// A piece of the body. The header is read here.
+    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a, Job>>, Fault> {
+        if let Stage::Header(lines) = &mut self.stage {
+            let Some(header) = lines.push(chunk)? else { return Ok(None) };
+            self.stage = self.surface.begin(header, lines, self.block)?;
+        }
+        Ok(match &mut self.stage {
+            Stage::Header(_) => None,
+            Stage::Ascii(body) => body.next_unit(chunk),
+            Stage::Binary(body) => body.next_unit(chunk),
+        })
+    }
+
+    fn rest(&mut self) -> Vec<u8> {
+        match &mut self.stage {
+            Stage::Header(_) => Vec::new(),
+            Stage::Ascii(body) => body.rest(),
+            Stage::Binary(body) => body.rest(),
+        }
+    }
+
+    /// Adds the rows of a block, unless other rows were expected or a face refers to a missing
+    /// vertex.
+    fn link(&mut self, run: &mut Run, bytes: &[u8]) -> bool {
+        let rows = match &self.stage {
+            Stage::Header(_) => return false,
+            Stage::Ascii(body) => body.rows(),
+            Stage::Binary(body) => body.rows(),
+        };
+        if !rows.is_at(&run.start) || (self.surface.keeps && !self.surface.mesh.link(&mut run.mesh)) {
+            return false;
+        }
+        if !self.surface.keeps {
+            self.surface.points += run.mesh.vertices().len() as u64;
+        }
+        self.surface.trailing_bytes += run.trailing_bytes;
+        match &mut self.stage {
+            Stage::Header(_) => {}
+            Stage::Ascii(body) => body.skip(run.end.clone(), run.lines),
+            Stage::Binary(body) => body.skip(run.end.clone(), bytes.len()),
+        }
+        true
+    }
+
+    fn emit<S: Sink>(&self, run: &Run, _: &[u8], sink: &mut S) -> Emitted {
+        if self.surface.keeps {
+            return self.surface.mesh.emit(&run.mesh, sink);
+        }
+        for vertex in run.mesh.vertices() {
+            sink.point(*vertex);
+        }
+        Emitted::default()
+    }
+
+    fn parse(bytes: &[u8], job: Job) -> Option<Run> {
+        match job {
+            Job::Ascii(job) => ascii::parse(bytes, job),
+            Job::Binary(job) => binary::parse(bytes, job),
+        }
+    }
+
+    fn count(&mut self, emitted: Emitted) {
+        self.surface.mesh.count(emitted);
+    }
+
+    fn push<S: Sink>(&mut self, mut chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        if let Stage::Header(lines) = &mut self.stage {
+            let Some(header) = lines.push(&mut chunk)? else { return Ok(()) };
+            self.stage = self.surface.begin(header, lines, self.block)?;
+        }
+        match &mut self.stage {
+            Stage::Header(_) => Ok(()),
+            Stage::Ascii(body) => body.push(chunk, &mut self.surface, sink),
+            Stage::Binary(body) => body.push(chunk, &mut self.surface, sink),
+        }
     }
 }
 
@@ -302,6 +328,15 @@ impl Rows {
     /// Whether any element with rows has triangle strips.
     fn have_strips(&self) -> bool {
         self.elements.iter().any(|element| element.kind == Kind::TriStrips && element.count > 0)
+    }
+
+    /// The fewest bytes of a corner in the lists of faces and strips; 1 without such lists.
+    fn fewest_bytes_of_a_corner(&self) -> usize {
+        let sizes = self.elements.iter().flat_map(|element| &element.properties).filter_map(|property| match property {
+            Property::List { item, corners: true, .. } => Some(item.size()),
+            _ => None,
+        });
+        sizes.min().unwrap_or(1)
     }
 
     /// Counts a row that has been read.

@@ -18,7 +18,7 @@ mod layout;
 
 pub(super) use layout::Layout;
 
-use super::blocks::{self, Block, Emitted, Unit};
+use super::blocks::{Block, BlockReader, Emitted, Unit};
 use super::fault::{Fault, FaultKind, Flaw};
 use super::lines::{Lines, trimmed, trimmed_start};
 use super::splitter::{BlockSplitter, any_line};
@@ -58,41 +58,6 @@ impl Reader {
         Self { lines: Lines::after(0), table: Table::default(), splitter: BlockSplitter::new(block, any_line) }
     }
 
-    pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
-    }
-
-    /// The next piece of a text: a block, once the lines before it have determined the layout. The whole text must be
-    /// read this way.
-    pub(super) fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Option<Unit<'a>> {
-        let bytes = self.splitter.next(chunk)?;
-        Some(match self.table.job() {
-            Some(job) => Unit::Block(Block { bytes, job: blocks::Job::Text(job) }),
-            None => Unit::Serial(bytes.into()),
-        })
-    }
-
-    pub(super) fn rest(&mut self) -> Vec<u8> {
-        self.splitter.rest()
-    }
-
-    /// Adds the points of a block, unless its decimal mark differs from the file's.
-    pub(super) fn link(&mut self, run: &Run) -> bool {
-        let table = &mut self.table;
-        let Some(layout) = &mut table.layout else { return false };
-        // Whole numbers are the same with either mark.
-        if layout.mark.is_some() && run.mark.is_some() && layout.mark != run.mark {
-            return false;
-        }
-        layout.mark = layout.mark.or(run.mark);
-        table.points += run.points.len() as u64;
-        if let (Some(doubt), Some(more)) = (&mut table.doubt, &run.doubt) {
-            doubt.add(more);
-        }
-        self.lines.skip(run.lines);
-        true
-    }
-
     pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
         self.lines.finish(|line, number| self.table.line(line, number, sink))?;
         let table = self.table;
@@ -109,6 +74,68 @@ impl Reader {
         }
         let notes = Notes { further_columns: table.further_columns, ..Notes::default() };
         Ok(Summary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
+    }
+}
+
+impl BlockReader for Reader {
+    type Job = Job;
+    type Run = Run;
+
+    /// A block, once the lines before it have determined the layout. The whole text must be read this way.
+    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a, Job>>, Fault> {
+        let Some(bytes) = self.splitter.next(chunk) else { return Ok(None) };
+        Ok(Some(match self.table.job() {
+            Some(job) => Unit::Block(Block { bytes, job }),
+            None => Unit::Serial(bytes.into()),
+        }))
+    }
+
+    fn rest(&mut self) -> Vec<u8> {
+        self.splitter.rest()
+    }
+
+    /// Adds the points of a block, unless its decimal mark differs from the file's.
+    fn link(&mut self, run: &mut Run, _: &[u8]) -> bool {
+        let table = &mut self.table;
+        let Some(layout) = &mut table.layout else { return false };
+        // Whole numbers are the same with either mark.
+        if layout.mark.is_some() && run.mark.is_some() && layout.mark != run.mark {
+            return false;
+        }
+        layout.mark = layout.mark.or(run.mark);
+        table.points += run.points.len() as u64;
+        if let (Some(doubt), Some(more)) = (&mut table.doubt, &run.doubt) {
+            doubt.add(more);
+        }
+        self.lines.skip(run.lines);
+        true
+    }
+
+    fn parse(bytes: &[u8], job: Job) -> Option<Run> {
+        struct Points(Vec<[f64; 3]>);
+        impl Sink for Points {
+            fn point(&mut self, point: [f64; 3]) {
+                self.0.push(point);
+            }
+            fn facet(&mut self, _: [[f64; 3]; 3]) {}
+        }
+        let mut lines = Lines::after(0);
+        let mut table = Table { layout: Some(job.layout), doubt: job.doubt, ..Table::default() };
+        let mut points = Points(Vec::with_capacity(bytes.len() / 16));
+        lines.push(bytes, |line, number| table.line(line, number, &mut points)).ok()?;
+        let mark = table.layout.and_then(|layout| layout.mark);
+        Some(Run { lines: lines.ended(), points: points.0, mark, doubt: table.doubt })
+    }
+
+    fn emit<S: Sink>(&self, run: &Run, _: &[u8], sink: &mut S) -> Emitted {
+        for point in &run.points {
+            sink.point(*point);
+        }
+        Emitted::default()
+    }
+
+    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
+        self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
     }
 }
 
@@ -129,32 +156,6 @@ pub(super) struct Run {
     /// The decimal mark, if one is known at the end of the block.
     mark: Option<u8>,
     doubt: Option<Doubt>,
-}
-
-impl Run {
-    pub(super) fn emit<S: Sink>(&self, sink: &mut S) -> Emitted {
-        for point in &self.points {
-            sink.point(*point);
-        }
-        Emitted::default()
-    }
-}
-
-/// Parses a block; `None` if it has a fault.
-pub(super) fn parse(bytes: &[u8], job: Job) -> Option<Run> {
-    struct Points(Vec<[f64; 3]>);
-    impl Sink for Points {
-        fn point(&mut self, point: [f64; 3]) {
-            self.0.push(point);
-        }
-        fn facet(&mut self, _: [[f64; 3]; 3]) {}
-    }
-    let mut lines = Lines::after(0);
-    let mut table = Table { layout: Some(job.layout), doubt: job.doubt, ..Table::default() };
-    let mut points = Points(Vec::with_capacity(bytes.len() / 16));
-    lines.push(bytes, |line, number| table.line(line, number, &mut points)).ok()?;
-    let mark = table.layout.and_then(|layout| layout.mark);
-    Some(Run { lines: lines.ended(), points: points.0, mark, doubt: table.doubt })
 }
 
 impl Table {
