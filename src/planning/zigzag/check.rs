@@ -2,7 +2,7 @@
 
 use super::contacts::{FacetContact, NoContact};
 use super::imprint::Imprints;
-use super::march::{NoPlanes, Plane, Spaced};
+use super::march::{Fit, NoPlanes, Plane, Spaced};
 use super::prepared::Prepared;
 use super::refine::{Tightest, refine, tightest};
 use super::settings::ZigzagSettings;
@@ -65,7 +65,7 @@ const TIGHT: f64 = 0.97;
 const WIDEST: f64 = 1.4;
 
 /// The relative curvature up to which spacings are not widened, because the imprints cut into the surface.
-const NEAR_GOUGING: f64 = 0.6;
+pub(super) const NEAR_GOUGING: f64 = 0.6;
 
 /// The least share of the tolerance from which on the envelope's height is compared with that of imprints.
 const LEAST_COMPARED: f64 = 0.4;
@@ -107,7 +107,9 @@ pub(super) fn checked(
     if follows {
         refine(&mut spaced, &inspector, operation.room, stop)?;
     }
-    let simulated = simulate(&spaced, operation, stop)?;
+    let fit = |place: u32, at: f64, width: f64, limit: f64| inspector.fitted(&spaced, place, at, [width, limit]);
+    let fit: Option<&Fit> = if follows { Some(&fit) } else { None };
+    let simulated = simulate(&spaced, operation, fit, stop)?;
     let drawn = drawn_by_area(spaced.workpiece, DRAWN);
     let evaluated = inspector.evaluate(&spaced, &simulated.planes, &drawn);
     let figures = figures(&evaluated, drawn.len(), spaced.workpiece, inspector.tolerance);
@@ -246,8 +248,8 @@ impl<'a> Inspector<'a> {
         [low, high]
     }
 
-    /// The share of a spacing at which imprints leave the tolerance on a facet with these ends along the passes; at most
-    /// 1 unless it `widens`.
+    /// The share of a spacing at which imprints leave the tolerance on a facet with these ends along the passes. It is at
+    /// most 1 unless it `widens`.
     fn share_by_imprints(&self, imprints: &Imprints, spacing: f64, range: [f64; 2], widens: bool) -> f64 {
         let (place, mut height) = imprints.highest(spacing, range);
         let (mut share, mut last, mut kept) = (1.0, None::<(f64, f64)>, None::<f64>);

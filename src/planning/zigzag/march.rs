@@ -124,13 +124,25 @@ const FACETS_OF_A_PLANE: usize = 2_048;
 /// million facets has 5e6. Half a million facets that each cover the whole part would all be in every strip.
 pub(super) const MOST_MET: usize = 50_000_000;
 
+/// The widest strip that a facet allows from a plane. The arguments are the facet's place in the sweep, the coordinate of
+/// the plane, the width that the facet's own spacing allows, and the widest one wanted. `None` if the own spacing holds.
+pub(super) type Fit<'a> = dyn Fn(u32, f64, f64, f64) -> Option<f64> + 'a;
+
+/// The largest number of facets that are fitted to a strip one after the other.
+const MOST_FITTED: usize = 12;
+
+/// The largest factor by which fitting widens a strip: the facets that are not fitted still have their own spacings.
+const WIDEST_FITTED: f64 = 1.3;
+
 /// Places the planes band by band, and calls `visit` with each plane and the facets that it may meet. The visitor
-/// removes the facets that end at the plane, and may end the placement.
+/// removes the facets that end at the plane, and may end the placement. Facets that bind a strip are fitted to it by
+/// `fit`.
 ///
 /// # Errors
 /// [`NoPlanes`]
 pub(super) fn march(
     spaced: &Spaced,
+    fit: Option<&Fit>,
     stop: &(dyn Fn() -> bool + Sync),
     mut visit: impl FnMut(Plane, &mut Vec<Reached>) -> Result<(), NoPlanes>,
 ) -> Result<(), NoPlanes> {
@@ -140,8 +152,16 @@ pub(super) fn march(
         return Err(NoPlanes::Cancelled);
     }
     for band in spaced.sweep.bands(spaced.widest) {
-        let mut walk =
-            Walk { spaced, next: band.start, end: band.end, reached: Vec::new(), hint: spaced.widest, tightest: Vec::new(), binding: None };
+        let mut walk = Walk {
+            spaced,
+            next: band.start,
+            end: band.end,
+            reached: Vec::new(),
+            hint: spaced.widest,
+            tightest: Vec::new(),
+            binding: None,
+            fitted: Vec::new(),
+        };
         let first = walk.widest_from(band.low)?;
         let mut is_last = band.high - band.low < first;
         // The first plane is half a spacing from the border; in a band narrower than one spacing, in the middle.
@@ -167,8 +187,8 @@ pub(super) fn march(
                 }
             }
             let rest = band.high - plane.at;
-            let widest = if is_last { plane.before } else { walk.widest_from(plane.at)? };
-            plane.binding = walk.binding;
+            let widest = if is_last { plane.before } else { walk.fitted_from(plane.at, fit)? };
+            plane.binding = walk.binding.map(|(place, _)| place);
             if is_last || rest <= widest / 2.0 {
                 // Half a spacing beyond the last plane leaves the same height as a whole spacing between two planes.
                 plane.after = plane.before;
@@ -200,11 +220,42 @@ struct Walk<'a> {
     hint: f64,
     /// The tightest facets of the strip: the width that each allows, and its index among the reached facets.
     tightest: Vec<(f64, usize)>,
-    /// The place of the facet that binds the last strip; those left out do not.
-    binding: Option<u32>,
+    /// The place of the facet that binds the last strip, and its index among the reached facets; those left out do not.
+    binding: Option<(u32, usize)>,
+    /// The facets that are fitted to the strip: their indices among the reached ones, and their own spacings.
+    fitted: Vec<(usize, f64)>,
 }
 
 impl Walk<'_> {
+    /// The same as [`Self::widest_from`], with the facets that bind the strip fitted to it one after the other. The others
+    /// of the tightest are then compared with the result.
+    fn fitted_from(&mut self, at: f64, fit: Option<&Fit>) -> Result<f64, NoPlanes> {
+        let mut found = self.widest_from(at)?;
+        let Some(fit) = fit else { return Ok(found) };
+        let limit = (WIDEST_FITTED * found).min(self.spaced.widest);
+        while self.fitted.len() < MOST_FITTED && found < limit {
+            let is_fitted = |index: usize| self.fitted.iter().any(|&(known, _)| known == index);
+            let Some((place, index)) = self.binding.filter(|&(_, index)| !is_fitted(index)) else { break };
+            let Some(width) = fit(place, at, found, limit) else { break };
+            self.fitted.push((index, self.reached[index].allowed));
+            self.reached[index].allowed = width;
+            found = self.widest_from(at)?;
+        }
+        if self.fitted.is_empty() {
+            return Ok(found);
+        }
+        found = found.min(limit);
+        for &(_, index) in &self.tightest {
+            if self.fitted.iter().all(|&(known, _)| known != index) {
+                found = fit(self.reached[index].place, at, found, found).unwrap_or(found);
+            }
+        }
+        for (index, own) in self.fitted.drain(..) {
+            self.reached[index].allowed = own;
+        }
+        Ok(found)
+    }
+
     /// The largest d allowed by all facets in the strip from `at` to `at` + d, except the share of its area that may be
     /// left out.
     fn widest_from(&mut self, at: f64) -> Result<f64, NoPlanes> {
@@ -281,7 +332,7 @@ impl Walk<'_> {
         // If all recorded facets could be left out, the facets that were not recorded might exceed the share: then the
         // last recorded facet binds.
         let first = (0..self.tightest.len()).find(holds_too_much).or((self.tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
-        self.binding = first.map(|first| self.reached[self.tightest[first].1].place);
+        self.binding = first.map(|first| self.tightest[first].1).map(|index| (self.reached[index].place, index));
         first.map_or(width, |first| self.tightest[first].0)
     }
 }

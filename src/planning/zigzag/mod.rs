@@ -9,14 +9,15 @@
 //! cutter allows; `sweep` sorts facets across a direction; `march` places the planes; `runs` intersects planes and
 //! facets; `regions` and `links` order the runs; `tour` adds up times; `simulate` combines these steps. `room` limits
 //! the size of a plan; `prepared` is a candidate with its spacings; `search` tries directions; `contacts`, `imprint`
-//! and `check` evaluate facets; `refine` refines the spacings that bind strips; `least_time` is a lower bound of its
-//! time; `plan` is the result; `ranking` is the entry point; `confidence` rates the ranking. `passes` lists the
-//! points of a plan, and `heights` its scallop heights at facets.
+//! and `check` evaluate facets; `refine` refines the spacings that bind strips, and `fit` fits strips to wide facets;
+//! `least_time` is a lower bound of its time; `plan` is the result; `ranking` is the entry point; `confidence` rates the
+//! ranking. `passes` lists the points of a plan, and `heights` its scallop heights at facets.
 
 mod candidate;
 mod check;
 mod confidence;
 mod contacts;
+mod fit;
 mod heights;
 mod imprint;
 mod least_time;

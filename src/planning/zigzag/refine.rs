@@ -38,7 +38,7 @@ const LARGEST_CURVATURE: f64 = 10.0;
 pub(super) fn refine(spaced: &mut Spaced, inspector: &Inspector, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<(), NoPlanes> {
     let mut is_refined = vec![false; spaced.allowed.len()];
     for _ in 0..ROUNDS {
-        let planes = planes_of(spaced, room, stop)?;
+        let planes = planes_of(spaced, room, None, stop)?;
         let bound = planes.iter().enumerate().filter_map(|(strip, plane)| Some(Tightest { strip, place: plane.binding? }));
         let mut wanted = tightest(spaced, &planes, inspector, REFINED);
         wanted.extend(bound);
@@ -161,5 +161,38 @@ impl Least {
         }
         let at = self.facets.partition_point(|&(_, other)| other <= key);
         self.facets.insert(at, (place, key));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planning::zigzag::slopes::place_of;
+
+    #[test]
+    fn the_smallest_keys_are_kept_in_rising_order() {
+        let keys = [5.0, 3.0, 9.0, 1.0, 3.0, 7.0, 0.5];
+        let mut least = Least::default();
+        for (place, key) in (0_u32..).zip(keys) {
+            least.add(place, key, 4);
+        }
+        assert_eq!(least.facets, [(6, 0.5), (3, 1.0), (1, 3.0), (4, 3.0)]);
+    }
+
+    #[test]
+    fn passes_run_level_where_the_climb_changes_sign_within_the_facet() {
+        let tangent = |slope: f64, curvature: [f64; 3]| {
+            let (sin, cos) = slope.to_radians().sin_cos();
+            Tangent { down_hill: [1.0, 0.0], sin, cos, per_cos: cos.recip(), curvature, place: place_of(sin), is_steep: false }
+        };
+        let along = |degrees: f64| [degrees.to_radians().cos(), degrees.to_radians().sin()];
+        // On a curvature of 1/50 mm, 1 deg of climb is 0.87 mm away; facets of 0.5 mm^2 are 1 mm wide.
+        let curved = [0.02, 0.0, 0.02];
+        assert!(runs_level(&tangent(1.0, curved), 0.5, along(0.0)));
+        assert!(!runs_level(&tangent(2.0, curved), 0.5, along(0.0)));
+        assert!(!runs_level(&tangent(1.0, curved), 0.25, along(0.0)));
+        // Along the level line of any slope, and nowhere on an inclined plane except there.
+        assert!(runs_level(&tangent(40.0, curved), 0.5, along(90.0)));
+        assert!(!runs_level(&tangent(1.0, [0.0; 3]), 0.5, along(80.0)));
     }
 }

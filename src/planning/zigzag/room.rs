@@ -67,3 +67,30 @@ impl Room {
         self.is_exceeded.load(Ordering::Relaxed)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_over_the_room_needs_a_larger_one_and_one_over_the_largest_has_no_plan() {
+        let room = Room::new(PlanRoom { planes: 100, runs: 300 });
+        assert_eq!(room.check(100, 300), Ok(()));
+        assert!(!room.is_exceeded());
+        assert_eq!(room.check(MOST_PLANES + 1, 0), Err(NoPlanes::TooManyPlanes));
+        assert_eq!(room.check(100, MOST_RUNS + 1), Err(NoPlanes::TooManyRuns));
+        assert!(!room.is_exceeded());
+        assert_eq!(room.check(100, 301), Err(NoPlanes::NoRoom));
+        assert!(room.is_exceeded());
+    }
+
+    #[test]
+    fn rooms_grow_to_the_largest() {
+        let mut room = PlanRoom::USUAL;
+        for _ in 0..3 {
+            room = room.larger();
+        }
+        assert_eq!(room, PlanRoom::LARGEST);
+        assert_eq!(Room::new(room).check(MOST_PLANES, MOST_RUNS), Ok(()));
+    }
+}

@@ -157,7 +157,7 @@ fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found:
             let time = |&(contender, _): &(usize, Angle)| {
                 let prepared = &contenders[contender];
                 let spaced = Spaced::new(facets, &sweep, prepared, settings.left_out_share, stop);
-                let seconds = simulate(&spaced, prepared.operation(settings, room), stop).map(|simulated| simulated.figures.seconds);
+                let seconds = simulate(&spaced, prepared.operation(settings, room), None, stop).map(|simulated| simulated.figures.seconds);
                 (contender, TimeOfDirection { direction, seconds, is_rough })
             };
             of_direction.par_iter().with_min_len(4).map(time).collect()

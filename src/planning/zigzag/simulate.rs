@@ -1,7 +1,7 @@
 //! The simulation of one cutter in one direction over a workpiece.
 
 use super::links::Links;
-use super::march::{NoPlanes, Plane, Spaced, march};
+use super::march::{Fit, NoPlanes, Plane, Spaced, march};
 use super::room::Room;
 use super::runs::RunFinder;
 use super::settings::Pattern;
@@ -34,14 +34,19 @@ pub(super) struct Simulated {
     pub(super) planes: Vec<Plane>,
 }
 
-/// Simulates the zigzag over facets with their spacings.
+/// Simulates the zigzag over facets with their spacings, fitted to the strips by `fit`.
 ///
 /// # Errors
 /// [`NoPlanes`]
-pub(super) fn simulate(spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -> bool + Sync)) -> Result<Simulated, NoPlanes> {
+pub(super) fn simulate(
+    spaced: &Spaced,
+    operation: Operation,
+    fit: Option<&Fit>,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Simulated, NoPlanes> {
     let mut finder = RunFinder::new(spaced, spaced.widest.max(spaced.workpiece.sampling_gap));
     let mut planes = Vec::new();
-    march(spaced, stop, |plane, reached| {
+    march(spaced, fit, stop, |plane, reached| {
         finder.find(spaced, reached, planes.len(), &plane, operation.feeds);
         planes.push(plane);
         // All runs stay in memory until their order is known.
@@ -55,9 +60,9 @@ pub(super) fn simulate(spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -
 ///
 /// # Errors
 /// [`NoPlanes`]
-pub(super) fn planes_of(spaced: &Spaced, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
+pub(super) fn planes_of(spaced: &Spaced, room: &Room, fit: Option<&Fit>, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
     let mut planes = Vec::new();
-    march(spaced, stop, |plane, reached| {
+    march(spaced, fit, stop, |plane, reached| {
         reached.retain(|reached| reached.high > plane.at);
         planes.push(plane);
         room.check(planes.len(), 0)

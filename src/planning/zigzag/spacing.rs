@@ -376,4 +376,23 @@ mod tests {
             assert!(most <= 1.0 && least > 0.88, "{least} {most}");
         }
     }
+
+    #[test]
+    fn a_ball_on_a_curved_facet_has_the_step_over_of_the_envelope_level_ones_included() {
+        let height = Length::computed(0.01);
+        let ball = Cutter::ball_end(Length::computed(8.0));
+        let (spacing, _) = CutterSpacing::new(ball, height, Model::Envelope, None, &|_| true, 80.0);
+        for slope in [0.0, 1e-6, 2.0, 30.0] {
+            for level in [0.0, 1.0 / 20.0, -1.0 / 20.0, 1.0 / 100.0] {
+                let tangent = Tangent { curvature: [0.01, 0.0, level], ..tangent(slope) };
+                let found = spacing.squared(&tangent, 1.0, 0.0).sqrt();
+                let surface = SurfaceCurvature::from_components_per_mm(0.01, level, 0.0).unwrap();
+                let contact = Contact::from_degrees(slope, 0.0).unwrap();
+                let pass = Pass { cutter: ball, contact, surface, runout: Runout::NONE, teeth: None };
+                let step_over = EvaluatedPass::new(Model::Envelope, pass).unwrap().max_step_over(height, None).unwrap();
+                // The spacing is of the second order: h/(2 R) = 0.1 %, and the turning of the marks' normals.
+                approx::assert_relative_eq!(found, step_over.mm() * contact.spacing_ratio(), max_relative = 0.005);
+            }
+        }
+    }
 }

@@ -185,3 +185,25 @@ fn a_plane_rounded_to_single_precision_has_no_curvature() {
     let curved = finish_facets(&plane).iter().filter(|facet| facet.curvature.iter().any(|&k| k != 0.0)).count();
     assert_eq!(curved, 0);
 }
+
+#[test]
+fn only_facets_much_smaller_than_their_flat_region_lose_the_curvature_of_noise() {
+    // Errors of 1e-5 mm turn the normals of facets of 1 mm by some 1e-5 rad, so that all facets are one flat region, of 2
+    // facets for each quad. The region is at least 8 times as large as a facet from 5 quads on.
+    let curved = |columns: u32| {
+        let mut next = noise(3);
+        let z: Vec<f64> = (0..2 * (columns + 1)).map(|_| 2e-5 * next()).collect();
+        let mut points = z.into_iter();
+        let mut facets = Vec::new();
+        let mut row = || (0..=columns).map(|column| [f64::from(column), 0.0, points.next().unwrap()]).collect::<Vec<_>>();
+        let (low, high) = (row(), row());
+        let high: Vec<[f64; 3]> = high.into_iter().map(|[x, _, z]| [x, 1.0, z]).collect();
+        for column in 0..columns as usize {
+            let [a, b, c, d] = [low[column], low[column + 1], high[column + 1], high[column]];
+            facets.extend([[a, b, c], [a, c, d]]);
+        }
+        finish_facets(&mesh(&facets)).iter().filter(|facet| facet.curvature.iter().any(|&k| k != 0.0)).count()
+    };
+    assert!(curved(3) > 0);
+    assert_eq!([5, 6, 12].map(curved), [0; 3]);
+}

@@ -1,9 +1,9 @@
 //! Degenerate meshes: all stages from facets to plans terminate, and every figure is finite.
 
 use super::{degrees, mm, published_cutters, settings};
-use scallopd::milling::Model;
+use scallopd::milling::{Cutter, Model};
 use scallopd::planning::reach::ReachMap;
-use scallopd::planning::zigzag::{Directions, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::planning::zigzag::{CandidateCutter, Directions, NotRankedReason, SurfaceEvidence, ZigzagSettings, rank};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};
 
@@ -88,4 +88,28 @@ fn slivers_beside_a_square_change_no_plan() {
 fn planning_a_part_of_a_kilometre_far_from_the_origin_terminates() {
     let far = |facet: [[f64; 3]; 3]| facet.map(|[x, y, z]| [5e4 * x + 1e8, 5e4 * y - 1e8, z]);
     plans_on(&of_facets(square([0.0, 1.0, 2.0, 0.5]).map(far)));
+}
+
+#[test]
+fn a_comb_of_too_many_runs_has_no_plan_across_its_teeth_but_one_along_them() {
+    // 300 teeth of 0.3 mm with gaps of 0.3 mm, wider than the cutter: across them, 25 mm / 0.0872 mm = 287 passes of 300
+    // runs each are more than 65,536; along them each pass has one run.
+    let tooth = |index: u32| {
+        let x = 0.6 * f64::from(index);
+        let [a, b, c, d] = [[x, 0.0, 0.0], [x + 0.3, 0.0, 0.0], [x + 0.3, 25.0, 0.0], [x, 25.0, 0.0]];
+        [[a, b, c], [a, c, d]]
+    };
+    let mesh = of_facets((0..300).flat_map(tooth));
+    let selected = mesh.selected(&Selection::all(), &mesh.pieces()).unwrap();
+    let facets = mesh.facets_for_finishing(&mesh.visibility(degrees(85.0)), &selected);
+    let planned = |direction: f64| {
+        let settings = ZigzagSettings { directions: Directions::Only(vec![degrees(direction)]), ..settings(Model::Envelope) };
+        rank(&facets, &[CandidateCutter::new(Cutter::ball_end(mm(0.2)))], &settings, SurfaceEvidence::default(), &|| false).unwrap()
+    };
+    let across = planned(0.0);
+    assert!(across.plans.is_empty());
+    assert_eq!(across.not_ranked[0].reason, NotRankedReason::TooManyRuns);
+    assert!(across.not_ranked[0].reason.to_string().contains("65536 runs"), "{}", across.not_ranked[0].reason);
+    let along = planned(90.0);
+    assert!(along.plans[0].tour.runs >= 300 && along.plans[0].tour.runs <= 1800, "{}", along.plans[0].tour.runs);
 }

@@ -2,13 +2,14 @@
 
 use super::surfaces::{facets, published};
 use super::{degrees, drive, in_direction, mm, published_cutters, ranked};
-use scallopd::milling::{Contact, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::motion::{MachineLimits, travel_time};
-use scallopd::planning::zigzag::{Passes, passes};
-use scallopd::quantity::{Length, Speed};
+use scallopd::planning::zigzag::{CandidateCutter, PassPoint, Passes, passes};
+use scallopd::quantity::{Length, Speed, Time};
 
-/// The time of runs at their points' feeds, and of links from run to run at the feed rate, by section 5.
-fn timed(passes: &Passes, limits: MachineLimits, link_rate: Speed) -> f64 {
+/// The time of runs at their points' feeds, and of links from run to run at the feed rate, by section 5. The path is that
+/// of the contacts or of the tips, as `place` selects.
+fn timed(passes: &Passes, limits: MachineLimits, link_rate: Speed, place: impl Fn(&PassPoint) -> [f64; 3]) -> f64 {
     let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt();
     let time =
         |length: f64, feed_rate: Speed| travel_time(Length::from_mm(length).unwrap(), MachineLimits { feed_rate, ..limits }).seconds();
@@ -16,36 +17,52 @@ fn timed(passes: &Passes, limits: MachineLimits, link_rate: Speed) -> f64 {
     let (mut seconds, mut last) = (0.0, None);
     for (start, end) in passes.run_starts.iter().copied().zip(ends) {
         let points = &passes.points[start..end];
-        let contact = |index: usize| points[index].contact.unwrap();
+        let at = |index: usize| place(&points[index]);
         if let Some(last) = last {
-            seconds += time(distance(last, contact(0)), link_rate);
+            seconds += time(distance(last, at(0)), link_rate);
         }
         let (mut length, mut without_stops) = (0.0, 0.0);
         for index in 1..points.len() {
-            let part = distance(contact(index - 1), contact(index));
+            let part = distance(at(index - 1), at(index));
             length += part;
             without_stops += part * 0.5 * (1.0 / points[index - 1].feed_rate.mm_s() + 1.0 / points[index].feed_rate.mm_s());
         }
         seconds += time(length, Speed::from_mm_min(60.0 * length / without_stops).unwrap());
-        last = Some(contact(points.len() - 1));
+        last = Some(at(points.len() - 1));
     }
     seconds
 }
 
+/// The published cutters, a sharp bull-nose and a flat-end cutter.
+fn cutters() -> [Cutter; 4] {
+    let [bull_nose, ball] = published_cutters().map(|candidate| candidate.cutter);
+    [bull_nose, ball, Cutter::toroidal(mm(10.0), mm(0.5)).unwrap(), Cutter::flat_end(mm(6.0))]
+}
+
 #[test]
-fn passes_take_the_time_of_their_plan() {
-    for (surface, direction, teeth, rpm) in [(0, 66.97, 0, 0.0), (1, 0.0, 0, 0.0), (1, 20.0, 2, 10_000.0), (1, 0.0, 1, 3000.0)] {
-        let facets = facets(&published(surface), 50, 50);
-        let settings = in_direction(Model::Envelope, direction);
-        let mut candidate = published_cutters()[0];
-        candidate.drive = (teeth > 0).then(|| drive(teeth, rpm));
-        let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
-        let passes = passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
-        assert_eq!((passes.run_starts.len(), plan.tour.lifts), (plan.tour.runs, 0));
-        let limits = settings.machine.limits;
-        let time = timed(&passes, limits, limits.feed_rate);
-        println!("surface {surface} at {direction} deg: plan {:.3} s, points {time:.3} s", plan.time.seconds());
-        assert!((time / plan.time.seconds() - 1.0).abs() < 0.02, "{time} s for {} s", plan.time.seconds());
+fn the_contacts_take_the_time_of_their_plan_and_the_tips_that_of_the_passes() {
+    let without_drive = cutters().into_iter().map(|cutter| (cutter, 0, 0.0));
+    let with_drive = [(cutters()[0], 2, 10_000.0), (cutters()[1], 2, 10_000.0), (cutters()[0], 1, 3000.0)];
+    for (cutter, teeth, rpm) in without_drive.chain(with_drive) {
+        for (surface, direction) in [(0, 66.97), (1, 0.0), (1, 20.0)] {
+            let facets = facets(&published(surface), 50, 50);
+            let settings = in_direction(Model::Envelope, direction);
+            let mut candidate = CandidateCutter::new(cutter);
+            candidate.drive = (teeth > 0).then(|| drive(teeth, rpm));
+            let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
+            let passes = passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
+            assert_eq!((passes.run_starts.len(), plan.tour.lifts), (plan.tour.runs, 0));
+            let limits = settings.machine.limits;
+            let [contacts, tips] = [
+                timed(&passes, limits, limits.feed_rate, |point| point.contact.unwrap()),
+                timed(&passes, limits, limits.feed_rate, |point| point.tip),
+            ];
+            let [planned, stated] = [plan.time, passes.time].map(Time::seconds);
+            println!("surface {surface} at {direction} deg: plan {planned:.3} s, contacts {contacts:.3} s; tips {tips:.3} s");
+            assert!((contacts / planned - 1.0).abs() < 0.02, "{contacts} s for {planned} s");
+            // The links of cutters with a drive have the feed rate of the largest feed per tooth.
+            assert!((tips / stated - 1.0).abs() < if teeth > 0 { 0.02 } else { 1e-9 }, "{tips} s for {stated} s");
+        }
     }
 }
 

@@ -182,6 +182,15 @@ impl Milled {
         lowest
     }
 
+    /// The largest height of a strip: among the places, and every 0.05 mm around the highest of them, because heights
+    /// have narrow peaks where passes run level.
+    fn highest(&self, strip: usize, places: &[f64], is_open: impl Fn(f64) -> bool) -> f64 {
+        let heights = places.iter().map(|&along| (self.ridge(strip, along), along));
+        let (highest, at) = heights.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+        let around = (-10..=10).map(|step| at + 0.05 * f64::from(step)).filter(|&along| is_open(along));
+        around.map(|along| self.ridge(strip, along)).fold(highest, f64::max)
+    }
+
     /// The height of the highest point left in a strip at a place along it.
     fn ridge(&self, strip: usize, along: f64) -> f64 {
         let (low, high) = (self.planes[strip], self.planes[strip + 1]);
@@ -281,8 +290,7 @@ fn milled(cutter: Cutter, surface: Function, facets: &[FinishFacet], count: usiz
             continue;
         }
         figures.strips += 1;
-        let is_tight = places.iter().any(|&along| milled.ridge(strip, along) >= 0.9 * TOLERANCE);
-        figures.tight += usize::from(is_tight);
+        figures.tight += usize::from(milled.highest(strip, &places, |along| is_open(strip, along)) >= 0.9 * TOLERANCE);
     }
     figures.heights.sort_by(f64::total_cmp);
     figures
@@ -331,9 +339,7 @@ fn scallops_of_a_sharp_bull_nose_keep_the_tolerance_and_use_it() {
     keeps_and_uses_the_tolerance(Cutter::toroidal(mm(10.0), mm(0.5)).unwrap(), 0.9);
 }
 
-/// On a border that the passes cross obliquely, facets are wider than the strips of a flat-end cutter and bind them by
-/// parts that lie outside: one strip in five of all is loose.
 #[test]
 fn scallops_of_a_flat_end_keep_the_tolerance_and_use_it() {
-    keeps_and_uses_the_tolerance(Cutter::flat_end(mm(6.0)), 0.75);
+    keeps_and_uses_the_tolerance(Cutter::flat_end(mm(6.0)), 0.9);
 }
