@@ -90,6 +90,9 @@ proptest! {
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let find = |contact, surface| envelope(on(cutter, contact, surface)).and_then(|evaluated| height(&evaluated, s, f));
         let Ok(found) = find(contact, surface) else { return Ok(()) };
+        if !is_settled(&envelope(on(cutter, contact, surface)).unwrap(), s, f) {
+            return Ok(());
+        }
         for same in [find(contact, components), find(back, surface), find(mirrored, untwisted)] {
             let epsilon = if has_lobes(&on(cutter, contact, surface)) { 0.02 } else { 1e-10 };
             assert_relative_eq!(same.unwrap(), found, max_relative = epsilon);
@@ -224,6 +227,9 @@ proptest! {
         let tilted = Contact::from_vectors(rotated[0], rotated[1], Some(rotated[2])).unwrap();
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let find = |contact| envelope(on(cutter, contact, bent(cutter, bend))).and_then(|evaluated| height(&evaluated, s, f));
+        if envelope(on(cutter, upright, bent(cutter, bend))).is_ok_and(|evaluated| !is_settled(&evaluated, s, f)) {
+            return Ok(());
+        }
         match (find(upright), find(tilted)) {
             // A rotation carries roundings of 1e-15, which slopes within 1 deg of wall or floor magnify by 57.
             (Ok(one), Ok(other)) => {
