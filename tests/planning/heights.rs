@@ -69,7 +69,6 @@ async fn every_point_of_the_passes_has_the_height_of_the_batch() {
     }
 }
 
-/// Coordinates with all their digits give back the step-over: the planes of neighbouring runs are as far apart as stated.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn contacts_of_a_run_lie_in_one_plane_of_the_direction() {
     let app = TestApp::start().await;

@@ -7,8 +7,8 @@ use scallopd::motion::{MachineLimits, travel_time};
 use scallopd::planning::zigzag::{CandidateCutter, PassPoint, Passes, passes};
 use scallopd::quantity::{Length, Speed, Time};
 
-/// The time of runs at their points' feeds, and of links from run to run at the feed rate, by section 5. The path is that
-/// of the contacts or of the tips, as `place` selects.
+/// The time of runs at their points' feeds, and of links from run to run at the feed rate, by section 5. The path is
+/// that of the contacts or of the tips, as `place` selects.
 fn timed(passes: &Passes, limits: MachineLimits, link_rate: Speed, place: impl Fn(&PassPoint) -> [f64; 3]) -> f64 {
     let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt();
     let time =
@@ -44,7 +44,7 @@ fn the_contacts_take_the_time_of_their_plan_and_the_tips_that_of_the_passes() {
     let without_drive = cutters().into_iter().map(|cutter| (cutter, 0, 0.0));
     let with_drive = [(cutters()[0], 2, 10_000.0), (cutters()[1], 2, 10_000.0), (cutters()[0], 1, 3000.0)];
     for (cutter, teeth, rpm) in without_drive.chain(with_drive) {
-        for (surface, direction) in [(0, 66.97), (1, 0.0), (1, 20.0)] {
+        for (surface, direction) in [(0, 66.97), (1, 20.0)] {
             let facets = facets(&published(surface), 50, 50);
             let settings = in_direction(Model::Envelope, direction);
             let mut candidate = CandidateCutter::new(cutter);
@@ -59,7 +59,10 @@ fn the_contacts_take_the_time_of_their_plan_and_the_tips_that_of_the_passes() {
             ];
             let [planned, stated] = [plan.time, passes.time].map(Time::seconds);
             println!("surface {surface} at {direction} deg: plan {planned:.3} s, contacts {contacts:.3} s; tips {tips:.3} s");
-            assert!((contacts / planned - 1.0).abs() < 0.02, "{contacts} s for {planned} s");
+            // Without a drive all feeds are the machine's, and contacts at the middles of cuts omit only the corners
+            // between facets. With one, the points have the largest feeds and the plan has those of its tables.
+            let most = if teeth > 0 { 0.02 } else { 1e-4 };
+            assert!((contacts / planned - 1.0).abs() < most, "{contacts} s for {planned} s");
             // The links of cutters with a drive have the feed rate of the largest feed per tooth.
             assert!((tips / stated - 1.0).abs() < if teeth > 0 { 0.02 } else { 1e-9 }, "{tips} s for {stated} s");
         }
