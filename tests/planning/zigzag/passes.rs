@@ -1,6 +1,6 @@
 //! Passes of plans, point by point.
 
-use super::surfaces::{facets, published};
+use super::surfaces::{Height, facets, published};
 use super::{degrees, drive, in_direction, mm, published_cutters, ranked};
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::motion::{MachineLimits, travel_time};
@@ -104,6 +104,49 @@ fn points_lie_in_the_planes_and_have_the_heights_of_the_model() {
     // Feeds are reduced where step-overs allow it; at most 1 in 100 points has no such feed.
     println!("{over} of {} points over the tolerance", passes.points.len());
     assert!(100 * over <= passes.points.len(), "{over} of {}", passes.points.len());
+}
+
+/// Waves that are convex, concave and twisted, with a level saddle and level tops.
+fn waves(x: f64, y: f64) -> [f64; 6] {
+    let ((sx, cx), (sy, cy)) = ((x / 18.0).sin_cos(), (y / 22.0).sin_cos());
+    let [xx, xy, yy] = [-6.0 * sx * cy / (18.0 * 18.0), -6.0 * cx * sy / (18.0 * 22.0), -6.0 * sx * cy / (22.0 * 22.0) + 0.008];
+    [6.0 * sx * cy + 0.15 * x + 0.004 * y * y, 6.0 * cx * cy / 18.0 + 0.15, -6.0 * sx * sy / 22.0 + 0.008 * y, xx, xy, yy]
+}
+
+#[test]
+fn the_points_of_every_cutter_have_the_heights_of_contacts_with_their_figures() {
+    let facets = facets(&Height { low: [0.0; 2], high: [50.0, 36.0], surface: waves }, 25, 18);
+    let settings = in_direction(Model::Envelope, 27.0);
+    for cutter in cutters() {
+        for drive in [None, Some(drive(2, 12_000.0))] {
+            let candidate = CandidateCutter { drive, ..CandidateCutter::new(cutter) };
+            let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
+            let passes = passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
+            let mut compared = 0;
+            for point in &passes.points {
+                let (n, (sin, cos)) = (point.normal, 27.0_f64.to_radians().sin_cos());
+                let feed = [cos, sin, -(n[0] * cos + n[1] * sin) / n[2]];
+                let [along, across, twist] = point.curvature;
+                let pass = Pass {
+                    cutter,
+                    contact: Contact::from_vectors(n, feed, None).unwrap(),
+                    surface: SurfaceCurvature::from_components_per_mm(along, across, twist).unwrap(),
+                    runout: Runout::NONE,
+                    teeth: None,
+                };
+                let evaluated = EvaluatedPass::new(Model::Envelope, pass);
+                let height = evaluated.ok().and_then(|pass| pass.scallop_height(point.step_over, point.feed_per_tooth).ok());
+                assert_eq!(height.is_some(), point.scallop_height.is_some(), "{cutter:?} {drive:?} {point:?}");
+                if let (Some(height), Some(stated)) = (height, point.scallop_height) {
+                    let ratio = height.total().mm() / stated.mm();
+                    assert!((ratio - 1.0).abs() <= 1e-6, "{cutter:?} {drive:?} {ratio} {point:?}");
+                    compared += 1;
+                }
+            }
+            println!("{cutter:?}, {drive:?}: {compared} of {} points have a height", passes.points.len());
+            assert!(2 * compared > passes.points.len());
+        }
+    }
 }
 
 #[test]
