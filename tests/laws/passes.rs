@@ -1,7 +1,7 @@
 //! Random passes for the laws, and functions to build and evaluate them.
 
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, CutterKind, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, CutterKind, EvaluatedPass, Model, ModelWarning, NoAnswer, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Length;
 
 pub(crate) const BOTH: [Model; 2] = [Model::Analytic, Model::Envelope];
@@ -75,19 +75,11 @@ pub(crate) fn has_lobes(pass: &Pass) -> bool {
     pass.surface.principal_per_mm()[1] < 0.0 && !(in_middle && lambda > 0.6)
 }
 
-/// The largest turn of the normal up to which laws are tested on curved surfaces.
-const SETTLED_TURN: f64 = 0.02;
-
-/// Whether the height at these lengths follows the laws. On a curved surface the normal can turn so far between a
-/// toroidal cutter's marks that they have several ridges, or that no ridge of turned marks is found at some lengths
-/// (docs/envelope-on-curved-surfaces.md): heights can then fall, and an inverse can end at the jump. If passes are closer
-/// together than marks, the stated contact moves with a ridge beyond them, and a height can fall by some 1e-5.
+/// Whether the height has no warning about the turning of the surface's normal, for which the laws hold. Near the floor,
+/// and with larger turns, a toroidal cutter's marks can have several lowest places along the feed, and the height can be
+/// that of any one.
 pub(crate) fn is_settled(evaluated: &EvaluatedPass, s: f64, f: f64) -> bool {
-    let pass = evaluated.pass();
-    if pass.surface.is_plane() || pass.cutter.kind() != CutterKind::Toroidal {
-        return true;
-    }
-    let turn = |s: f64, f: f64| evaluated.largest_turn(mm(s.max(1e-6)), Some(mm(f.max(1e-6))));
-    let others = (-4..24).map(|i| 0.7_f64.powi(i)).flat_map(|share| [(share * s, f), (s, share * f)]);
-    s >= f && turn(s, f) <= SETTLED_TURN && others.into_iter().all(|(s, f)| turn(s, f).is_finite())
+    let is_smooth_on_curve = !evaluated.pass().surface.is_plane() && evaluated.pass().cutter.kind() == CutterKind::Toroidal;
+    let warns = || evaluated.warnings(mm(s.max(1e-6)), Some(mm(f.max(1e-6)))).any(|warning| warning == ModelWarning::CurvatureApproximate);
+    !is_smooth_on_curve || !warns()
 }

@@ -33,7 +33,7 @@ SHAPES = {
 
 
 def dome(rows):
-    """Heights of a flat dome on a grid, row after row, in mm."""
+    """Heights of a flat dome on a grid, in mm, one row after the other."""
     return [[float(x), float(y), 20 - ((x - rows / 2) ** 2 + (y - rows / 2) ** 2) / (4 * rows)] for y in range(rows) for x in range(rows)]
 
 

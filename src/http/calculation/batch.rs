@@ -87,7 +87,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
     })
 }
 
-/// Answers a batch whose contacts can be read in one pass, without a check of the body's syntax before. `None` where
+/// Answers a batch whose contacts can be read in one pass, without a check of the body's syntax before. `None` if
 /// the request may have faults other than those of single contacts; then nothing is answered yet.
 fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Result<WrittenJson, Problem>> {
     let cut = CutOut::of(body, CONTACTS)?;
@@ -160,7 +160,7 @@ impl<C: Calculation> Batch<C> {
         ReadBatch { shared, defaults, calculation, selection: Selection::read::<C>(object, faults) }
     }
 
-    /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` where the general reader has
+    /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` if the general reader has
     /// to read them.
     fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<(Part, usize)> {
         let (parts, count) = (Parts::default(), AtomicUsize::new(0));
@@ -236,15 +236,25 @@ impl<C: Calculation> Batch<C> {
         // The fault points to the contact as a whole: any of its parameters, defaults included, may be the cause.
         let mut fail =
             |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
-        let pass = single::evaluate(&self.shared, contact, &parameters)?.map_err(&mut fail)?;
-        let figures = single::compute(&self.calculation, &self.shared, &pass, step_over, &parameters, self.heights)?;
-        let mut figures = figures.map_err(fail)?;
+        // The results are borrowed: they are large, and each `?` would copy them.
+        let evaluated = single::evaluate(&self.shared, contact, &parameters);
+        let pass = match &evaluated {
+            Ok(Ok(pass)) => pass,
+            Ok(Err(cause)) => return Err(fail(*cause)),
+            Err(faulted) => return Err(*faulted),
+        };
+        let mut computed = single::compute(&self.calculation, &self.shared, pass, step_over, &parameters, self.heights);
+        let figures = match &mut computed {
+            Ok(Ok(figures)) => figures,
+            Ok(Err(cause)) => return Err(fail(*cause)),
+            Err(faulted) => return Err(*faulted),
+        };
         if self.is_compared {
-            let check = single::compare(&pass, &figures);
+            let check = single::compare(pass, figures);
             part.outside_range += usize::from(single::is_outside_range(&check));
             figures.check = check.ok();
         }
-        part.add(index, &figures, &pass, &self.selection);
+        part.add(index, figures, pass, &self.selection);
         Ok(())
     }
 
@@ -341,7 +351,7 @@ impl Part {
         }
     }
 
-    /// The answer, or the faults where no contact has one.
+    /// The answer, or the faults if no contact has one.
     fn answer<C>(self, batch: &Batch<C>, count: usize, cancel: &CancelFlag, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
         if cancel.is_cancelled() {
             // The answer of a cancelled batch is discarded.

@@ -36,7 +36,7 @@ impl<'a> Contacts<'a> {
         }
     }
 
-    /// The path of a contact, where `path` is that of all.
+    /// The path of a contact. `path` is that of all contacts.
     pub(super) fn path<'p>(&self, index: usize, path: &'p JsonPath<'p>) -> JsonPath<'p> {
         match self {
             Self::Rows(_) => path.item(index),

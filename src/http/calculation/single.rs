@@ -154,6 +154,7 @@ pub(super) fn evaluate(
 
 /// The figures at a contact, with at least `heights`. The outer error is a fault that is already recorded;
 /// the inner error is not recorded yet.
+#[inline]
 pub(super) fn compute<C: Calculation>(
     calculation: &C,
     shared: &SharedParameters,
@@ -164,7 +165,10 @@ pub(super) fn compute<C: Calculation>(
 ) -> Result<Result<Figures, NoAnswer>, Faulted> {
     let feed_per_tooth = parameters.feed_per_tooth()?;
     let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
-    Ok(along.and_then(|along| calculation.compute(shared, pass, along, feed_per_tooth, heights)))
+    Ok(match along {
+        Ok(along) => calculation.compute(shared, pass, along, feed_per_tooth, heights),
+        Err(cause) => Err(cause),
+    })
 }
 
 /// The deviation below which the analytic model is outside its range: 5 % below the height by the cutter's exact shape.

@@ -111,7 +111,7 @@ impl Task {
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
-        // Before the passes, which can be left out where memory does not suffice for both.
+        // Before the passes, which can be left out if the memory does not suffice for both.
         let has_map = self.parameters.includes(Part::Map);
         resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
         let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, resources, stop)? } else { None };

@@ -79,7 +79,7 @@ impl<'a> CutOut<'a> {
         &self.rest
     }
 
-    /// Whether `value`, a part of the rest, stands where the member was cut out.
+    /// Whether `value`, a part of the rest, is at the place from which the member was cut out.
     pub(crate) fn is_place(&self, value: &RawValue) -> bool {
         value.get().as_ptr().addr().checked_sub(self.rest.as_ptr().addr()) == Some(self.position)
     }

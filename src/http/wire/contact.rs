@@ -24,11 +24,11 @@ members! {
     /// A contact by vectors.
     pub(super) plain struct VectorMembers / VectorSlots / VectorColumns {
         normal: required NORMAL: Vector = ("normal", Vector { example: [-0.64, 0.0, 0.77] },
-            "the surface's normal, out of the part, of any length but zero; at most 90 deg from the tool axis"),
+            "the surface's normal, out of the part, with a length above 0; at most 90 deg from the tool axis"),
         feed: required FEED: Vector = ("feed", Vector { example: [1.0, 0.0, 0.84] },
-            "the feed's direction, of any length but zero; only its component in the tangent plane is used"),
+            "the feed's direction, with a length above 0; only its component in the tangent plane is used"),
         tool_axis: optional TOOL_AXIS: Vector = ("tool_axis", Vector { example: [0.1, 0.0, 0.99] },
-            "the tool axis from the tip to the spindle, of any length but zero; absent = +Z; the slope and the view from above refer to it"),
+            "the tool axis from the tip to the spindle, with a length above 0; absent = +Z; the slope and the view from above refer to it"),
     }
 }
 

@@ -50,8 +50,8 @@ impl ContactColumns {
         Ok(Self::of_rows(angles, vectors, parameters, first_column, count))
     }
 
-    /// Reads columns whose syntax has not been checked. `None` where only the general reader can read them, and where
-    /// it finds faults of the columns as a whole.
+    /// Reads columns whose syntax has not been checked. `None` if only the general reader can read them, or if it
+    /// finds faults of the columns as a whole.
     pub(crate) fn read_plain(mut columns: PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
         let angles = AngleMembers::read_plain_columns(&mut columns, most)?;
         let vectors = VectorMembers::read_plain_columns(&mut columns, most)?;

@@ -3,7 +3,7 @@
 
 use super::summary::Check;
 use crate::http::reading::Components;
-use crate::milling::{EvaluatedPass, NoAnswer, ScallopHeight};
+use crate::milling::{Contact, EvaluatedPass, NoAnswer, ScallopHeight};
 use crate::quantity::Length;
 use serde::{Serialize, Serializer};
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, OneOfBuilder, SchemaFormat, SchemaType, Type};
@@ -15,9 +15,9 @@ pub(crate) const MOST_WORDS: usize = 5;
 /// The result of a calculation at a contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Figures {
-    /// h, where a figure of the answer needs it.
+    /// h, if a figure of the answer needs it.
     pub(crate) height: Option<Length>,
-    /// h in its parts, where a figure of the answer needs them.
+    /// h in its parts, if a figure of the answer needs them.
     parts: Option<ScallopHeight>,
     /// Along the surface.
     pub(crate) step_over: Length,
@@ -32,7 +32,7 @@ pub(crate) struct Figures {
     pub(crate) check: Option<Check>,
     effective_radius: Option<Length>,
     transverse_effective_radius: Option<Length>,
-    spacing_ratio: f64,
+    contact: Contact,
 }
 
 /// The parts of the scallop height that the figures of an answer need. Model `envelope` searches for each.
@@ -47,7 +47,7 @@ pub(crate) enum Heights {
 }
 
 impl Figures {
-    /// The figures at a step-over and a feed per tooth, given or found. `step_over_height` is h1 where it is known.
+    /// The figures at a step-over and a feed per tooth, given or found. `step_over_height` is h1, if it is known.
     #[inline]
     pub(crate) fn at(
         pass: &EvaluatedPass,
@@ -77,7 +77,7 @@ impl Figures {
             check: None,
             effective_radius: pass.effective_radius(),
             transverse_effective_radius: pass.transverse_effective_radius(),
-            spacing_ratio: pass.pass().contact.spacing_ratio(),
+            contact: pass.pass().contact,
         })
     }
 }
@@ -175,7 +175,9 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
     })
     .or_null("if infinite"),
     Figure::number("step_over_mm", "s, the step-over along the surface", |figures| Some(figures.step_over.mm())),
-    Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| Some(figures.step_over.mm() * figures.spacing_ratio)),
+    Figure::number("step_over_xy_mm", "d, the step-over seen from above", |figures| {
+        Some(figures.step_over.mm() * figures.contact.spacing_ratio())
+    }),
 ];
 
 /// The figures of a batch that are computed only if the request names their columns.

@@ -23,8 +23,11 @@ const ROWS: Member<Whole> =
     Member { name: "rows", about: "the number of rows", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
 const COLUMNS: Member<Whole> =
     Member { name: "columns", about: "the number of points in each row", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
-const GRID_POINTS: Member<Points> =
-    Member { name: "points", about: "the points [x, y, z], row after row; rows times columns of them", kind: Points };
+const GRID_POINTS: Member<Points> = Member {
+    name: "points",
+    about: "the points [x, y, z], rows times columns of them: all of the first row, then all of the second, and so on",
+    kind: Points,
+};
 const MESH: Member<MeshKind> = Member { name: "mesh", about: "points, and triangles with them as corners", kind: MeshKind };
 const MESH_POINTS: Member<Points> = Member { name: "points", about: "the points [x, y, z]", kind: Points };
 const TRIANGLES: Member<Triangles> = Member {
@@ -275,7 +278,7 @@ members! {
     /// The members of a Bezier patch.
     pub(crate) struct BezierMembers {
         control_points: required CONTROL_POINTS: Net = ("control_points", Net,
-            "the control points [x, y, z], row after row: 2 to 20 rows of 2 to 20 points, all rows of the same length"),
+            "the rows of control points [x, y, z]: 2 to 20 rows of 2 to 20 points, all rows of the same length"),
     }
 }
 

@@ -16,8 +16,8 @@
 //! - `section`: the general search; `chord`: the search along the feed, which the other searches use
 //! - `concave`, `outline` and `local`: surfaces on which the section need not be convex
 //! - `body`: the cutter's solid over the surface
-//! - `turning_marks`: the ridge between marks that have normals of their own on a curved surface; `third_order`: the
-//!   answers corrected by it
+//! - `turning_marks`: marks that have normals of their own on a curved surface; `turned_ridge`: the ridge between them;
+//!   `third_order`: the answers corrected by it
 
 mod body;
 mod chord;
@@ -31,6 +31,7 @@ mod runout;
 mod section;
 mod sharp_edge;
 mod third_order;
+mod turned_ridge;
 mod turning_marks;
 
 use super::gouging;

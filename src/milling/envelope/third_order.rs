@@ -5,17 +5,16 @@ use super::Envelope;
 use super::clearing::Clearing;
 use super::newton::{self, Lengths, Place, Ridge, Sought};
 use super::section::Pattern;
-use super::turning_marks::{TurnedRidge, TurningMarks};
+use super::turned_ridge::{RidgeSearch, TurnedRidge};
+use super::turning_marks::TurningMarks;
 use crate::milling::{CutterKind, NoAnswer, ScallopHeight};
 use crate::numerics::bracketed_root;
 use crate::quantity::Length;
 use std::convert::Infallible;
 
-/// A ridge whose length differs by more than this factor from that of the second order is another ridge.
-const SAME_RIDGE: f64 = 1.6;
-
-/// If the third order differs from the second by at most this factor, the quick search needs no further ones.
-const CLOSE: f64 = 1.02;
+/// Under the whole cutter, the normal turns by at most this share of the slope's sine or cosine where the second order
+/// answers: the answers change by about that share.
+const NO_TURN: f64 = 1e-11;
 
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
@@ -197,7 +196,14 @@ impl Envelope {
     ///
     /// A sharp edge has no radius that a turn could change smoothly; its marks keep the second order.
     pub(super) fn has_third_order(&self) -> bool {
-        !self.pass.surface.is_plane() && self.cutter.kind() == CutterKind::Toroidal
+        let is_turning = || TurningMarks::new(&self.body).turn_per_mm() * self.body.reach() > NO_TURN;
+        !self.pass.surface.is_plane() && self.cutter.kind() == CutterKind::Toroidal && self.is_inclined() && is_turning()
+    }
+
+    /// Whether the contact is neither on the floor nor on a wall, where no turn is allowed.
+    fn is_inclined(&self) -> bool {
+        let slope = self.contact().slope();
+        slope.sin() > 0.0 && slope.cos() > 0.0
     }
 
     /// h for passes s apart with a pattern of marks.
@@ -218,33 +224,12 @@ impl Envelope {
         Ok(even.map_or(level, |even| if even > 0.0 { level * turned(lengths(even, spacing)) / even } else { level }))
     }
 
-    /// The ridge between marks of equal depth near that of the second order; `None` if there is none.
+    /// The ridge between marks of equal depth; `None` if there is none.
     fn turned(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
         let marks = TurningMarks::new(&self.body);
-        let is_within = |ridge: &TurnedRidge, factor: f64| {
-            let (one, other) = (ridge.lengths, lengths);
-            [(one.level, other.level), (one.step_over, other.step_over), (one.mark_spacing, other.mark_spacing)]
-                .into_iter()
-                .all(|(one, other)| one <= factor * other && other <= factor * one)
-        };
-        let search =
-            |start: TurnedRidge, is_careful: bool| marks.solve(sought, start, is_careful).filter(|ridge| is_within(ridge, SAME_RIDGE));
-        let paraboloid = self.ridge_of_paraboloid(lengths);
-        let quick = search(paraboloid, false);
-        if quick.is_some_and(|ridge| is_within(&ridge, CLOSE)) {
-            return quick;
-        }
-        // The marks' distance can have several minima along the feed, of which the search finds any one. A place is
-        // cleared if one of them clears it, so the better ridge counts.
-        let second_order = self.ridge_of_second_order(sought, lengths);
-        let starts = [(Some(paraboloid), true), (second_order, true), (second_order, false)];
-        let further = starts.into_iter().filter_map(|(start, is_careful)| search(start?, is_careful));
-        let is_better = |one: &TurnedRidge, other: &TurnedRidge| match sought {
-            Sought::Level => one.lengths.level < other.lengths.level,
-            Sought::StepOver => one.lengths.step_over > other.lengths.step_over,
-            Sought::MarkSpacing => one.lengths.mark_spacing > other.lengths.mark_spacing,
-        };
-        quick.into_iter().chain(further).reduce(|one, other| if is_better(&one, &other) { one } else { other })
+        let search = RidgeSearch::new(&marks);
+        let start = self.ridge_of_second_order(sought, lengths).unwrap_or_else(|| self.ridge_of_paraboloid(lengths));
+        search.solve(sought, start).or_else(|| if matches!(sought, Sought::Level) { search.search(&start) } else { None })
     }
 
     /// The ridge of the second order, if its search is proved.
@@ -269,11 +254,16 @@ impl Envelope {
     /// was found; the answers are then those of the second order.
     pub(in crate::milling) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         if !self.has_third_order() {
-            return if self.pass.surface.is_plane() || self.cutter.kind() == CutterKind::BallEnd { 0.0 } else { f64::INFINITY };
+            let is_exact = match self.cutter.kind() {
+                CutterKind::BallEnd => true,
+                CutterKind::FlatEnd => false,
+                CutterKind::Toroidal => self.is_inclined(),
+            };
+            return if is_exact || self.pass.surface.is_plane() { 0.0 } else { f64::INFINITY };
         }
         let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
         let Ok(level) = self.height(s, Pattern::even(f)) else { return f64::INFINITY };
         let lengths = Lengths { level, step_over: s, mark_spacing: f };
-        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| TurningMarks::new(&self.body).share(&ridge))
+        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| RidgeSearch::new(&TurningMarks::new(&self.body)).share(&ridge))
     }
 }
