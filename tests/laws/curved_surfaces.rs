@@ -144,15 +144,14 @@ proptest! {
         if [(s, f), (s * more, f), (s, f * more)].into_iter().any(|(s, f)| !is_settled(&evaluated, s, f)) {
             return Ok(());
         }
-        let rounding = if has_lobes(evaluated.pass()) { 0.05 } else { 1e-12 };
         for higher in [height(&evaluated, s * more, f), height(&evaluated, s, f * more)].into_iter().flatten() {
-            prop_assert!(higher >= low * (1.0 - rounding), "{low} {higher}");
+            prop_assert!(higher >= low * (1.0 - 1e-12), "{low} {higher}");
         }
     }
 
     /// The height at both inverses is the tolerance. An inverse whose part of the height is under a thousandth is not
     /// compared. Cutters with a sharp edge are left out: on a surface that is concave along the feed their section has
-    /// two lobes, and the search may find either.
+    /// two lobes, and a search may find either, so that heights differ by up to 3 % (one in some 5,000 inputs).
     #[test]
     fn the_inverses_leave_the_tolerance(
         cutter in cutters(), slope in 10.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.02..0.2_f64,
@@ -163,14 +162,11 @@ proptest! {
         if !is_settled(&evaluated, s, f) {
             return Ok(());
         }
-        // In a close fit the section has lobes beside the contact, and the result can be the step-over of the first
-        // ridge, which is narrower. Slopes near the floor, where the same occurs, are left out.
+        // In a close fit the section has lobes beside the contact. Slopes near the floor, where the same occurs, are left
+        // out.
         prop_assume!(evaluated.relative_curvature() > 0.6);
         prop_assume!(found.feed.mm() > 1e-3 * found.total().mm() && found.step_over.mm() > 1e-3 * found.total().mm());
-        // If a concave surface meets the flat or the side, an inverse can come from a polygon, which is narrower by a
-        // few percent.
-        let is_concave = evaluated.pass().surface.principal_per_mm()[1] < 0.0;
-        let comes_back = |back: f64, value: f64| (back / value - 1.0).abs() <= 1e-9 || is_concave && (0.97 * value..value).contains(&back);
+        let comes_back = |back: f64, value: f64| (back / value - 1.0).abs() <= 1e-9;
         let (step_over, feed) = (evaluated.max_step_over(found.total(), Some(mm(f))), evaluated.max_feed_per_tooth(found.total(), mm(s)));
         prop_assert!(comes_back(step_over.unwrap().mm(), s), "{step_over:?} {s}");
         prop_assert!(comes_back(feed.unwrap().mm(), f), "{feed:?} {f}");

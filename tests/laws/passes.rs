@@ -67,8 +67,9 @@ pub(crate) fn passes() -> impl Strategy<Value = Pass> {
     })
 }
 
-/// Whether the height can come from a polygon, with an error of a few percent. That is the case if lobes of the section
-/// join: near the floor, near walls and in close fits of concave surfaces.
+/// Whether the section can have ridges that differ by less than the outline's error of 3 %, so that a rounding decides
+/// which one is found. That is the case if lobes of the section join: near the floor, near walls and in close fits of
+/// concave surfaces.
 pub(crate) fn has_lobes(pass: &Pass) -> bool {
     let in_middle = (10.0..85.0).contains(&pass.contact.slope().degrees());
     let lambda = EvaluatedPass::new(Model::Envelope, *pass).map_or(1.0, |evaluated| evaluated.relative_curvature());

@@ -6,6 +6,7 @@ use super::section::Pattern;
 use crate::milling::CutterKind;
 use crate::numerics::bracketed_root;
 use std::convert::Infallible;
+use std::f64::consts::FRAC_PI_2;
 
 impl Envelope {
     /// h on a plane for marks of equal depth; `None` if it has no closed form.
@@ -18,7 +19,7 @@ impl Envelope {
         let outer = self.cutter.outer_radius().mm();
         match self.cutter.kind() {
             CutterKind::BallEnd if self.ball_alone(s, f) => Some(circle_height(outer, s.hypot(f))),
-            CutterKind::FlatEnd if f == 0.0 => Some(self.edge_height(s)),
+            CutterKind::FlatEnd => Some(self.edge_height(s, f)),
             _ => None,
         }
     }
@@ -34,28 +35,35 @@ impl Envelope {
         half_diagonal <= radius && ((radius - half_diagonal) * (radius + half_diagonal)).sqrt() * slope.cos() >= up * slope.sin()
     }
 
-    /// h1 of a flat-end cutter between floor and wall.
+    /// h of a flat-end cutter between floor and wall.
     ///
-    /// The outline seen along the feed consists of half of the edge's circle, and the side above both of its ends. The
-    /// half is the one within 90 deg of the feed's line seen from above. At the angle delta from the contact the circle
-    /// is R sin(S) (1 - cos(delta)) high. A ridge between two edges is at the ends of a chord along the level line,
-    /// which appears shortened by cos(theta) in the outline:
+    /// Seen from above, the section is the part of the disc of radius R that is nearer to the contact than a level line.
+    /// With d' and f' the distances of passes and of marks seen from above, a chord of length f' at the offset y from
+    /// the axis reaches least far if it begins on the circle, at the angle phi with R sin(phi) = y. The height at its
+    /// end is then
     ///
-    /// h1 = R sin(S) (1 - cos(delta)), sin(delta) = s / (2 R cos(theta)), for delta <= 90 deg - alpha, at which the
-    /// side begins.
+    /// sin(S) (f' cos(alpha) + R (1 - cos(phi + alpha))).
     ///
-    /// A ridge between edge and side is on the circle at the distance s cos(S) / cos(climb) from the side, seen from
-    /// above. With R (1 - cos(epsilon)) equal to this distance, it is at the angle epsilon from the beginning of the
-    /// side, and at delta = epsilon - (90 deg - alpha) from the contact.
-    fn edge_height(&self, s: f64) -> f64 {
+    /// Chords at equal heights have phi + alpha = delta and -delta, and are d' = 2 R cos(alpha) sin(delta) apart. The
+    /// chord at -delta is as long as f' only if |y| <= Y = sqrt(R^2 - f'^2/4). Otherwise that chord is at y = -Y, and
+    /// the other one, at y = d' - Y, is higher. With R (1 - cos(epsilon)) = R + y, it is at delta = epsilon - (90 deg -
+    /// alpha).
+    fn edge_height(&self, s: f64, f: f64) -> f64 {
         let (outer, sin) = (self.cutter.outer_radius().mm(), self.contact().slope().sin());
-        let (along_steepest, alpha) = (self.contact().theta().cos().abs(), self.contact().alpha());
-        if s <= 2.0 * outer * along_steepest * alpha.cos().abs() {
-            return circle_height(outer * along_steepest, s) * sin / along_steepest;
-        }
-        let epsilon = 2.0 * (s * self.spacing_ratio() / (2.0 * outer)).min(1.0).sqrt().asin();
-        let delta = epsilon - alpha.cos().abs().atan2(alpha.sin().abs());
-        2.0 * outer * sin * (delta / 2.0).sin().powi(2)
+        let (cos_alpha, sin_alpha) = (self.contact().alpha().cos().abs(), self.contact().alpha().sin().abs());
+        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
+        let half_width = ((outer - along / 2.0) * (outer + along / 2.0)).max(0.0).sqrt();
+        // R - Y without cancellation.
+        let beyond = along * along / (4.0 * (outer + half_width));
+        let on_level_chord = across / (2.0 * outer * cos_alpha);
+        let delta = on_level_chord.min(1.0).asin();
+        let lower = delta + sin_alpha.atan2(cos_alpha);
+        let delta = if on_level_chord <= 1.0 && lower <= FRAC_PI_2 && outer * lower.sin() <= half_width {
+            delta
+        } else {
+            2.0 * ((across + beyond) / (2.0 * outer)).min(1.0).sqrt().asin() - cos_alpha.atan2(sin_alpha)
+        };
+        sin * (along * cos_alpha + 2.0 * outer * (delta / 2.0).sin().powi(2))
     }
 }
 

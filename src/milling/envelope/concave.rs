@@ -116,9 +116,17 @@ impl Envelope {
             let outlook = Outlook::new(&self.body, p, reach);
             let found = Self::share(&self.rows(&outlook, outlook.first(), p, &pattern), s, &pattern);
             let share = found.map_or(0.0, |(share, _)| share);
+            // A height grows with the square of the lengths.
+            let guess = p / (share * share);
+            let ridge = found.filter(|_| NEAR.contains(&share)).and_then(|(share, cleared)| {
+                let lengths = Lengths { level: guess, step_over: s, mark_spacing: pattern.spacing };
+                self.ridge(&pattern, Sought::Level, lengths, &cleared.scaled(share.recip()))
+            });
             if let Some((level, is_proved)) = candidate.take() {
                 if share < 1.0 && (is_proved || share >= 1.0 - CUT_OFF) {
-                    return Some(level);
+                    // Another ridge can be lower by less than the outline's error.
+                    let lower = ridge.map(|ridge| ridge.lengths.level).filter(|lower| *lower > p && share >= 1.0 - CUT_OFF);
+                    return Some(lower.map_or(level, |lower| level.min(lower)));
                 }
                 refused = level;
             }
@@ -130,12 +138,6 @@ impl Envelope {
             if high.0 < f64::INFINITY && high.0 - low.0 <= NARROW * high.0 || low.0 >= highest {
                 break;
             }
-            // A height grows with the square of the lengths.
-            let guess = p / (share * share);
-            let ridge = found.filter(|_| NEAR.contains(&share)).and_then(|(share, cleared)| {
-                let lengths = Lengths { level: guess, step_over: s, mark_spacing: pattern.spacing };
-                self.ridge(&pattern, Sought::Level, lengths, &cleared.scaled(share.recip()))
-            });
             if let Some(level) = ridge.map(|ridge| ridge.lengths.level)
                 && (refused.is_nan() || (level / refused - 1.0).abs() > SAME)
                 && level > low.0

@@ -387,7 +387,7 @@ impl Envelope {
     }
 
     /// A height that clears passes s apart on a plane; infinity on other surfaces, and if passes and marks do not overlap
-    /// seen from above.
+    /// seen from above, or if a deep mark meets a shallow one, which is displaced along the slope.
     ///
     /// The rectangle between four marks, centred under the cutter's axis and seen from above, lies in the circle of
     /// radius R. Its corners are in the body if they are not below the upper end of the corner's round, which is r
@@ -395,7 +395,8 @@ impl Envelope {
     /// (p - sin(S) (a + r sin(S) + c)) / cos(S) above it. With the largest c this gives p = r + sin(S) (a + c). A
     /// shallow mark needs delta more.
     fn ceiling(&self, s: f64, pattern: &Pattern) -> f64 {
-        if !self.pass.surface.is_plane() || !self.overlap(s, pattern.spacing) {
+        let is_mixed = !pattern.is_even() && !pattern.shallow_pairs;
+        if is_mixed || !self.pass.surface.is_plane() || !self.overlap(s, pattern.spacing) {
             return f64::INFINITY;
         }
         let (contact, core) = (self.contact(), self.cutter.core_radius().mm());

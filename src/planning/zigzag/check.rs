@@ -248,8 +248,8 @@ impl<'a> Inspector<'a> {
         [low, high]
     }
 
-    /// The share of a spacing at which imprints leave the tolerance on a facet with these ends along the passes. It is at
-    /// most 1 unless it `widens`.
+    /// The share of a spacing at which imprints leave the tolerance on a facet with these ends along the passes. It is
+    /// at most 1 unless it `widens`.
     fn share_by_imprints(&self, imprints: &Imprints, spacing: f64, range: [f64; 2], widens: bool) -> f64 {
         let (place, mut height) = imprints.highest(spacing, range);
         let (mut share, mut last, mut kept) = (1.0, None::<(f64, f64)>, None::<f64>);

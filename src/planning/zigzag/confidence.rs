@@ -34,7 +34,8 @@ pub enum SurfaceWeakness {
     /// Facets are wide compared with the step-over although the surface is curved, so that slopes and curvatures
     /// between passes are those of the tessellation. Figure: the size of a facet over the median step-over. At 2, one
     /// facet determines two strips; at 8, eight. Facets within a tenth of the scallop height of the surface are
-    /// accurate enough at any size.
+    /// accurate enough at any size. Within the scallop height they lower the confidence to moderate: a flat-end
+    /// cutter's time on waves changes by 1 % if facets 13 times as wide as its step-over are divided in four.
     CoarseTessellation,
     /// A part of the area is steeper than the largest slope and sets no spacing. Figure: its share.
     SteepArea,
@@ -131,8 +132,9 @@ impl SurfaceConfidence {
         let size = surface.facet_size.mm() / best.step_over.median.mm();
         #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
         let pieces = evidence.pieces as f64;
-        if surface.sagitta.mm() > 0.1 * scallop_height.mm() {
-            reasons.extend(over(SurfaceWeakness::CoarseTessellation, size, 2.0, 8.0));
+        let sagittas = surface.sagitta.mm() / scallop_height.mm();
+        if sagittas > 0.1 {
+            reasons.extend(over(SurfaceWeakness::CoarseTessellation, size, 2.0, if sagittas > 1.0 { 8.0 } else { f64::INFINITY }));
         }
         reasons.extend(over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
         reasons.extend(over(SurfaceWeakness::HiddenArea, 1.0 - evidence.visible_area_share, 0.02, 0.2));

@@ -193,9 +193,9 @@ mod tests {
                 for spacing in [0.1, 0.4] {
                     let model = by_envelope(cutter, &plane, [cos, sin], spacing);
                     let found = Imprints::new(cutter, &plane, [cos, sin]).height(spacing, 0.0);
-                    // Across the strip the search ends within 0.013 of a third of it, which is 0.9 % of the peak's height;
-                    // along the pass within 5e-4 of 0.8 mm, whose square over the corner's diameter is 1e-7 mm, at an edge
-                    // within 1.4e-6 of 0.5 mm.
+                    // Across the strip the search ends within 0.013 of a third of it, which is 0.9 % of the peak's
+                    // height; along the pass within 5e-4 of 0.8 mm, whose square over the corner's diameter is 1e-7 mm,
+                    // at an edge within 1.4e-6 of 0.5 mm.
                     approx::assert_relative_eq!(found, model, max_relative = 0.01, epsilon = 1e-6);
                 }
             }

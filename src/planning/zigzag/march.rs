@@ -124,8 +124,9 @@ const FACETS_OF_A_PLANE: usize = 2_048;
 /// million facets has 5e6. Half a million facets that each cover the whole part would all be in every strip.
 pub(super) const MOST_MET: usize = 50_000_000;
 
-/// The widest strip that a facet allows from a plane. The arguments are the facet's place in the sweep, the coordinate of
-/// the plane, the width that the facet's own spacing allows, and the widest one wanted. `None` if the own spacing holds.
+/// The widest strip that a facet allows from a plane. The arguments are the facet's place in the sweep, the coordinate
+/// of the plane, the width that the facet's own spacing allows, and the widest one wanted. `None` if the own spacing
+/// holds.
 pub(super) type Fit<'a> = dyn Fn(u32, f64, f64, f64) -> Option<f64> + 'a;
 
 /// The largest number of facets that are fitted to a strip one after the other.
@@ -227,8 +228,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// The same as [`Self::widest_from`], with the facets that bind the strip fitted to it one after the other. The others
-    /// of the tightest are then compared with the result.
+    /// The same as [`Self::widest_from`], with the facets that bind the strip fitted to it one after the other. The
+    /// others of the tightest are then compared with the result.
     fn fitted_from(&mut self, at: f64, fit: Option<&Fit>) -> Result<f64, NoPlanes> {
         let mut found = self.widest_from(at)?;
         let Some(fit) = fit else { return Ok(found) };

@@ -10,8 +10,8 @@
 //! facets; `regions` and `links` order the runs; `tour` adds up times; `simulate` combines these steps. `room` limits
 //! the size of a plan; `prepared` is a candidate with its spacings; `search` tries directions; `contacts`, `imprint`
 //! and `check` evaluate facets; `refine` refines the spacings that bind strips, and `fit` fits strips to wide facets;
-//! `least_time` is a lower bound of its time; `plan` is the result; `ranking` is the entry point; `confidence` rates the
-//! ranking. `passes` lists the points of a plan, and `heights` its scallop heights at facets.
+//! `least_time` is a lower bound of its time; `plan` is the result; `ranking` is the entry point; `confidence` rates
+//! the ranking. `passes` lists the points of a plan, and `heights` its scallop heights at facets.
 
 mod candidate;
 mod check;

@@ -153,11 +153,11 @@ pub fn passes_until(
         fits.then_some(kept)
     });
     let kept = kept.ok_or(TooManyPoints { limit })?;
-    let pointing = Pointing { facets, spaced: &spaced, prepared: &prepared, settings, raised };
+    let source = PointSource { facets, spaced: &spaced, prepared: &prepared, settings, raised };
     let points: Vec<Vec<PassPoint>> = runs
         .par_iter()
         .zip(&kept)
-        .map(|(run, kept)| kept.iter().take_while(|_| !stop()).map(|&index| pointing.point(&run.plane, run.places[index])).collect())
+        .map(|(run, kept)| kept.iter().take_while(|_| !stop()).map(|&index| source.point(&run.plane, run.places[index])).collect())
         .collect();
     let time = time_of_tips(&runs, &points, &spaced, prepared.operation(settings, &room));
     let mut run_starts = Vec::with_capacity(points.len());
@@ -365,8 +365,8 @@ fn distance(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
     (out[0] - share * line[0]).hypot(out[1] - share * line[1]).hypot(out[2] - share * line[2])
 }
 
-/// The data from which points are computed.
-struct Pointing<'a> {
+/// The plan's facets, spacings, candidate and settings, from which its points are computed.
+struct PointSource<'a> {
     facets: &'a [FinishFacet],
     spaced: &'a Spaced<'a>,
     prepared: &'a Prepared,
@@ -374,7 +374,7 @@ struct Pointing<'a> {
     raised: &'a (dyn Fn([f64; 3]) -> f64 + Sync),
 }
 
-impl Pointing<'_> {
+impl PointSource<'_> {
     fn point(&self, plane: &Plane, place: Place) -> PassPoint {
         let Place { facet, contact, mut tip } = place;
         let resting = (self.raised)(tip);

@@ -5,7 +5,7 @@ use super::room::Room;
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::slopes::sines;
-use super::spacing::{CutterSpacing, FeedLaw};
+use super::spacing::{CutterSpacing, FeedLaw, SpacingInputs};
 use super::workpiece::Workpiece;
 
 /// A candidate with its spacings.
@@ -32,8 +32,14 @@ impl Prepared {
     ) -> Self {
         let feed_rate = settings.machine.limits.feed_rate.mm_s();
         let range = candidate.drive.map(|drive| FeedRange::of(drive, &settings.machine));
-        let (height, model) = (settings.scallop_height, settings.model);
-        let (spacing, feeds) = CutterSpacing::new(candidate.cutter, height, model, range, &|row| rows[row] && !stop(), feed_rate);
+        let (spacing, feeds) = CutterSpacing::new(&SpacingInputs {
+            cutter: candidate.cutter,
+            height: settings.scallop_height,
+            model: settings.model,
+            feeds: range,
+            feed_rate,
+            is_needed: &|row| rows[row] && !stop(),
+        });
         let link_rate = range.map_or(feed_rate, |range| range.rate(range.largest));
         Self { index, candidate: *candidate, spacing, feeds, range, link_rate }
     }

@@ -192,11 +192,11 @@ impl Planner<'_> {
         })
     }
 
-    /// The fastest zigzag of a candidate after the check, and the times of all directions. The times that were not checked
-    /// are multiplied by the factor by which the check changed the fastest one.
+    /// The fastest zigzag of a candidate after the check, and the times of all directions. The times that were not
+    /// checked are multiplied by the factor by which the check changed the fastest one.
     ///
-    /// The check changes the spacing, so that the fastest direction may become slower than another. Directions whose time
-    /// before the check is less than the fastest after it are therefore checked as well.
+    /// The check changes the spacing, so that the fastest direction may become slower than another. Directions whose
+    /// time before the check is less than the fastest after it are therefore checked as well.
     fn fastest_checked(
         &self,
         prepared: &Prepared,

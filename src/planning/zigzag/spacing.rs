@@ -54,6 +54,21 @@ pub(super) struct FeedTable {
     nodes: Vec<[f64; 2]>,
 }
 
+/// The data from which the spacings and feeds of a cutter are computed.
+#[derive(Clone, Copy)]
+pub(super) struct SpacingInputs<'a> {
+    pub(super) cutter: Cutter,
+    /// The scallop height to keep, of step-over and feed marks together if there are `feeds`.
+    pub(super) height: Length,
+    pub(super) model: Model,
+    /// The feeds of the cutter's drive; `None` without a drive.
+    pub(super) feeds: Option<FeedRange>,
+    /// The machine's feed rate, in mm/s.
+    pub(super) feed_rate: f64,
+    /// Whether a row of a table is needed.
+    pub(super) is_needed: &'a (dyn Fn(usize) -> bool + Sync),
+}
+
 /// The best step-over and feed at one contact.
 #[derive(Debug, Clone, Copy)]
 struct Best {
@@ -72,16 +87,9 @@ impl CutterSpacing {
     /// time is flat around its maximum, so that step-over and feed are found only to half a per cent.
     pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
 
-    /// The spacings and feeds of a cutter for the scallop height `height`. It includes feed marks if `feeds` is given.
-    /// `is_needed` marks the rows of a table that are needed; `feed_rate` is the machine's, in mm/s.
-    pub(super) fn new(
-        cutter: Cutter,
-        height: Length,
-        model: Model,
-        feeds: Option<FeedRange>,
-        is_needed: &(dyn Fn(usize) -> bool + Sync),
-        feed_rate: f64,
-    ) -> (Self, FeedLaw) {
+    /// The spacings and feeds of a cutter.
+    pub(super) fn new(inputs: &SpacingInputs) -> (Self, FeedLaw) {
+        let SpacingInputs { cutter, height, model, feeds, feed_rate, .. } = *inputs;
         let h = height.mm();
         // The diameter less a rounding error of single precision, so that passes still overlap.
         let diameter = 2.0 * cutter.outer_radius().mm() * (1.0 - 1e-6);
@@ -96,7 +104,7 @@ impl CutterSpacing {
                 let (step_over, feed) = best.map_or((0.0, range.largest), |best| (best.step_over, best.feed_per_tooth));
                 (Law::Constant { squared: step_over * step_over }, constant_or_table(range, vec![[feed, share(step_over, cutter, h)]]))
             }
-            _ => tabulated(cutter, height, model, feeds, is_needed, feed_rate),
+            _ => tabulated(inputs),
         };
         let on_curved = model == Model::Envelope;
         (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
@@ -184,14 +192,8 @@ impl FeedTable {
 }
 
 /// The tables of spacings and feeds for the rows that are needed.
-fn tabulated(
-    cutter: Cutter,
-    height: Length,
-    model: Model,
-    feeds: Option<FeedRange>,
-    is_needed: &(dyn Fn(usize) -> bool + Sync),
-    feed_rate: f64,
-) -> (Law, FeedLaw) {
+fn tabulated(inputs: &SpacingInputs) -> (Law, FeedLaw) {
+    let SpacingInputs { cutter, height, model, feeds, feed_rate, is_needed } = *inputs;
     let diameter = 2.0 * cutter.outer_radius().mm();
     let limit = feeds.map(|range| range.largest);
     let row_of = |(row, &sin): (usize, &f64)| -> Vec<([f64; 2], f64)> {
@@ -341,7 +343,7 @@ mod tests {
             let corner = (0.02 + 0.9 * random(&mut state)) * diameter / 2.0;
             let cutter = Cutter::toroidal(Length::computed(diameter), Length::computed(corner)).unwrap();
             let height = Length::computed(0.002 * 15.0_f64.powf(random(&mut state)));
-            let (spacing, _) = CutterSpacing::new(cutter, height, model, feeds, &|_| true, 80.0);
+            let (spacing, _) = CutterSpacing::new(&SpacingInputs { cutter, height, model, feeds, feed_rate: 80.0, is_needed: &|_| true });
             for _ in 0..100 {
                 let (slope, alpha) = (slopes(random(&mut state)), 90.0 * random(&mut state));
                 let contact = Contact::from_degrees(slope, alpha).unwrap();
@@ -381,7 +383,9 @@ mod tests {
     fn a_ball_on_a_curved_facet_has_the_step_over_of_the_envelope_level_ones_included() {
         let height = Length::computed(0.01);
         let ball = Cutter::ball_end(Length::computed(8.0));
-        let (spacing, _) = CutterSpacing::new(ball, height, Model::Envelope, None, &|_| true, 80.0);
+        let model = Model::Envelope;
+        let inputs = SpacingInputs { cutter: ball, height, model, feeds: None, feed_rate: 80.0, is_needed: &|_| true };
+        let (spacing, _) = CutterSpacing::new(&inputs);
         for slope in [0.0, 1e-6, 2.0, 30.0] {
             for level in [0.0, 1.0 / 20.0, -1.0 / 20.0, 1.0 / 100.0] {
                 let tangent = Tangent { curvature: [0.01, 0.0, level], ..tangent(slope) };
@@ -389,7 +393,7 @@ mod tests {
                 let surface = SurfaceCurvature::from_components_per_mm(0.01, level, 0.0).unwrap();
                 let contact = Contact::from_degrees(slope, 0.0).unwrap();
                 let pass = Pass { cutter: ball, contact, surface, runout: Runout::NONE, teeth: None };
-                let step_over = EvaluatedPass::new(Model::Envelope, pass).unwrap().max_step_over(height, None).unwrap();
+                let step_over = EvaluatedPass::new(model, pass).unwrap().max_step_over(height, None).unwrap();
                 // The spacing is of the second order: h/(2 R) = 0.1 %, and the turning of the marks' normals.
                 approx::assert_relative_eq!(found, step_over.mm() * contact.spacing_ratio(), max_relative = 0.005);
             }

@@ -188,8 +188,8 @@ fn a_plane_rounded_to_single_precision_has_no_curvature() {
 
 #[test]
 fn only_facets_much_smaller_than_their_flat_region_lose_the_curvature_of_noise() {
-    // Errors of 1e-5 mm turn the normals of facets of 1 mm by some 1e-5 rad, so that all facets are one flat region, of 2
-    // facets for each quad. The region is at least 8 times as large as a facet from 5 quads on.
+    // Errors of 1e-5 mm turn the normals of facets of 1 mm by some 1e-5 rad, so that all facets are one flat region, of
+    // 2 facets for each quad. The region is at least 8 times as large as a facet from 5 quads on.
     let curved = |columns: u32| {
         let mut next = noise(3);
         let z: Vec<f64> = (0..2 * (columns + 1)).map(|_| 2e-5 * next()).collect();

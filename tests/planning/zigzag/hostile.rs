@@ -92,8 +92,8 @@ fn planning_a_part_of_a_kilometre_far_from_the_origin_terminates() {
 
 #[test]
 fn a_comb_of_too_many_runs_has_no_plan_across_its_teeth_but_one_along_them() {
-    // 300 teeth of 0.3 mm with gaps of 0.3 mm, wider than the cutter: across them, 25 mm / 0.0872 mm = 287 passes of 300
-    // runs each are more than 65,536; along them each pass has one run.
+    // 300 teeth of 0.3 mm with gaps of 0.3 mm, wider than the cutter: across them, 25 mm / 0.0872 mm = 287 passes of
+    // 300 runs each are more than 65,536; along them each pass has one run.
     let tooth = |index: u32| {
         let x = 0.6 * f64::from(index);
         let [a, b, c, d] = [[x, 0.0, 0.0], [x + 0.3, 0.0, 0.0], [x + 0.3, 25.0, 0.0], [x, 25.0, 0.0]];

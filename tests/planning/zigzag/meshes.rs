@@ -1,9 +1,10 @@
 //! Plans on meshes whose curvatures are estimated: planes beside fillets, and waves where the floor is curved.
 
-use super::{drive, mm, ranked, settings};
+use super::surfaces::{Height, facets};
+use super::{drive, in_direction, mm, ranked, settings};
 use scallopd::milling::{Cutter, Model};
 use scallopd::planning::Level;
-use scallopd::planning::zigzag::{CandidateCutter, SurfaceWeakness, ZigzagPlan, heights};
+use scallopd::planning::zigzag::{CandidateCutter, Ranking, SurfaceWeakness, ZigzagPlan, heights};
 use scallopd::quantity::{Angle, Length, Time};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, FinishFacet, Grid, MeshBuilder, Unit};
@@ -97,6 +98,29 @@ fn the_height_is_kept_on_all_but_a_thousandth_of_the_area_or_the_confidence_is_l
         assert!(over <= 0.001 || (says_so && confidence.level() != Level::High), "{over} {figures:?}");
         assert!(over <= 0.005, "{over}");
     }
+}
+
+#[test]
+fn facets_many_strips_wide_lower_the_confidence_as_far_as_they_change_the_time() {
+    // The wavy surface in quads of 2.4, 1.2 and 0.6 mm. The first are 11 um from the surface, the second 2.6 um.
+    let surface = |x: f64, y: f64| {
+        let ((sx, cx), (sy, cy)) = ((x / 18.0).sin_cos(), (y / 22.0).sin_cos());
+        let [xx, xy, yy] = [-6.0 * sx * cy / (18.0 * 18.0), -6.0 * cx * sy / (18.0 * 22.0), -6.0 * sx * cy / (22.0 * 22.0) + 0.008];
+        [6.0 * sx * cy + 0.15 * x + 0.004 * y * y, 6.0 * cx * cy / 18.0 + 0.15, -6.0 * sx * sy / 22.0 + 0.008 * y, xx, xy, yy]
+    };
+    let ranking = |quads: usize| {
+        let facets = facets(&Height { low: [0.0; 2], high: [60.0, 44.0], surface }, quads, quads * 74 / 100);
+        ranked(&facets, &[CandidateCutter::new(Cutter::flat_end(mm(6.0)))], &in_direction(Model::Envelope, 27.0))
+    };
+    let coarse_level = |ranking: &Ranking| {
+        let reasons = ranking.confidence.as_ref().unwrap().reasons();
+        reasons.iter().find(|reason| reason.weakness == SurfaceWeakness::CoarseTessellation).map(|reason| reason.level)
+    };
+    let [coarse, middle, fine] = [25, 50, 100].map(ranking);
+    assert_eq!([&coarse, &middle, &fine].map(coarse_level), [Some(Level::Low), Some(Level::Moderate), None]);
+    let time = |ranking: &Ranking| ranking.plans[0].time.seconds();
+    assert!((time(&middle) / time(&fine) - 1.0).abs() < 0.01, "{} s, {} s", time(&middle), time(&fine));
+    assert!((time(&coarse) / time(&fine) - 1.0).abs() < 0.08, "{} s, {} s", time(&coarse), time(&fine));
 }
 
 #[test]

@@ -141,8 +141,8 @@ fn a_cancelled_ranking_ends_early() {
     // Two cutters in 46 directions, each with some 80 planes.
     let in_all = asked.into_inner();
     assert!(in_all > 200, "{in_all}");
-    // After the cancellation, the flag is checked once for each step that would have started: for two cutters up to 2,000
-    // places of a check, 400 strips and 200 rows of a table.
+    // After the cancellation, the flag is checked once for each step that would have started: for two cutters up to
+    // 2,000 places of a check, 400 strips and 200 rows of a table.
     for stopped_at in [0, 1, 10, in_all / 2, in_all - 10] {
         let asked = AtomicUsize::new(0);
         let stop = || asked.fetch_add(1, Ordering::Relaxed) >= stopped_at;

@@ -69,6 +69,18 @@ proptest! {
         approx::assert_relative_eq!(quick.level, searched(&envelope, s, marks), max_relative = 1e-12 + short.min(1e-6));
     }
 
+    #[test]
+    fn a_flat_end_cutters_closed_form_and_the_general_search_agree(
+        outer in 0.5..10.0_f64, slope in 0.01..89.99_f64, theta in quarter_turn(), diagonal in 0.001..1.99_f64, turn in 0.0..90.0_f64,
+    ) {
+        let envelope = by_theta(cutter(outer, 0.0), slope, theta);
+        let (across, along) = (diagonal * outer * turn.to_radians().sin(), diagonal * outer * turn.to_radians().cos());
+        let [s, f] = [across / envelope.spacing_ratio(), along / envelope.climb.cos()].map(|length| length.min(100.0 * outer));
+        let closed = envelope.closed_form(s, f).unwrap();
+        // The search has rounding errors of coordinates of the size of s and f.
+        approx::assert_relative_eq!(closed, searched(&envelope, s, f), max_relative = 1e-11, epsilon = 1e-14 * (outer + s + f));
+    }
+
     /// The general search has no special case for ridges between marks of two kinds: it intersects and joins intervals.
     #[test]
     fn with_runout_the_quick_and_the_general_search_agree(

@@ -11,7 +11,7 @@
 //!
 //! A table that can be read in two ways is refused with [`FaultKind::Ambiguous`].
 
-mod doubt;
+mod ambiguity;
 mod evidence;
 mod header;
 mod layout;
@@ -24,7 +24,7 @@ use super::lines::{Lines, trimmed, trimmed_start};
 use super::splitter::{BlockSplitter, any_line};
 use super::{Format, Notes, Sink, Summary};
 use crate::surface;
-use doubt::Doubt;
+use ambiguity::Ambiguity;
 use header::Header;
 use layout::Separator;
 use std::borrow::Cow;
@@ -48,7 +48,7 @@ struct Table {
     /// The count of points that a line before them states, and the number of that line.
     count: Option<(u64, u64)>,
     layout: Option<Layout>,
-    doubt: Option<Doubt>,
+    ambiguity: Option<Ambiguity>,
     points: u64,
     further_columns: u64,
 }
@@ -69,7 +69,7 @@ impl Reader {
             return Err(Flaw::new(FaultKind::Ambiguous, format!("{count} points, as this line counts them"), found).at_line(line));
         }
         let has_mark = table.layout.is_some_and(|layout| layout.mark.is_some());
-        if let Some((flaw, line)) = table.doubt.as_ref().and_then(|doubt| doubt.flaw(table.points, has_mark)) {
+        if let Some((flaw, line)) = table.ambiguity.as_ref().and_then(|ambiguity| ambiguity.flaw(table.points, has_mark)) {
             return Err(flaw.at_line(line));
         }
         let notes = Notes { further_columns: table.further_columns, ..Notes::default() };
@@ -104,8 +104,8 @@ impl BlockReader for Reader {
         }
         layout.mark = layout.mark.or(run.mark);
         table.points += run.points.len() as u64;
-        if let (Some(doubt), Some(more)) = (&mut table.doubt, &run.doubt) {
-            doubt.add(more);
+        if let (Some(ambiguity), Some(more)) = (&mut table.ambiguity, &run.ambiguity) {
+            ambiguity.add(more);
         }
         self.lines.skip(run.lines);
         true
@@ -120,11 +120,11 @@ impl BlockReader for Reader {
             fn facet(&mut self, _: [[f64; 3]; 3]) {}
         }
         let mut lines = Lines::after(0);
-        let mut table = Table { layout: Some(job.layout), doubt: job.doubt, ..Table::default() };
+        let mut table = Table { layout: Some(job.layout), ambiguity: job.ambiguity, ..Table::default() };
         let mut points = Points(Vec::with_capacity(bytes.len() / 16));
         lines.push(bytes, |line, number| table.line(line, number, &mut points)).ok()?;
         let mark = table.layout.and_then(|layout| layout.mark);
-        Some(Run { lines: lines.ended(), points: points.0, mark, doubt: table.doubt })
+        Some(Run { lines: lines.ended(), points: points.0, mark, ambiguity: table.ambiguity })
     }
 
     fn emit<S: Sink>(&self, run: &Run, _: &[u8], sink: &mut S) -> Emitted {
@@ -145,7 +145,7 @@ pub(super) struct Job {
     /// The layout so far; without a decimal mark if the lines before have only whole numbers.
     layout: Layout,
     /// The interpretations that the block may rule out.
-    doubt: Option<Doubt>,
+    ambiguity: Option<Ambiguity>,
 }
 
 /// The points of a block.
@@ -155,15 +155,15 @@ pub(super) struct Run {
     points: Vec<[f64; 3]>,
     /// The decimal mark, if one is known at the end of the block.
     mark: Option<u8>,
-    doubt: Option<Doubt>,
+    ambiguity: Option<Ambiguity>,
 }
 
 impl Table {
     /// The assumptions for the following lines, once the layout is known and enough lines of a table without a header
     /// have been examined.
     fn job(&self) -> Option<Job> {
-        let layout = self.layout.filter(|_| !self.doubt.as_ref().is_some_and(Doubt::needs_lines))?;
-        Some(Job { layout, doubt: self.doubt.as_ref().filter(|_| layout.mark.is_none()).map(Doubt::of_more_lines) })
+        let layout = self.layout.filter(|_| !self.ambiguity.as_ref().is_some_and(Ambiguity::needs_lines))?;
+        Some(Job { layout, ambiguity: self.ambiguity.as_ref().filter(|_| layout.mark.is_none()).map(Ambiguity::of_more_lines) })
     }
 
     fn line<S: Sink>(&mut self, line: &[u8], number: u64, sink: &mut S) -> Result<(), Flaw> {
@@ -192,8 +192,8 @@ impl Table {
             sink.point(point);
             return Ok(());
         };
-        if let Some(doubt) = &mut self.doubt {
-            doubt.look_at(&without_hard_blanks(line));
+        if let Some(ambiguity) = &mut self.ambiguity {
+            ambiguity.look_at(&without_hard_blanks(line));
         }
         self.points += 1;
         sink.point(point);
@@ -231,7 +231,7 @@ impl Table {
             match layout.point(line) {
                 Ok(point) => {
                     if header.is_none() && self.count.is_none() {
-                        self.doubt = Some(Doubt::about(line, *separator, number)?);
+                        self.ambiguity = Some(Ambiguity::about(line, *separator, number)?);
                     }
                     self.unit = self.unit.or(header.and_then(|header| header.unit));
                     self.layout = Some(layout);

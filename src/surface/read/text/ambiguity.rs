@@ -8,7 +8,7 @@ use super::layout::Separator;
 
 /// The interpretations that are still possible after the lines so far.
 #[derive(Debug)]
-pub(super) struct Doubt {
+pub(super) struct Ambiguity {
     first_line: u64,
     first: String,
     /// The smallest and the largest number of fields of a line; `None` once a line cannot have decimal commas.
@@ -17,7 +17,7 @@ pub(super) struct Doubt {
     columns: Option<Box<Evidence>>,
 }
 
-impl Doubt {
+impl Ambiguity {
     /// The possible interpretations of a table whose first line of data is `line`.
     ///
     /// # Errors
@@ -31,9 +31,9 @@ impl Doubt {
             return Err(Flaw::new(FaultKind::Ambiguous, format!("at most {WIDEST_POINT} numbers in a line without a header"), found));
         }
         let commas = (separator == Separator::Comma).then_some((usize::MAX, 0));
-        let mut doubt = Self { first_line: number, first: quoted(trimmed(line)), commas, columns };
-        doubt.look_at_commas(line);
-        Ok(doubt)
+        let mut ambiguity = Self { first_line: number, first: quoted(trimmed(line)), commas, columns };
+        ambiguity.look_at_commas(line);
+        Ok(ambiguity)
     }
 
     /// Adds a line of data after the first.
