@@ -4,6 +4,7 @@ mod critical_slope;
 mod examples;
 mod faults;
 mod formats;
+mod heights;
 mod libraries;
 mod published;
 mod recommendation;

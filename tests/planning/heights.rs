@@ -1,0 +1,92 @@
+//! The scallop heights of passes against those of the batch of contacts.
+
+use crate::app::{TestApp, figure};
+use crate::planning::{job, with};
+use approx::assert_relative_eq;
+use serde_json::{Value, json};
+
+/// Waves that are convex, concave and twisted, with a level saddle and level tops, on a grid of 2 mm.
+fn waves() -> Value {
+    let points: Vec<[f64; 3]> = (0..19_u8)
+        .flat_map(|row| {
+            (0..25_u8).map(move |column| {
+                let (x, y) = (2.0 * f64::from(column), 2.0 * f64::from(row));
+                [x, y, 0.15 * x + 6.0 * (x / 18.0).sin() * (y / 22.0).cos() + 0.004 * y * y]
+            })
+        })
+        .collect();
+    json!({"surface": {"grid": {"rows": 19, "columns": 25, "points": points}}, "directions_deg": [27], "include": ["passes"]})
+}
+
+/// The points of the passes as the contacts of a batch.
+fn contacts(passes: &Value, direction_deg: f64) -> Value {
+    let (sin, cos) = direction_deg.to_radians().sin_cos();
+    let feed = |normal: &Value| {
+        let [x, y, z] = [0, 1, 2].map(|axis| normal[axis].as_f64().unwrap());
+        json!([cos, sin, -(x * cos + y * sin) / z])
+    };
+    let feeds: Vec<Value> = passes["normal"].as_array().unwrap().iter().map(feed).collect();
+    let mut contacts = json!({"feed": feeds});
+    for name in ["normal", "step_over_mm", "surface_curvature", "feed_per_tooth_mm"] {
+        if let Some(column) = passes.get(name) {
+            contacts[name] = column.clone();
+        }
+    }
+    contacts
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn every_point_of_the_passes_has_the_height_of_the_batch() {
+    let app = TestApp::start().await;
+    let cutters = [
+        json!({"type": "ball_end", "diameter_mm": 8}),
+        json!({"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2}),
+        json!({"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 0.5}),
+    ];
+    for cutter in cutters {
+        for drive in [json!({}), json!({"teeth": 2, "spindle_speed_rpm": 12_000})] {
+            let driven = with(cutter.clone(), drive.clone());
+            let request = with(with(job(), waves()), json!({"method": "surface", "cutters": [driven], "max_uncut_share": 1}));
+            let answer = app.recommend(&request).await.ok();
+            let passes = &answer["passes"];
+            let contacts = contacts(passes, figure(&answer, "/recommended/direction_deg"));
+            let batch = json!({"cutter": cutter, "model": "envelope", "contacts": contacts});
+            let batch = app.answer("/v1/scallop-height/batch", &batch).await;
+            let (of_passes, of_batch) = (passes["scallop_height_mm"].as_array().unwrap(), batch["scallop_height_mm"].as_array().unwrap());
+            let mut compared = 0_u32;
+            for (index, (one, other)) in of_passes.iter().zip(of_batch).enumerate() {
+                let at = || format!("{cutter} {drive} {index}: normal {}", passes["normal"][index]);
+                assert_eq!(one.is_null(), other.is_null(), "{}: {one} {other}", at());
+                if let (Some(one), Some(other)) = (one.as_f64(), other.as_f64()) {
+                    assert!((one / other - 1.0).abs() <= 1e-6, "{}: {one} {other}", at());
+                    compared += 1;
+                }
+            }
+            println!("{cutter} {drive}: {compared} of {} points have a height", of_passes.len());
+            assert!(compared > 500 && of_passes.len() == of_batch.len());
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn contacts_of_a_run_lie_in_one_plane_of_the_direction() {
+    let app = TestApp::start().await;
+    let request = with(with(job(), waves()), json!({"method": "surface"}));
+    let answer = app.recommend(&request).await.ok();
+    let (sin, cos) = figure(&answer, "/recommended/direction_deg").to_radians().sin_cos();
+    let passes = &answer["passes"];
+    let across: Vec<Option<f64>> = passes["contact_mm"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|contact| Some(cos * contact[1].as_f64()? - sin * contact[0].as_f64()?))
+        .collect();
+    let starts: Vec<usize> =
+        passes["run_starts"].as_array().unwrap().iter().map(|start| usize::try_from(start.as_u64().unwrap()).unwrap()).collect();
+    for pair in starts.windows(2) {
+        let of_run: Vec<f64> = across[pair[0]..pair[1]].iter().copied().flatten().collect();
+        for at in &of_run {
+            assert_relative_eq!(*at, of_run[0], epsilon = 1e-9);
+        }
+    }
+}
