@@ -91,9 +91,13 @@ const PLACES: u8 = 10;
 /// 15 %.
 const PLACES_WITH_RUNOUT: u8 = 40;
 
-/// All feeds whose product is at least this share of the best are refined. With feeds 15 % apart, a maximum is at most
-/// 1 % higher than the product at the nearest feed, if the product is as flat as that of a circle.
+/// Without runout the feeds whose product is at least this share of the best are refined if both neighbours have less.
 const NEARLY_BEST: f64 = 0.95;
+
+/// With runout every interval between neighbouring feeds is refined whose better end has at least this share of the
+/// best. With feeds 15 % apart, a maximum is at most 1 % higher than the product at the nearest feed, if the product is as
+/// flat as that of a circle.
+const NEARLY_BEST_WITH_RUNOUT: f64 = 0.985;
 
 /// The relative width of the bracket at which the search ends. Near its maximum the product falls with the square of
 /// this, 1e-8.
@@ -137,7 +141,7 @@ impl EvaluatedPass {
         let fastest = |best: (f64, f64), next: (f64, f64)| if next.1 > best.1 { next } else { best };
         let mut best = places.iter().copied().fold((largest_feed.mm(), 0.0), fastest);
         // The corner below is no place of the search, and must not keep a maximum between two places from it.
-        let nearly = NEARLY_BEST * best.1;
+        let best_place = best.1;
         // At the feed from which the largest step-over binds, the product has a corner, which the search would find
         // only approximately.
         if let Some(max_step_over) = limits.max_step_over
@@ -146,13 +150,19 @@ impl EvaluatedPass {
             let feed = feed.mm().min(largest_feed.mm());
             best = fastest(best, (feed, area(feed)));
         }
-        let area_at = |place: Option<usize>| place.and_then(|place| places.get(place)).map_or(0.0, |(_, area)| *area);
-        let peaks = places
-            .iter()
-            .enumerate()
-            .filter(|(place, (_, area))| *area >= nearly && *area >= area_at(place.checked_sub(1)) && *area >= area_at(Some(place + 1)));
-        for (_, (feed, _)) in peaks {
-            best = fastest(best, highest(feed * ratio, (feed / ratio).min(largest_feed.mm()), area));
+        let mut refine = |low: f64, high: f64| best = fastest(best, highest(low, high, area));
+        if self.pass().runout == Runout::NONE {
+            let area_at = |place: Option<usize>| place.and_then(|place| places.get(place)).map_or(0.0, |(_, area)| *area);
+            for (place, &(feed, area)) in places.iter().enumerate() {
+                if area >= NEARLY_BEST * best_place && area >= area_at(place.checked_sub(1)) && area >= area_at(Some(place + 1)) {
+                    refine(feed * ratio, (feed / ratio).min(largest_feed.mm()));
+                }
+            }
+        } else {
+            // Two maxima can be neighbours, so that the feeds between them do not show the lower end of either.
+            for ends in places.windows(2).filter(|ends| ends[0].1.max(ends[1].1) >= NEARLY_BEST_WITH_RUNOUT * best_place) {
+                refine(ends[1].0, ends[0].0);
+            }
         }
 
         let feed_per_tooth = Length::computed(best.0);

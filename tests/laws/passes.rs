@@ -78,9 +78,11 @@ pub(crate) fn has_lobes(pass: &Pass) -> bool {
 
 /// Whether the height has no warning about the turning of the surface's normal, for which the laws hold. Near the floor,
 /// and with larger turns, a toroidal cutter's marks can have several lowest places along the feed, and the height can be
-/// that of any one.
+/// that of any one. On surfaces with concave curvature, heights fall by up to 2e-4 where step-overs that are short compared
+/// with the feed grow, and these are left out.
 pub(crate) fn is_settled(evaluated: &EvaluatedPass, s: f64, f: f64) -> bool {
     let is_smooth_on_curve = !evaluated.pass().surface.is_plane() && evaluated.pass().cutter.kind() == CutterKind::Toroidal;
+    let is_short = || evaluated.pass().surface.principal_per_mm()[1] < 0.0 && s < 0.5 * f;
     let warns = || evaluated.warnings(mm(s.max(1e-6)), Some(mm(f.max(1e-6)))).any(|warning| warning == ModelWarning::CurvatureApproximate);
-    !is_smooth_on_curve || !warns()
+    !is_smooth_on_curve || !(is_short() || warns())
 }
