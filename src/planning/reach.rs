@@ -118,8 +118,14 @@ impl ReachMap {
 
     /// The material that a cutter leaves where it does not fit. Heights of up to `scallop_height` do not count.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
     pub fn uncut(&self, cutter: Cutter, scallop_height: Length) -> Uncut {
+        self.uncut_until(cutter, scallop_height, &|| false)
+    }
+
+    /// The same. Once `stop` returns true, it ends early, and the result must be discarded.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
+    pub fn uncut_until(&self, cutter: Cutter, scallop_height: Length, stop: &(dyn Fn() -> bool + Sync)) -> Uncut {
         let radius = cutter.outer_radius().mm();
         let stride = stride(self.frame, radius);
         let coarse = Coarse::of(self, stride, radius);
@@ -156,7 +162,7 @@ impl ReachMap {
         }
         let (mut over, mut worst) = (0.0, None::<(f64, usize)>);
         let step = seeming.len().div_ceil(MOST_PLACED).max(1);
-        for &(cell, fine) in seeming.iter().step_by(step) {
+        for &(cell, fine) in seeming.iter().step_by(step).take_while(|_| !stop()) {
             let area = f64::from(self.area[fine]);
             let Some(on_raster) = left[cell].map(f64::from) else { continue };
             let height = on_raster.min(self.rise(cutter, fine, error(area))).max(0.0);

@@ -160,7 +160,7 @@ impl Simulation {
                 if stop() {
                     return candidate;
                 }
-                let reach = Some((&reach.uncut(candidate.cutter, parameters.scallop_height)).into());
+                let reach = Some((&reach.uncut_until(candidate.cutter, parameters.scallop_height, stop)).into());
                 CandidateCutter { reach, ..candidate }
             });
             candidates.extend(tried.collect::<Vec<_>>());
