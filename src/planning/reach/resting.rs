@@ -94,7 +94,9 @@ impl RestingHeights {
                 let first = first as f64 * side;
                 (first - at).max(at - (first + side - 1.0)).max(0.0)
             };
-            let d = cell * apart(column, u).hypot(apart(row, v));
+            // The offsets are far from overflow, and a square root is faster than hypot.
+            let [across, along] = [apart(column, u), apart(row, v)];
+            let d = cell * (across * across + along * along).sqrt();
             if d > radius {
                 continue;
             }
