@@ -27,6 +27,7 @@ mod concave;
 mod local;
 mod newton;
 mod outline;
+mod proved;
 mod runout;
 mod section;
 mod sharp_edge;
@@ -270,7 +271,7 @@ impl Envelope {
     /// wall.
     fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
         if self.is_quick(lengths.mark_spacing) {
-            newton::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
+            proved::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
         } else {
             None
         }

@@ -18,7 +18,6 @@
 use super::body::Body;
 use super::chord::{Accuracy, balance};
 use super::clearing::{Clearing, Held, Row};
-use super::local;
 
 /// The height p of the ridge, the step-over s and the distance f of the marks, in mm.
 #[derive(Debug, Clone, Copy)]
@@ -49,26 +48,6 @@ const ROUGH_STEPS: usize = 8;
 pub(super) struct Ridge {
     pub(super) lengths: Lengths,
     pub(super) place: Place,
-}
-
-/// The ridge on the body, whose sought length is a guess in `lengths`; `None` unless the result is proved.
-///
-/// If the searches of chords do not converge on a convex section, the steps of [`local`] do, from the contact or, near
-/// the floor, from under the axis. Convexity proves these results, too: a ridge near the start is the only one.
-pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths, marks: [Clearing; 2]) -> Option<Ridge> {
-    let place = Place::start(body, lengths.step_over, marks, lengths.mark_spacing);
-    let found = solve_from(body, sought, lengths, place, marks);
-    if found.is_some() || body.is_concave() {
-        return found;
-    }
-    let under_axis = || {
-        let mut lengths = lengths;
-        if matches!(sought, Sought::Level) {
-            lengths.level = lengths.level.max(body.height_under_axis(lengths.step_over.hypot(lengths.mark_spacing)));
-        }
-        local::solve(body, sought, lengths, Place::under_axis(body, lengths, marks), marks)
-    };
-    local::solve(body, sought, lengths, place, marks).or_else(|| if body.is_nearly_level() { under_axis() } else { None })
 }
 
 /// The ridge, searched from a position near it. Different marks may clear its near and its far edge.
@@ -173,7 +152,7 @@ pub(super) struct Place {
 
 impl Place {
     /// The position on both sides of the axis, around which a nearly level section lies.
-    fn under_axis(body: &Body, Lengths { step_over, mark_spacing, .. }: Lengths, marks: [Clearing; 2]) -> Self {
+    pub(super) fn under_axis(body: &Body, Lengths { step_over, mark_spacing, .. }: Lengths, marks: [Clearing; 2]) -> Self {
         let [x, t] = body.flat_centre();
         let [near, far] = marks.map(|marks| x + marks.spacing(mark_spacing) / 2.0);
         Self { t: t + step_over / 2.0, x: [near; 2], neighbour_x: [far; 2] }

@@ -9,6 +9,7 @@
 use super::Envelope;
 use super::clearing::{Clearing, Row};
 use super::newton::{self, Lengths, Place, Ridge, Sought};
+use super::proved;
 use super::section::Pattern;
 use crate::quantity::Length;
 
@@ -32,7 +33,7 @@ impl Envelope {
     }
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
-        newton::solve(&self.body, sought, lengths, [marks; 2]).map(|ridge| Found { ridge, marks })
+        proved::solve(&self.body, sought, lengths, [marks; 2]).map(|ridge| Found { ridge, marks })
     }
 
     /// Whether the intervals of both kinds in `marks` meet at a ridge.
