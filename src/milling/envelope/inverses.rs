@@ -1,0 +1,189 @@
+//! The largest step-over and the largest feed per tooth that keep a tolerance, to second order, each by the fastest search
+//! that has it.
+
+use super::newton::{Lengths, Sought};
+use super::section::{Pattern, Section};
+use super::{Envelope, sharp_edge};
+use crate::milling::NoAnswer;
+use crate::numerics::bracketed_root;
+use crate::quantity::Length;
+use std::convert::Infallible;
+
+impl Envelope {
+    /// [`Envelope::max_feed_per_tooth`] to second order.
+    pub(super) fn second_order_max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0)).map(Length::computed)?;
+        self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over)
+    }
+
+    /// The same for a step-over that alone leaves `step_over_height`.
+    pub(super) fn second_order_max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
+        let s = step_over.mm();
+        let used_up = || {
+            let max_step_over = self.second_order_max_step_over(tolerance, None)?;
+            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
+        };
+        if step_over_height >= tolerance {
+            return used_up();
+        }
+        let largest = self.largest_feed(s);
+        let room = tolerance.mm() - step_over_height.mm();
+        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().max(self.feed_on_flat(tolerance.mm(), s)).min(largest);
+        let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
+        let quick = if let Some(feed) = self.feed_on_floor_or_wall(tolerance.mm(), s) {
+            Some(feed.min(largest))
+        } else if self.pattern(guess).is_even() {
+            self.quickly(lengths, Sought::MarkSpacing).map(|found| found.mark_spacing)
+        } else if self.is_convex_up_to(tolerance.mm()) {
+            self.quick_feed_with_runout(tolerance.mm(), s, step_over_height.mm(), guess)
+        } else {
+            None
+        };
+        let height = |feed: f64| self.height(s, self.pattern(feed)).ok();
+        let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
+        let found = self.feed_at(tolerance.mm(), s, quick, guess, largest);
+        match found.and_then(|feed| self.confirmed(feed, tolerance.mm(), largest, height)) {
+            Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
+            Some(feed) => Ok(Length::computed(feed)),
+            // The tolerance allows only feeds below the smallest accepted one.
+            None => used_up(),
+        }
+    }
+
+    /// The largest feed per tooth, from [`Length::SMALLEST`] to `largest`, at which the passes clear the step-over s
+    /// down to the height p; `None` if there is none.
+    fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
+        let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
+        if excess(largest) <= 0.0 {
+            return Some(largest);
+        }
+        let mut low = guess.clamp(Length::SMALLEST, largest);
+        let mut high;
+        if excess(low) <= 0.0 {
+            loop {
+                high = (2.0 * low).min(largest);
+                if excess(high) > 0.0 {
+                    break;
+                }
+                if high >= largest {
+                    return Some(largest);
+                }
+                low = high;
+            }
+        } else {
+            loop {
+                high = low;
+                low = (low / 2.0).max(Length::SMALLEST);
+                if excess(low) <= 0.0 {
+                    break;
+                }
+                if low <= Length::SMALLEST {
+                    return None;
+                }
+            }
+        }
+        self.feed_between(p, s, low, high)
+    }
+
+    /// The largest feed per tooth in a bracket.
+    fn feed_between(&self, p: f64, s: f64, low: f64, high: f64) -> Option<f64> {
+        let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
+        if excess(low) > 0.0 || excess(high) <= 0.0 {
+            return None;
+        }
+        let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), |logarithm| Ok::<_, Infallible>(excess(logarithm.exp())));
+        Some(logarithm.exp())
+    }
+
+    /// [`Envelope::max_step_over`] to second order.
+    pub(super) fn second_order_max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
+        let largest = self.largest_step_over(pattern.spacing);
+        if largest < Length::SMALLEST {
+            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(Length::SMALLEST)) });
+        }
+        let p = tolerance.mm();
+        // A guess above the result: the groove's parabola, or near the floor the width of the cutter's flat and corner.
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let on_floor = 2.0 * (core + (2.0 * corner * p).sqrt());
+        let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
+        let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
+        let quick = if let Some(step_over) = self.step_over_on_floor_or_wall(p, &pattern) {
+            Some(step_over.min(largest))
+        } else if self.is_sharp_on_concave(pattern.spacing) {
+            sharp_edge::step_over(&self.body, p, guess)
+        } else if pattern.is_even() {
+            self.quickly(lengths, Sought::StepOver).map(|found| found.step_over)
+        } else if self.is_convex_up_to(p) {
+            self.quick_step_over_with_runout(p, &pattern, guess)
+        } else {
+            None
+        };
+        let width = if self.is_convex_up_to(p) {
+            quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p))
+        } else {
+            quick.unwrap_or_else(|| self.step_over_on_concave(p, pattern, largest))
+        };
+        // If only the overlap of the passes limits the step-over, the result is that limit.
+        let no_limit = Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) });
+        if width >= largest * (1.0 - 1e-12) && (self.is_convex_up_to(p) || self.has_third_order()) {
+            return no_limit;
+        }
+        if width < Length::SMALLEST {
+            return Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(self.height(Length::SMALLEST, pattern)?) });
+        }
+        match self.confirmed(width, p, largest, |step_over| self.height(step_over, pattern).ok()) {
+            Some(step_over) if step_over >= largest * (1.0 - 1e-12) => no_limit,
+            Some(step_over) => Ok(Length::computed(step_over)),
+            None => Err(NoAnswer::FeedUsesUpTolerance { feed_height: tolerance }),
+        }
+    }
+
+    /// `found`, or the largest value up to `largest` at which the height keeps the tolerance; `None` if the smallest value
+    /// does not keep it.
+    ///
+    /// The height decides, so that no answer exceeds the tolerance. If the section is not convex, `found` and the height
+    /// can belong to different ridges. With runout, `found` can be a length at which the height jumps, so that its
+    /// rounding error exceeds the tolerance. Before a correction by the third order, `found` is only a guess.
+    fn confirmed(&self, found: f64, tolerance: f64, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let is_convex = self.is_convex_up_to(tolerance);
+        if is_convex && self.drop == 0.0 || self.has_third_order() {
+            return Some(found);
+        }
+        if is_convex {
+            let keeps = |value: &f64| height(*value).is_some_and(|height| height <= tolerance * (1.0 + 1e-9));
+            let smaller = [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9].map(|share| share * found);
+            if let Some(kept) = smaller.into_iter().find(keeps) {
+                return Some(kept);
+            }
+        }
+        let found = found.clamp(Length::SMALLEST, largest);
+        Self::largest_within(tolerance, found, Some(found), largest, height)
+    }
+
+    /// The largest feed per tooth, at most `largest`, that keeps the height p in passes s apart. `quick` is the result
+    /// of the fast search; otherwise the search starts from `guess`.
+    pub(super) fn feed_at(&self, p: f64, s: f64, quick: Option<f64>, guess: f64, largest: f64) -> Option<f64> {
+        if !self.is_convex_up_to(p) {
+            return quick.or_else(|| self.feed_on_concave(p, s, largest));
+        }
+        quick.or_else(|| self.feed_held(p, s, guess, largest))
+    }
+
+    /// An approximation of the largest feed per tooth near a plane floor, if the tolerance p exceeds the height of the
+    /// whole flat, so that the marks lie on the flat and on the corner's round. Otherwise 0.
+    fn feed_on_flat(&self, p: f64, s: f64) -> f64 {
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let over_flat = (p - 2.0 * core * self.contact().slope().sin()).min(corner);
+        if over_flat <= 0.0 || !self.pass.surface.is_plane() {
+            return 0.0;
+        }
+        let diameter = 2.0 * (core + (over_flat * (2.0 * corner - over_flat)).sqrt());
+        ((diameter - s) * (diameter + s)).max(0.0).sqrt()
+    }
+}
