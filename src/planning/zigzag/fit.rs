@@ -26,7 +26,7 @@ const CLOSE: f64 = 1.01;
 
 impl Inspector<'_> {
     /// The widest strip from the plane at `at` that keeps the tolerance on its overlap with a facet, whose own spacing
-    /// allows `width`; at most `limit`. `None` where the own spacing is as good.
+    /// allows `width`; at most `limit`. `None` if the facet keeps its own spacing.
     pub(super) fn fitted(&self, spaced: &Spaced, place: u32, at: f64, [width, limit]: [f64; 2]) -> Option<f64> {
         let covered = spaced.sweep.covered[place as usize];
         let is_sharp = self.cutter.kind() == CutterKind::FlatEnd && self.teeth_per_second.is_none();

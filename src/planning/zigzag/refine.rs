@@ -38,7 +38,7 @@ const LARGEST_CURVATURE: f64 = 10.0;
 pub(super) fn refine(spaced: &mut Spaced, inspector: &Inspector, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<(), NoPlanes> {
     let mut is_refined = vec![false; spaced.allowed.len()];
     for _ in 0..ROUNDS {
-        let planes = planes_of(spaced, room, None, stop)?;
+        let planes = planes_of(spaced, room, stop)?;
         let bound = planes.iter().enumerate().filter_map(|(strip, plane)| Some(Tightest { strip, place: plane.binding? }));
         let mut wanted = tightest(spaced, &planes, inspector, REFINED);
         wanted.extend(bound);

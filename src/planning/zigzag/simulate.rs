@@ -60,9 +60,9 @@ pub(super) fn simulate(
 ///
 /// # Errors
 /// [`NoPlanes`]
-pub(super) fn planes_of(spaced: &Spaced, room: &Room, fit: Option<&Fit>, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
+pub(super) fn planes_of(spaced: &Spaced, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
     let mut planes = Vec::new();
-    march(spaced, fit, stop, |plane, reached| {
+    march(spaced, None, stop, |plane, reached| {
         reached.retain(|reached| reached.high > plane.at);
         planes.push(plane);
         room.check(planes.len(), 0)
