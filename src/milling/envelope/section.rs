@@ -244,7 +244,8 @@ impl<'a> Section<'a> {
                 return Some(Edge { t: furthest * side, x, by_height: 0.0 });
             }
             let newton = t - chord.value / chord.by_side;
-            if rise > 0.0 && chord.value.abs() <= 1e-12 * p * chord.by_height.abs() {
+            // Far from the contact, the height can change by more than 1e-12 within the rounding error of t.
+            if rise > 0.0 && (newton == t || chord.value.abs() <= 1e-12 * p * chord.by_height.abs()) {
                 return Some(edge(newton));
             }
             if chord.value > 0.0 && rise > 0.0 {
