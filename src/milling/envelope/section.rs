@@ -245,7 +245,8 @@ impl<'a> Section<'a> {
             }
             let newton = t - chord.value / chord.by_side;
             // Far from the contact, the height can change by more than 1e-12 within the rounding error of t.
-            if rise > 0.0 && (newton == t || chord.value.abs() <= 1e-12 * p * chord.by_height.abs()) {
+            let is_rounding = (newton - t).abs() <= 0.5 * f64::EPSILON * t.abs();
+            if rise > 0.0 && (is_rounding || chord.value.abs() <= 1e-12 * p * chord.by_height.abs()) {
                 return Some(edge(newton));
             }
             if chord.value > 0.0 && rise > 0.0 {

@@ -5,10 +5,10 @@
 //! allows more or less than that, and at a border the strip meets only the edge of it. This is so for flat-end cutters,
 //! whose strips are narrow; those of other cutters are about as wide as facets.
 
-use super::check::{Inspector, NEAR_GOUGING};
 use super::contacts::FacetContact;
 use super::imprint::Imprints;
-use super::march::Spaced;
+use super::inspector::{Inspector, NEAR_GOUGING};
+use super::spaced::Spaced;
 use crate::milling::{CutterKind, Model};
 
 /// Facets narrower than this multiple of a strip's width keep their own spacing.

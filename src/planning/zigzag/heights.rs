@@ -1,11 +1,11 @@
 //! The scallop heights of a plan at single facets, for drawing.
 
 use super::candidate::CandidateCutter;
-use super::check::Inspector;
-use super::march::Spaced;
+use super::inspector::Inspector;
 use super::plan::ZigzagPlan;
 use super::prepared::{Prepared, rows_of};
 use super::settings::ZigzagSettings;
+use super::spaced::Spaced;
 use super::sweep::Sweep;
 use super::workpiece::Workpiece;
 use crate::quantity::Length;
@@ -29,7 +29,7 @@ pub fn heights(
     let workpiece = Workpiece::new(facets, settings.max_slope.cos(), stop);
     let sweep = Sweep::new(&workpiece, plan.direction, stop);
     let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece), stop);
-    let spaced = Spaced::new(&workpiece, &sweep, &prepared, settings.left_out_share, stop);
+    let spaced = Spaced::new(&workpiece, &sweep, prepared.allowance(), settings.left_out_share, stop);
     if stop() {
         return vec![None; wanted.len()];
     }

@@ -1,71 +1,12 @@
 //! Placement of the planes of passes, as far apart as the worst point of each strip allows.
 
-use super::prepared::Prepared;
-use super::spacing::CutterSpacing;
-use super::sweep::{Covered, Sweep};
-use super::workpiece::{Tangent, Workpiece};
+use super::spaced::Spaced;
 
 /// The largest number of planes of a plan. A direction that needs more has no plan.
 pub(super) const MOST_PLANES: usize = 50_000;
 
 /// The number of a strip's tightest facets from which the share that may be left out is taken.
 const TIGHTEST: usize = 8;
-
-/// The facets in the order of one direction, with the spacings that they allow one cutter.
-#[derive(Debug)]
-pub(super) struct Spaced<'a> {
-    pub(super) workpiece: &'a Workpiece,
-    pub(super) sweep: &'a Sweep,
-    pub(super) spacing: &'a CutterSpacing,
-    /// The spacings that facets allow, in the order of the sweep; infinite for steep facets.
-    pub(super) allowed: Vec<f32>,
-    /// The widest spacing, the cutter's diameter, in mm.
-    pub(super) widest: f64,
-    /// The share of a strip's area that may allow less than its spacing.
-    pub(super) left_out: f64,
-}
-
-/// The number of facets between two checks for cancellation while their spacings are computed.
-const FACETS_AT_ONCE: usize = 8192;
-
-impl<'a> Spaced<'a> {
-    /// The facets with their spacings for the cutter of `prepared`; `left_out` is the share of a strip's area that may
-    /// allow less. Once `stop` returns true, it returns early, with fewer spacings.
-    pub(super) fn new(
-        workpiece: &'a Workpiece,
-        sweep: &'a Sweep,
-        prepared: &'a Prepared,
-        left_out: f64,
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Self {
-        let (spacing, widest) = (&prepared.spacing, prepared.diameter());
-        let allowed = |covered: &Covered| {
-            #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
-            let allowed = squared_spacing(&workpiece.tangents[covered.facet as usize], sweep, spacing).sqrt() as f32;
-            allowed
-        };
-        let allowed = sweep.covered.chunks(FACETS_AT_ONCE).take_while(|_| !stop()).flatten().map(allowed).collect();
-        Self { workpiece, sweep, spacing, allowed, widest, left_out }
-    }
-
-    /// The squared spacing that a facet allows; infinite for a steep facet.
-    pub(super) fn squared(&self, facet: usize) -> f64 {
-        squared_spacing(&self.workpiece.tangents[facet], self.sweep, self.spacing)
-    }
-
-    /// The same for a plane of the facet's slope.
-    pub(super) fn squared_on_plane(&self, facet: usize) -> f64 {
-        squared_spacing(&Tangent { curvature: [0.0; 3], ..self.workpiece.tangents[facet] }, self.sweep, self.spacing)
-    }
-}
-
-fn squared_spacing(tangent: &Tangent, sweep: &Sweep, spacing: &CutterSpacing) -> f64 {
-    if tangent.is_steep {
-        return f64::INFINITY;
-    }
-    let (cos_alpha, sin_alpha) = tangent.alpha(sweep.heading.e);
-    spacing.squared(tangent, cos_alpha, sin_alpha)
-}
 
 /// A facet that may meet the current plane.
 #[derive(Debug, Clone, Copy)]

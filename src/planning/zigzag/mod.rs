@@ -6,12 +6,13 @@
 //! lengths are in mm, all times in s.
 //!
 //! The files in the order of use: `workpiece` prepares facets; `slopes` and `spacing` compute the spacings that a
-//! cutter allows; `sweep` sorts facets across a direction; `march` places the planes; `runs` intersects planes and
-//! facets; `regions` and `links` order the runs; `tour` adds up times; `simulate` combines these steps. `room` limits
-//! the size of a plan; `prepared` is a candidate with its spacings; `search` tries directions; `contacts`, `imprint`
-//! and `check` evaluate facets; `refine` refines the spacings that bind strips, and `fit` fits strips to wide facets;
-//! `least_time` is a lower bound of its time; `plan` is the result; `ranking` is the entry point; `confidence` rates
-//! the ranking. `passes` lists the points of a plan, and `heights` its scallop heights at facets.
+//! cutter allows; `sweep` sorts facets across a direction; `spaced` adds their spacings; `march` places the planes;
+//! `runs` intersects planes and facets; `regions` and `links` order the runs; `tour` adds up times; `simulate` combines
+//! these steps. `room` limits the size of a plan; `prepared` is a candidate with its spacings; `search` tries
+//! directions; `contacts`, `imprint` and `inspector` evaluate facets; `check` evaluates a plan; `refine` refines the
+//! spacings that bind strips, and `fit` fits strips to wide facets; `least_time` is a lower bound of its time; `plan`
+//! is the result; `ranking` is the entry point; `confidence` rates the ranking. `passes` lists the points of a plan,
+//! and `heights` its scallop heights at facets.
 
 mod candidate;
 mod check;
@@ -20,6 +21,7 @@ mod contacts;
 mod fit;
 mod heights;
 mod imprint;
+mod inspector;
 mod least_time;
 mod links;
 mod march;
@@ -35,6 +37,7 @@ mod search;
 mod settings;
 mod simulate;
 mod slopes;
+mod spaced;
 mod spacing;
 mod sweep;
 mod tour;

@@ -3,13 +3,14 @@
 use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
 use super::links::End;
-use super::march::{Plane, Spaced};
+use super::march::Plane;
 use super::plan::ZigzagPlan;
 use super::prepared::{Prepared, rows_of};
 use super::regions::{Stretch, in_order};
 use super::room::{PlanRoom, Room};
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
+use super::spaced::Spaced;
 use super::sweep::{Heading, Sweep};
 use super::tour::run_time;
 use super::workpiece::Workpiece;
@@ -136,7 +137,7 @@ pub fn passes_until(
     let workpiece = Workpiece::new(facets, settings.max_slope.cos(), stop);
     let sweep = Sweep::new(&workpiece, plan.direction, stop);
     let prepared = Prepared::new(plan.candidate, candidate, settings, &rows_of(&workpiece), stop);
-    let spaced = Spaced::new(&workpiece, &sweep, &prepared, settings.left_out_share, stop);
+    let spaced = Spaced::new(&workpiece, &sweep, prepared.allowance(), settings.left_out_share, stop);
     if stop() {
         return Err(TooManyPoints { limit });
     }

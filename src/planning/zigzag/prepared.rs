@@ -44,9 +44,10 @@ impl Prepared {
         Self { index, candidate: *candidate, spacing, feeds, range, link_rate }
     }
 
-    /// The widest spacing, in mm: the diameter less a rounding error of single precision, so that passes still overlap.
-    pub(super) fn diameter(&self) -> f64 {
-        2.0 * self.candidate.cutter.outer_radius().mm() * (1.0 - 1e-6)
+    /// The spacings of the cutter, and the widest one in mm: the diameter less a rounding error of single precision, so
+    /// that passes still overlap.
+    pub(super) fn allowance(&self) -> (&CutterSpacing, f64) {
+        (&self.spacing, 2.0 * self.candidate.cutter.outer_radius().mm() * (1.0 - 1e-6))
     }
 
     /// The operation of the cutter, for all directions.

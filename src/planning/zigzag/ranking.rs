@@ -1,16 +1,18 @@
 //! The ranking of all candidates on a surface: the fastest plan of each after the check, sorted by time.
 
 use super::candidate::CandidateCutter;
-use super::check::{Inspector, ScallopFigures, checked};
+use super::check::{ScallopFigures, checked};
 use super::confidence::{SurfaceConfidence, SurfaceEvidence};
+use super::inspector::Inspector;
 use super::least_time::least_seconds;
-use super::march::{NoPlanes, Spaced};
+use super::march::NoPlanes;
 use super::plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};
 use super::prepared::{Prepared, rows_of};
 use super::room::{PlanRoom, Room};
 use super::search::{TimeOfDirection, fastest, times_by_direction};
 use super::settings::ZigzagSettings;
 use super::simulate::Simulated;
+use super::spaced::Spaced;
 use super::sweep::Sweep;
 use super::workpiece::{SurfaceFigures, Workpiece};
 use crate::milling::{Cutter, Model};
@@ -220,7 +222,7 @@ impl Planner<'_> {
                 break;
             }
             let sweep = Sweep::new(workpiece, next.direction, stop);
-            let spaced = Spaced::new(workpiece, &sweep, prepared, settings.left_out_share, stop);
+            let spaced = Spaced::new(workpiece, &sweep, prepared.allowance(), settings.left_out_share, stop);
             let seconds = match checked(spaced, prepared.operation(settings, room), inspector, follows, stop) {
                 Ok((simulated, scallop_height)) if simulated.figures.runs > 0 => {
                     let seconds = simulated.figures.seconds;

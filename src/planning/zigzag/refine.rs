@@ -1,10 +1,11 @@
 //! Spacings refined where they bind the strips: the estimates of the tables are replaced, facet by facet, by the
 //! spacings at which the scallop height is kept.
 
-use super::check::Inspector;
-use super::march::{NoPlanes, Plane, Spaced};
+use super::inspector::Inspector;
+use super::march::{NoPlanes, Plane};
 use super::room::Room;
 use super::simulate::planes_of;
+use super::spaced::Spaced;
 use super::workpiece::Tangent;
 use rayon::prelude::*;
 

@@ -1,7 +1,8 @@
 //! Runs: the intersections of a plane with facets, joined over narrow gaps.
 
-use super::march::{Plane, Reached, Spaced};
+use super::march::{Plane, Reached};
 use super::regions::Stretch;
+use super::spaced::Spaced;
 use super::spacing::FeedLaw;
 
 /// A part of a pass that is cut without leaving the surface.

@@ -1,10 +1,11 @@
 //! The search for the fastest direction of each cutter.
 
-use super::march::{NoPlanes, Spaced};
+use super::march::NoPlanes;
 use super::prepared::Prepared;
 use super::room::Room;
 use super::settings::{Directions, ZigzagSettings};
 use super::simulate::simulate;
+use super::spaced::Spaced;
 use super::sweep::Sweep;
 use super::workpiece::Workpiece;
 use crate::quantity::Angle;
@@ -156,7 +157,7 @@ fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found:
             let sweep = Sweep::new(facets, direction, stop);
             let time = |&(contender, _): &(usize, Angle)| {
                 let prepared = &contenders[contender];
-                let spaced = Spaced::new(facets, &sweep, prepared, settings.left_out_share, stop);
+                let spaced = Spaced::new(facets, &sweep, prepared.allowance(), settings.left_out_share, stop);
                 let seconds = simulate(&spaced, prepared.operation(settings, room), None, stop).map(|simulated| simulated.figures.seconds);
                 (contender, TimeOfDirection { direction, seconds, is_rough })
             };

@@ -1,10 +1,11 @@
 //! The simulation of one cutter in one direction over a workpiece.
 
 use super::links::Links;
-use super::march::{Fit, NoPlanes, Plane, Spaced, march};
+use super::march::{Fit, NoPlanes, Plane, march};
 use super::room::Room;
 use super::runs::RunFinder;
 use super::settings::Pattern;
+use super::spaced::Spaced;
 use super::spacing::FeedLaw;
 use super::tour::TourFigures;
 use crate::motion::Machine;
