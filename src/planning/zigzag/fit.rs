@@ -24,6 +24,10 @@ const MOST: f64 = 0.99;
 const STEPS: usize = 8;
 const CLOSE: f64 = 1.01;
 
+/// A strip is not narrowed below this share of the width that the facet's own spacing allows: where imprints leave more
+/// than the tolerance at any width, the curvature of the facet is not that of the surface.
+const NARROWEST: f64 = 0.1;
+
 impl Inspector<'_> {
     /// The widest strip from the plane at `at` that keeps the tolerance on its overlap with a facet, whose own spacing
     /// allows `width`; at most `limit`. `None` if the facet keeps its own spacing.
@@ -70,8 +74,12 @@ impl Inspector<'_> {
         };
         let (mut kept, mut too_wide) = ((covered.low - at).max(0.0), f64::INFINITY);
         let mut tried = width.max(1.02 * kept).min(limit);
+        let mut last = None::<(f64, f64)>;
         for _ in 0..STEPS {
-            let found = height(tried);
+            if tried < NARROWEST * width {
+                break;
+            }
+            let found = height(tried).clamp(0.05, 20.0);
             if found > MOST {
                 too_wide = tried;
             } else {
@@ -83,10 +91,13 @@ impl Inspector<'_> {
             if too_wide <= CLOSE * kept {
                 break;
             }
-            // Beside a sharp edge heights grow with the first power of the width.
-            let next = (tried * AIM / found.clamp(0.05, 20.0)).min(limit);
+            // Beside a sharp edge heights grow with the first power of the width, elsewhere with the second.
+            let power = last.map_or(1.0, |(other, at_other)| (at_other / found).ln() / (other / tried).ln());
+            let power = if power > 0.5 { power.min(3.0) } else { 1.0 };
+            last = Some((tried, found));
+            let next = (tried * (AIM / found).powf(power.recip())).min(limit);
             tried = if next > kept && next < too_wide { next } else { f64::midpoint(kept, too_wide) };
         }
-        (kept > 0.0).then_some(kept)
+        (kept >= NARROWEST * width).then_some(kept)
     }
 }

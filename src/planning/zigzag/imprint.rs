@@ -6,19 +6,23 @@
 //! each tip follows from the normal at its own contact.
 
 use crate::milling::Cutter;
+use crate::numerics::bracketed_root;
 use crate::surface::FinishFacet;
+use std::convert::Infallible;
+use std::f64::consts::FRAC_PI_2;
 
 /// The number of tips of a pass on each side of the place.
 const TIPS: i32 = 24;
 
+/// The number of tips on each side of the place at which a pass runs level.
+const TURNED: i32 = 12;
+
 /// The number of parts into which the strip is divided before its highest place is refined.
 const PARTS: u32 = 6;
 
-/// Steps of the golden section across the strip, along a pass, and along a pass of a flat-end cutter, whose cut ends at
-/// its edge: 0.618^9 = 0.013, 0.618^16 = 5e-4, 0.618^28 = 1.4e-6.
+/// Steps of the golden section across the strip and along a pass: 0.618^9 = 0.013, 0.618^16 = 5e-4.
 const STEPS_ACROSS: u32 = 9;
 const STEPS_ALONG: u32 = 16;
-const STEPS_OF_EDGE: u32 = 28;
 
 /// A cutter on the paraboloid z = g u + u'Hu/2 over u = (along, across), seen from above.
 #[derive(Debug, Clone, Copy)]
@@ -73,23 +77,9 @@ impl Imprints {
     /// The largest height that passes in two planes leave over a part of the strip between them, at a place along them.
     /// `planes` and the ends of the part are coordinates across the passes, both in rising order.
     pub(super) fn height_between(&self, planes: [f64; 2], [low, high]: [f64; 2], place: f64) -> f64 {
-        let step = 2.0 * self.outer / f64::from(TIPS);
-        let steps = if self.corner > 0.0 { STEPS_ALONG } else { STEPS_OF_EDGE };
-        let tips = planes.map(|across| {
-            let along = (-TIPS..=TIPS).map(|number| place + f64::from(number) * step);
-            (across, along.map(|along| (along, self.tip(along, across))).collect::<Vec<_>>())
-        });
-        let nearest = |at: f64| {
-            tips.each_ref().map(|(across, tips)| {
-                let cuts = tips.iter().map(|&(along, tip)| (self.cut(tip, [place, at]), along, *across));
-                cuts.fold((f64::INFINITY, place, *across), |least, cut| if cut.0 < least.0 { cut } else { least })
-            })
-        };
+        let passes = planes.map(|across| Pass::new(self, across, place));
         let left = |at: f64| {
-            let lowest = nearest(at).map(|(cut, along, across)| {
-                let exact = |along: f64| self.cut(self.tip(along, across), [place, at]);
-                if cut.is_finite() { cut.min(least(exact, along - step, along + step, steps)) } else { cut }
-            });
+            let lowest = passes.each_ref().map(|pass| self.lowest(pass, [place, at]));
             lowest[0].min(lowest[1]) - self.surface(place, at)
         };
         let interval = (high - low) / f64::from(PARTS);
@@ -97,6 +87,35 @@ impl Imprints {
         let (_, at) = coarse.fold((f64::NEG_INFINITY, low), |highest, place| if place.0 > highest.0 { place } else { highest });
         let ends = ((at - interval).max(low), (at + interval).min(high));
         -least(|at| -left(at), ends.0, ends.1, STEPS_ACROSS) * self.cos
+    }
+
+    /// The height down to which a pass cuts at a place; infinite beside the pass.
+    fn lowest(&self, pass: &Pass, place: [f64; 2]) -> f64 {
+        self.lowest_of(&pass.even, pass.across, place).min(self.lowest_of(&pass.turned, pass.across, place))
+    }
+
+    /// The same for the part of the pass between the neighbours of the lowest of these tips.
+    fn lowest_of(&self, tips: &[Tip], across: f64, place: [f64; 2]) -> f64 {
+        let cuts = tips.iter().map(|tip| self.cut(tip.at, place)).enumerate();
+        let (index, cut) = cuts.fold((0, f64::INFINITY), |least, cut| if cut.1 < least.1 { cut } else { least });
+        if !cut.is_finite() {
+            return cut;
+        }
+        let along = tips[index].along;
+        let ends = [index.saturating_sub(1), (index + 1).min(tips.len() - 1)].map(|index| tips[index].along);
+        let tip = |along: f64| self.tip(along, across);
+        if self.corner > 0.0 {
+            return cut.min(least(|along| self.cut(tip(along), place), ends[0], ends[1], STEPS_ALONG));
+        }
+        // A sharp edge cuts at the height of its tip: the lowest one is where the edge meets the place, or where the pass
+        // runs level.
+        let beyond_edge = |along: f64| Self::squared_distance(tip(along), place) - self.squared_reach();
+        let at_edges = ends.into_iter().filter(|&end| beyond_edge(end) > 0.0).map(|end| {
+            let Ok(at) = bracketed_root(along, end, |along| Ok::<_, Infallible>(beyond_edge(along)));
+            self.surface(at, across)
+        });
+        let level = self.level_at(across).clamp(ends[0], ends[1]);
+        at_edges.fold(cut.min(self.cut(tip(level), place)), f64::min)
     }
 
     /// The place along a plane at which the pass in it runs level; infinite if it has the same climb everywhere.
@@ -110,25 +129,74 @@ impl Imprints {
         g * along + h * across + 0.5 * (gg * along * along + hh * across * across) + gh * along * across
     }
 
+    /// The gradient at a place.
+    fn rise(&self, along: f64, across: f64) -> [f64; 2] {
+        let [gg, gh, hh] = self.hessian;
+        [self.gradient[0] + gg * along + gh * across, self.gradient[1] + gh * along + hh * across]
+    }
+
     /// The tip of the cutter that touches the paraboloid at a place.
     fn tip(&self, along: f64, across: f64) -> [f64; 3] {
-        let [gg, gh, hh] = self.hessian;
-        let rise = [self.gradient[0] + gg * along + gh * across, self.gradient[1] + gh * along + hh * across];
-        let steepest = rise[0].hypot(rise[1]);
-        let length = steepest.hypot(1.0);
+        let rise = self.rise(along, across);
+        // These lengths are far from the limits of numbers, so that squares do not overflow.
+        let steepest = (rise[0] * rise[0] + rise[1] * rise[1]).sqrt();
+        let length = (steepest * steepest + 1.0).sqrt();
         // r n, and R - r further along the horizontal part of n.
         let out = self.corner / length + if steepest > 0.0 { (self.outer - self.corner) / steepest } else { 0.0 };
         [along - out * rise[0], across - out * rise[1], self.surface(along, across) + self.corner * (length.recip() - 1.0)]
     }
 
     /// The height down to which a tip cuts at a place; infinite beside the cutter.
-    fn cut(&self, [along, across, height]: [f64; 3], place: [f64; 2]) -> f64 {
-        let distance = (place[0] - along).hypot(place[1] - across);
-        if distance > self.outer {
+    fn cut(&self, tip: [f64; 3], place: [f64; 2]) -> f64 {
+        let squared = Self::squared_distance(tip, place);
+        if squared > self.squared_reach() {
             return f64::INFINITY;
         }
-        let over = (distance - (self.outer - self.corner)).clamp(0.0, self.corner);
-        height + self.corner - (self.corner * self.corner - over * over).sqrt()
+        let over = (squared.sqrt() - (self.outer - self.corner)).clamp(0.0, self.corner);
+        tip[2] + self.corner - (self.corner * self.corner - over * over).sqrt()
+    }
+
+    /// The squared distance from its tip up to which a cutter cuts, a rounding error more than R^2: the contact of a sharp
+    /// edge is itself at this distance.
+    fn squared_reach(&self) -> f64 {
+        self.outer * self.outer * (1.0 + 1e-12)
+    }
+
+    /// The squared distance of a tip from a place, seen from above.
+    fn squared_distance(tip: [f64; 3], place: [f64; 2]) -> f64 {
+        let [along, across] = [place[0] - tip[0], place[1] - tip[1]];
+        along * along + across * across
+    }
+}
+
+/// A pass with some of its tips around a place, in their order.
+struct Pass {
+    across: f64,
+    /// Tips whose contacts are at even distances.
+    even: Vec<Tip>,
+    /// Tips around the contact at which the pass runs level: there the steepest line turns by half a turn over a length
+    /// that can be short, and the tip moves around the contact. Their steepest lines are at even angles.
+    turned: Vec<Tip>,
+}
+
+/// A tip, and the coordinate of its contact along the pass.
+struct Tip {
+    along: f64,
+    at: [f64; 3],
+}
+
+impl Pass {
+    fn new(imprints: &Imprints, across: f64, place: f64) -> Self {
+        let tip = |along: f64| Tip { along, at: imprints.tip(along, across) };
+        let reach = 2.0 * imprints.outer;
+        let even = (-TIPS..=TIPS).map(|number| place + f64::from(number) * reach / f64::from(TIPS)).map(tip).collect();
+        let level = imprints.level_at(across);
+        // Over this length from the level contact, the steepest line turns by 45 deg.
+        let turn = imprints.rise(level, across)[1] / imprints.hessian[0];
+        let angle = |number: i32| f64::from(number) * FRAC_PI_2 / f64::from(TURNED + 1);
+        let turned = (-TURNED..=TURNED).map(|number| level + turn.abs() * angle(number).tan());
+        let turned = turned.filter(|along| (along - place).abs() <= reach).map(tip).collect();
+        Self { across, even, turned }
     }
 }
 
@@ -194,8 +262,7 @@ mod tests {
                     let model = by_envelope(cutter, &plane, [cos, sin], spacing);
                     let found = Imprints::new(cutter, &plane, [cos, sin]).height(spacing, 0.0);
                     // Across the strip the search ends within 0.013 of a third of it, which is 0.9 % of the peak's
-                    // height; along the pass within 5e-4 of 0.8 mm, whose square over the corner's diameter is 1e-7 mm,
-                    // at an edge within 1.4e-6 of 0.5 mm.
+                    // height; along the pass within 5e-4 of 0.8 mm, whose square over the corner's diameter is 1e-7 mm.
                     approx::assert_relative_eq!(found, model, max_relative = 0.01, epsilon = 1e-6);
                 }
             }
