@@ -91,7 +91,7 @@ impl Envelope {
             if edge.is_deep { deep } else { alternating }
         });
         let ridge = local::solve(&self.body, sought, lengths, place, marks)?;
-        let Ridge { lengths: Lengths { level, step_over, mark_spacing }, place: Place { t, x, neighbour_x } } = ridge;
+        let Ridge { lengths: Lengths { level, step_over, mark_spacing }, place: Place { t, x, neighbour_x }, .. } = ridge;
         let row = |t: f64| Row { t, p: level, feed: mark_spacing };
         let is_seen = marks[0].is_seen(&self.body, x, row(t)) && marks[1].is_seen(&self.body, neighbour_x, row(t - step_over));
         is_seen.then_some(ridge)

@@ -33,7 +33,9 @@ impl Envelope {
     }
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
-        proved::solve(&self.body, sought, lengths, [marks; 2]).map(|ridge| Found { ridge, marks })
+        proved::solve(&self.body, sought, lengths, [marks; 2])
+            .filter(|ridge| ridge.is_exact || !self.body.is_concave())
+            .map(|ridge| Found { ridge, marks })
     }
 
     /// Whether the intervals of both kinds in `marks` meet at a ridge.
@@ -66,7 +68,7 @@ impl Envelope {
         } else {
             return Some(best.ridge);
         };
-        newton::solve_from(&self.body, sought, best.ridge.lengths, place, marks).filter(|ridge| self.meet(ridge, marks))
+        newton::solve_from(&self.body, sought, best.ridge.lengths, place, marks).filter(|ridge| ridge.is_exact && self.meet(ridge, marks))
     }
 
     /// h for passes s apart; `None` if the search's result is not proved.

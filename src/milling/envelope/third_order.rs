@@ -236,7 +236,8 @@ impl Envelope {
     fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
         let both = [Clearing::EVEN; 2];
         let start = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        let Ridge { lengths, place } = newton::solve_from(&self.body, sought, lengths, start, both)?;
+        // Turned marks know no overhang, beside which a ridge is not exact.
+        let Ridge { lengths, place, .. } = newton::solve_from(&self.body, sought, lengths, start, both).filter(|ridge| ridge.is_exact)?;
         Some(TurnedRidge { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths })
     }
 
