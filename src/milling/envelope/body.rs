@@ -346,6 +346,12 @@ impl Body {
         })
     }
 
+    /// The distance of a point beyond an overhang, negative before it and infinitely so without one.
+    pub(super) fn beyond_overhang(&self, [x, y]: [f64; 2]) -> f64 {
+        let (steep, level) = self.in_slope(x, y);
+        self.overhang(steep, level).map_or(f64::NEG_INFINITY, |overhang| overhang.value)
+    }
+
     /// Calls `bound` with each smooth function of the point (x, y, p) that is not positive if the point, and the line to
     /// it from the contact, are in the section.
     ///

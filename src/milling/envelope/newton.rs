@@ -53,6 +53,9 @@ const MOST_SMALL_STEPS: usize = 8;
 /// The distances outside of the body at the last step, as a share of the height.
 pub(super) const OUTSIDE: f64 = 1e-7;
 
+/// The share of the lengths within which a point is at an overhang.
+const AT_OVERHANG: f64 = 1e-6;
+
 /// A ridge: its lengths, and the positions of its chords.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ridge {
@@ -61,6 +64,15 @@ pub(super) struct Ridge {
     /// Whether all four points are within the rounding of the height from the body. Beside an overhang they need not be,
     /// because their coordinates are rounded.
     pub(super) is_exact: bool,
+}
+
+impl Ridge {
+    /// Whether an end of a chord without runout is at the surface's overhang.
+    pub(super) fn is_at_overhang(&self, body: &Body) -> bool {
+        let (Lengths { step_over, mark_spacing, .. }, Place { t, x, neighbour_x }) = (self.lengths, self.place);
+        let ends = [[x[0], t], [x[0] - mark_spacing, t], [neighbour_x[0], t - step_over], [neighbour_x[0] - mark_spacing, t - step_over]];
+        ends.into_iter().any(|end| body.beyond_overhang(end) > -AT_OVERHANG * (step_over + mark_spacing))
+    }
 }
 
 /// The ridge, searched from a position near it. Different marks may clear its near and its far edge.

@@ -228,17 +228,21 @@ impl Envelope {
     fn turned(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
-        let start = self.ridge_of_second_order(sought, lengths).unwrap_or_else(|| self.ridge_of_paraboloid(lengths));
+        let second_order = self.ridge_of_second_order(sought, lengths);
+        // Turned marks know no overhang.
+        if second_order.as_ref().is_some_and(|ridge| ridge.is_at_overhang(&self.body)) {
+            return None;
+        }
+        let start =
+            second_order.filter(|ridge| ridge.is_exact).map_or_else(|| self.ridge_of_paraboloid(lengths), |ridge| turned_ridge(&ridge));
         search.solve(sought, start).or_else(|| if matches!(sought, Sought::Level) { search.search(&start) } else { None })
     }
 
-    /// The ridge of the second order, if its search is proved.
-    fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
+    /// The ridge of the second order, if its search ends.
+    fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<Ridge> {
         let both = [Clearing::EVEN; 2];
         let start = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        // Turned marks know no overhang, beside which a ridge is not exact.
-        let Ridge { lengths, place, .. } = newton::solve_from(&self.body, sought, lengths, start, both).filter(|ridge| ridge.is_exact)?;
-        Some(TurnedRidge { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths })
+        newton::solve_from(&self.body, sought, lengths, start, both)
     }
 
     /// The ridge where the cutter is a paraboloid.
@@ -267,4 +271,9 @@ impl Envelope {
         let lengths = Lengths { level, step_over: s, mark_spacing: f };
         self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| RidgeSearch::new(&TurningMarks::new(&self.body)).share(&ridge))
     }
+}
+
+/// The same ridge, from which the search of turned marks starts.
+fn turned_ridge(Ridge { lengths, place, .. }: &Ridge) -> TurnedRidge {
+    TurnedRidge { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths: *lengths }
 }
