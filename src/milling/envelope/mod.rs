@@ -136,14 +136,20 @@ impl Envelope {
 
     /// h for passes s apart with a pattern of marks, both in the tangent plane.
     fn height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
+        self.check_overlap(s, pattern.spacing)?;
+        self.level(s, pattern).ok_or_else(|| self.no_height(s))
+    }
+
+    /// An error unless passes s apart with marks f apart overlap, seen from above.
+    fn check_overlap(&self, s: f64, f: f64) -> Result<(), NoAnswer> {
         let outer = self.cutter.outer_radius().mm();
         if s * self.spacing_ratio() > 2.0 * outer || s > self.largest_step_over(0.0) {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
         }
-        if !self.overlap(s, pattern.spacing) {
+        if !self.overlap(s, f) {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
-        self.level(s, pattern).ok_or_else(|| self.no_height(s))
+        Ok(())
     }
 
     /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the

@@ -3,24 +3,35 @@
 
 use super::Envelope;
 use super::clearing::Clearing;
-use super::newton::{self, Lengths, Place, Ridge, Sought};
+use super::newton::{self, Lengths, Place, Sought};
+use super::proved;
 use super::section::Pattern;
 use super::turned_ridge::{RidgeSearch, TurnedRidge};
 use super::turning_marks::TurningMarks;
 use crate::milling::{CutterKind, NoAnswer, ScallopHeight};
-use crate::numerics::bracketed_root;
 use crate::quantity::Length;
-use std::convert::Infallible;
 
 /// Under the whole cutter, the normal turns by at most this share of the slope's sine or cosine where the second order
 /// answers: the answers change by about that share.
 const NO_TURN: f64 = 1e-11;
 
+/// The turn, as a share of the slope's sine or cosine, from which on the marks of the second order count more and more.
+const TURNS_BEYOND: f64 = 1.0;
+
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// The factors of the steps by which a length is bracketed.
-const STEPS: [f64; 2] = [1.02, 2.0];
+/// The logarithm of the share of a tolerance under which a height counts as none.
+const LEAST_EXCESS: f64 = -30.0;
+
+/// The slope of a height's logarithm by that of a length under which a secant shows nothing.
+const LEAST_SLOPE: f64 = 1e-9;
+
+/// The first step by which a length is bracketed, as a logarithm.
+const FIRST_REACH: f64 = 0.4;
+
+/// The width, as a share of the length, down to which the place of a jump is searched.
+const NARROW: f64 = 5e-10;
 
 impl Envelope {
     /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
@@ -99,8 +110,8 @@ impl Envelope {
             Ok(feed) => {
                 let lengths = Lengths { level: p, step_over: s, mark_spacing: feed.mm() };
                 let is_even = self.pattern(feed.mm()).is_even();
-                let ridge = if is_even { self.turned(Sought::MarkSpacing, lengths) } else { None };
-                (feed.mm(), ridge.map(|ridge| ridge.lengths.mark_spacing))
+                let found = if is_even { self.turned_lengths(Sought::MarkSpacing, lengths) } else { None };
+                (feed.mm(), found.map(|lengths| lengths.mark_spacing))
             }
             Err(NoAnswer::ToleranceLimitsNoFeed { .. }) => (largest, None),
             Err(NoAnswer::StepOverUsesUpTolerance { .. }) => (Length::SMALLEST, None),
@@ -131,8 +142,8 @@ impl Envelope {
         let (guess, found) = match second_order {
             Ok(step_over) => {
                 let lengths = Lengths { level: p, step_over: step_over.mm(), mark_spacing: pattern.spacing };
-                let ridge = if pattern.is_even() { self.turned(Sought::StepOver, lengths) } else { None };
-                (step_over.mm(), ridge.map(|ridge| ridge.lengths.step_over))
+                let found = if pattern.is_even() { self.turned_lengths(Sought::StepOver, lengths) } else { None };
+                (step_over.mm(), found.map(|lengths| lengths.step_over))
             }
             Err(NoAnswer::ToleranceLimitsNoStepOver { .. }) => (largest, None),
             Err(NoAnswer::FeedUsesUpTolerance { .. }) => (Length::SMALLEST, None),
@@ -152,43 +163,69 @@ impl Envelope {
 
     /// The largest length up to `largest` whose height is at most p: `found`, or the result of a search over the
     /// heights that starts at `guess`; `None` if the height of the smallest length exceeds p.
+    ///
+    /// Lengths and heights are searched by their logarithms, between which a paraboloid has the slope 2. The steps are
+    /// those of the secant, inside a bracket. A length without a height does not keep the tolerance.
     pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-        let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
-        let is_kept = |length: f64| excess(length) <= ROUNDING;
+        let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| (height / p).ln().max(LEAST_EXCESS));
         if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found))
             && excess(found).abs() <= ROUNDING
         {
             return Some(found);
         }
-        let (mut low, mut high) = (guess, guess);
-        let mut step = STEPS[0];
-        while !is_kept(low) {
-            if low <= Length::SMALLEST {
+        let (shortest, longest) = (Length::SMALLEST.ln(), largest.ln());
+        // The longest logarithm known to keep the tolerance, and the shortest known not to.
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut last = None::<(f64, f64)>;
+        let (mut slope, mut reach) = (2.0, FIRST_REACH);
+        let mut widths = [f64::INFINITY; 3];
+        let mut is_near = false;
+        let mut at = guess.clamp(Length::SMALLEST, largest).ln();
+        loop {
+            let length = if at >= longest { largest } else { at.exp().clamp(Length::SMALLEST, largest) };
+            let excess = excess(length);
+            if excess <= ROUNDING && (at >= longest || at <= shortest && excess > 0.0) {
+                return Some(length);
+            }
+            if excess <= 0.0 {
+                low = at;
+            } else if at <= shortest {
                 return None;
-            }
-            high = low;
-            (low, step) = ((low / step).max(Length::SMALLEST), STEPS[1]);
-        }
-        while high <= low {
-            if low >= largest {
-                return Some(largest);
-            }
-            let next = (low * step).min(largest);
-            if is_kept(next) {
-                (low, step) = (next, STEPS[1]);
             } else {
-                high = next;
+                high = at;
             }
+            if let Some((last_at, last_excess)) = last.replace((at, excess))
+                && (excess - last_excess).is_finite()
+            {
+                let secant = (excess - last_excess) / (at - last_at);
+                slope = if secant > LEAST_SLOPE { secant } else { f64::NAN };
+            }
+            let step = -excess / slope;
+            if excess.abs() <= ROUNDING && step.abs() <= ROUNDING {
+                // The next step ends the search, unless this one already ends within the rounding of heights.
+                if is_near || step.abs() <= 0.01 * ROUNDING {
+                    return Some(length);
+                }
+                is_near = true;
+            }
+            let width = high - low;
+            if width <= NARROW {
+                return Some(low.exp());
+            }
+            let is_slow = width.is_finite() && width > 0.5 * widths[0];
+            widths = [widths[1], widths[2], width];
+            let next = at + step;
+            at = if next > low && next < high && !is_slow && step.abs() <= reach {
+                next
+            } else if width.is_finite() {
+                f64::midpoint(low, high)
+            } else {
+                let next = at + reach.copysign(-excess);
+                reach *= 2.0;
+                next
+            }
+            .clamp(shortest, longest);
         }
-        // A length without a height does not keep the tolerance.
-        let bounded = |logarithm: f64| Ok::<_, Infallible>(excess(logarithm.exp()).min(1.0));
-        let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), bounded);
-        // Where the height jumps over the tolerance, the root can be on the far side.
-        [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9]
-            .map(|share| share * logarithm.exp())
-            .into_iter()
-            .find(|length| is_kept(*length))
-            .or(Some(low))
     }
 
     /// Whether the turning of the surface's normal changes the marks. It does not change those of a ball, which is the
@@ -208,36 +245,67 @@ impl Envelope {
 
     /// h for passes s apart with a pattern of marks.
     fn turned_height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
-        let level = self.height(s, pattern)?;
         if !self.has_third_order() {
-            return Ok(level);
+            return self.height(s, pattern);
         }
-        let lengths = |level: f64, mark_spacing: f64| Lengths { level, step_over: s, mark_spacing };
-        let turned = |lengths: Lengths| self.turned(Sought::Level, lengths).map_or(lengths.level, |ridge| ridge.lengths.level);
         if pattern.is_even() {
-            return Ok(turned(lengths(level, pattern.spacing)));
+            let (lengths, ridge) = self.second_order(s, pattern.spacing)?;
+            return Ok(self.turned_level(lengths, ridge));
         }
+        let level = self.height(s, pattern)?;
         // With runout, the height changes in the same ratio as for marks of equal depth that leave about the same
         // height.
-        let spacing = self.even_spacing(&pattern);
-        let even = self.height(s, Pattern::even(spacing));
-        Ok(even.map_or(level, |even| if even > 0.0 { level * turned(lengths(even, spacing)) / even } else { level }))
+        Ok(match self.second_order(s, self.even_spacing(&pattern)) {
+            Ok((lengths, ridge)) if lengths.level > 0.0 => level * self.turned_level(lengths, ridge) / lengths.level,
+            _ => level,
+        })
     }
 
-    /// The ridge between marks of equal depth; `None` if there is none.
-    fn turned(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
+    /// The height to second order with its lengths, for marks of equal depth, and its ridge if the search is proved.
+    fn second_order(&self, s: f64, f: f64) -> Result<(Lengths, Option<TurnedRidge>), NoAnswer> {
+        self.check_overlap(s, f)?;
+        let pattern = Pattern::even(f);
+        let lengths = |level: f64| Lengths { level, step_over: s, mark_spacing: f };
+        let quick = proved::solve(&self.body, Sought::Level, lengths(self.guess(s, pattern)), [Clearing::EVEN; 2]);
+        if let Some(ridge) = quick.filter(|ridge| self.is_convex_up_to(ridge.lengths.level)) {
+            return Ok((ridge.lengths, Some(TurnedRidge::of_second_order(&ridge))));
+        }
+        let level = self.searched_level(s, pattern, quick.map(|ridge| ridge.lengths.level)).ok_or_else(|| self.no_height(s))?;
+        Ok((lengths(level), self.ridge_of_second_order(Sought::Level, lengths(level))))
+    }
+
+    /// h of turned marks from the lengths and the ridge of the second order.
+    fn turned_level(&self, lengths: Lengths, ridge: Option<TurnedRidge>) -> f64 {
+        let marks = TurningMarks::new(&self.body);
+        let search = RidgeSearch::new(&marks);
+        let start = ridge.unwrap_or_else(|| self.ridge_of_paraboloid(lengths));
+        let weight = weight_of_turns(search.share(&start));
+        if weight == 0.0 {
+            return lengths.level;
+        }
+        let Some(turned) = search.solve(Sought::Level, start).or_else(|| search.search(&start)) else { return lengths.level };
+        if weight == 1.0 { turned.lengths.level } else { lengths.level * (turned.lengths.level / lengths.level).powf(weight) }
+    }
+
+    /// The lengths at the ridge of turned marks, of which the sought one is that of the second order in `lengths`; `None`
+    /// if they are not found without a search over heights.
+    fn turned_lengths(&self, sought: Sought, lengths: Lengths) -> Option<Lengths> {
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
         let start = self.ridge_of_second_order(sought, lengths).unwrap_or_else(|| self.ridge_of_paraboloid(lengths));
-        search.solve(sought, start).or_else(|| if matches!(sought, Sought::Level) { search.search(&start) } else { None })
+        let weight = weight_of_turns(search.share(&start));
+        if weight == 0.0 {
+            return Some(lengths);
+        }
+        search.solve(sought, start).map(|ridge| ridge.lengths)
     }
 
     /// The ridge of the second order, if its search is proved.
     fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
         let both = [Clearing::EVEN; 2];
         let start = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        let Ridge { lengths, place } = newton::solve_from(&self.body, sought, lengths, start, both)?;
-        Some(TurnedRidge { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths })
+        let ridge = newton::solve_from(&self.body, sought, lengths, start, both)?;
+        Some(TurnedRidge::of_second_order(&ridge))
     }
 
     /// The ridge where the cutter is a paraboloid.
@@ -262,8 +330,24 @@ impl Envelope {
             return if is_exact || self.pass.surface.is_plane() { 0.0 } else { f64::INFINITY };
         }
         let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
-        let Ok(level) = self.height(s, Pattern::even(f)) else { return f64::INFINITY };
-        let lengths = Lengths { level, step_over: s, mark_spacing: f };
-        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| RidgeSearch::new(&TurningMarks::new(&self.body)).share(&ridge))
+        let Ok((lengths, ridge)) = self.second_order(s, f) else { return f64::INFINITY };
+        let marks = TurningMarks::new(&self.body);
+        let search = RidgeSearch::new(&marks);
+        let start = ridge.unwrap_or_else(|| self.ridge_of_paraboloid(lengths));
+        if weight_of_turns(search.share(&start)) == 0.0 {
+            return f64::INFINITY;
+        }
+        search.solve(Sought::Level, start).or_else(|| search.search(&start)).map_or(f64::INFINITY, |ridge| search.share(&ridge))
     }
+}
+
+/// The weight of turned marks against those of the second order where the normal turns by a share of the slope's sine or
+/// cosine at most: 1 up to [`TURNS_BEYOND`], 0 from twice that on.
+///
+/// Turns of more than the slope lead over the floor, where the cutter touches the surface on its other side. Neither
+/// height holds there (docs/envelope-on-curved-surfaces.md); that of the second order is continuous up to a level
+/// contact, which has no turns.
+fn weight_of_turns(share: f64) -> f64 {
+    let beyond = (share / TURNS_BEYOND - 1.0).clamp(0.0, 1.0);
+    1.0 - beyond * beyond * (3.0 - 2.0 * beyond)
 }
