@@ -42,7 +42,7 @@ use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::quantity::{Direction, Length};
 use body::Body;
 use clearing::Clearing;
-use newton::{Lengths, Sought};
+use newton::{Lengths, Ridge, Sought};
 use section::{Pattern, Section};
 use std::num::NonZeroU32;
 
@@ -113,12 +113,8 @@ impl Envelope {
 
     /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
     /// wall.
-    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
-        if self.is_quick(lengths.mark_spacing) {
-            proved::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
-        } else {
-            None
-        }
+    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Ridge> {
+        if self.is_quick(lengths.mark_spacing) { proved::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]) } else { None }
     }
 
     /// Whether a sharp edge without marks cuts a concave surface, in which case `sharp_edge` finds the ridge.
@@ -179,7 +175,7 @@ impl Envelope {
         let quick = if self.is_sharp_on_concave(f) {
             sharp_edge::level(&self.body, s)
         } else {
-            self.quickly(lengths, Sought::Level).map(|found| found.level)
+            self.quickly(lengths, Sought::Level).map(|ridge| ridge.lengths.level)
         };
         match quick {
             Some(level) if self.is_convex_up_to(level) => Some(level),

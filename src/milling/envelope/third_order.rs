@@ -3,7 +3,8 @@
 
 use super::Envelope;
 use super::clearing::Clearing;
-use super::newton::{self, Lengths, Place, Sought};
+use super::inverses::SecondOrder;
+use super::newton::{self, Lengths, Place, Ridge, Sought};
 use super::proved;
 use super::section::Pattern;
 use super::turned_ridge::{RidgeSearch, TurnedRidge};
@@ -32,6 +33,17 @@ const FIRST_REACH: f64 = 0.4;
 
 /// The width, as a share of the length, down to which the place of a jump is searched.
 const NARROW: f64 = 5e-10;
+
+/// An inverse by turned marks.
+#[derive(Debug, Clone, Copy)]
+enum Turned {
+    /// Turns do not count: the proved answer of the second order holds.
+    Not,
+    /// The lengths at the ridge, which the height is to confirm.
+    Lengths(Lengths),
+    /// No ridge is found without a search over heights.
+    Unknown,
+}
 
 impl Envelope {
     /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
@@ -106,16 +118,18 @@ impl Envelope {
         }
         let largest = self.largest_feed(s);
         let height = |feed: f64| self.turned_height(s, self.pattern(feed)).ok();
-        let (guess, found) = match self.second_order_max_feed_per_tooth(tolerance, step_over) {
-            Ok(feed) => {
-                let lengths = Lengths { level: p, step_over: s, mark_spacing: feed.mm() };
-                let is_even = self.pattern(feed.mm()).is_even();
-                let found = if is_even { self.turned_lengths(Sought::MarkSpacing, lengths) } else { None };
-                (feed.mm(), found.map(|lengths| lengths.mark_spacing))
+        let (guess, found) = match self.second_order_feed(p, s, self.height(s, Pattern::even(0.0))?) {
+            SecondOrder::Found(feed, ridge) => {
+                let lengths = Lengths { level: p, step_over: s, mark_spacing: feed };
+                match self.turned_lengths(Sought::MarkSpacing, lengths, ridge) {
+                    _ if !self.pattern(feed).is_even() => (feed, None),
+                    Turned::Not => return Ok(Length::computed(feed)),
+                    Turned::Lengths(lengths) => (feed, Some(lengths.mark_spacing)),
+                    Turned::Unknown => (feed, None),
+                }
             }
-            Err(NoAnswer::ToleranceLimitsNoFeed { .. }) => (largest, None),
-            Err(NoAnswer::StepOverUsesUpTolerance { .. }) => (Length::SMALLEST, None),
-            Err(other) => return Err(other),
+            SecondOrder::Unlimited => (largest, None),
+            SecondOrder::UsedUp => (Length::SMALLEST, None),
         };
         match Self::largest_within(p, guess, found, largest, height) {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
@@ -131,33 +145,40 @@ impl Envelope {
     /// - [`NoAnswer::MarksDoNotOverlap`];
     /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        let second_order = self.second_order_max_step_over(tolerance, feed_per_tooth);
         if !self.has_third_order() {
-            return second_order;
+            return self.second_order_max_step_over(tolerance, feed_per_tooth);
         }
         let p = tolerance.mm();
         let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
         let largest = self.largest_step_over(pattern.spacing);
-        let height = |s: f64| self.turned_height(s, pattern).ok();
-        let (guess, found) = match second_order {
-            Ok(step_over) => {
-                let lengths = Lengths { level: p, step_over: step_over.mm(), mark_spacing: pattern.spacing };
-                let found = if pattern.is_even() { self.turned_lengths(Sought::StepOver, lengths) } else { None };
-                (step_over.mm(), found.map(|lengths| lengths.step_over))
+        let feed_height = || self.feed_height(pattern, |s| self.turned_height(s, pattern));
+        let used_up = |feed_height: f64| Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
+        let (guess, found) = match self.second_order_step_over(p, pattern)? {
+            SecondOrder::Found(step_over, ridge) => {
+                let lengths = Lengths { level: p, step_over, mark_spacing: pattern.spacing };
+                match self.turned_lengths(Sought::StepOver, lengths, ridge) {
+                    _ if !pattern.is_even() => (step_over, None),
+                    Turned::Not => return Ok(Length::computed(step_over)),
+                    Turned::Lengths(lengths) => (step_over, Some(lengths.step_over)),
+                    Turned::Unknown => (step_over, None),
+                }
             }
-            Err(NoAnswer::ToleranceLimitsNoStepOver { .. }) => (largest, None),
-            Err(NoAnswer::FeedUsesUpTolerance { .. }) => (Length::SMALLEST, None),
-            Err(other) => return Err(other),
+            SecondOrder::Unlimited => (largest, None),
+            SecondOrder::UsedUp => {
+                let feed_height = feed_height()?;
+                if feed_height > p {
+                    return used_up(feed_height);
+                }
+                (Length::SMALLEST, None)
+            }
         };
+        let height = |s: f64| self.turned_height(s, pattern).ok();
         match Self::largest_within(p, guess, found, largest, height) {
             Some(step_over) if step_over >= largest * (1.0 - 1e-12) => {
                 Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
             }
             Some(step_over) => Ok(Length::computed(step_over)),
-            None => {
-                let feed_height = self.turned_height(Length::SMALLEST, pattern)?.max(p);
-                Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) })
-            }
+            None => used_up(feed_height()?.max(p)),
         }
     }
 
@@ -287,17 +308,18 @@ impl Envelope {
         if weight == 1.0 { turned.lengths.level } else { lengths.level * (turned.lengths.level / lengths.level).powf(weight) }
     }
 
-    /// The lengths at the ridge of turned marks, of which the sought one is that of the second order in `lengths`; `None`
-    /// if they are not found without a search over heights.
-    fn turned_lengths(&self, sought: Sought, lengths: Lengths) -> Option<Lengths> {
+    /// The lengths at the ridge of turned marks, of which the sought one is that of the second order in `lengths`, with
+    /// its ridge if that is proved.
+    fn turned_lengths(&self, sought: Sought, lengths: Lengths, ridge: Option<Ridge>) -> Turned {
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
-        let start = self.ridge_of_second_order(sought, lengths).unwrap_or_else(|| self.ridge_of_paraboloid(lengths));
-        let weight = weight_of_turns(search.share(&start));
-        if weight == 0.0 {
-            return Some(lengths);
+        let ridge = ridge.map(|ridge| TurnedRidge::of_second_order(&ridge));
+        let start = ridge.or_else(|| self.ridge_of_second_order(sought, lengths)).unwrap_or_else(|| self.ridge_of_paraboloid(lengths));
+        if weight_of_turns(search.share(&start)) == 0.0 {
+            let is_proved = ridge.is_some() && self.is_convex_up_to(lengths.level);
+            return if is_proved { Turned::Not } else { Turned::Lengths(lengths) };
         }
-        search.solve(sought, start).map(|ridge| ridge.lengths)
+        search.solve(sought, start).map_or(Turned::Unknown, |ridge| Turned::Lengths(ridge.lengths))
     }
 
     /// The ridge of the second order, if its search is proved.
