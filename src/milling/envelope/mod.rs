@@ -113,13 +113,8 @@ impl Envelope {
 
     /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
     /// wall.
-    fn quick_ridge(&self, lengths: Lengths, sought: Sought) -> Option<Ridge> {
+    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Ridge> {
         if self.is_quick(lengths.mark_spacing) { proved::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]) } else { None }
-    }
-
-    /// The lengths of that ridge.
-    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
-        self.quick_ridge(lengths, sought).map(|ridge| ridge.lengths)
     }
 
     /// Whether a sharp edge without marks cuts a concave surface, in which case `sharp_edge` finds the ridge.
@@ -137,14 +132,20 @@ impl Envelope {
 
     /// h for passes s apart with a pattern of marks, both in the tangent plane.
     fn height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
+        self.check_overlap(s, pattern.spacing)?;
+        self.level(s, pattern).ok_or_else(|| self.no_height(s))
+    }
+
+    /// An error unless passes s apart with marks f apart overlap, seen from above.
+    fn check_overlap(&self, s: f64, f: f64) -> Result<(), NoAnswer> {
         let outer = self.cutter.outer_radius().mm();
         if s * self.spacing_ratio() > 2.0 * outer || s > self.largest_step_over(0.0) {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
         }
-        if !self.overlap(s, pattern.spacing) {
+        if !self.overlap(s, f) {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
-        self.level(s, pattern).ok_or_else(|| self.no_height(s))
+        Ok(())
     }
 
     /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
@@ -171,7 +172,7 @@ impl Envelope {
         let quick = if self.is_sharp_on_concave(f) {
             sharp_edge::level(&self.body, s).map(QuickLevel::exact)
         } else {
-            self.quick_ridge(lengths, Sought::Level).map(|ridge| QuickLevel::of(&ridge))
+            self.quickly(lengths, Sought::Level).map(|ridge| QuickLevel::of(&ridge))
         };
         self.checked_level(s, pattern, quick)
     }

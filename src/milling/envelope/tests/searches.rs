@@ -60,7 +60,7 @@ proptest! {
         let envelope = by_theta(cutter, slope, theta);
         let s = share * cutter.outer_radius().mm();
         let lengths = Lengths { level: envelope.guess(s, Pattern::even(marks)), step_over: s, mark_spacing: marks };
-        let Some(quick) = envelope.quickly(lengths, Sought::Level) else { return Ok(()) };
+        let Some(quick) = envelope.quickly(lengths, Sought::Level).map(|ridge| ridge.lengths) else { return Ok(()) };
         // Both have rounding errors of coordinates of the size of R, which is up to a hundred times h. The general search
         // ends where the distances of both marks differ by 1e-9 h. With the radius P along the feed, at most a/sin(S) + r,
         // its place is then 1e-9 h P/f off, which counts by that length's square over 2P.
