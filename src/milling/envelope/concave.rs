@@ -166,8 +166,11 @@ impl Envelope {
         if let Some(QuickLevel { level, .. }) = quick.filter(|quick| quick.is_exact && high > quick.level * (1.0 - FAR)) {
             return Some(level);
         }
-        let general = Section::new(&self.body, pattern, 2.0 * s).level(s, high, f64::INFINITY);
-        Some(if (high * (1.0 - CUT_OFF)..=high * (1.0 + COARSE)).contains(&general) { general } else { high })
+        let near = high * (1.0 - CUT_OFF)..=high * (1.0 + COARSE);
+        let general = Section::new(&self.body, pattern, 2.0 * s).level_within(s, high, f64::INFINITY, &near);
+        // A search that ends at an end of the range has found no height.
+        let is_inside = general > near.start() * (1.0 + SAME) && general < near.end() * (1.0 - SAME);
+        Some(if is_inside { general } else { high })
     }
 
     /// An approximation of the largest step-over that keeps the height p, at most `largest`: a ridge, or the width of the
