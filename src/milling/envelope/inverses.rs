@@ -28,13 +28,7 @@ pub(super) enum SecondOrder {
 }
 
 impl Envelope {
-    /// [`Envelope::max_feed_per_tooth`] to second order.
-    pub(super) fn second_order_max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0)).map(Length::computed)?;
-        self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over)
-    }
-
-    /// The same for a step-over that alone leaves `step_over_height`.
+    /// [`Envelope::max_feed_per_tooth`] to second order, for a step-over that alone leaves `step_over_height`.
     pub(super) fn second_order_max_feed_per_tooth_above(
         &self,
         step_over_height: Length,
@@ -154,6 +148,7 @@ impl Envelope {
     pub(super) fn feed_height(&self, pattern: Pattern, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Result<f64, NoAnswer> {
         let s = Length::SMALLEST.max(SHORT * pattern.spacing);
         if pattern.is_even()
+            && !self.pass.surface.is_plane()
             && self.cutter.kind() != CutterKind::FlatEnd
             && let (Ok(one), Ok(two)) = (height(s), height(2.0 * s))
             && two <= one * (1.0 + FLAT)

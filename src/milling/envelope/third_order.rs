@@ -308,7 +308,7 @@ impl Envelope {
             return lengths.level;
         }
         let Some(turned) = search.solve(Sought::Level, start).or_else(|| search.search(&start)) else { return lengths.level };
-        if weight == 1.0 { turned.lengths.level } else { lengths.level * (turned.lengths.level / lengths.level).powf(weight) }
+        if weight < 1.0 { lengths.level * (turned.lengths.level / lengths.level).powf(weight) } else { turned.lengths.level }
     }
 
     /// The lengths at the ridge of turned marks, of which the sought one is that of the second order in `lengths`, with

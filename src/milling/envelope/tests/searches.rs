@@ -100,7 +100,10 @@ proptest! {
             // Both have rounding errors of coordinates of the size of R.
             approx::assert_relative_eq!(level, search(s, pattern), max_relative = 1e-10, epsilon = 1e-13 * outer);
         }
-        if let Ok(feed) = envelope.second_order_max_feed_per_tooth(mm(p), mm(s)) {
+        let feed = envelope.height(s, Pattern::even(0.0)).and_then(|alone| {
+            envelope.second_order_max_feed_per_tooth_above(Length::computed(alone), mm(p), mm(s))
+        });
+        if let Ok(feed) = feed {
             let level = |share: f64| search(s, envelope.pattern(feed.mm() * share));
             prop_assert!(level(1.0 - 1e-9) <= p * (1.0 + 1e-9) && level(1.0 + 1e-6) >= p * (1.0 - 1e-9), "{} {} {p}", level(1.0 - 1e-9), level(1.0 + 1e-6));
         }
