@@ -340,8 +340,8 @@ impl Envelope {
     }
 
     /// How much the surface's normal turns from the stated contact to the marks at the ridge: the tangent of the
-    /// largest angle, as a share of the smaller of sine and cosine of the slope. Infinite if no ridge of turned marks
-    /// was found; the answers are then those of the second order.
+    /// largest angle, as a share of the smaller of sine and cosine of the slope. Infinite if turns do not count, or if
+    /// no ridge of turned marks was found; the answers are then those of the second order.
     pub(in crate::milling) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         if !self.has_third_order() {
             let is_exact = match self.cutter.kind() {
