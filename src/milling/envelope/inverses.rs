@@ -192,7 +192,7 @@ impl Envelope {
         };
         // If only the overlap of the passes limits the step-over, the result is that limit.
         let is_limit = |step_over: f64| step_over >= largest * (1.0 - 1e-12);
-        if is_limit(width) && (self.is_convex_up_to(p) || self.has_third_order()) {
+        if is_limit(width) && (self.is_convex_up_to(p) || self.has_third_order) {
             return Ok(SecondOrder::Unlimited);
         }
         if width < Length::SMALLEST {
@@ -213,7 +213,7 @@ impl Envelope {
     /// rounding error exceeds the tolerance. Before a correction by the third order, `found` is only a guess.
     fn confirmed(&self, found: f64, tolerance: f64, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let is_convex = self.is_convex_up_to(tolerance);
-        if is_convex && self.drop == 0.0 || self.has_third_order() {
+        if is_convex && self.drop == 0.0 || self.has_third_order {
             return Some(found);
         }
         if is_convex {

@@ -75,6 +75,8 @@ pub struct Envelope {
     relative_curvature: f64,
     /// The curvature of the groove relative to the surface, for first guesses.
     groove_curvature: f64,
+    /// Whether the turning of the surface's normal changes the marks.
+    has_third_order: bool,
 }
 
 impl Envelope {
@@ -88,7 +90,8 @@ impl Envelope {
         let body = Body::new(cutter, pass.contact, pass.surface);
         let drop = pass.runout.depth(pass.contact.slope());
         let groove_curvature = body.relative_radii().across.recip();
-        Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature })
+        let has_third_order = third_order::has_third_order(&pass, &body);
+        Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature, has_third_order })
     }
 
     pub(super) fn pass(&self) -> &Pass {

@@ -1,6 +1,7 @@
 //! Heights and inverses on curved surfaces, where every mark has a normal of its own: the answers of the second order,
 //! corrected by those of [`TurningMarks`].
 
+use super::body::Body;
 use super::clearing::Clearing;
 use super::inverses::SecondOrder;
 use super::newton::{self, Lengths, Place, Ridge, Sought};
@@ -9,8 +10,8 @@ use super::section::Pattern;
 use super::turned_ridge::{RidgeSearch, TurnedRidge};
 use super::turning_marks::TurningMarks;
 use super::{Envelope, QuickLevel};
-use crate::milling::{CutterKind, NoAnswer, ScallopHeight};
-use crate::quantity::Length;
+use crate::milling::{CutterKind, NoAnswer, Pass, ScallopHeight};
+use crate::quantity::{Angle, Length};
 
 /// Under the whole cutter, the normal turns by at most this share of the slope's sine or cosine where the second order
 /// answers: the answers change by about that share.
@@ -95,7 +96,12 @@ impl Envelope {
     /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
     /// step-over in [`Envelope::scallop_height`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over)
+        if !self.has_third_order {
+            return self.second_order_max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over);
+        }
+        let (lengths, ridge) = self.second_order(step_over.mm(), 0.0)?;
+        let step_over_height = Length::computed(self.turned_level(lengths, ridge));
+        self.max_turned_feed(step_over_height, lengths.level, tolerance, step_over)
     }
 
     /// The same for a step-over that alone leaves `step_over_height`.
@@ -105,9 +111,21 @@ impl Envelope {
         tolerance: Length,
         step_over: Length,
     ) -> Result<Length, NoAnswer> {
-        if !self.has_third_order() {
+        if !self.has_third_order {
             return self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over);
         }
+        let second_order_height = self.height(step_over.mm(), Pattern::even(0.0))?;
+        self.max_turned_feed(step_over_height, second_order_height, tolerance, step_over)
+    }
+
+    /// The same with turned marks, for a step-over that alone leaves `second_order_height` to second order.
+    fn max_turned_feed(
+        &self,
+        step_over_height: Length,
+        second_order_height: f64,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
         let (p, s) = (tolerance.mm(), step_over.mm());
         let used_up = || {
             let max_step_over = self.max_step_over(tolerance, None)?;
@@ -118,7 +136,7 @@ impl Envelope {
         }
         let largest = self.largest_feed(s);
         let height = |feed: f64| self.turned_height(s, self.pattern(feed)).ok();
-        let (guess, found) = match self.second_order_feed(p, s, self.height(s, Pattern::even(0.0))?) {
+        let (guess, found) = match self.second_order_feed(p, s, second_order_height) {
             SecondOrder::Found(feed, ridge) => {
                 let lengths = Lengths { level: p, step_over: s, mark_spacing: feed };
                 match self.turned_lengths(Sought::MarkSpacing, lengths, ridge) {
@@ -145,7 +163,7 @@ impl Envelope {
     /// - [`NoAnswer::MarksDoNotOverlap`];
     /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        if !self.has_third_order() {
+        if !self.has_third_order {
             return self.second_order_max_step_over(tolerance, feed_per_tooth);
         }
         let p = tolerance.mm();
@@ -249,24 +267,9 @@ impl Envelope {
         }
     }
 
-    /// Whether the turning of the surface's normal changes the marks. It does not change those of a ball, which is the
-    /// same in every direction.
-    ///
-    /// A sharp edge has no radius that a turn could change smoothly; its marks keep the second order.
-    pub(super) fn has_third_order(&self) -> bool {
-        let is_turning = || TurningMarks::new(&self.body).turn_per_mm() * self.body.reach() > NO_TURN;
-        !self.pass.surface.is_plane() && self.cutter.kind() == CutterKind::Toroidal && self.is_inclined() && is_turning()
-    }
-
-    /// Whether the contact is neither on the floor nor on a wall, where no turn is allowed.
-    fn is_inclined(&self) -> bool {
-        let slope = self.contact().slope();
-        slope.sin() > 0.0 && slope.cos() > 0.0
-    }
-
     /// h for passes s apart with a pattern of marks.
     fn turned_height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
-        if !self.has_third_order() {
+        if !self.has_third_order {
             return self.height(s, pattern);
         }
         if pattern.is_even() {
@@ -352,14 +355,14 @@ impl Envelope {
     }
 
     /// How much the surface's normal turns from the stated contact to the marks at the ridge: the tangent of the
-    /// largest angle, as a share of the smaller of sine and cosine of the slope. Infinite if no ridge of turned marks
-    /// was found; the answers are then those of the second order.
+    /// largest angle, as a share of the smaller of sine and cosine of the slope. Infinite if turns do not count, or if
+    /// no ridge of turned marks was found; the answers are then those of the second order.
     pub(in crate::milling) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        if !self.has_third_order() {
+        if !self.has_third_order {
             let is_exact = match self.cutter.kind() {
                 CutterKind::BallEnd => true,
                 CutterKind::FlatEnd => false,
-                CutterKind::Toroidal => self.is_inclined(),
+                CutterKind::Toroidal => is_inclined(self.contact().slope()),
             };
             return if is_exact || self.pass.surface.is_plane() { 0.0 } else { f64::INFINITY };
         }
@@ -373,6 +376,20 @@ impl Envelope {
         }
         search.solve(Sought::Level, start).or_else(|| search.search(&start)).map_or(f64::INFINITY, |ridge| search.share(&ridge))
     }
+}
+
+/// Whether the turning of the surface's normal changes the marks. It does not change those of a ball, which is the same
+/// in every direction.
+///
+/// A sharp edge has no radius that a turn could change smoothly; its marks keep the second order.
+pub(super) fn has_third_order(pass: &Pass, body: &Body) -> bool {
+    let is_turning = || TurningMarks::new(body).turn_per_mm() * body.reach() > NO_TURN;
+    !pass.surface.is_plane() && pass.cutter.kind() == CutterKind::Toroidal && is_inclined(pass.contact.slope()) && is_turning()
+}
+
+/// Whether a contact of this slope is neither on the floor nor on a wall, where no turn is allowed.
+fn is_inclined(slope: Angle) -> bool {
+    slope.sin() > 0.0 && slope.cos() > 0.0
 }
 
 /// The weight of turned marks against those of the second order where the normal turns by a share of the slope's sine or
