@@ -70,7 +70,7 @@ impl EvaluatedPass {
     /// How much the normal of a curved surface turns from the stated contact to the marks at the ridge, under model
     /// `envelope`: the tangent of the largest angle, as a share of the smaller of sine and cosine of the slope. 0 on a
     /// plane, for a ball-end cutter and under model `analytic`. Infinite if the answers neglect the turning: for a
-    /// flat-end cutter, and if no ridge was found with it.
+    /// flat-end cutter, from a turn of twice the slope on, and if no ridge was found with it.
     #[must_use]
     pub fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
         match &self.prepared {

@@ -1,7 +1,10 @@
 //! The cutter as a convex solid above the surface, in coordinates relative to the contact.
 
+mod ray;
+
 use crate::milling::{Contact, Cutter, SurfaceCurvature};
 use crate::quantity::Angle;
+pub(super) use ray::Ray;
 
 /// The solid that a rotating cutter sweeps, with its side continued upwards. Its core is a horizontal disc of radius a
 /// = R - r with everything above it; the solid is the set of all points within r of the core. It is a Minkowski sum of
@@ -47,6 +50,8 @@ struct Overhang {
     twist: f64,
     /// k_ll, along the level line.
     level_bend: f64,
+    /// sin(S) sqrt(k_ss^2 + k_sl^2), the gradient of the normal's component along the axis.
+    length: f64,
 }
 
 /// The relative radii of curvature of cutter and surface at the contact, in the axes of the feed: the inverse of C^-1 +
@@ -114,7 +119,8 @@ impl Body {
             // On a wall that the cutter does not gouge, the side curves away from the surface everywhere.
             concave: (surface.principal_per_mm()[1] < 0.0 && slope.cos() != 0.0).then(|| {
                 let steepest = surface.turned(-sin.abs(), cos.abs());
-                Overhang { bend: steepest.along_per_mm(), twist: steepest.twist_per_mm(), level_bend: steepest.across_per_mm() }
+                let (bend, twist) = (steepest.along_per_mm(), steepest.twist_per_mm());
+                Overhang { bend, twist, level_bend: steepest.across_per_mm(), length: slope.sin() * bend.hypot(twist) }
             }),
         }
     }
@@ -235,7 +241,8 @@ impl Body {
     /// up to the point: where the parabola of H on the flat is highest, or, if the line misses the flat, nearest to the
     /// axis. `None` if there is no such point.
     fn turn(&self, direction: [f64; 2]) -> Option<Turn> {
-        let [enters, leaves, top, nearest] = self.turns_by_kind(direction)?;
+        let (steep, level) = self.in_slope(direction[0], direction[1]);
+        let [enters, leaves, top, nearest] = self.turns_by_kind(steep, level, self.surface_bend(direction))?;
         Some(if enters < leaves {
             Turn { at: top.clamp(enters, leaves), is_top: top > enters && top < leaves }
         } else {
@@ -244,26 +251,29 @@ impl Body {
     }
 
     /// The distances from the contact, in rising order, at which H can change between rising and falling along a
-    /// direction (along the feed, to the side). They are the points at which the line enters and leaves the flat, is
+    /// direction, stated by its components and the surface's curvature along it. They are the points at which the line enters and leaves the flat, is
     /// nearest to the axis, and reaches the maximum of the parabola of H on the flat. Points that do not exist are 0.
     ///
     /// The flat is the disc of radius a, shortened by cos(S) along the steepest line. On it H = tan(S) u_s + r (1 -
     /// 1/cos(S)) + 1/2 u'Ku.
-    pub(super) fn turns(&self, direction: [f64; 2]) -> [f64; 4] {
-        let Some([enters, leaves, top, nearest]) = self.turns_by_kind(direction) else { return [0.0; 4] };
+    fn turns_along(&self, steep: f64, level: f64, bend: f64) -> [f64; 4] {
+        let Some([enters, leaves, top, nearest]) = self.turns_by_kind(steep, level, bend) else { return [0.0; 4] };
         let mut turns = if enters < leaves { [enters, leaves, nearest, top.clamp(enters, leaves)] } else { [nearest, 0.0, 0.0, 0.0] };
         turns.sort_unstable_by(f64::total_cmp);
         turns
     }
 
-    /// The points of [`Body::turns`]: where the line enters and leaves the flat, both 0 if it misses the flat, where the
-    /// parabola is highest, and where the line is nearest to the axis.
-    fn turns_by_kind(&self, direction: [f64; 2]) -> Option<[f64; 4]> {
-        let (sin, cos) = (self.slope.sin(), self.slope.cos());
-        let (steep, level) = self.in_slope(direction[0], direction[1]);
-        let bend = self.surface.along_per_mm() * direction[0] * direction[0]
+    /// u'Ku for a direction u along the feed and to its side.
+    fn surface_bend(&self, direction: [f64; 2]) -> f64 {
+        self.surface.along_per_mm() * direction[0] * direction[0]
             + 2.0 * self.surface.twist_per_mm() * direction[0] * direction[1]
-            + self.surface.across_per_mm() * direction[1] * direction[1];
+            + self.surface.across_per_mm() * direction[1] * direction[1]
+    }
+
+    /// The points of [`Body::turns_along`]: where the line enters and leaves the flat, both 0 if it misses the flat, where the
+    /// parabola is highest, and where the line is nearest to the axis.
+    fn turns_by_kind(&self, steep: f64, level: f64, bend: f64) -> Option<[f64; 4]> {
+        let (sin, cos) = (self.slope.sin(), self.slope.cos());
         if bend >= 0.0 || self.core == 0.0 || cos <= 0.0 {
             return None;
         }
@@ -317,8 +327,8 @@ impl Body {
     ///
     /// Negative on this side of either line; `None` if the surface has no such line.
     fn overhang(&self, steep: f64, level: f64) -> Option<Distance> {
-        let Overhang { bend, twist, .. } = self.concave?;
-        let (gradient, length) = ((self.slope.sin() * bend, self.slope.sin() * twist), self.slope.sin() * bend.hypot(twist));
+        let Overhang { bend, twist, length, .. } = self.concave?;
+        let gradient = (self.slope.sin() * bend, self.slope.sin() * twist);
         if length <= 0.0 {
             return None;
         }
@@ -334,6 +344,12 @@ impl Body {
             bend_to_side: 0.0,
             bend_to_height: 0.0,
         })
+    }
+
+    /// The distance of a point beyond an overhang, negative before it and infinitely so without one.
+    pub(super) fn beyond_overhang(&self, [x, y]: [f64; 2]) -> f64 {
+        let (steep, level) = self.in_slope(x, y);
+        self.overhang(steep, level).map_or(f64::NEG_INFINITY, |overhang| overhang.value)
     }
 
     /// Calls `bound` with each smooth function of the point (x, y, p) that is not positive if the point, and the line to

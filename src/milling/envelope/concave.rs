@@ -2,12 +2,12 @@
 //! ridge to a few percent, from which Newton's method finds it. A result is accepted if its chords are seen from the
 //! contact, and if the outline a little below it clears less than the step-over.
 
-use super::Envelope;
 use super::clearing::{Clearing, Row};
 use super::local;
 use super::newton::{Lengths, Place, Ridge, Sought};
 use super::outline::{Cleared, Outline, Outlook, Rows};
 use super::section::{Pattern, Section};
+use super::{Envelope, QuickLevel};
 use crate::quantity::Length;
 
 /// The outline, a polygon inside the section, may clear a step-over at a height that is lower than the result by this
@@ -91,7 +91,7 @@ impl Envelope {
             if edge.is_deep { deep } else { alternating }
         });
         let ridge = local::solve(&self.body, sought, lengths, place, marks)?;
-        let Ridge { lengths: Lengths { level, step_over, mark_spacing }, place: Place { t, x, neighbour_x } } = ridge;
+        let Ridge { lengths: Lengths { level, step_over, mark_spacing }, place: Place { t, x, neighbour_x }, .. } = ridge;
         let row = |t: f64| Row { t, p: level, feed: mark_spacing };
         let is_seen = marks[0].is_seen(&self.body, x, row(t)) && marks[1].is_seen(&self.body, neighbour_x, row(t - step_over));
         is_seen.then_some(ridge)
@@ -102,12 +102,12 @@ impl Envelope {
         self.cutter.outer_radius().mm() / self.contact().slope().sin().max(0.25)
     }
 
-    /// h for passes s apart; `None` if no height clears s. `quick` is the proved result of the fast search.
-    pub(super) fn level_on_concave(&self, s: f64, pattern: Pattern, quick: Option<f64>) -> Option<f64> {
+    /// h for passes s apart; `None` if no height clears s. `quick` is the result of the fast search.
+    pub(super) fn level_on_concave(&self, s: f64, pattern: Pattern, quick: Option<QuickLevel>) -> Option<f64> {
         let highest = self.highest();
         let reach = self.body.reach() + s;
         // A ridge that is clear, and whether the outline need not clear nearly as much.
-        let mut candidate = quick.filter(|quick| *quick < highest).map(|level| (level, true));
+        let mut candidate = quick.filter(|quick| quick.level < highest).map(|quick| (quick.level, quick.is_exact));
         let mut refused = f64::NAN;
         let mut p = candidate.map_or_else(|| self.guess(s, pattern), |(level, _)| level * (1.0 - COARSE));
         // Heights, and the shares of the lengths that are cleared there.
@@ -163,11 +163,14 @@ impl Envelope {
             };
         }
         let high = (high.0 < f64::INFINITY).then_some(high.0)?;
-        if let Some(quick) = quick.filter(|quick| high > quick * (1.0 - FAR)) {
-            return Some(quick);
+        if let Some(QuickLevel { level, .. }) = quick.filter(|quick| quick.is_exact && high > quick.level * (1.0 - FAR)) {
+            return Some(level);
         }
-        let general = Section::new(&self.body, pattern, 2.0 * s).level(s, high, f64::INFINITY);
-        Some(if (high * (1.0 - CUT_OFF)..=high * (1.0 + COARSE)).contains(&general) { general } else { high })
+        let near = high * (1.0 - CUT_OFF)..=high * (1.0 + COARSE);
+        let general = Section::new(&self.body, pattern, 2.0 * s).level_within(s, high, f64::INFINITY, &near);
+        // A search that ends at an end of the range has found no height.
+        let is_inside = general > near.start() * (1.0 + SAME) && general < near.end() * (1.0 - SAME);
+        Some(if is_inside { general } else { high })
     }
 
     /// An approximation of the largest step-over that keeps the height p, at most `largest`: a ridge, or the width of the

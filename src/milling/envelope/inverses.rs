@@ -1,22 +1,34 @@
 //! The largest step-over and the largest feed per tooth that keep a tolerance, to second order, each by the fastest search
 //! that has it.
 
-use super::newton::{Lengths, Sought};
+use super::newton::{Lengths, Ridge, Sought};
 use super::section::{Pattern, Section};
 use super::{Envelope, sharp_edge};
-use crate::milling::NoAnswer;
+use crate::milling::{CutterKind, NoAnswer};
 use crate::numerics::bracketed_root;
 use crate::quantity::Length;
 use std::convert::Infallible;
 
-impl Envelope {
-    /// [`Envelope::max_feed_per_tooth`] to second order.
-    pub(super) fn second_order_max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        let step_over_height = self.height(step_over.mm(), Pattern::even(0.0)).map(Length::computed)?;
-        self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over)
-    }
+/// A step-over that is short compared with a feed, as a share of it. What a parabola leaves out is of the order of the
+/// third power.
+const SHORT: f64 = 5e-4;
 
-    /// The same for a step-over that alone leaves `step_over_height`.
+/// The share by which a height over a parabola grows at most from one short step-over to twice that.
+const FLAT: f64 = 1e-5;
+
+/// The largest step-over or feed per tooth that keeps a tolerance to second order.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum SecondOrder {
+    /// The length, and its ridge if the fast search proved it.
+    Found(f64, Option<Ridge>),
+    /// No length up to the largest one exceeds the tolerance.
+    Unlimited,
+    /// The smallest accepted length exceeds the tolerance.
+    UsedUp,
+}
+
+impl Envelope {
+    /// [`Envelope::max_feed_per_tooth`] to second order, for a step-over that alone leaves `step_over_height`.
     pub(super) fn second_order_max_feed_per_tooth_above(
         &self,
         step_over_height: Length,
@@ -24,34 +36,47 @@ impl Envelope {
         step_over: Length,
     ) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
-        let used_up = || {
-            let max_step_over = self.second_order_max_step_over(tolerance, None)?;
-            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
-        };
-        if step_over_height >= tolerance {
-            return used_up();
+        match self.second_order_feed(tolerance.mm(), s, step_over_height.mm()) {
+            SecondOrder::Found(feed, _) => Ok(Length::computed(feed)),
+            SecondOrder::Unlimited => {
+                Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(self.largest_feed(s)) })
+            }
+            SecondOrder::UsedUp => {
+                let max_step_over = self.second_order_max_step_over(tolerance, None)?;
+                Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
+            }
+        }
+    }
+
+    /// The largest feed per tooth that keeps the height p in passes s apart, whose step-over alone leaves
+    /// `step_over_height`.
+    pub(super) fn second_order_feed(&self, p: f64, s: f64, step_over_height: f64) -> SecondOrder {
+        if step_over_height >= p {
+            return SecondOrder::UsedUp;
         }
         let largest = self.largest_feed(s);
-        let room = tolerance.mm() - step_over_height.mm();
-        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().max(self.feed_on_flat(tolerance.mm(), s)).min(largest);
-        let lengths = Lengths { level: tolerance.mm(), step_over: s, mark_spacing: guess };
-        let quick = if let Some(feed) = self.feed_on_floor_or_wall(tolerance.mm(), s) {
+        let room = p - step_over_height;
+        let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().max(self.feed_on_flat(p, s)).min(largest);
+        let lengths = Lengths { level: p, step_over: s, mark_spacing: guess };
+        let mut ridge = None;
+        let quick = if let Some(feed) = self.feed_on_floor_or_wall(p, s) {
             Some(feed.min(largest))
         } else if self.pattern(guess).is_even() {
-            self.quickly(lengths, Sought::MarkSpacing).map(|found| found.mark_spacing)
-        } else if self.is_convex_up_to(tolerance.mm()) {
-            self.quick_feed_with_runout(tolerance.mm(), s, step_over_height.mm(), guess)
+            ridge = self.quickly(lengths, Sought::MarkSpacing);
+            ridge.map(|ridge| ridge.lengths.mark_spacing)
+        } else if self.is_convex_up_to(p) {
+            self.quick_feed_with_runout(p, s, step_over_height, guess)
         } else {
             None
         };
         let height = |feed: f64| self.height(s, self.pattern(feed)).ok();
         let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
-        let found = self.feed_at(tolerance.mm(), s, quick, guess, largest);
-        match found.and_then(|feed| self.confirmed(feed, tolerance.mm(), largest, height)) {
-            Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
-            Some(feed) => Ok(Length::computed(feed)),
+        let found = self.feed_at(p, s, quick, guess, largest);
+        match found.and_then(|feed| self.confirmed(feed, p, largest, height)) {
+            Some(feed) if feed >= largest => SecondOrder::Unlimited,
+            Some(feed) => SecondOrder::Found(feed, ridge),
             // The tolerance allows only feeds below the smallest accepted one.
-            None => used_up(),
+            None => SecondOrder::UsedUp,
         }
     }
 
@@ -103,22 +128,58 @@ impl Envelope {
     /// [`Envelope::max_step_over`] to second order.
     pub(super) fn second_order_max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
+        match self.second_order_step_over(tolerance.mm(), pattern)? {
+            SecondOrder::Found(step_over, _) => Ok(Length::computed(step_over)),
+            SecondOrder::Unlimited => {
+                let largest_step_over = Length::computed(self.largest_step_over(pattern.spacing));
+                Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over })
+            }
+            SecondOrder::UsedUp => {
+                let feed_height = self.feed_height(pattern, |s| self.height(s, pattern))?.max(tolerance.mm());
+                Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) })
+            }
+        }
+    }
+
+    /// The height of the smallest step-over.
+    ///
+    /// Short step-overs follow a parabola, unless runout or an edge lets them grow more. Two of them give its vertex:
+    /// searches of ridges need passes that are apart.
+    pub(super) fn feed_height(&self, pattern: Pattern, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Result<f64, NoAnswer> {
+        let s = Length::SMALLEST.max(SHORT * pattern.spacing);
+        if pattern.is_even()
+            && !self.pass.surface.is_plane()
+            && self.cutter.kind() != CutterKind::FlatEnd
+            && let (Ok(one), Ok(two)) = (height(s), height(2.0 * s))
+            && two <= one * (1.0 + FLAT)
+        {
+            return Ok(one - (two - one) / 3.0 * (1.0 - (Length::SMALLEST / s).powi(2)));
+        }
+        height(Length::SMALLEST)
+    }
+
+    /// The largest step-over that keeps the height p with a pattern of marks.
+    ///
+    /// # Errors
+    /// [`NoAnswer::MarksDoNotOverlap`].
+    pub(super) fn second_order_step_over(&self, p: f64, pattern: Pattern) -> Result<SecondOrder, NoAnswer> {
         let largest = self.largest_step_over(pattern.spacing);
         if largest < Length::SMALLEST {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(Length::SMALLEST)) });
         }
-        let p = tolerance.mm();
         // A guess above the result: the groove's parabola, or near the floor the width of the cutter's flat and corner.
         let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
         let on_floor = 2.0 * (core + (2.0 * corner * p).sqrt());
         let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
+        let mut ridge = None;
         let quick = if let Some(step_over) = self.step_over_on_floor_or_wall(p, &pattern) {
             Some(step_over.min(largest))
         } else if self.is_sharp_on_concave(pattern.spacing) {
             sharp_edge::step_over(&self.body, p, guess)
         } else if pattern.is_even() {
-            self.quickly(lengths, Sought::StepOver).map(|found| found.step_over)
+            ridge = self.quickly(lengths, Sought::StepOver);
+            ridge.map(|ridge| ridge.lengths.step_over)
         } else if self.is_convex_up_to(p) {
             self.quick_step_over_with_runout(p, &pattern, guess)
         } else {
@@ -130,18 +191,18 @@ impl Envelope {
             quick.unwrap_or_else(|| self.step_over_on_concave(p, pattern, largest))
         };
         // If only the overlap of the passes limits the step-over, the result is that limit.
-        let no_limit = Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) });
-        if width >= largest * (1.0 - 1e-12) && (self.is_convex_up_to(p) || self.has_third_order()) {
-            return no_limit;
+        let is_limit = |step_over: f64| step_over >= largest * (1.0 - 1e-12);
+        if is_limit(width) && (self.is_convex_up_to(p) || self.has_third_order) {
+            return Ok(SecondOrder::Unlimited);
         }
         if width < Length::SMALLEST {
-            return Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(self.height(Length::SMALLEST, pattern)?) });
+            return Ok(SecondOrder::UsedUp);
         }
-        match self.confirmed(width, p, largest, |step_over| self.height(step_over, pattern).ok()) {
-            Some(step_over) if step_over >= largest * (1.0 - 1e-12) => no_limit,
-            Some(step_over) => Ok(Length::computed(step_over)),
-            None => Err(NoAnswer::FeedUsesUpTolerance { feed_height: tolerance }),
-        }
+        Ok(match self.confirmed(width, p, largest, |step_over| self.height(step_over, pattern).ok()) {
+            Some(step_over) if is_limit(step_over) => SecondOrder::Unlimited,
+            Some(step_over) => SecondOrder::Found(step_over, ridge),
+            None => SecondOrder::UsedUp,
+        })
     }
 
     /// `found`, or the largest value up to `largest` at which the height keeps the tolerance; `None` if the smallest value
@@ -152,7 +213,7 @@ impl Envelope {
     /// rounding error exceeds the tolerance. Before a correction by the third order, `found` is only a guess.
     fn confirmed(&self, found: f64, tolerance: f64, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let is_convex = self.is_convex_up_to(tolerance);
-        if is_convex && self.drop == 0.0 || self.has_third_order() {
+        if is_convex && self.drop == 0.0 || self.has_third_order {
             return Some(found);
         }
         if is_convex {

@@ -248,7 +248,7 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
         // the last step's size, too, but not a height: the edge can be nearly upright.
         let is_sloped = matches!(sought, Sought::MarkSpacing) && by_spacing >= SLOPED;
         if is_rounding || (body.is_concave() || is_sloped) && size <= LAST_STEP && furthest <= OUTSIDE * level {
-            return Some(Ridge { lengths, place });
+            return Some(Ridge { lengths, place, is_exact: is_rounding });
         }
     }
     None

@@ -42,7 +42,7 @@ use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
 use crate::quantity::{Direction, Length};
 use body::Body;
 use clearing::Clearing;
-use newton::{Lengths, Sought};
+use newton::{Lengths, Ridge, Sought};
 use section::{Pattern, Section};
 use std::num::NonZeroU32;
 
@@ -75,6 +75,8 @@ pub struct Envelope {
     relative_curvature: f64,
     /// The curvature of the groove relative to the surface, for first guesses.
     groove_curvature: f64,
+    /// Whether the turning of the surface's normal changes the marks.
+    has_third_order: bool,
 }
 
 impl Envelope {
@@ -88,7 +90,8 @@ impl Envelope {
         let body = Body::new(cutter, pass.contact, pass.surface);
         let drop = pass.runout.depth(pass.contact.slope());
         let groove_curvature = body.relative_radii().across.recip();
-        Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature })
+        let has_third_order = third_order::has_third_order(&pass, &body);
+        Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature, has_third_order })
     }
 
     pub(super) fn pass(&self) -> &Pass {
@@ -113,12 +116,8 @@ impl Envelope {
 
     /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
     /// wall.
-    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Lengths> {
-        if self.is_quick(lengths.mark_spacing) {
-            proved::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]).map(|ridge| ridge.lengths)
-        } else {
-            None
-        }
+    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Ridge> {
+        if self.is_quick(lengths.mark_spacing) { proved::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]) } else { None }
     }
 
     /// Whether a sharp edge without marks cuts a concave surface, in which case `sharp_edge` finds the ridge.
@@ -136,14 +135,20 @@ impl Envelope {
 
     /// h for passes s apart with a pattern of marks, both in the tangent plane.
     fn height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
+        self.check_overlap(s, pattern.spacing)?;
+        self.level(s, pattern).ok_or_else(|| self.no_height(s))
+    }
+
+    /// An error unless passes s apart with marks f apart overlap, seen from above.
+    fn check_overlap(&self, s: f64, f: f64) -> Result<(), NoAnswer> {
         let outer = self.cutter.outer_radius().mm();
         if s * self.spacing_ratio() > 2.0 * outer || s > self.largest_step_over(0.0) {
             return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
         }
-        if !self.overlap(s, pattern.spacing) {
+        if !self.overlap(s, f) {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
         }
-        self.level(s, pattern).ok_or_else(|| self.no_height(s))
+        Ok(())
     }
 
     /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
@@ -158,11 +163,8 @@ impl Envelope {
     fn level(&self, s: f64, pattern: Pattern) -> Option<f64> {
         let f = pattern.spacing;
         if !pattern.is_even() {
-            let quick = self.level_on_floor_or_wall(s, &pattern).or_else(|| self.quick_level_with_runout(s, &pattern));
-            return match quick {
-                Some(level) if self.is_convex_up_to(level) => Some(level),
-                quick => self.searched_level(s, pattern, quick),
-            };
+            let on_floor_or_wall = self.level_on_floor_or_wall(s, &pattern).map(QuickLevel::exact);
+            return self.checked_level(s, pattern, on_floor_or_wall.or_else(|| self.quick_level_with_runout(s, &pattern)));
         }
         if self.pass.surface.is_plane()
             && let Some(closed) = self.closed_form(s, f)
@@ -171,12 +173,17 @@ impl Envelope {
         }
         let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
         let quick = if self.is_sharp_on_concave(f) {
-            sharp_edge::level(&self.body, s)
+            sharp_edge::level(&self.body, s).map(QuickLevel::exact)
         } else {
-            self.quickly(lengths, Sought::Level).map(|found| found.level)
+            self.quickly(lengths, Sought::Level).map(|ridge| QuickLevel::of(&ridge))
         };
+        self.checked_level(s, pattern, quick)
+    }
+
+    /// The result of a fast search if the section is known to be convex; otherwise h by the search that also checks it.
+    fn checked_level(&self, s: f64, pattern: Pattern, quick: Option<QuickLevel>) -> Option<f64> {
         match quick {
-            Some(level) if self.is_convex_up_to(level) => Some(level),
+            Some(QuickLevel { level, .. }) if self.is_convex_up_to(level) => Some(level),
             quick => self.searched_level(s, pattern, quick),
         }
     }
@@ -240,7 +247,7 @@ impl Envelope {
     }
 
     /// h by the general search, or on a concave surface by the outline, which checks what the fast search found.
-    fn searched_level(&self, s: f64, pattern: Pattern, quick: Option<f64>) -> Option<f64> {
+    fn searched_level(&self, s: f64, pattern: Pattern, quick: Option<QuickLevel>) -> Option<f64> {
         if self.body.is_concave() {
             return self.level_on_concave(s, pattern, quick);
         }
@@ -282,6 +289,24 @@ impl Envelope {
     /// The feed per tooth up to which marks overlap, seen from above, in passes s apart.
     fn largest_feed(&self, s: f64) -> f64 {
         largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
+    }
+}
+
+/// The height that a fast search found.
+#[derive(Debug, Clone, Copy)]
+struct QuickLevel {
+    level: f64,
+    /// As in [`Ridge`].
+    is_exact: bool,
+}
+
+impl QuickLevel {
+    fn of(ridge: &Ridge) -> Self {
+        Self { level: ridge.lengths.level, is_exact: ridge.is_exact }
+    }
+
+    fn exact(level: f64) -> Self {
+        Self { level, is_exact: true }
     }
 }
 

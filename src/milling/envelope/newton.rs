@@ -12,8 +12,9 @@
 //! bound it on the other side. If both bounds agree within a few rounding errors, the path of the search does not
 //! matter.
 //!
-//! On a concave surface the distance is convex only near the contact. There a result is accepted if the lines from the
-//! contact to all four points, and the chords, are inside the body.
+//! On a concave surface the distance is convex only near the contact. There the search ends when its steps are
+//! roundings, and a result is accepted if the lines from the contact to all four points, and the chords, are inside the
+//! body.
 
 use super::body::Body;
 use super::chord::{Accuracy, balance};
@@ -43,11 +44,35 @@ const MOST_STEPS: usize = 24;
 /// chord is misleading because it crosses an edge of the body, and chords are searched accurately.
 const ROUGH_STEPS: usize = 8;
 
+/// The size of a step, as a share of the lengths, after which the next one is a rounding: its square.
+pub(super) const LAST_STEP: f64 = 1e-8;
+
+/// The number of such steps after which no further one can bring the points nearer to the body.
+const MOST_SMALL_STEPS: usize = 8;
+
+/// The distances outside of the body at the last step, as a share of the height.
+pub(super) const OUTSIDE: f64 = 1e-7;
+
+/// The share of the lengths within which a point is at an overhang.
+const AT_OVERHANG: f64 = 1e-6;
+
 /// A ridge: its lengths, and the positions of its chords.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ridge {
     pub(super) lengths: Lengths,
     pub(super) place: Place,
+    /// Whether all four points are within the rounding of the height from the body. Beside an overhang they need not be,
+    /// because their coordinates are rounded.
+    pub(super) is_exact: bool,
+}
+
+impl Ridge {
+    /// Whether an end of a chord without runout is at the surface's overhang.
+    pub(super) fn is_at_overhang(&self, body: &Body) -> bool {
+        let (Lengths { step_over, mark_spacing, .. }, Place { t, x, neighbour_x }) = (self.lengths, self.place);
+        let ends = [[x[0], t], [x[0] - mark_spacing, t], [neighbour_x[0], t - step_over], [neighbour_x[0] - mark_spacing, t - step_over]];
+        ends.into_iter().any(|end| body.beyond_overhang(end) > -AT_OVERHANG * (step_over + mark_spacing))
+    }
 }
 
 /// The ridge, searched from a position near it. Different marks may clear its near and its far edge.
@@ -60,6 +85,7 @@ pub(super) fn solve_from(
 ) -> Option<Ridge> {
     // If edges of the body meet there, the position of a chord's end is only as accurate as its search.
     let mut is_close = false;
+    let mut small_steps = 0;
     for step in 0..MOST_STEPS {
         let s = lengths.step_over;
         let f = lengths.mark_spacing;
@@ -87,7 +113,8 @@ pub(super) fn solve_from(
         }
         let rounding = 16.0 * f64::EPSILON * lengths.level * by_height.abs();
         is_close |= value.abs() <= rounding;
-        let proved = value.abs() <= rounding && near.furthest.max(far.furthest) <= rounding;
+        let furthest = near.furthest.max(far.furthest);
+        let proved = value.abs() <= rounding && furthest <= rounding;
         let change = match sought {
             Sought::Level => Change { rise: (-value / by_height).max(-0.75 * lengths.level), ..Change::NONE },
             Sought::StepOver => Change { wider: bounded(value / ((1.0 - share) * far.by_side), s), ..Change::NONE },
@@ -96,17 +123,22 @@ pub(super) fn solve_from(
             }
         };
         let aside = -(near.value + near.by_height * change.rise + near.by_spacing * change.longer) / near.by_side;
-        follow(&mut place, (&near_held, &far_held), aside.clamp(-s, s), change);
+        let aside = aside.clamp(-s, s);
+        // Beside overhangs the ends of chords are only as accurate as their coordinates are rounded, so that the distances
+        // need not fall below the rounding of the height.
+        let is_small = body.is_concave() && furthest <= OUTSIDE * p && change.share_of(&lengths) + aside.abs() / s <= LAST_STEP;
+        small_steps += usize::from(is_small);
+        follow(&mut place, (&near_held, &far_held), aside, change);
         lengths.level += change.rise;
         lengths.step_over += change.wider;
         lengths.mark_spacing += change.longer;
-        if proved {
+        if proved || small_steps >= MOST_SMALL_STEPS {
             if body.is_concave()
                 && !(near_marks.is_seen(body, place.x, row(place.t)) && far_marks.is_seen(body, place.neighbour_x, row(place.t - s)))
             {
                 return None;
             }
-            return Some(Ridge { lengths, place });
+            return Some(Ridge { lengths, place, is_exact: proved });
         }
     }
     None
@@ -122,6 +154,12 @@ pub(super) struct Change {
 
 impl Change {
     pub(super) const NONE: Self = Self { rise: 0.0, wider: 0.0, longer: 0.0 };
+
+    /// The sum of the changes as shares of the lengths.
+    pub(super) fn share_of(&self, lengths: &Lengths) -> f64 {
+        let longer = if self.longer == 0.0 { 0.0 } else { self.longer.abs() / lengths.mark_spacing };
+        self.rise.abs() / lengths.level + self.wider.abs() / lengths.step_over + longer
+    }
 }
 
 /// The change, limited so that a length shrinks at most to a quarter and grows at most fourfold: far from the root, a

@@ -11,7 +11,7 @@
 //! interval as long as the distance of the marks. The height for a step-over s is the least p at which the cleared
 //! offsets fill an interval as wide as s.
 
-use super::body::Body;
+use super::body::{Body, Ray};
 use super::section::Pattern;
 
 /// Lines from the contact, by which the polygon is made: a first round of them evenly, then where the polygon's sides
@@ -160,11 +160,11 @@ impl<'a> Outlook<'a> {
     /// the line enters and leaves the flat, where it is nearest to the axis, and where the parabola is highest. Between
     /// neighbouring points of these, the line crosses the section's edge at most once.
     fn exit(&self, direction: [f64; 2], p: f64, start: f64) -> f64 {
-        let outside = |length: f64| self.body.distance(length * direction[0], length * direction[1], p);
+        let ray = Ray::new(self.body, direction);
         let (mut low, mut high) = (0.0, f64::INFINITY);
-        for turn in self.body.turns(direction) {
+        for turn in ray.turns() {
             if turn > low {
-                if outside(turn).value > 0.0 {
+                if ray.distance(turn, p)[0] > 0.0 {
                     high = turn;
                     break;
                 }
@@ -177,9 +177,8 @@ impl<'a> Outlook<'a> {
         }
         for _ in 0..MOST_STEPS {
             at = at.min(self.furthest);
-            let place = outside(at);
-            let slope = place.by_feed * direction[0] + place.by_side * direction[1];
-            if place.value > 0.0 {
+            let [value, slope] = ray.distance(at, p);
+            if value > 0.0 {
                 high = at;
             } else if at >= self.furthest {
                 return at;
@@ -189,7 +188,7 @@ impl<'a> Outlook<'a> {
             if high - low <= CLOSE * low {
                 break;
             }
-            let newton = at - place.value / slope;
+            let newton = at - value / slope;
             let safe = slope > 0.0 && newton > low && newton < high;
             if safe && (newton - at).abs() <= CLOSE * at {
                 return newton;
@@ -260,6 +259,27 @@ impl Outline {
         })
     }
 
+    /// The rows at the corners' offsets, which are sorted: each side of the polygon crosses those between its ends.
+    fn rows_at(&self, offsets: &[f64; LINES]) -> [Row; LINES] {
+        let mut rows = [Row { ends: [0.0; 8], count: 0 }; LINES];
+        let mut from = self.corners[LINES - 1];
+        for to in self.corners {
+            let (left, right) = (from[1].min(to[1]), from[1].max(to[1]));
+            let first = offsets.partition_point(|offset| *offset < left);
+            for (row, t) in rows.iter_mut().zip(offsets).skip(first).take_while(|(_, offset)| **offset < right) {
+                if row.count < row.ends.len() {
+                    row.ends[row.count] = from[0] + (t - from[1]) / (to[1] - from[1]) * (to[0] - from[0]);
+                    row.count += 1;
+                }
+            }
+            from = to;
+        }
+        for row in &mut rows {
+            row.ends[..row.count].sort_unstable_by(f64::total_cmp);
+        }
+        rows
+    }
+
     fn rows_with(&self, marked: impl Fn(f64, [f64; 2]) -> MarkedRow) -> Rows {
         let mut offsets = self.corners.map(|corner| corner[1]);
         offsets.sort_unstable_by(f64::total_cmp);
@@ -269,7 +289,8 @@ impl Outline {
             Edge { t, x: [x; 2], is_deep: true }
         };
         let extent = Cleared { left: furthest(-1.0), right: furthest(1.0) };
-        let marked = offsets.map(|t| self.row(t).longest(f64::NEG_INFINITY, f64::INFINITY).map(|deep| marked(t, deep)));
+        let rows = self.rows_at(&offsets);
+        let marked = std::array::from_fn(|i| rows[i].longest(f64::NEG_INFINITY, f64::INFINITY).map(|deep| marked(offsets[i], deep)));
         Rows { offsets, marked, extent }
     }
 }

@@ -6,11 +6,11 @@
 //! with both edges of one kind or one edge of each, the search is for the root of a convex function, and its result is
 //! proved as without runout.
 
-use super::Envelope;
 use super::clearing::{Clearing, Row};
 use super::newton::{self, Lengths, Place, Ridge, Sought};
 use super::proved;
 use super::section::Pattern;
+use super::{Envelope, QuickLevel};
 use crate::quantity::Length;
 
 /// The depth, as a share of the height, at which a point counts as cleared by the other marks too: some hundred
@@ -34,6 +34,11 @@ impl Envelope {
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
         proved::solve(&self.body, sought, lengths, [marks; 2]).map(|ridge| Found { ridge, marks })
+    }
+
+    /// The same if all points are exactly on the body.
+    fn exact_ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
+        self.ridge_between(sought, lengths, marks).filter(|found| found.ridge.is_exact)
     }
 
     /// Whether the intervals of both kinds in `marks` meet at a ridge.
@@ -70,7 +75,7 @@ impl Envelope {
     }
 
     /// h for passes s apart; `None` if the search's result is not proved.
-    pub(super) fn quick_level_with_runout(&self, s: f64, pattern: &Pattern) -> Option<f64> {
+    pub(super) fn quick_level_with_runout(&self, s: f64, pattern: &Pattern) -> Option<QuickLevel> {
         if !self.is_quick(pattern.spacing) {
             return None;
         }
@@ -87,9 +92,10 @@ impl Envelope {
         };
         if let Some(by_deep) = by_deep.filter(|found| found.ridge.lengths.level <= self.drop) {
             // Shallow teeth do not reach this depth.
-            return Some(by_deep.ridge.lengths.level);
+            return Some(QuickLevel::of(&by_deep.ridge));
         }
         let by_both = self.ridge_between(Sought::Level, lengths(even(pattern.spacing) + self.drop), alternating)?;
+        let are_exact = by_both.ridge.is_exact && by_deep.is_none_or(|by_deep| by_deep.ridge.is_exact);
         let ridge = match by_deep {
             // Deep marks that meet clear a part of the step-over, although not all of it.
             None if deep_along < diameter => self.or_with(Sought::Level, by_both, deep)?,
@@ -99,7 +105,7 @@ impl Envelope {
             }
             Some(_) => self.or_with(Sought::Level, by_both, deep)?,
         };
-        Some(ridge.lengths.level)
+        Some(QuickLevel { level: ridge.lengths.level, is_exact: are_exact && ridge.is_exact })
     }
 
     /// The largest feed per tooth that keeps the height p in passes s apart, whose step-over alone leaves
@@ -111,18 +117,18 @@ impl Envelope {
         }
         let [alternating, deep] = self.kinds(&pattern);
         let lengths = |mark_spacing: f64| Lengths { level: p, step_over: s, mark_spacing };
-        let by_deep = self.ridge_between(Sought::MarkSpacing, lengths(guess * pattern.spacing / pattern.deep_spacing), deep)?;
+        let by_deep = self.exact_ridge_between(Sought::MarkSpacing, lengths(guess * pattern.spacing / pattern.deep_spacing), deep)?;
         if p <= self.drop {
             return Some(by_deep.ridge.lengths.mark_spacing);
         }
         // Without marks, shallow teeth leave delta more than the deepest.
         let is_held = step_over_height + self.drop < p;
-        let by_both = if is_held { Some(self.ridge_between(Sought::MarkSpacing, lengths(guess), alternating)?) } else { None };
+        let by_both = if is_held { Some(self.exact_ridge_between(Sought::MarkSpacing, lengths(guess), alternating)?) } else { None };
         let ridge = match by_both {
             Some(by_both) if by_both.ridge.lengths.mark_spacing > by_deep.ridge.lengths.mark_spacing => {
-                self.or_with(Sought::MarkSpacing, by_both, deep)?
+                self.or_with(Sought::MarkSpacing, by_both, deep).filter(|ridge| ridge.is_exact)?
             }
-            _ => self.or_with(Sought::MarkSpacing, by_deep, alternating)?,
+            _ => self.or_with(Sought::MarkSpacing, by_deep, alternating).filter(|ridge| ridge.is_exact)?,
         };
         Some(ridge.lengths.mark_spacing)
     }
@@ -138,12 +144,12 @@ impl Envelope {
         // The right and the left end of the interval of offsets that marks of one kind clear; empty if they leave more
         // than p at every offset.
         let interval = |marks: Clearing| {
-            if let Some(found) = self.ridge_between(Sought::StepOver, lengths(p, guess), marks) {
+            if let Some(found) = self.exact_ridge_between(Sought::StepOver, lengths(p, guess), marks) {
                 let right = found.ridge.place.t;
                 return Some(Some([right, right - found.ridge.lengths.step_over]));
             }
             let start = self.guess(0.0, Pattern::even(marks.spacing(pattern.spacing))) + self.drop;
-            let least = self.ridge_between(Sought::Level, lengths(start, Length::SMALLEST), marks)?;
+            let least = self.exact_ridge_between(Sought::Level, lengths(start, Length::SMALLEST), marks)?;
             (least.ridge.lengths.level >= p).then_some(None)
         };
         let by_both = if p > self.drop { interval(alternating)? } else { None };

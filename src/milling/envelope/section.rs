@@ -19,6 +19,7 @@ use super::body::Body;
 use super::chord::{Accuracy, Chord, Marks};
 use crate::quantity::Length;
 use std::cell::Cell;
+use std::ops::RangeInclusive;
 
 /// The marks of one pass, whose teeth may differ in depth by delta.
 #[derive(Debug, Clone, Copy)]
@@ -116,6 +117,11 @@ impl<'a> Section<'a> {
     /// At the largest step-over, rounding can make every interval narrower than the width. The ceiling is then the
     /// result.
     pub(super) fn level(&self, width: f64, guess: f64, ceiling: f64) -> f64 {
+        self.level_within(width, guess, ceiling, &(0.0..=f64::INFINITY))
+    }
+
+    /// The same; `f64::MAX` if the height is not `within` a range of heights.
+    pub(super) fn level_within(&self, width: f64, guess: f64, ceiling: f64, within: &RangeInclusive<f64>) -> f64 {
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut p = guess.min(ceiling);
         let mut last = None::<Interval>;
@@ -129,6 +135,9 @@ impl<'a> Section<'a> {
                 low = p;
             } else {
                 high = p;
+            }
+            if excess < 0.0 && p >= *within.end() || excess >= 0.0 && p <= *within.start() {
+                return f64::MAX;
             }
             let newton = found.as_ref().filter(|interval| interval.width() < self.widest * (1.0 - 1e-9)).map_or(f64::NAN, |interval| {
                 let (at, slope) = (interval.width(), interval.by_height());
@@ -158,7 +167,8 @@ impl<'a> Section<'a> {
                 // The bracket is divided by ratio while it is wide, because the magnitude of the height is unknown.
                 if high > 4.0 * low { (low * high).sqrt() } else { f64::midpoint(low, high) }
             }
-            .min(ceiling);
+            .min(ceiling)
+            .clamp(*within.start(), *within.end());
         }
         high.min(f64::MAX)
     }

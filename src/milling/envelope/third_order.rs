@@ -1,26 +1,50 @@
 //! Heights and inverses on curved surfaces, where every mark has a normal of its own: the answers of the second order,
 //! corrected by those of [`TurningMarks`].
 
-use super::Envelope;
+use super::body::Body;
 use super::clearing::Clearing;
+use super::inverses::SecondOrder;
 use super::newton::{self, Lengths, Place, Ridge, Sought};
+use super::proved;
 use super::section::Pattern;
 use super::turned_ridge::{RidgeSearch, TurnedRidge};
 use super::turning_marks::TurningMarks;
-use crate::milling::{CutterKind, NoAnswer, ScallopHeight};
-use crate::numerics::bracketed_root;
-use crate::quantity::Length;
-use std::convert::Infallible;
+use super::{Envelope, QuickLevel};
+use crate::milling::{CutterKind, NoAnswer, Pass, ScallopHeight};
+use crate::quantity::{Angle, Length};
 
 /// Under the whole cutter, the normal turns by at most this share of the slope's sine or cosine where the second order
 /// answers: the answers change by about that share.
 const NO_TURN: f64 = 1e-11;
 
+/// The turn, as a share of the slope's sine or cosine, from which on the marks of the second order count more and more.
+const TURNS_BEYOND: f64 = 1.0;
+
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// The factors of the steps by which a length is bracketed.
-const STEPS: [f64; 2] = [1.02, 2.0];
+/// The logarithm of the share of a tolerance under which a height counts as none.
+const LEAST_EXCESS: f64 = -30.0;
+
+/// The slope of a height's logarithm by that of a length under which a secant shows nothing.
+const LEAST_SLOPE: f64 = 1e-9;
+
+/// The first step by which a length is bracketed, as a logarithm.
+const FIRST_REACH: f64 = 0.4;
+
+/// The width, as a share of the length, down to which the place of a jump is searched.
+const NARROW: f64 = 5e-10;
+
+/// An inverse by turned marks.
+#[derive(Debug, Clone, Copy)]
+enum Turned {
+    /// Turns do not count: the proved answer of the second order holds.
+    Not,
+    /// The lengths at the ridge, which the height is to confirm.
+    Lengths(Lengths),
+    /// No ridge is found without a search over heights.
+    Unknown,
+}
 
 impl Envelope {
     /// h1 and the feed's share h - h1, for a step-over along the surface and a feed per tooth; `None` leaves no marks.
@@ -72,7 +96,12 @@ impl Envelope {
     /// [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`], and those of the
     /// step-over in [`Envelope::scallop_height`].
     pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over)
+        if !self.has_third_order {
+            return self.second_order_max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over);
+        }
+        let (lengths, ridge) = self.second_order(step_over.mm(), 0.0)?;
+        let step_over_height = Length::computed(self.turned_level(lengths, ridge));
+        self.max_turned_feed(step_over_height, lengths.level, tolerance, step_over)
     }
 
     /// The same for a step-over that alone leaves `step_over_height`.
@@ -82,9 +111,21 @@ impl Envelope {
         tolerance: Length,
         step_over: Length,
     ) -> Result<Length, NoAnswer> {
-        if !self.has_third_order() {
+        if !self.has_third_order {
             return self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over);
         }
+        let second_order_height = self.height(step_over.mm(), Pattern::even(0.0))?;
+        self.max_turned_feed(step_over_height, second_order_height, tolerance, step_over)
+    }
+
+    /// The same with turned marks, for a step-over that alone leaves `second_order_height` to second order.
+    fn max_turned_feed(
+        &self,
+        step_over_height: Length,
+        second_order_height: f64,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
         let (p, s) = (tolerance.mm(), step_over.mm());
         let used_up = || {
             let max_step_over = self.max_step_over(tolerance, None)?;
@@ -95,16 +136,18 @@ impl Envelope {
         }
         let largest = self.largest_feed(s);
         let height = |feed: f64| self.turned_height(s, self.pattern(feed)).ok();
-        let (guess, found) = match self.second_order_max_feed_per_tooth(tolerance, step_over) {
-            Ok(feed) => {
-                let lengths = Lengths { level: p, step_over: s, mark_spacing: feed.mm() };
-                let is_even = self.pattern(feed.mm()).is_even();
-                let ridge = if is_even { self.turned(Sought::MarkSpacing, lengths) } else { None };
-                (feed.mm(), ridge.map(|ridge| ridge.lengths.mark_spacing))
+        let (guess, found) = match self.second_order_feed(p, s, second_order_height) {
+            SecondOrder::Found(feed, ridge) => {
+                let lengths = Lengths { level: p, step_over: s, mark_spacing: feed };
+                match self.turned_lengths(Sought::MarkSpacing, lengths, ridge) {
+                    _ if !self.pattern(feed).is_even() => (feed, None),
+                    Turned::Not => return Ok(Length::computed(feed)),
+                    Turned::Lengths(lengths) => (feed, Some(lengths.mark_spacing)),
+                    Turned::Unknown => (feed, None),
+                }
             }
-            Err(NoAnswer::ToleranceLimitsNoFeed { .. }) => (largest, None),
-            Err(NoAnswer::StepOverUsesUpTolerance { .. }) => (Length::SMALLEST, None),
-            Err(other) => return Err(other),
+            SecondOrder::Unlimited => (largest, None),
+            SecondOrder::UsedUp => (Length::SMALLEST, None),
         };
         match Self::largest_within(p, guess, found, largest, height) {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
@@ -120,124 +163,186 @@ impl Envelope {
     /// - [`NoAnswer::MarksDoNotOverlap`];
     /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        let second_order = self.second_order_max_step_over(tolerance, feed_per_tooth);
-        if !self.has_third_order() {
-            return second_order;
+        if !self.has_third_order {
+            return self.second_order_max_step_over(tolerance, feed_per_tooth);
         }
         let p = tolerance.mm();
         let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
         let largest = self.largest_step_over(pattern.spacing);
-        let height = |s: f64| self.turned_height(s, pattern).ok();
-        let (guess, found) = match second_order {
-            Ok(step_over) => {
-                let lengths = Lengths { level: p, step_over: step_over.mm(), mark_spacing: pattern.spacing };
-                let ridge = if pattern.is_even() { self.turned(Sought::StepOver, lengths) } else { None };
-                (step_over.mm(), ridge.map(|ridge| ridge.lengths.step_over))
+        let feed_height = || self.feed_height(pattern, |s| self.turned_height(s, pattern));
+        let used_up = |feed_height: f64| Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
+        let (guess, found) = match self.second_order_step_over(p, pattern)? {
+            SecondOrder::Found(step_over, ridge) => {
+                let lengths = Lengths { level: p, step_over, mark_spacing: pattern.spacing };
+                match self.turned_lengths(Sought::StepOver, lengths, ridge) {
+                    _ if !pattern.is_even() => (step_over, None),
+                    Turned::Not => return Ok(Length::computed(step_over)),
+                    Turned::Lengths(lengths) => (step_over, Some(lengths.step_over)),
+                    Turned::Unknown => (step_over, None),
+                }
             }
-            Err(NoAnswer::ToleranceLimitsNoStepOver { .. }) => (largest, None),
-            Err(NoAnswer::FeedUsesUpTolerance { .. }) => (Length::SMALLEST, None),
-            Err(other) => return Err(other),
+            SecondOrder::Unlimited => (largest, None),
+            SecondOrder::UsedUp => {
+                let feed_height = feed_height()?;
+                if feed_height > p {
+                    return used_up(feed_height);
+                }
+                (Length::SMALLEST, None)
+            }
         };
+        let height = |s: f64| self.turned_height(s, pattern).ok();
         match Self::largest_within(p, guess, found, largest, height) {
             Some(step_over) if step_over >= largest * (1.0 - 1e-12) => {
                 Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
             }
             Some(step_over) => Ok(Length::computed(step_over)),
-            None => {
-                let feed_height = self.turned_height(Length::SMALLEST, pattern)?.max(p);
-                Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) })
-            }
+            None => used_up(feed_height()?.max(p)),
         }
     }
 
     /// The largest length up to `largest` whose height is at most p: `found`, or the result of a search over the
     /// heights that starts at `guess`; `None` if the height of the smallest length exceeds p.
+    ///
+    /// Lengths and heights are searched by their logarithms, between which a paraboloid has the slope 2. The steps are
+    /// those of the secant, inside a bracket. A length without a height does not keep the tolerance.
     pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-        let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| height / p - 1.0);
-        let is_kept = |length: f64| excess(length) <= ROUNDING;
+        let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| (height / p).ln().max(LEAST_EXCESS));
         if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found))
             && excess(found).abs() <= ROUNDING
         {
             return Some(found);
         }
-        let (mut low, mut high) = (guess, guess);
-        let mut step = STEPS[0];
-        while !is_kept(low) {
-            if low <= Length::SMALLEST {
+        let (shortest, longest) = (Length::SMALLEST.ln(), largest.ln());
+        // The longest logarithm known to keep the tolerance, and the shortest known not to.
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut last = None::<(f64, f64)>;
+        let (mut slope, mut reach) = (2.0, FIRST_REACH);
+        let mut widths = [f64::INFINITY; 3];
+        let mut is_near = false;
+        let mut at = guess.clamp(Length::SMALLEST, largest).ln();
+        loop {
+            let length = if at >= longest { largest } else { at.exp().clamp(Length::SMALLEST, largest) };
+            let excess = excess(length);
+            if excess <= ROUNDING && (at >= longest || at <= shortest && excess > 0.0) {
+                return Some(length);
+            }
+            if excess <= 0.0 {
+                low = at;
+            } else if at <= shortest {
                 return None;
-            }
-            high = low;
-            (low, step) = ((low / step).max(Length::SMALLEST), STEPS[1]);
-        }
-        while high <= low {
-            if low >= largest {
-                return Some(largest);
-            }
-            let next = (low * step).min(largest);
-            if is_kept(next) {
-                (low, step) = (next, STEPS[1]);
             } else {
-                high = next;
+                high = at;
             }
+            if let Some((last_at, last_excess)) = last.replace((at, excess))
+                && (excess - last_excess).is_finite()
+            {
+                let secant = (excess - last_excess) / (at - last_at);
+                slope = if secant > LEAST_SLOPE { secant } else { f64::NAN };
+            }
+            let step = -excess / slope;
+            if excess.abs() <= ROUNDING && step.abs() <= ROUNDING {
+                // The next step ends the search, unless this one already ends within the rounding of heights.
+                if is_near || step.abs() <= 0.01 * ROUNDING {
+                    return Some(length);
+                }
+                is_near = true;
+            }
+            let width = high - low;
+            if width <= NARROW {
+                return Some(low.exp());
+            }
+            let is_slow = width.is_finite() && width > 0.5 * widths[0];
+            widths = [widths[1], widths[2], width];
+            let next = at + step;
+            at = if next > low && next < high && !is_slow && step.abs() <= reach {
+                next
+            } else if width.is_finite() {
+                f64::midpoint(low, high)
+            } else {
+                let next = at + reach.copysign(-excess);
+                reach *= 2.0;
+                next
+            }
+            .clamp(shortest, longest);
         }
-        // A length without a height does not keep the tolerance.
-        let bounded = |logarithm: f64| Ok::<_, Infallible>(excess(logarithm.exp()).min(1.0));
-        let Ok(logarithm) = bracketed_root(low.ln(), high.ln(), bounded);
-        // Where the height jumps over the tolerance, the root can be on the far side.
-        [1.0, 1.0 - 1e-14, 1.0 - 1e-12, 1.0 - 1e-9]
-            .map(|share| share * logarithm.exp())
-            .into_iter()
-            .find(|length| is_kept(*length))
-            .or(Some(low))
-    }
-
-    /// Whether the turning of the surface's normal changes the marks. It does not change those of a ball, which is the
-    /// same in every direction.
-    ///
-    /// A sharp edge has no radius that a turn could change smoothly; its marks keep the second order.
-    pub(super) fn has_third_order(&self) -> bool {
-        let is_turning = || TurningMarks::new(&self.body).turn_per_mm() * self.body.reach() > NO_TURN;
-        !self.pass.surface.is_plane() && self.cutter.kind() == CutterKind::Toroidal && self.is_inclined() && is_turning()
-    }
-
-    /// Whether the contact is neither on the floor nor on a wall, where no turn is allowed.
-    fn is_inclined(&self) -> bool {
-        let slope = self.contact().slope();
-        slope.sin() > 0.0 && slope.cos() > 0.0
     }
 
     /// h for passes s apart with a pattern of marks.
     fn turned_height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
-        let level = self.height(s, pattern)?;
-        if !self.has_third_order() {
-            return Ok(level);
+        if !self.has_third_order {
+            return self.height(s, pattern);
         }
-        let lengths = |level: f64, mark_spacing: f64| Lengths { level, step_over: s, mark_spacing };
-        let turned = |lengths: Lengths| self.turned(Sought::Level, lengths).map_or(lengths.level, |ridge| ridge.lengths.level);
         if pattern.is_even() {
-            return Ok(turned(lengths(level, pattern.spacing)));
+            let (lengths, ridge) = self.second_order(s, pattern.spacing)?;
+            return Ok(self.turned_level(lengths, ridge));
         }
+        let level = self.height(s, pattern)?;
         // With runout, the height changes in the same ratio as for marks of equal depth that leave about the same
         // height.
-        let spacing = self.even_spacing(&pattern);
-        let even = self.height(s, Pattern::even(spacing));
-        Ok(even.map_or(level, |even| if even > 0.0 { level * turned(lengths(even, spacing)) / even } else { level }))
+        Ok(match self.second_order(s, self.even_spacing(&pattern)) {
+            Ok((lengths, ridge)) if lengths.level > 0.0 => level * self.turned_level(lengths, ridge) / lengths.level,
+            _ => level,
+        })
     }
 
-    /// The ridge between marks of equal depth; `None` if there is none.
-    fn turned(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
+    /// The height to second order with its lengths, for marks of equal depth, and its ridge if the search is proved.
+    fn second_order(&self, s: f64, f: f64) -> Result<(Lengths, Option<Ridge>), NoAnswer> {
+        self.check_overlap(s, f)?;
+        let pattern = Pattern::even(f);
+        let lengths = |level: f64| Lengths { level, step_over: s, mark_spacing: f };
+        let quick = proved::solve(&self.body, Sought::Level, lengths(self.guess(s, pattern)), [Clearing::EVEN; 2]);
+        if let Some(ridge) = quick.filter(|ridge| self.is_convex_up_to(ridge.lengths.level)) {
+            return Ok((ridge.lengths, Some(ridge)));
+        }
+        let found = quick.map(|ridge| QuickLevel::of(&ridge));
+        let level = self.searched_level(s, pattern, found).ok_or_else(|| self.no_height(s))?;
+        let is_quick = |ridge: &Ridge| ridge.lengths.level.total_cmp(&level).is_eq();
+        let ridge = quick.filter(is_quick).or_else(|| self.ridge_of_second_order(Sought::Level, lengths(level)));
+        Ok((lengths(level), ridge))
+    }
+
+    /// h of turned marks from the lengths and the ridge of the second order.
+    fn turned_level(&self, lengths: Lengths, ridge: Option<Ridge>) -> f64 {
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
-        let start = self.ridge_of_second_order(sought, lengths).unwrap_or_else(|| self.ridge_of_paraboloid(lengths));
-        search.solve(sought, start).or_else(|| if matches!(sought, Sought::Level) { search.search(&start) } else { None })
+        let Some(start) = self.start_of_turns(lengths, ridge) else { return lengths.level };
+        let weight = weight_of_turns(search.share(&start));
+        if weight == 0.0 {
+            return lengths.level;
+        }
+        let Some(turned) = search.solve(Sought::Level, start).or_else(|| search.search(&start)) else { return lengths.level };
+        if weight < 1.0 { lengths.level * (turned.lengths.level / lengths.level).powf(weight) } else { turned.lengths.level }
     }
 
-    /// The ridge of the second order, if its search is proved.
-    fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<TurnedRidge> {
+    /// The lengths at the ridge of turned marks, of which the sought one is that of the second order in `lengths`, with
+    /// its ridge if that is proved.
+    fn turned_lengths(&self, sought: Sought, lengths: Lengths, ridge: Option<Ridge>) -> Turned {
+        let marks = TurningMarks::new(&self.body);
+        let search = RidgeSearch::new(&marks);
+        let known = ridge.or_else(|| self.ridge_of_second_order(sought, lengths));
+        let Some(start) = self.start_of_turns(lengths, known) else { return Turned::Lengths(lengths) };
+        if weight_of_turns(search.share(&start)) == 0.0 {
+            let is_proved = ridge.is_some() && self.is_convex_up_to(lengths.level);
+            return if is_proved { Turned::Not } else { Turned::Lengths(lengths) };
+        }
+        search.solve(sought, start).map_or(Turned::Unknown, |ridge| Turned::Lengths(ridge.lengths))
+    }
+
+    /// The ridge of the second order, if its search ends.
+    fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<Ridge> {
         let both = [Clearing::EVEN; 2];
         let start = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        let Ridge { lengths, place } = newton::solve_from(&self.body, sought, lengths, start, both)?;
-        Some(TurnedRidge { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths })
+        newton::solve_from(&self.body, sought, lengths, start, both)
+    }
+
+    /// The ridge at which the search of turned marks starts: that of the second order if it is known; `None` if it is at
+    /// an overhang, which turned marks do not know.
+    fn start_of_turns(&self, lengths: Lengths, ridge: Option<Ridge>) -> Option<TurnedRidge> {
+        match ridge {
+            Some(ridge) if ridge.is_at_overhang(&self.body) => None,
+            Some(ridge) if ridge.is_exact => Some(TurnedRidge::of_second_order(&ridge)),
+            _ => Some(self.ridge_of_paraboloid(lengths)),
+        }
     }
 
     /// The ridge where the cutter is a paraboloid.
@@ -250,20 +355,50 @@ impl Envelope {
     }
 
     /// How much the surface's normal turns from the stated contact to the marks at the ridge: the tangent of the
-    /// largest angle, as a share of the smaller of sine and cosine of the slope. Infinite if no ridge of turned marks
-    /// was found; the answers are then those of the second order.
+    /// largest angle, as a share of the smaller of sine and cosine of the slope. Infinite if turns do not count, or if
+    /// no ridge of turned marks was found; the answers are then those of the second order.
     pub(in crate::milling) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        if !self.has_third_order() {
+        if !self.has_third_order {
             let is_exact = match self.cutter.kind() {
                 CutterKind::BallEnd => true,
                 CutterKind::FlatEnd => false,
-                CutterKind::Toroidal => self.is_inclined(),
+                CutterKind::Toroidal => is_inclined(self.contact().slope()),
             };
             return if is_exact || self.pass.surface.is_plane() { 0.0 } else { f64::INFINITY };
         }
         let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
-        let Ok(level) = self.height(s, Pattern::even(f)) else { return f64::INFINITY };
-        let lengths = Lengths { level, step_over: s, mark_spacing: f };
-        self.turned(Sought::Level, lengths).map_or(f64::INFINITY, |ridge| RidgeSearch::new(&TurningMarks::new(&self.body)).share(&ridge))
+        let Ok((lengths, ridge)) = self.second_order(s, f) else { return f64::INFINITY };
+        let marks = TurningMarks::new(&self.body);
+        let search = RidgeSearch::new(&marks);
+        let Some(start) = self.start_of_turns(lengths, ridge) else { return f64::INFINITY };
+        if weight_of_turns(search.share(&start)) == 0.0 {
+            return f64::INFINITY;
+        }
+        search.solve(Sought::Level, start).or_else(|| search.search(&start)).map_or(f64::INFINITY, |ridge| search.share(&ridge))
     }
+}
+
+/// Whether the turning of the surface's normal changes the marks. It does not change those of a ball, which is the same
+/// in every direction.
+///
+/// A sharp edge has no radius that a turn could change smoothly; its marks keep the second order.
+pub(super) fn has_third_order(pass: &Pass, body: &Body) -> bool {
+    let is_turning = || TurningMarks::new(body).turn_per_mm() * body.reach() > NO_TURN;
+    !pass.surface.is_plane() && pass.cutter.kind() == CutterKind::Toroidal && is_inclined(pass.contact.slope()) && is_turning()
+}
+
+/// Whether a contact of this slope is neither on the floor nor on a wall, where no turn is allowed.
+fn is_inclined(slope: Angle) -> bool {
+    slope.sin() > 0.0 && slope.cos() > 0.0
+}
+
+/// The weight of turned marks against those of the second order where the normal turns by a share of the slope's sine or
+/// cosine at most: 1 up to [`TURNS_BEYOND`], 0 from twice that on.
+///
+/// Turns of more than the slope lead over the floor, where the cutter touches the surface on its other side. Neither
+/// height holds there (docs/envelope-on-curved-surfaces.md); that of the second order is continuous up to a level
+/// contact, which has no turns.
+fn weight_of_turns(share: f64) -> f64 {
+    let beyond = (share / TURNS_BEYOND - 1.0).clamp(0.0, 1.0);
+    1.0 - beyond * beyond * (3.0 - 2.0 * beyond)
 }

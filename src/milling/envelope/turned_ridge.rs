@@ -6,13 +6,17 @@
 //! away, the height at which they touch the place, and the offset at which both passes leave the same height.
 
 use super::chord::balance;
-use super::newton::{Lengths, Sought};
+use super::newton::{Lengths, Ridge, Sought};
 use super::turning_marks::{MarkDistance, RidgePlace, TurningMarks};
 use crate::numerics::bracketed_root;
 
 /// Without marks, the ridge is computed from marks that are this share of the step-over apart. The relative error of h
 /// is the square of the share.
 const NO_MARKS: f64 = 1e-6;
+
+/// The rounding errors of distances, as a share of the cutter's diameter. Where the distance changes by no more between the
+/// two marks of a pass, its slope places the marks.
+const ROUNDING: f64 = 1e-13;
 
 /// Slopes along the feed up to this, a few rounding errors, count as zero: both marks are on the cutter's flat or side,
 /// and may lie anywhere.
@@ -47,6 +51,11 @@ pub(super) struct TurnedRidge {
 }
 
 impl TurnedRidge {
+    /// The ridge of marks that all have the normal of the stated contact.
+    pub(super) fn of_second_order(Ridge { lengths, place, .. }: &Ridge) -> Self {
+        Self { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths: *lengths }
+    }
+
     /// The offset of the ridge from the near pass, to its side.
     fn offset(&self) -> f64 {
         self.aside + 0.5 * self.lengths.step_over
@@ -87,22 +96,43 @@ struct Shift {
     by_spacing: f64,
 }
 
+/// How far the marks of a pass are apart along the feed, and the rounding errors of their distances.
+#[derive(Debug, Clone, Copy)]
+struct Spacing {
+    length: f64,
+    rounding: f64,
+}
+
+impl Spacing {
+    /// Whether the difference of both distances is a rounding error. The distance is then nearly a parabola.
+    fn is_close(&self, front: &MarkDistance, back: &MarkDistance) -> bool {
+        (front.by_behind - back.by_behind) * self.length <= self.rounding
+    }
+
+    /// The difference of the distances of front and back mark.
+    fn difference(&self, front: &MarkDistance, back: &MarkDistance) -> f64 {
+        if self.is_close(front, back) { 0.5 * (front.by_behind + back.by_behind) * self.length } else { front.value - back.value }
+    }
+}
+
 impl Pair {
     /// The pair by the tangents at both marks. The distance falls from the back mark and rises to the front one.
-    fn between(front: &MarkDistance, back: &MarkDistance, spacing: f64, is_straight: bool) -> Self {
+    fn between(front: &MarkDistance, back: &MarkDistance, spacing: Spacing, is_straight: bool) -> Self {
         let steepening = front.by_behind - back.by_behind;
-        let share = balance(front.by_behind, back.by_behind);
+        let is_close = spacing.is_close(front, back);
+        let share = if is_close { 0.5 } else { balance(front.by_behind, back.by_behind) };
         let mix = |one: f64, other: f64| share * one + (1.0 - share) * other;
         let per_steepening = if is_straight { 0.0 } else { steepening.recip() };
         let shift = |one: f64, other: f64| (other - one) * per_steepening;
-        let off = shift(front.value, back.value);
+        let off = -spacing.difference(front, back) * per_steepening;
+        let sag = if is_close && !is_straight { 0.5 * steepening / spacing.length * off * off } else { 0.0 };
         Self {
-            value: mix(front.value, back.value),
+            value: mix(front.value, back.value) - sag,
             by_offset: mix(front.by_offset, back.by_offset),
             by_place: mix(front.by_place, back.by_place),
             by_height: mix(front.by_height, back.by_height),
             by_spacing: -(1.0 - share) * back.by_behind,
-            error: 0.5 * steepening / spacing * off * off,
+            error: 0.5 * steepening / spacing.length * off * off,
             shift: Shift {
                 off,
                 by_offset: shift(front.by_offset, back.by_offset),
@@ -145,6 +175,15 @@ impl<'a> RidgeSearch<'a> {
         Self { marks }
     }
 
+    /// The distance of the marks, or that in their place without marks.
+    fn length(Lengths { step_over, mark_spacing, .. }: Lengths) -> f64 {
+        mark_spacing.max(NO_MARKS * step_over)
+    }
+
+    fn spacing(&self, lengths: Lengths) -> Spacing {
+        Spacing { length: Self::length(lengths), rounding: ROUNDING * self.marks.diameter() }
+    }
+
     /// Where the ridge is beside the stated contact if it is `aside` of the middle of passes s apart, with marks f apart.
     ///
     /// The stated contact is in that middle. If the step-over is short compared with the feed, oblique marks can put
@@ -182,24 +221,25 @@ impl<'a> RidgeSearch<'a> {
         &self,
         place: &RidgePlace,
         offset: f64,
-        spacing: f64,
+        spacing: Spacing,
         behind: &mut f64,
         Accuracy { tolerance, near }: Accuracy,
     ) -> Option<Pair> {
+        let length = spacing.length;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut reach = 0.25 * (spacing + offset.abs());
+        let mut reach = 0.25 * (length + offset.abs());
         for _ in 0..MOST_CHORD_STEPS {
             let front = self.marks.distance(place, *behind, offset);
-            let back = self.marks.distance(place, *behind - spacing, offset);
-            let (difference, steepening) = (front.value - back.value, front.by_behind - back.by_behind);
+            let back = self.marks.distance(place, *behind - length, offset);
+            let (difference, steepening) = (spacing.difference(&front, &back), front.by_behind - back.by_behind);
             if !difference.is_finite() {
                 return None;
             }
-            let is_straight = steepening.abs() <= STRAIGHT && difference.abs() <= STRAIGHT * spacing;
+            let is_straight = steepening.abs() <= STRAIGHT && difference.abs() <= STRAIGHT * length;
             let is_between = front.by_behind >= -STRAIGHT && back.by_behind <= STRAIGHT;
             if is_straight || is_between {
                 let pair = Pair::between(&front, &back, spacing, is_straight);
-                if is_straight || pair.error <= tolerance && pair.shift.off.abs() <= near * (spacing + offset.abs()) {
+                if is_straight || pair.error <= tolerance && pair.shift.off.abs() <= near * (length + offset.abs()) {
                     return Some(pair);
                 }
             }
@@ -239,9 +279,9 @@ impl<'a> RidgeSearch<'a> {
         let mut offset = ridge.offset();
         for _ in 0..MOST_STEPS {
             let Lengths { level, step_over, mark_spacing } = ridge.lengths;
-            let spacing = mark_spacing.max(NO_MARKS * step_over);
-            let reach = step_over + spacing;
-            let stated = Self::stated(offset - 0.5 * step_over, step_over, spacing);
+            let spacing = self.spacing(ridge.lengths);
+            let reach = step_over + spacing.length;
+            let stated = Self::stated(offset - 0.5 * step_over, step_over, spacing.length);
             let place = self.marks.ridge_place(stated.place, level);
             let [near_behind, far_behind] = &mut ridge.behind;
             let near = self.pair(&place, offset, spacing, near_behind, Accuracy::rough(level))?;
@@ -311,7 +351,7 @@ impl<'a> RidgeSearch<'a> {
     }
 
     /// The height that a pass leaves at an offset from it, for any phase of its teeth; `None` if no height is found.
-    fn level(&self, start: f64, aside: f64, offset: f64, spacing: f64, behind: &mut f64) -> Option<f64> {
+    fn level(&self, start: f64, aside: f64, offset: f64, spacing: Spacing, behind: &mut f64) -> Option<f64> {
         let mut level = start;
         for _ in 0..MOST_STEPS {
             let place = self.marks.ridge_place(aside, level);
@@ -341,12 +381,12 @@ impl<'a> RidgeSearch<'a> {
     /// A pass leaves the lowest height abreast of its deepest place and more to both sides of it, so that the height
     /// left by the near pass exceeds that left by the far one exactly on the far side of the ridge.
     fn nested(&self, start: &TurnedRidge) -> Option<TurnedRidge> {
-        let Lengths { level, step_over, mark_spacing } = start.lengths;
-        let spacing = mark_spacing.max(NO_MARKS * step_over);
+        let Lengths { level, step_over, .. } = start.lengths;
+        let spacing = self.spacing(start.lengths);
         // The height and the place of the marks that both passes leave at an offset. Every search starts at the same place,
         // so that what it finds depends on the offset alone.
         let left = |offset: f64| {
-            let aside = Self::stated(offset - 0.5 * step_over, step_over, spacing).place;
+            let aside = Self::stated(offset - 0.5 * step_over, step_over, spacing.length).place;
             let left_by = |pass: usize, offset: f64| {
                 let mut behind = start.behind[pass];
                 self.level(level, aside, offset, spacing, &mut behind).map(|level| (level, behind))
@@ -360,7 +400,7 @@ impl<'a> RidgeSearch<'a> {
         };
         let start_offset = start.offset();
         let first = excess(start_offset).ok()?;
-        let mut step = 0.1 * (step_over + spacing);
+        let mut step = 0.1 * (step_over + spacing.length);
         let mut other = start_offset;
         loop {
             let last = other;
@@ -388,7 +428,7 @@ impl<'a> RidgeSearch<'a> {
     /// The largest turn at the ridge's contacts as a share of the smaller of the slope's sine and cosine.
     pub(super) fn share(&self, ridge: &TurnedRidge) -> f64 {
         let Lengths { step_over, mark_spacing, .. } = ridge.lengths;
-        let place = Self::stated(ridge.aside, step_over, mark_spacing.max(NO_MARKS * step_over)).place;
+        let place = Self::stated(ridge.aside, step_over, Self::length(ridge.lengths)).place;
         let offset = ridge.offset();
         let mut largest = 0.0_f64;
         for (behind, offset) in ridge.behind.into_iter().zip([offset, offset - step_over]) {

@@ -188,3 +188,19 @@ fn on_a_floor_the_flat_leaves_nothing_and_the_corner_its_round() {
     let step_over = envelope.max_step_over(height.step_over, None).unwrap();
     approx::assert_relative_eq!(step_over.mm(), 8.0, max_relative = 1e-14);
 }
+
+/// Uphill of a contact on a wall that is concave along the feed, the surface overhangs. Vertical passes meet at the
+/// contact's level line there, where the cutter's side is a circle of the radius R. Marks that have normals of their own
+/// know no overhang; with them the height was a thousandth of a millimetre.
+#[test]
+fn vertical_passes_on_an_overhanging_wall_leave_the_height_of_circles() {
+    for (slope, twist) in [(89.999_999, 0.008), (89.999, 0.008), (89.9, -0.002)] {
+        let surface = SurfaceCurvature::from_components_per_mm(-0.056, -0.054, twist).unwrap();
+        let envelope = Envelope::new(Pass { surface, ..by_theta(cutter(3.0, 0.58), slope, 0.0).pass }).unwrap();
+        let s = 3.1;
+        let circles = circle_height(3.0, s) - 0.054 * s * s / 8.0;
+        let found = envelope.scallop_height(mm(s), None).unwrap().step_over.mm();
+        // Slope and twist tilt the section by less than 0.01.
+        approx::assert_relative_eq!(found, circles, max_relative = 0.01);
+    }
+}

@@ -60,7 +60,7 @@ proptest! {
         let envelope = by_theta(cutter, slope, theta);
         let s = share * cutter.outer_radius().mm();
         let lengths = Lengths { level: envelope.guess(s, Pattern::even(marks)), step_over: s, mark_spacing: marks };
-        let Some(quick) = envelope.quickly(lengths, Sought::Level) else { return Ok(()) };
+        let Some(quick) = envelope.quickly(lengths, Sought::Level).map(|ridge| ridge.lengths) else { return Ok(()) };
         // Both have rounding errors of coordinates of the size of R, which is up to a hundred times h. The general search
         // ends where the distances of both marks differ by 1e-9 h. With the radius P along the feed, at most a/sin(S) + r,
         // its place is then 1e-9 h P/f off, which counts by that length's square over 2P.
@@ -100,7 +100,10 @@ proptest! {
             // Both have rounding errors of coordinates of the size of R.
             approx::assert_relative_eq!(level, search(s, pattern), max_relative = 1e-10, epsilon = 1e-13 * outer);
         }
-        if let Ok(feed) = envelope.second_order_max_feed_per_tooth(mm(p), mm(s)) {
+        let feed = envelope.height(s, Pattern::even(0.0)).and_then(|alone| {
+            envelope.second_order_max_feed_per_tooth_above(Length::computed(alone), mm(p), mm(s))
+        });
+        if let Ok(feed) = feed {
             let level = |share: f64| search(s, envelope.pattern(feed.mm() * share));
             prop_assert!(level(1.0 - 1e-9) <= p * (1.0 + 1e-9) && level(1.0 + 1e-6) >= p * (1.0 - 1e-9), "{} {} {p}", level(1.0 - 1e-9), level(1.0 + 1e-6));
         }
