@@ -6,6 +6,7 @@ use super::middleware::memory_budget;
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object, mark_not_finite};
 use crate::cancellation::CancelFlag;
+use crate::json_text::JsonError;
 use crate::memory_budget::{MemoryBudget, Reservation};
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
@@ -211,7 +212,7 @@ pub(crate) fn read_text<T>(
 }
 
 /// The problem of a text that is not JSON.
-pub(crate) fn malformed(error: &serde_json::Error) -> Problem {
+pub(crate) fn malformed(error: &JsonError) -> Problem {
     Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}"))
 }
 

@@ -6,6 +6,7 @@ use super::body::{malformed, read_object};
 use super::codes::RequestFault;
 use super::problem::Problem;
 use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark};
+use crate::json_text::JsonText;
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -271,7 +272,7 @@ fn number(value: &str) -> String {
         return mark.to_owned();
     }
     let is_number = value.starts_with(|first: char| first == '-' || first.is_ascii_digit())
-        && serde_json::from_str::<&serde_json::value::RawValue>(value).is_ok_and(|raw| raw.get().len() == value.len());
+        && JsonText::check(value.as_bytes(), &|| false).is_ok_and(|number| number.get().len() == value.len());
     if is_number { value.to_owned() } else { quoted(value) }
 }
 

@@ -4,8 +4,7 @@ use super::fault::{Flaw, LibraryFault, LibraryFaultKind, LibraryFaults, quoted};
 use super::{ToolLibrary, ToolPlace, csv, freecad, fusion};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
 use crate::cancellation::CancelFlag;
-use serde::Deserialize;
-use serde::de::IgnoredAny;
+use crate::json_text::{JsonText, Unread};
 use std::collections::HashMap;
 
 /// The largest library file, and the largest decompressed size of a zip: 3 kB for each of 10,000 tools.
@@ -34,24 +33,56 @@ pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: 
 }
 
 /// The members of a JSON file that identify its format.
-#[derive(Deserialize)]
-struct Members {
-    data: Option<IgnoredAny>,
-    parameter: Option<IgnoredAny>,
-    shape: Option<IgnoredAny>,
-    tools: Option<IgnoredAny>,
+#[derive(Debug, Clone, Copy, Default)]
+struct Members<'a> {
+    data: Option<JsonText<'a>>,
+    parameter: Option<JsonText<'a>>,
+    shape: Option<JsonText<'a>>,
+    tools: Option<JsonText<'a>>,
+}
+
+impl<'a> Members<'a> {
+    /// The members of a JSON text. Once `cancel` is set, it returns early with a flaw that must be discarded.
+    fn of(text: &'a str, cancel: &CancelFlag) -> Result<Self, Flaw> {
+        /// More members than the file of any program has.
+        const MOST: usize = 1000;
+        let (_, object) =
+            JsonText::check_object(text.as_bytes(), MOST, &|| cancel.is_cancelled()).map_err(|error| Flaw::json(EXPECTED, &error))?;
+        let object = object.map_err(|unread| match unread {
+            Unread::Name(error) => Flaw::json(EXPECTED, &error),
+            Unread::OtherType | Unread::Cancelled => Flaw::malformed(EXPECTED, "an array"),
+        })?;
+        if object.unkept > 0 {
+            return Err(Flaw::too_large(format!("at most {MOST} members"), "more"));
+        }
+        let mut members = Self::default();
+        for (name, value) in object.kept {
+            let member = match &*name {
+                "data" => &mut members.data,
+                "parameter" => &mut members.parameter,
+                "shape" => &mut members.shape,
+                "tools" => &mut members.tools,
+                _ => continue,
+            };
+            if member.replace(value).is_some() {
+                return Err(Flaw::malformed(EXPECTED, format!("the member {name} more than once")));
+            }
+        }
+        let stated = |member: Option<JsonText<'a>>| member.filter(|value| value.get() != "null");
+        let Self { data, parameter, shape, tools } = members;
+        Ok(Self { data: stated(data), parameter: stated(parameter), shape: stated(shape), tools: stated(tools) })
+    }
 }
 
 /// Reads a file that is not an archive. `number` is the tool's number in a list of FreeCAD.
 fn read_plain(bytes: &[u8], file: &str, number: Option<u32>, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
     let unknown = |found: &'static str| LibraryFaults::from(Flaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file));
-    let text = decoded(bytes).map_err(unknown)?;
+    let text = decoded(bytes, cancel).map_err(unknown)?;
     if !text.trim_start().starts_with(['{', '[']) {
         return csv::read(&text, file, library, cancel);
     }
-    let members: Members = serde_json::from_str(&text).map_err(|error| Flaw::json(EXPECTED, &error).in_file(file))?;
-    match members {
-        Members { data: Some(_), .. } => Ok(fusion::read(&text, file, library, cancel)?),
+    match Members::of(&text, cancel).map_err(|flaw| flaw.in_file(file))? {
+        Members { data: Some(data), .. } => Ok(fusion::read(data, file, library, cancel)?),
         Members { parameter: Some(_), .. } | Members { shape: Some(_), .. } => Ok(freecad::read_tool(&text, file, number, library)?),
         Members { tools: Some(_), .. } => Err(unknown("a list of FreeCAD, which names the files of its tools; send a zip of them all")),
         _ => Err(unknown("JSON without the members data (Fusion) or parameter (FreeCAD)")),
@@ -138,7 +169,7 @@ fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &Ca
                 }
                 let read = match archive.content(entry).map_err(|fault| flaw(&fault).in_file(&path)) {
                     Ok(bytes) if Archive::is_archive(&bytes) => Err(nested(&path).into()),
-                    Ok(bytes) if extension == "fctb" => read_tool_file(&bytes, &path, number, library),
+                    Ok(bytes) if extension == "fctb" => read_tool_file(&bytes, &path, number, library, cancel),
                     Ok(bytes) => read_plain(&bytes, &path, number, library, cancel),
                     Err(fault) => Err(fault.into()),
                 };
@@ -161,8 +192,14 @@ fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &Ca
 
 /// Reads a tool file of FreeCAD in a zip. A file that is not a tool is recorded as a faulty tool, and the other files
 /// are still read.
-fn read_tool_file(bytes: &[u8], path: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFaults> {
-    let text = match decoded(bytes) {
+fn read_tool_file(
+    bytes: &[u8],
+    path: &str,
+    number: Option<u32>,
+    library: &mut ToolLibrary,
+    cancel: &CancelFlag,
+) -> Result<(), LibraryFaults> {
+    let text = match decoded(bytes, cancel) {
         Ok(text) => text,
         Err(found) => {
             let flaw = Flaw::malformed("a tool of FreeCAD in JSON", found);
@@ -193,19 +230,33 @@ fn flaw(fault: &ArchiveFault) -> Flaw {
     Flaw::new(kind, "a ZIP archive within its limits", fault.to_string())
 }
 
-/// A file as text: UTF-8, UTF-16 with a byte-order mark, or otherwise Latin-1. The error describes a binary file.
-fn decoded(bytes: &[u8]) -> Result<String, &'static str> {
-    let utf_16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes.as_chunks::<2>().0.iter().map(|pair| unit(*pair)).collect();
-        String::from_utf16_lossy(&units)
-    };
-    let text = match bytes {
-        [0xff, 0xfe, rest @ ..] => utf_16(rest, u16::from_le_bytes),
-        [0xfe, 0xff, rest @ ..] => utf_16(rest, u16::from_be_bytes),
+/// A file as text: UTF-8, UTF-16 with a byte-order mark, or otherwise Latin-1. The error describes a binary file. Once
+/// `cancel` is set, the rest of a file that is not UTF-8 is left out.
+fn decoded(bytes: &[u8], cancel: &CancelFlag) -> Result<String, &'static str> {
+    let mut text = match bytes {
+        [0xff, 0xfe, rest @ ..] => from_utf_16(rest, u16::from_le_bytes, cancel),
+        [0xfe, 0xff, rest @ ..] => from_utf_16(rest, u16::from_be_bytes, cancel),
         [0xef, 0xbb, 0xbf, rest @ ..] => String::from_utf8_lossy(rest).into_owned(),
-        _ => std::str::from_utf8(bytes).map_or_else(|_| bytes.iter().map(|byte| char::from(*byte)).collect(), str::to_owned),
+        _ => std::str::from_utf8(bytes).map_or_else(|_| collected(bytes.iter().map(|byte| char::from(*byte)), cancel), str::to_owned),
     };
-    let text = text.trim_end_matches(['\0', '\u{1a}']);
+    text.truncate(text.trim_end_matches(['\0', '\u{1a}']).len());
     let is_binary = text.chars().take(4096).any(|c| c.is_control() && !c.is_whitespace());
-    if is_binary { Err("a binary file") } else { Ok(text.to_owned()) }
+    if is_binary { Err("a binary file") } else { Ok(text) }
+}
+
+fn from_utf_16(bytes: &[u8], unit: fn([u8; 2]) -> u16, cancel: &CancelFlag) -> String {
+    let units = bytes.as_chunks::<2>().0.iter().map(|pair| unit(*pair));
+    collected(char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)), cancel)
+}
+
+/// The text of these characters, up to the character at which `cancel` is set.
+fn collected(characters: impl Iterator<Item = char>, cancel: &CancelFlag) -> String {
+    /// The number of characters between two checks, which take less than a millisecond.
+    const STEP: usize = 1 << 16;
+    let mut text = String::new();
+    let mut characters = characters.peekable();
+    while characters.peek().is_some() && !cancel.is_cancelled() {
+        text.extend(characters.by_ref().take(STEP));
+    }
+    text
 }

@@ -1,6 +1,7 @@
 //! Faults of a tool library, each with file, tool and member, what is expected there and what was found.
 
 use super::{ToolPlace, shortened};
+use crate::json_text::JsonError;
 use std::borrow::Cow;
 use std::fmt;
 
@@ -178,11 +179,8 @@ impl Flaw {
 
     /// The flaw of a text that is not JSON, or not the expected JSON. The parser's message may quote a long text, so it
     /// is shortened.
-    pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Self {
-        let message = error.to_string();
-        let place = format!(" at line {} column {}", error.line(), error.column());
-        let message = message.strip_suffix(&place).unwrap_or(&message);
-        Self::malformed(expected, format!("{}{place}", shortened(message)))
+    pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &JsonError) -> Self {
+        Self::malformed(expected, format!("{} at line {} column {}", shortened(error.message()), error.line(), error.column()))
     }
 
     pub(super) fn too_large(expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {

@@ -12,12 +12,25 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use std::fmt;
 
+/// The longest text of a tool; FreeCAD writes 1 kB for one.
+const LONGEST_TOOL: usize = 1 << 20;
+
+/// The longest list: 400 bytes for each of 10,000 tools.
+const LONGEST_LIST: usize = 4 << 20;
+
+/// Refuses a text of more than `most` bytes.
+fn within(length: usize, most: usize, what: &str) -> Result<(), Flaw> {
+    if length <= most { Ok(()) } else { Err(Flaw::too_large(format!("{what} of at most {most} bytes"), format!("{length} bytes"))) }
+}
+
 /// Reads the tool of a `.fctb` file, whose number in the library is `number`.
 ///
 /// # Errors
 /// The library is full. Faults of the file are recorded as faults of the tool.
 pub(super) fn read_tool(text: &str, file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
-    let read: Result<Tool, Flaws> = serde_json::from_str(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &error).into());
+    let read = within(text.len(), LONGEST_TOOL, "a tool")
+        .and_then(|()| serde_json::from_str::<Tool>(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &(&error).into())));
+    let read = read.map_err(Flaws::from);
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = read.and_then(|tool| tool.read(number));
     let place = ToolPlace { file, position: 1, name: name.as_deref() };
@@ -34,8 +47,9 @@ pub(super) struct ListedTool {
 
 /// Reads a `.fctl` list.
 pub(super) fn read_list(text: &[u8], file: &str) -> Result<Vec<ListedTool>, LibraryFault> {
+    within(text.len(), LONGEST_LIST, "a list").map_err(|flaw| flaw.in_file(file))?;
     let list: List =
-        serde_json::from_slice(text).map_err(|error| Flaw::json("a list of tools of FreeCAD in JSON", &error).in_file(file))?;
+        serde_json::from_slice(text).map_err(|error| Flaw::json("a list of tools of FreeCAD in JSON", &(&error).into()).in_file(file))?;
     list.tools.0.into_iter().enumerate().map(|(index, item)| item.read(index).map_err(|flaw| flaw.in_file(file))).collect()
 }
 

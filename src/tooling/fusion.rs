@@ -11,64 +11,45 @@ use super::scalar::Scalar;
 use super::shape::Shape;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::cancellation::CancelFlag;
+use crate::json_text::{JsonText, Unread};
 use crate::milling::Cutter;
 use crate::quantity::Length;
 use serde::Deserialize;
 use serde::de::{Deserializer, SeqAccess, Visitor};
-use serde_json::value::RawValue;
+use std::cell::Cell;
 use std::fmt;
 
-/// Adds the tools of a library file. Once `cancel` is set, the other tools are skipped.
+/// The longest text of a tool; Fusion writes 2 kB for one.
+const LONGEST_TOOL: usize = 1 << 20;
+
+/// Adds the tools of `data`, the member of a library file. Once `cancel` is set, the other tools are skipped.
 ///
 /// # Errors
-/// The text is not JSON with tools in `data`, or the library is full.
-pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFault> {
-    let malformed = |error| Flaw::json("a tool library of Fusion in JSON", &error).in_file(file);
-    let LibraryFile { data } = serde_json::from_str(text).map_err(malformed)?;
-    // The syntax has been checked, so a failure means that `data` is not an array.
-    let tools = serde_json::Deserializer::from_str(data.get()).deserialize_seq(Tools { file, library, cancel });
-    tools.map_err(|_| Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?
-}
-
-/// The members of a library file.
-#[derive(Deserialize)]
-struct LibraryFile<'a> {
-    #[serde(borrow)]
-    data: &'a RawValue,
-}
-
-/// Adds the tools of `data` to a library.
-struct Tools<'a> {
-    file: &'a str,
-    library: &'a mut ToolLibrary,
-    cancel: &'a CancelFlag,
-}
-
-impl<'de> Visitor<'de> for Tools<'_> {
-    type Value = Result<(), LibraryFault>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an array of tools")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Self::Value, A::Error> {
-        let Self { file, library, cancel } = self;
-        let mut result = Ok(());
-        let mut position = 0;
-        // Once the library is full, the rest is skipped, so that the array ends.
-        while let Some(item) = items.next_element::<&RawValue>()? {
-            position += 1;
-            if result.is_ok() && !cancel.is_cancelled() {
-                result = add(item, position, file, library);
-            }
+/// `data` is not an array, or the library is full.
+pub(super) fn read(data: JsonText<'_>, file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFault> {
+    let (mut result, mut position) = (Ok(()), 0);
+    // Once the library is full, nothing more is read.
+    let is_full = Cell::new(false);
+    let read = data.items(&|| cancel.is_cancelled() || is_full.get(), |item| {
+        position += 1;
+        if result.is_ok() && !cancel.is_cancelled() {
+            result = add(item, position, file, library);
+            is_full.set(result.is_err());
         }
-        Ok(result)
+    });
+    match read {
+        Err(Unread::OtherType) => Err(Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file)),
+        _ => result,
     }
 }
 
 /// Adds the tool at this position of the file, counted from 1.
-fn add(item: &RawValue, position: usize, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
-    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| Flaw::json("a tool in JSON", &error).into());
+fn add(item: JsonText<'_>, position: usize, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+    if item.get().len() > LONGEST_TOOL {
+        let flaw = Flaw::too_large(format!("a tool of at most {LONGEST_TOOL} bytes"), format!("{} bytes", item.get().len()));
+        return library.add(Err(flaw.into()), &ToolPlace { file, position, name: None }).map_err(|flaw| flaw.in_file(file));
+    }
+    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| Flaw::json("a tool in JSON", &(&error).into()).into());
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = match TypeAlone::other(item) {
         // The other members of such a tool may differ from those of a cutter.
@@ -87,7 +68,7 @@ struct TypeAlone {
 
 impl TypeAlone {
     /// The type of a tool that is not a finishing cutter; `None` for a finishing cutter.
-    fn other(item: &RawValue) -> Option<String> {
+    fn other(item: JsonText<'_>) -> Option<String> {
         let Self { kind } = serde_json::from_str(item.get()).ok()?;
         kind?.text().ok().filter(|kind| shape_of(kind).is_none())
     }

@@ -46,11 +46,11 @@ fn surface() -> Vec<u8> {
     file
 }
 
-/// The bytes of an upload of the surface with a library of cutters in a table.
-fn upload() -> Vec<u8> {
+/// The bytes of an upload of the surface with a library of cutters in a table, and with additional parameters.
+fn upload_with(further: &str) -> Vec<u8> {
     let rows = (0..CUTTERS).map(|index| format!("B{index},ball_end,{:.2},2\n", 4.0 + 0.02 * f64::from(index)));
     let library = format!("name,type,diameter_mm,teeth\n{}", rows.collect::<String>());
-    let parameters = r#"{"scallop_height_mm":0.001,"machine":{"preset":"five_axis_vmc"}}"#;
+    let parameters = format!(r#"{{"scallop_height_mm":0.001,"machine":{{"preset":"five_axis_vmc"}}{further}}}"#);
     let mut body = Vec::new();
     for (name, data) in [("surface", surface().as_slice()), ("library", library.as_bytes()), ("parameters", parameters.as_bytes())] {
         body.extend(format!("--part\r\ncontent-disposition: form-data; name=\"{name}\"\r\n\r\n").bytes());
@@ -64,10 +64,35 @@ fn upload() -> Vec<u8> {
     [head.into_bytes(), body].concat()
 }
 
+fn upload() -> Vec<u8> {
+    upload_with("")
+}
+
+/// The bytes of a batch of the fastest parameters at many contacts, sent as columns, by the slower model.
+fn column_batch() -> Vec<u8> {
+    const CONTACTS: u32 = 250_000;
+    let column = |most: f64, step: f64| {
+        let items: Vec<String> = (0..CONTACTS).map(|index| format!("{:.3}", 1.0 + (step * f64::from(index)) % most)).collect();
+        items.join(",")
+    };
+    let body = format!(
+        r#"{{"cutter":{{"type":"toroidal","diameter_mm":10,"corner_radius_mm":2,"teeth":4}},"scallop_tolerance_mm":0.01,"max_feed_per_tooth_mm":0.3,"spindle_speed_rpm":9000,"model":"envelope","surface_radius_mm":-80,"contacts":{{"slope_deg":[{}],"feed_angle_deg":[{}]}}}}"#,
+        column(85.0, 0.37),
+        column(350.0, 1.7)
+    );
+    let head = "POST /v1/cutting-parameters/batch HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\n";
+    format!("{head}content-length: {}\r\n\r\n{body}", body.len()).into_bytes()
+}
+
 /// Sends the upload, and returns once the program is at work on it.
 async fn begin(program: &Program) -> TcpStream {
+    begin_with(program, &upload()).await
+}
+
+/// Sends a request, and returns once the program is at work on it.
+async fn begin_with(program: &Program, request: &[u8]) -> TcpStream {
     let mut stream = TcpStream::connect(program.address).await.unwrap();
-    stream.write_all(&upload()).await.unwrap();
+    stream.write_all(request).await.unwrap();
     let deadline = tokio::time::Instant::now() + 4 * PATIENCE;
     while program.processor_time_s() < BEGUN {
         assert!(tokio::time::Instant::now() < deadline, "the work does not begin");
@@ -106,6 +131,20 @@ async fn work_on_a_recommendation_ends_soon_after_its_client_closed_the_connecti
     let program = Program::start(&["--request-timeout-s", "600"]);
     drop(begin(&program).await);
     assert_at_rest(&program).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn work_ends_at_most_a_second_after_the_client_closed_its_sending_side() {
+    for request in [upload_with(r#","include":["map","passes"]"#), column_batch()] {
+        let program = Program::start(&["--request-timeout-s", "600"]);
+        let mut stream = begin_with(&program, &request).await;
+        stream.shutdown().await.unwrap();
+        assert_at_rest(&program).await;
+        let mut answer = Vec::new();
+        // The connection ends without an answer, by a close or a reset.
+        let _ = tokio::time::timeout(PATIENCE, stream.read_to_end(&mut answer)).await.expect("an end");
+        assert_eq!(String::from_utf8_lossy(&answer), "");
+    }
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

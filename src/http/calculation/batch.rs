@@ -178,7 +178,7 @@ impl<C: Calculation> Batch<C> {
     fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
         let mut json = PlainJson::new(run);
         let mut part = self.part(run.len() / USUAL_CONTACT);
-        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
+        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT).and_until(cancel);
         while !cancel.is_cancelled() {
             let path = JsonPath::Root;
             let contact = BatchContact::read_next(&mut json, C::STATED, &self.defaults, path, &mut faults)?;
@@ -199,7 +199,7 @@ impl<C: Calculation> Batch<C> {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT).and_until(cancel);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, C::STATED, &self.defaults, path, &mut faults);
@@ -216,7 +216,7 @@ impl<C: Calculation> Batch<C> {
     fn take_in(&self, part: &mut Part, index: usize, contact: Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
         part.count += 1;
         if contact.and_then(|contact| self.compute_contact(part, index, contact, path, faults)).is_err() {
-            part.fail(index, std::mem::replace(faults, Faults::at_most(MOST_FAULTS_OF_A_CONTACT)));
+            part.fail(index, faults.take());
         }
     }
 

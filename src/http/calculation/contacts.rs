@@ -2,7 +2,7 @@
 
 use crate::http::reading::{Faulted, Faults, JsonPath, items};
 use crate::http::wire::{BatchContact, ContactColumns, ContactParameters, StatedParameters};
-use serde_json::value::RawValue;
+use crate::json_text::JsonText;
 
 /// The largest number of contacts in a request. Without this limit, a body of the largest size could hold some ten
 /// million. With it, an answer stays below about 100 MB.
@@ -11,14 +11,14 @@ pub(super) const MOST_CONTACTS: usize = 250_000;
 /// Contacts that are not read yet.
 pub(super) enum Contacts<'a> {
     /// An array of objects.
-    Rows(Vec<&'a RawValue>),
+    Rows(Vec<JsonText<'a>>),
     /// An object of arrays.
     Columns(Box<ContactColumns>),
 }
 
 impl<'a> Contacts<'a> {
     /// Opens an array or an object of columns. Faults of a contact are found when it is read.
-    pub(super) fn open(raw: &'a RawValue, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+    pub(super) fn open(raw: JsonText<'a>, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         if !raw.get().starts_with('{') {
             return items(raw, MOST_CONTACTS, path, faults).map(Self::Rows);
         }

@@ -4,8 +4,8 @@ use super::object::describe;
 use super::{Faulted, Faults, JsonPath};
 use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
+use crate::json_text::{JsonText, Unread};
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
-use serde_json::value::RawValue;
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -14,11 +14,11 @@ const TURN: usize = 256;
 
 /// Passes every item of the array `raw` to `take`. Ends at the first item that is not a `T`, or if the reading is
 /// cancelled by the flag of `faults`.
-pub(crate) fn each<'a, T: Deserialize<'a>>(raw: &'a RawValue, faults: &Faults, take: impl FnMut(T)) -> serde_json::Result<()> {
+pub(crate) fn each<'a, T: Deserialize<'a>>(raw: JsonText<'a>, faults: &Faults, take: impl FnMut(T)) -> serde_json::Result<()> {
     each_until(raw, faults.cancel_flag(), take)
 }
 
-fn each_until<'a, T: Deserialize<'a>>(raw: &'a RawValue, cancel: Option<CancelFlag>, take: impl FnMut(T)) -> serde_json::Result<()> {
+fn each_until<'a, T: Deserialize<'a>>(raw: JsonText<'a>, cancel: Option<CancelFlag>, take: impl FnMut(T)) -> serde_json::Result<()> {
     struct Each<T, F>(F, Option<CancelFlag>, PhantomData<T>);
     impl<'de, T: Deserialize<'de>, F: FnMut(T)> Visitor<'de> for Each<T, F> {
         type Value = ();
@@ -42,17 +42,22 @@ fn each_until<'a, T: Deserialize<'a>>(raw: &'a RawValue, cancel: Option<CancelFl
 
 /// Passes every item of the array `raw` to `take` in order, without parsing it.
 pub(crate) fn each_raw<'a>(
-    raw: &'a RawValue,
+    raw: JsonText<'a>,
     path: JsonPath<'_>,
     faults: &mut Faults,
-    mut take: impl FnMut(&'a RawValue, &mut Faults),
+    mut take: impl FnMut(JsonText<'a>, &mut Faults),
 ) -> Result<(), Faulted> {
-    each_until(raw, faults.cancel_flag(), |item: &'a RawValue| take(item, faults))
-        .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))))
+    let cancel = faults.cancel_flag();
+    let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
+    raw.items(&stop, |item| take(item, faults)).map_err(|unread| match unread {
+        // The faults of a cancelled reading are discarded.
+        Unread::Cancelled => Faulted,
+        _ => faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))),
+    })
 }
 
 /// The unparsed items of the array `raw`. More than `most` items are a fault; further items are counted, not stored.
-pub(crate) fn items<'a>(raw: &'a RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<&'a RawValue>, Faulted> {
+pub(crate) fn items<'a>(raw: JsonText<'a>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<JsonText<'a>>, Faulted> {
     let (mut count, mut items) = (0, Vec::new());
     each_raw(raw, path, faults, |item, _| {
         count += 1;
@@ -75,7 +80,7 @@ mod tests {
         let cancel = CancelFlag::default();
         cancel.cancel();
         let json = format!("[{}0]", "0,".repeat(10 * TURN));
-        let raw: &RawValue = serde_json::from_str(&json).unwrap();
+        let raw = JsonText::known(&json);
         let mut count = 0;
         assert!(each(raw, &Faults::until(&cancel), |_: u32| count += 1).is_err());
         assert_eq!(count, TURN);

@@ -5,8 +5,8 @@ use super::number_array::read_numbers;
 use super::object::describe;
 use super::{Faulted, Faults, JsonPath, each};
 use crate::http::codes::RequestFault;
+use crate::json_text::JsonText;
 use serde::{Deserialize, Serialize};
-use serde_json::value::RawValue;
 use std::fmt::Write;
 
 /// A column of values, or an object of columns.
@@ -16,7 +16,7 @@ pub(crate) trait PlainColumn: Default {
 
     /// Reads a column of at most `most` rows. An item of another type is a fault of its row, which is reported when the
     /// row is read.
-    fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted>;
+    fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted>;
 
     /// Reads a column of at most `most` rows from the text between the brackets of its array, whose syntax has not been
     /// checked. `None` if the column has no fast reader or the text is unusual.
@@ -73,7 +73,7 @@ impl Rows {
 pub(crate) struct Cells<P> {
     values: Vec<P>,
     /// The rows with a value of another type in ascending order, the first ones with their text.
-    faulty: Vec<(usize, Option<Box<RawValue>>)>,
+    faulty: Vec<(usize, Option<Box<str>>)>,
 }
 
 impl<P> Default for Cells<P> {
@@ -133,7 +133,7 @@ impl<P: PlainValue> Cells<P> {
 impl<P: PlainValue> PlainColumn for Cells<P> {
     type Plain = P;
 
-    fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+    fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let items = raw.get().strip_prefix('[').and_then(|items| items.strip_suffix(']'));
         if let Some(cells) = items.and_then(|items| Self::read_plain(items.as_bytes(), most)) {
             return Ok(cells);
@@ -149,14 +149,15 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
             // The pass above stopped at the first item of another type; this pass finds all of them.
             cells.values.clear();
             count = 0;
-            let read = each(raw, faults, |item: &RawValue| {
+            let stop = || faults.is_cancelled();
+            let read = raw.items(&stop, |item| {
                 count += 1;
                 if count > most {
                     return;
                 }
                 let value = serde_json::from_str::<Option<P>>(item.get());
                 if value.is_err() {
-                    let text = (cells.faulty.len() < Self::MOST_FAULTY_TEXTS).then(|| item.to_owned());
+                    let text = (cells.faulty.len() < Self::MOST_FAULTY_TEXTS).then(|| item.get().into());
                     cells.faulty.push((count - 1, text));
                 }
                 cells.values.push(value.ok().flatten().unwrap_or(P::ABSENT));
@@ -196,7 +197,7 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
             row.member(name, &value);
         } else if let Ok(found) = self.faulty.binary_search_by_key(&index, |(row, _)| *row) {
             match &self.faulty[found].1 {
-                Some(text) => row.member(name, text),
+                Some(text) => row.written_member(name, text),
                 // No member of a contact takes a boolean.
                 None => row.member(name, &true),
             }
@@ -213,20 +214,25 @@ pub(crate) struct RowText {
 impl RowText {
     /// Adds a member.
     pub(crate) fn member(&mut self, name: &str, value: &impl Serialize) {
+        let text = serde_json::to_string(value).unwrap_or_else(|_| unreachable!("numbers can be written"));
+        self.written_member(name, &text);
+    }
+
+    /// Adds a member whose value is given as JSON.
+    fn written_member(&mut self, name: &str, value: &str) {
         let separator = if self.members.is_empty() { "" } else { "," };
-        let text = serde_json::to_string(value).unwrap_or_else(|_| unreachable!("numbers and JSON texts can be written"));
-        let _ = write!(self.members, "{separator}{name:?}:{text}");
+        let _ = write!(self.members, "{separator}{name:?}:{value}");
     }
 
     /// Adds a member that is an object, unless it has no members.
     pub(crate) fn object(&mut self, name: &str, object: Self) {
         if !object.members.is_empty() {
-            self.member(name, &object.written());
+            self.written_member(name, &object.written());
         }
     }
 
     /// The whole object.
-    pub(crate) fn written(self) -> Box<RawValue> {
-        RawValue::from_string(format!("{{{}}}", self.members)).unwrap_or_else(|_| unreachable!("its members are JSON"))
+    pub(crate) fn written(self) -> String {
+        format!("{{{}}}", self.members)
     }
 }

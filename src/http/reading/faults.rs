@@ -35,7 +35,7 @@ pub(crate) struct Faults {
     listed: Vec<Fault>,
     unlisted: usize,
     left_out: usize,
-    /// Stops the reading of arrays when it is set.
+    /// Stops the reading when it is set.
     cancel: Option<CancelFlag>,
 }
 
@@ -56,12 +56,22 @@ impl Faults {
 
     /// An empty list for a body whose reading stops when `cancel` is set.
     pub(crate) fn until(cancel: &CancelFlag) -> Self {
-        Self { cancel: Some(cancel.clone()), ..Self::default() }
+        Self::default().and_until(cancel)
     }
 
-    /// The flag that stops the reading of arrays.
+    /// The same list, for a reading that stops when `cancel` is set.
+    pub(crate) fn and_until(self, cancel: &CancelFlag) -> Self {
+        Self { cancel: Some(cancel.clone()), ..self }
+    }
+
+    /// The flag that stops the reading.
     pub(crate) fn cancel_flag(&self) -> Option<CancelFlag> {
         self.cancel.clone()
+    }
+
+    /// Whether the reading has been cancelled.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.as_ref().is_some_and(CancelFlag::is_cancelled)
     }
 
     /// Records a fault and returns the proof of it.
@@ -82,6 +92,12 @@ impl Faults {
             self.unlisted += 1;
         }
         Faulted
+    }
+
+    /// Takes all faults out of the list.
+    pub(crate) fn take(&mut self) -> Self {
+        let empty = Self { cancel: self.cancel.clone(), ..Self::at_most(self.most_listed) };
+        std::mem::replace(self, empty)
     }
 
     /// Counts faults that the caller leaves out of the list. Only the total includes them.

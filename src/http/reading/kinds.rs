@@ -4,8 +4,8 @@ use super::array::items;
 use super::object::describe;
 use super::{Cells, Components, Faulted, Faults, JsonPath, Kind, PlainKind, not_finite};
 use crate::http::codes::RequestFault;
+use crate::json_text::JsonText;
 use crate::quantity::{Length, OutOfRange};
-use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -42,7 +42,7 @@ impl Quantity<Length> {
 impl<T> Kind for Quantity<T> {
     type Value = T;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
         let hint = self.hint;
         (self.of)(number(raw, path, faults)?)
             .map_err(|bounds| faults.add(&path, RequestFault::OutOfRange, format_args!("{bounds}, found {}{hint}", describe(raw))))
@@ -76,7 +76,7 @@ pub(crate) struct Whole {
 impl Kind for Whole {
     type Value = u32;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<u32, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<u32, Faulted> {
         let value = number(raw, path, faults)?;
         let checked = OutOfRange::check(value, self.minimum.into(), self.maximum.into());
         let value =
@@ -102,14 +102,14 @@ pub(crate) struct Vector {
 impl Kind for Vector {
     type Value = [f64; 3];
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
         const MOST_COUNTED: usize = 16;
         let items = items(raw, MOST_COUNTED, path, faults)?;
         let [x, y, z] = items.as_slice() else {
             let detail = format_args!("expected three numbers, found {} items", items.len());
             return Err(faults.add(&path, RequestFault::WrongType, detail));
         };
-        let [x, y, z] = [(0, x), (1, y), (2, z)].map(|(index, raw)| number(raw, path.item(index), faults));
+        let [x, y, z] = [(0, x), (1, y), (2, z)].map(|(index, raw)| number(*raw, path.item(index), faults));
         Ok([x?, y?, z?])
     }
 
@@ -138,14 +138,14 @@ pub(crate) struct Pair {
 impl Kind for Pair {
     type Value = [f64; 2];
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 2], Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 2], Faulted> {
         const MOST_COUNTED: usize = 16;
         let items = items(raw, MOST_COUNTED, path, faults)?;
         let [first, second] = items.as_slice() else {
             let detail = format_args!("expected two numbers, found {} items", items.len());
             return Err(faults.add(&path, RequestFault::WrongType, detail));
         };
-        let [first, second] = [(0, first), (1, second)].map(|(index, raw)| self.of.read(raw, path.item(index), faults));
+        let [first, second] = [(0, first), (1, second)].map(|(index, raw)| self.of.read(*raw, path.item(index), faults));
         Ok([first?, second?])
     }
 
@@ -190,7 +190,7 @@ impl<T> Choice<T> {
 impl<T: Copy> Kind for Choice<T> {
     type Value = T;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
         let word = text(raw, path, faults)?;
         let known = self.words.iter().find(|(known, _)| *known == word);
         known.map(|(_, value)| *value).ok_or_else(|| {
@@ -209,7 +209,7 @@ impl<T: Copy> Kind for Choice<T> {
 }
 
 /// Reads a finite number. One too large for double precision, such as 1e999, is out of range, not infinite.
-pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+pub(crate) fn number(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let text = raw.get();
     if let Some(token) = not_finite::token(text) {
         return Err(faults.add(&path, RequestFault::NotFinite, format_args!("the number must be finite, found {token}")));
@@ -224,7 +224,7 @@ pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) ->
 }
 
 /// Reads a string.
-pub(crate) fn text(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
-    serde_json::from_str(raw.get())
-        .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected a string, found {}", describe(raw))))
+pub(crate) fn text(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
+    raw.string(&|| faults.is_cancelled())
+        .ok_or_else(|| faults.add(&path, RequestFault::WrongType, format_args!("expected a string, found {}", describe(raw))))
 }

@@ -3,7 +3,7 @@
 use super::array::items;
 use super::{Components, Faulted, Faults, JsonPath, Kind};
 use crate::http::codes::RequestFault;
-use serde_json::value::RawValue;
+use crate::json_text::JsonText;
 use utoipa::openapi::schema::ArrayBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -19,14 +19,14 @@ pub(crate) struct List<K> {
 impl<K: Kind> Kind for List<K> {
     type Value = Vec<K::Value>;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let items = items(raw, self.most, path, faults)?;
         if items.len() < self.fewest {
             let detail = format_args!("must have at least {} items, found {}", self.fewest, items.len());
             return Err(faults.add(&path, RequestFault::WrongCount, detail));
         }
         // Every item is read, so that all faults are listed.
-        let values: Vec<_> = items.iter().enumerate().map(|(index, raw)| self.item.read(raw, path.item(index), faults)).collect();
+        let values: Vec<_> = items.iter().enumerate().map(|(index, raw)| self.item.read(*raw, path.item(index), faults)).collect();
         values.into_iter().collect()
     }
 

@@ -1,8 +1,8 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
 use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, PlainColumn};
+use crate::json_text::JsonText;
 use serde::Deserialize;
-use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -22,7 +22,7 @@ pub(crate) trait Kind {
     type Value;
 
     /// Reads the value and records every fault.
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted>;
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted>;
 
     /// The schema, with `about` as the description; schemas that it refers to are added to `components`.
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema>;
@@ -64,7 +64,7 @@ pub(crate) trait WireObject {
 impl<T: WireObject> Kind for T {
     type Value = T::Value;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T::Value, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T::Value, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let members = T::Members::read(&mut object, faults);
         let value = T::build(members, &path, faults);

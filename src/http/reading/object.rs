@@ -2,42 +2,41 @@
 
 use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members, PlainColumn, not_finite};
 use crate::http::codes::RequestFault;
-use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, Visitor};
-use serde_json::value::RawValue;
+use crate::json_text::{JsonError, JsonMembers, JsonText, Unread};
 use std::borrow::Cow;
-use std::fmt;
 
 /// A JSON object whose members are taken one by one. The members left at the end are unknown fields.
 pub(crate) struct Object<'a, 'p> {
     path: JsonPath<'p>,
-    members: Vec<(Cow<'a, str>, &'a RawValue)>,
+    members: Vec<(Cow<'a, str>, JsonText<'a>)>,
     unkept: usize,
     known: Vec<&'static str>,
 }
 
 impl<'a, 'p> Object<'a, 'p> {
     /// Opens `raw`, which is at `path`, as an object.
-    pub(crate) fn open(raw: &'a RawValue, path: JsonPath<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
-        if !raw.get().starts_with('{') {
-            return Err(faults.add(&path, RequestFault::WrongType, format_args!("expected an object, found {}", describe(raw))));
-        }
-        match serde_json::from_str::<RawMembers<'a>>(raw.get()) {
-            Ok(members) => Ok(Self::of(members, path)),
-            Err(error) => Err(faults.add(&path, RequestFault::Unreadable, error)),
+    pub(crate) fn open(raw: JsonText<'a>, path: JsonPath<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
+        let members = raw.members(MOST_MEMBERS, &|| faults.is_cancelled());
+        Self::of(raw, members, path, faults)
+    }
+
+    fn of(raw: JsonText<'a>, members: Result<JsonMembers<'a>, Unread>, path: JsonPath<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
+        match members {
+            Ok(JsonMembers { kept, unkept }) => Ok(Self { path, members: kept, unkept, known: Vec::with_capacity(12) }),
+            Err(Unread::Name(error)) => Err(faults.add(&path, RequestFault::Unreadable, error)),
+            // The faults of a cancelled reading are discarded.
+            Err(Unread::Cancelled) => Err(Faulted),
+            Err(Unread::OtherType) => {
+                Err(faults.add(&path, RequestFault::WrongType, format_args!("expected an object, found {}", describe(raw))))
+            }
         }
     }
 
     /// Opens a whole body as an object. The outer error means that the body is not JSON.
-    pub(crate) fn open_body(json: &'a [u8], faults: &mut Faults) -> Result<Result<Self, Faulted>, serde_json::Error> {
-        // Reading the members checks the syntax of the whole body; a second pass is needed only if that fails.
-        match serde_json::from_slice::<RawMembers<'a>>(json) {
-            Ok(members) => Ok(Ok(Self::of(members, JsonPath::Root))),
-            Err(_) => Ok(Self::open(serde_json::from_slice(json)?, JsonPath::Root, faults)),
-        }
-    }
-
-    fn of(members: RawMembers<'a>, path: JsonPath<'p>) -> Self {
-        Self { path, members: members.kept, unkept: members.unkept, known: Vec::with_capacity(12) }
+    pub(crate) fn open_body(json: &'a [u8], faults: &mut Faults) -> Result<Result<Self, Faulted>, JsonError> {
+        // Reading the members checks the syntax of the whole body.
+        let (body, members) = JsonText::check_object(json, MOST_MEMBERS, &|| faults.is_cancelled())?;
+        Ok(Self::of(body, members, JsonPath::Root, faults))
     }
 
     /// The path to the object.
@@ -51,7 +50,7 @@ impl<'a, 'p> Object<'a, 'p> {
     }
 
     /// Takes the member `name` unparsed. A repeated name is a fault.
-    pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<&'a RawValue> {
+    pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<JsonText<'a>> {
         self.known.push(name);
         let found = self.members.iter().position(|(key, _)| key == name).map(|index| self.members.remove(index).1);
         while let Some(again) = self.members.iter().position(|(key, _)| key == name) {
@@ -112,7 +111,7 @@ impl<'a, 'p> Object<'a, 'p> {
     pub(crate) fn close(self, faults: &mut Faults) -> Result<(), Faulted> {
         let mut result = Ok(());
         if self.unkept > 0 {
-            let detail = format!("the object has {} fields more than the {} that are read", self.unkept, RawMembers::MOST);
+            let detail = format!("the object has {} fields more than the {} that are read", self.unkept, MOST_MEMBERS);
             result = Err(faults.add(&self.path, RequestFault::TooManyFields, detail));
         }
         let known = if self.members.is_empty() { String::new() } else { self.known.join(", ") };
@@ -128,12 +127,16 @@ impl<'a, 'p> Object<'a, 'p> {
     }
 }
 
+/// The largest number of members stored, more than ten times that of any object. Further ones are counted, so that the
+/// memory of a body does not exceed its length.
+const MOST_MEMBERS: usize = 256;
+
 /// The largest number of unknown members of an object whose faults list the known members. The limit keeps an answer
 /// from being much longer than its request.
 const MOST_WITH_KNOWN: usize = 4;
 
 /// Describes a JSON value for the detail of a fault.
-pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
+pub(crate) fn describe(raw: JsonText<'_>) -> Cow<'static, str> {
     const SHOWN: usize = 40;
     let text = raw.get();
     if let Some(token) = not_finite::token(text) {
@@ -153,65 +156,6 @@ pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
     }
 }
 
-/// The members of an object in the order sent, with unparsed values.
-struct RawMembers<'a> {
-    kept: Vec<(Cow<'a, str>, &'a RawValue)>,
-    unkept: usize,
-}
-
-impl RawMembers<'_> {
-    /// The largest number of members stored, more than ten times that of any object. Further ones are counted, so that
-    /// the memory of a body does not exceed its length.
-    const MOST: usize = 256;
-}
-
-impl<'de> Deserialize<'de> for RawMembers<'de> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Collect;
-        impl<'de> Visitor<'de> for Collect {
-            type Value = RawMembers<'de>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut kept = Vec::with_capacity(8);
-                while kept.len() < RawMembers::MOST {
-                    let Some((Name(name), value)) = map.next_entry()? else { return Ok(RawMembers { kept, unkept: 0 }) };
-                    kept.push((name, value));
-                }
-                let mut unkept = 0;
-                while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {
-                    unkept += 1;
-                }
-                Ok(RawMembers { kept, unkept })
-            }
-        }
-        deserializer.deserialize_map(Collect)
-    }
-}
-
-/// A member's name, borrowed from the body unless it is written with escapes.
-struct Name<'a>(Cow<'a, str>);
-
-impl<'de> Deserialize<'de> for Name<'de> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Borrow;
-        impl<'de> Visitor<'de> for Borrow {
-            type Value = Name<'de>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a field name")
-            }
-            fn visit_borrowed_str<E>(self, name: &'de str) -> Result<Self::Value, E> {
-                Ok(Name(Cow::Borrowed(name)))
-            }
-            fn visit_str<E>(self, name: &str) -> Result<Self::Value, E> {
-                Ok(Name(Cow::Owned(name.to_owned())))
-            }
-        }
-        deserializer.deserialize_str(Borrow)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,13 +163,13 @@ mod tests {
     #[test]
     fn members_beyond_the_limit_are_counted_not_kept() {
         let body = format!("{{{}}}", (0..1000).map(|index| format!("\"m{index}\":{index}")).collect::<Vec<_>>().join(","));
-        let raw: &RawValue = serde_json::from_str(&body).unwrap();
+        let raw = JsonText::known(&body);
         let mut faults = Faults::default();
         let object = Object::open(raw, JsonPath::Root, &mut faults).unwrap();
-        assert_eq!(object.members.len(), RawMembers::MOST);
+        assert_eq!(object.members.len(), MOST_MEMBERS);
         assert_eq!(object.close(&mut faults), Err(Faulted));
         let listed = faults.into_listed();
-        assert_eq!(listed.len(), 1 + RawMembers::MOST);
+        assert_eq!(listed.len(), 1 + MOST_MEMBERS);
         assert!(listed[0].detail.contains("744 fields more"), "{}", listed[0].detail);
     }
 }

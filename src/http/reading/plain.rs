@@ -1,10 +1,10 @@
 //! The fast reader of plain values in JSON text whose syntax has not been checked: objects of known members, numbers
 //! and arrays of numbers. It refuses everything else, valid or not, so that the general reader can find the faults.
 
+use crate::json_text::JsonText;
 use serde::de::value::BorrowedStrDeserializer;
-use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::forward_to_deserialize_any;
-use serde_json::value::RawValue;
 use std::fmt;
 
 /// A JSON text and the position up to which it has been read.
@@ -39,6 +39,9 @@ impl Error for Unusual {
 /// 10^0 to 10^22, the powers of ten that are doubles without rounding.
 const EXACT_POWERS: [f64; 23] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22];
+
+/// No name that is read is longer.
+const LONGEST_NAME: usize = 64;
 
 /// The most decimal digits of which every number fits into 64 bits.
 const MOST_DIGITS: usize = 19;
@@ -97,6 +100,7 @@ impl<'a> PlainJson<'a> {
         let start = self.at;
         while let Some(byte) = self.next() {
             match byte {
+                _ if self.at - start > LONGEST_NAME => return Err(Unusual),
                 b'"' => {
                     let name = std::str::from_utf8(&self.text[start..self.at]).map_err(|_| Unusual);
                     self.at += 1;
@@ -168,11 +172,10 @@ impl<'a> PlainJson<'a> {
         found
     }
 
-    /// Reads a value of any kind, unparsed, by the general reader.
-    pub(crate) fn value(&mut self) -> Result<&'a RawValue, Unusual> {
+    /// Reads a value of any kind, unparsed. Once `stop` returns true, it ends early with an error.
+    pub(crate) fn value(&mut self, stop: &dyn Fn() -> bool) -> Result<JsonText<'a>, Unusual> {
         self.skip_blank();
-        let value: &'a RawValue =
-            Deserialize::deserialize(&mut serde_json::Deserializer::from_slice(&self.text[self.at..])).map_err(|_| Unusual)?;
+        let value = JsonText::first(&self.text[self.at..], stop).ok_or(Unusual)?;
         self.at += value.get().len();
         Ok(value)
     }
@@ -262,6 +265,7 @@ impl<'de> SeqAccess<'de> for List<'_, 'de> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use serde::Deserialize;
 
     /// The number that makes up the whole text.
     fn number(text: &str) -> Option<f64> {

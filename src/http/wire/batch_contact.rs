@@ -4,8 +4,8 @@
 use super::contact::{self, AngleMembers, AngleSlots, StatedContact, VectorMembers, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainJson, PlainMembers, Unusual};
+use crate::json_text::JsonText;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
-use serde_json::value::RawValue;
 use std::fmt;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -19,7 +19,7 @@ pub(crate) struct BatchContact {
 impl BatchContact {
     /// Reads a contact whose own parameters override `defaults`.
     pub(crate) fn read(
-        raw: &RawValue,
+        raw: JsonText<'_>,
         stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
@@ -50,7 +50,7 @@ impl BatchContact {
             return Ok(plain.complete(stated, path, faults));
         }
         json.seek(first);
-        Ok(Self::read_faulty(json.value()?, stated, defaults, path, faults))
+        Ok(Self::read_faulty(json.value(&|| faults.is_cancelled())?, stated, defaults, path, faults))
     }
 
     /// The contact, unless it lacks a step-over that it needs.
@@ -61,7 +61,7 @@ impl BatchContact {
 
     /// Reads a contact that cannot be read in one pass.
     pub(super) fn read_faulty(
-        raw: &RawValue,
+        raw: JsonText<'_>,
         stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
@@ -76,7 +76,7 @@ impl BatchContact {
     }
 
     /// The contact, or `None` if it cannot be read in one pass.
-    fn read_plain(raw: &RawValue, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
+    fn read_plain(raw: JsonText<'_>, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
         let mut slots = Slots::default();
         slots.deserialize(&mut serde_json::Deserializer::from_str(raw.get())).ok()?;
         Self::accept(&slots, stated, defaults)
@@ -92,7 +92,7 @@ impl BatchContact {
 
     /// The contact and its parameters with all their faults.
     fn read_with_faults(
-        raw: &RawValue,
+        raw: JsonText<'_>,
         stated: StatedParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
@@ -161,7 +161,7 @@ mod tests {
 
     /// The results of the two readers, in one pass and with faults; `None` if there are faults.
     fn both(text: &str, stated: StatedParameters) -> [Option<String>; 2] {
-        let raw: &RawValue = serde_json::from_str(text).unwrap();
+        let raw = JsonText::known(text);
         let mut faults = Faults::default();
         let slow = BatchContact::read_with_faults(raw, stated, JsonPath::Root, &mut faults);
         let slow = slow.and_then(|(contact, parameters)| Ok(BatchContact { contact: contact?, parameters }));

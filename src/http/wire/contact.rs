@@ -4,9 +4,9 @@ use crate::http::codes::RequestFault;
 use crate::http::reading::{
     Components, Faulted, Faults, Form, JsonPath, Kind, Member, Object, ObjectSchema, PlainMembers, Quantity, Vector, members,
 };
+use crate::json_text::JsonText;
 use crate::milling::{Contact, ContactError};
 use crate::quantity::OutOfRange;
-use serde_json::value::RawValue;
 use std::sync::LazyLock;
 use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
@@ -75,7 +75,7 @@ pub(crate) struct ContactKind;
 impl Kind for ContactKind {
     type Value = StatedContact;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let contact = read(&mut object, faults);
         object.close(faults)?;

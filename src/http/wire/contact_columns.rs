@@ -5,7 +5,7 @@ use super::contact::{self, AngleColumns, AngleMembers, StatedContact, VectorColu
 use super::parameters::{ContactParameters, ParameterColumns, StatedParameters};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumns, PlainMembers, RowText, Rows};
-use serde_json::value::RawValue;
+use crate::json_text::JsonText;
 use utoipa::openapi::{RefOr, Schema};
 
 /// Columns of contacts and of their own parameters, all of one length. null means the default.
@@ -25,7 +25,7 @@ pub(crate) struct ContactColumns {
 impl ContactColumns {
     /// Reads columns of at most `most` contacts. Faults of a contact are found when it is read.
     pub(crate) fn read(
-        raw: &RawValue,
+        raw: JsonText<'_>,
         stated: StatedParameters,
         most: usize,
         path: JsonPath<'_>,
@@ -91,7 +91,7 @@ impl ContactColumns {
         };
         match contact {
             Some(contact) => contact.complete(stated, path, faults),
-            None => BatchContact::read_faulty(&self.text(index), stated, defaults, path, faults),
+            None => BatchContact::read_faulty(JsonText::known(&self.text(index)), stated, defaults, path, faults),
         }
     }
 
@@ -115,7 +115,7 @@ impl ContactColumns {
     }
 
     /// The row as the JSON of a contact, for the reader that collects faults.
-    fn text(&self, index: usize) -> Box<RawValue> {
+    fn text(&self, index: usize) -> String {
         let mut text = RowText::default();
         AngleMembers::write_row(&self.angles, index, &mut text);
         VectorMembers::write_row(&self.vectors, index, &mut text);

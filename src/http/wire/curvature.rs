@@ -5,10 +5,10 @@ use crate::http::reading::{
     Cell, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainColumn, PlainKind, PlainMembers, Quantity,
     RowText, Rows, members,
 };
+use crate::json_text::JsonText;
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
-use serde_json::value::RawValue;
 use std::fmt;
 use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
@@ -98,7 +98,7 @@ impl PrincipalMembers {
 impl Kind for CurvatureKind {
     type Value = SurfaceCurvature;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceCurvature, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceCurvature, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let [principal, components] =
             [PrincipalMembers::NAMES, ComponentMembers::NAMES].map(|names| names.iter().any(|name| object.has(name)));
@@ -196,7 +196,7 @@ pub(super) struct FormColumns {
 impl PlainColumn for FormColumns {
     type Plain = FormSlots;
 
-    fn read(raw: &RawValue, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+    fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let components = ComponentMembers::read_columns(&mut object, most, faults);
         let principal = PrincipalMembers::read_columns(&mut object, most, faults);

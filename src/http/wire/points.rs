@@ -4,13 +4,18 @@
 use super::source::{ReceivedPart, ReceivedSurface};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each_raw, number, read_triples};
+use crate::json_text::JsonText;
 use crate::surface::{LARGEST_COORDINATE, PartedSink, Sink};
-use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// Passes every point of the array `raw` to `take` in order. `take` may have been called before a fault is found.
-pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
+pub(super) fn each_point(
+    raw: JsonText<'_>,
+    path: JsonPath<'_>,
+    faults: &mut Faults,
+    mut take: impl FnMut([f64; 3]),
+) -> Result<(), Faulted> {
     let mut in_bounds = true;
     let read = read_triples(
         raw.get(),
@@ -45,7 +50,7 @@ pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut Received
 }
 
 /// Finds all faults of an array of points that is known to have one.
-pub(super) fn find_faults(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
+pub(super) fn find_faults(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
     let mut result = Ok(());
     let mut index = 0;
     each_raw(raw, path, faults, |item, faults| {
@@ -56,7 +61,7 @@ pub(super) fn find_faults(raw: &RawValue, path: JsonPath<'_>, faults: &mut Fault
 }
 
 /// One point.
-pub(super) fn point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
+pub(super) fn point(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
     let (mut coordinates, mut count) = ([Ok(0.0); 3], 0);
     each_raw(raw, path, faults, |item, faults| {
         if let Some(coordinate) = coordinates.get_mut(count) {
@@ -75,7 +80,7 @@ pub(super) fn point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> 
     Ok([x?, y?, z?])
 }
 
-fn bounded(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+fn bounded(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let coordinate = number(raw, path, faults)?;
     if coordinate.abs() <= LARGEST_COORDINATE {
         return Ok(coordinate);
@@ -94,7 +99,7 @@ pub(crate) struct Points;
 impl Kind for Points {
     type Value = ();
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
         each_point(raw, path, faults, |_| ())
     }
 
@@ -117,7 +122,7 @@ mod tests {
 
     fn read(json: &str) -> (Vec<[f64; 3]>, Vec<(String, &'static str)>) {
         let (mut points, mut faults) = (Vec::new(), Faults::default());
-        let raw: &RawValue = serde_json::from_str(json).unwrap();
+        let raw = JsonText::known(json);
         let result = each_point(raw, JsonPath::Root.member("points"), &mut faults, |point| points.push(point));
         let faults: Vec<_> = faults.into_listed().into_iter().map(|fault| (fault.pointer, fault.code.name())).collect();
         assert_eq!(result.is_err(), !faults.is_empty());

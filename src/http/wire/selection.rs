@@ -5,9 +5,9 @@ use crate::http::codes::RequestFault;
 use crate::http::reading::{
     Components, Faulted, Faults, JsonPath, Kind, List, Member, Members, Object, ObjectSchema, Quantity, Whole, WireObject, members,
 };
+use crate::json_text::JsonText;
 use crate::quantity::{Angle, OutOfRange};
 use crate::surface::mesh::{Selection, SelectionError};
-use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
 /// The member `select` of a recommendation.
@@ -81,7 +81,7 @@ members! {
 impl Kind for BoxKind {
     type Value = [[f64; 3]; 2];
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let Corners { min, max } = Corners::read(&mut object, faults);
         object.close(faults)?;
@@ -99,7 +99,7 @@ pub(crate) struct Corner;
 impl Kind for Corner {
     type Value = [f64; 3];
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
         point(raw, path, faults)
     }
 

@@ -8,8 +8,8 @@ use crate::http::reading::{
     AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
     read_triples,
 };
+use crate::json_text::JsonText;
 use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, Sink};
-use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -48,7 +48,7 @@ pub(crate) struct StatedSurface;
 impl Kind for StatedSurface {
     type Value = SurfaceWithSource;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         // Nearly all large bodies have only points. They are read without a first pass that finds the members.
         let mut surface = received(faults);
         if let Some(points) = sole_member(raw.get(), POINTS.name)
@@ -141,7 +141,7 @@ pub(crate) struct GridKind;
 impl Kind for GridKind {
     type Value = ReceivedSurface;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let (rows, columns) = (object.required(&ROWS, faults), object.required(&COLUMNS, faults));
         let surface = match (rows, columns) {
@@ -176,7 +176,7 @@ pub(crate) struct MeshKind;
 impl Kind for MeshKind {
     type Value = ReceivedSurface;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let points = match object.take(MESH_POINTS.name, faults) {
             Some(raw) => {
@@ -199,7 +199,7 @@ impl Kind for MeshKind {
 
 /// The most points or triangles in an array. Each has its own bracket and at least 8 bytes, `[0,0,0],`. The capacity is
 /// reserved at once, because a growing vector takes three times the memory when it moves.
-fn most_items(raw: &RawValue) -> usize {
+fn most_items(raw: JsonText<'_>) -> usize {
     let text = raw.get().as_bytes();
     memchr::memchr_iter(b'[', text).count().min(text.len() / 8)
 }
@@ -236,7 +236,7 @@ pub(crate) struct Triangles;
 
 impl Triangles {
     /// Three indices of points; more than 2^32 - 1 points do not fit a request.
-    fn one(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[u32; 3], Faulted> {
+    fn one(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[u32; 3], Faulted> {
         let indices = List { item: Self::INDEX, about_item: "", fewest: 3, most: 3 }.read(raw, path, faults)?;
         Ok([indices[0], indices[1], indices[2]])
     }
@@ -247,7 +247,7 @@ impl Triangles {
 impl Kind for Triangles {
     type Value = Vec<[u32; 3]>;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let mut triangles = Vec::with_capacity(most_items(raw));
         let cancel = faults.cancel_flag();
         if read_triples(raw.get(), cancel.as_ref(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
@@ -311,7 +311,7 @@ const MOST_KEPT: usize = Bezier::LARGEST_ORDER + 1;
 impl Kind for Net {
     type Value = Vec<Vec<[f64; 3]>>;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let (mut rows, mut index) = (Vec::new(), 0);
         each_raw(raw, path, faults, |item, faults| {
             if rows.len() < MOST_KEPT {
@@ -329,7 +329,7 @@ impl Kind for Net {
     }
 }
 
-fn row(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<[f64; 3]>, Faulted> {
+fn row(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<[f64; 3]>, Faulted> {
     let (mut points, mut index) = (Vec::new(), 0);
     each_raw(raw, path, faults, |item, faults| {
         if points.len() < MOST_KEPT {
