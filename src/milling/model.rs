@@ -184,4 +184,13 @@ impl EvaluatedPass {
             PreparedModel::Envelope(model) => model.max_step_over(tolerance, feed_per_tooth),
         }
     }
+
+    /// [`EvaluatedPass::max_step_over`] for plans: half the time on a curved surface, where the ridge is not confirmed by
+    /// its height.
+    pub(crate) fn unconfirmed_max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        match &self.prepared {
+            PreparedModel::Analytic(model) => model.max_step_over(tolerance, feed_per_tooth),
+            PreparedModel::Envelope(model) => model.unconfirmed_max_step_over(tolerance, feed_per_tooth),
+        }
+    }
 }

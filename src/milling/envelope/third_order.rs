@@ -19,6 +19,9 @@ const NO_TURN: f64 = 1e-11;
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
 
+/// The logarithm of the ratio of a step-over to that of the second order, up to which its ridge is the same.
+const NEAR: f64 = 0.25;
+
 /// The factors of the steps by which a length is bracketed.
 const STEPS: [f64; 2] = [1.02, 2.0];
 
@@ -120,6 +123,23 @@ impl Envelope {
     /// - [`NoAnswer::MarksDoNotOverlap`];
     /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        self.step_over_within(tolerance, feed_per_tooth, true)
+    }
+
+    /// The same in half the time, for plans: the ridge at the tolerance is not confirmed by the height of its step-over
+    /// if it is near the ridge of the second order.
+    ///
+    /// # Errors
+    /// Those of [`Envelope::max_step_over`].
+    pub(in crate::milling) fn unconfirmed_max_step_over(
+        &self,
+        tolerance: Length,
+        feed_per_tooth: Option<Length>,
+    ) -> Result<Length, NoAnswer> {
+        self.step_over_within(tolerance, feed_per_tooth, false)
+    }
+
+    fn step_over_within(&self, tolerance: Length, feed_per_tooth: Option<Length>, is_confirmed: bool) -> Result<Length, NoAnswer> {
         let second_order = self.second_order_max_step_over(tolerance, feed_per_tooth);
         if !self.has_third_order() {
             return second_order;
@@ -132,7 +152,12 @@ impl Envelope {
             Ok(step_over) => {
                 let lengths = Lengths { level: p, step_over: step_over.mm(), mark_spacing: pattern.spacing };
                 let ridge = if pattern.is_even() { self.turned(Sought::StepOver, lengths) } else { None };
-                (step_over.mm(), ridge.map(|ridge| ridge.lengths.step_over))
+                let found = ridge.map(|ridge| ridge.lengths.step_over);
+                let is_near = |found: &f64| *found < largest && (found / step_over.mm()).ln().abs() < NEAR;
+                if let Some(found) = found.filter(is_near).filter(|_| !is_confirmed) {
+                    return Ok(Length::computed(found));
+                }
+                (step_over.mm(), found)
             }
             Err(NoAnswer::ToleranceLimitsNoStepOver { .. }) => (largest, None),
             Err(NoAnswer::FeedUsesUpTolerance { .. }) => (Length::SMALLEST, None),

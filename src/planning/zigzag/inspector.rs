@@ -148,7 +148,8 @@ impl<'a> Inspector<'a> {
         let contact = FacetContact::new(&self.facets[index], e).ok()?;
         let evaluated = contact.evaluated(self.cutter, Model::Envelope).ok()?;
         let aim = if self.teeth_per_second.is_some() { AIM_WITH_MARKS } else { AIM };
-        let inverse = |feed: Option<f64>| match evaluated.max_step_over(Length::computed(aim * self.tolerance), feed.map(Length::computed))
+        let inverse = |feed: Option<f64>| match evaluated
+            .unconfirmed_max_step_over(Length::computed(aim * self.tolerance), feed.map(Length::computed))
         {
             Ok(step_over) | Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: step_over }) => {
                 Some(step_over.mm() * contact.contact.spacing_ratio())
