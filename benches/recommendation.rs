@@ -2,6 +2,8 @@
 //! facets: `cargo bench --bench recommendation [n ...]` takes meshes of 2 n^2 facets instead. Writes
 //! `target/benches/recommendation.json`.
 //!
+//! `cargo bench --bench recommendation rank n` measures the ranking alone.
+//!
 //! `cargo bench --bench recommendation memory n` plans once on a mesh of 2 n^2 facets with the service's limit on
 //! facets, and prints the peak memory of the process.
 //!
@@ -112,34 +114,41 @@ fn main() {
         }
         return;
     }
+    let is_ranking_only = std::env::args().any(|argument| argument == "rank");
     let mut lines = Vec::new();
     println!("{:>9}  {:<24} {:>12} {:>9}", "facets", "stage", "processor ms", "ms");
     // 2 x 77^2 = 11 858, 2 x 224^2 = 100 352, 2 x 707^2 = 999 698; others as stated.
     for n in if stated.is_empty() { vec![77, 224, 707] } else { stated } {
         let mesh = waves(n, MeshBuilder::DEFAULT_FACET_LIMIT);
         let facets = mesh.triangles().len();
-        let mut report = |stage: &str, [processor, time]: [f64; 2]| {
+        let mut report = |stage: &str, call: &mut dyn FnMut()| {
+            if is_ranking_only && !stage.starts_with("rank") {
+                return;
+            }
+            let [processor, time] = measured(call);
             println!("{facets:>9}  {stage:<24} {processor:>12.2} {time:>9.2}");
             lines.push(format!(r#"{{"facets":{facets},"stage":"{stage}","processor_ms":{processor:.3},"ms":{time:.3}}}"#));
         };
-        report("build", measured(|| waves(n, MeshBuilder::DEFAULT_FACET_LIMIT)));
-        report("pieces", measured(|| mesh.pieces()));
+        report("build", &mut || drop(black_box(waves(n, MeshBuilder::DEFAULT_FACET_LIMIT))));
+        report("pieces", &mut || drop(black_box(mesh.pieces())));
         let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
-        report("visibility", measured(|| mesh.visibility(max_slope)));
+        report("visibility", &mut || drop(black_box(mesh.visibility(max_slope))));
         let visibility = mesh.visibility(max_slope);
-        report("facets and curvature", measured(|| mesh.facets_for_finishing(&visibility, &selected)));
+        report("facets and curvature", &mut || drop(black_box(mesh.facets_for_finishing(&visibility, &selected))));
         let finished = mesh.facets_for_finishing(&visibility, &selected);
-        report("view", measured(|| mesh.seen_from_above(256)));
+        report("view", &mut || drop(black_box(mesh.seen_from_above(256))));
         let view = mesh.seen_from_above(256);
         let machined = vec![true; facets];
-        report("reach map", measured(|| ReachMap::new(&mesh, &view, &machined)));
+        report("reach map", &mut || drop(black_box(ReachMap::new(&mesh, &view, &machined))));
         let reach = ReachMap::new(&mesh, &view, &machined);
         for count in [2, 50] {
             let cutters = cutters(count);
-            report(&format!("reach of {count}"), measured(|| reach.uncut_of_each(&cutters, mm(0.01))));
+            report(&format!("reach of {count}"), &mut || drop(black_box(reach.uncut_of_each(&cutters, mm(0.01)))));
             let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(&cutters, mm(0.01))).map(with_reach).collect();
-            report(&format!("rank {count}"), measured(|| rank(&finished, &candidates, &settings, SurfaceEvidence::default(), &|| false)));
-            report(&format!("all, {count} cutters"), measured(|| planned(&mesh, &cutters, &settings)));
+            report(&format!("rank {count}"), &mut || {
+                drop(black_box(rank(&finished, &candidates, &settings, SurfaceEvidence::default(), &|| false)))
+            });
+            report(&format!("all, {count} cutters"), &mut || drop(black_box(planned(&mesh, &cutters, &settings))));
         }
     }
     std::fs::create_dir_all("target/benches").expect("a folder to write to");

@@ -2,7 +2,7 @@
 
 use super::inspector::{Evaluated, Inspector, OVER};
 use super::march::{Fit, NoPlanes, Plane};
-use super::refine::{Tightest, refine, tightest};
+use super::refine::{Risks, Tightest, refine, tightest};
 use super::simulate::{Operation, Simulated, simulate};
 use super::spaced::Spaced;
 use super::workpiece::Workpiece;
@@ -35,8 +35,12 @@ pub struct ScallopFigures {
 /// The number of points sampled in proportion to area.
 const DRAWN: usize = 400;
 
-/// The number of further points, about: those that determine the strips.
+/// The number of further points, about: those that determine the strips, without those that [`CLEAR`] leaves out.
 const CHOSEN: usize = 1000;
+
+/// Facets whose refined spacing is over this multiple of the strip's width are not evaluated: their heights are under
+/// those of the facets that bind the strip.
+const CLEAR: f64 = 1.0005;
 
 /// A plan whose heights exceed this share of the tolerance on more than a thousandth of the area loses confidence.
 const FAR_OVER: f64 = 1.03;
@@ -53,22 +57,29 @@ pub(super) fn checked(
     follows: bool,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Simulated, ScallopFigures), NoPlanes> {
-    if follows {
-        refine(&mut spaced, &inspector, operation.room, stop)?;
-    }
+    let risks = Risks::new(&spaced, inspector.cutter, stop);
+    let is_refined =
+        if follows { refine(&mut spaced, &risks, &inspector, operation.room, stop)? } else { vec![false; spaced.allowed.len()] };
     let fit = |place: u32, at: f64, width: f64, limit: f64| inspector.fitted(&spaced, place, at, [width, limit]);
     let fit: Option<&Fit> = if follows { Some(&fit) } else { None };
     let simulated = simulate(&spaced, operation, fit, stop)?;
     let drawn = drawn_by_area(spaced.workpiece, DRAWN);
-    let evaluated = heights_of(&inspector, &spaced, &simulated.planes, &drawn);
-    let figures = figures(&evaluated, drawn.len(), spaced.workpiece, inspector.tolerance);
+    // Without marks a facet that allows more than its strip has a lower height. With marks the feed uses what is left.
+    let is_clear = |&Tightest { strip, place }: &Tightest| {
+        let allowed = f64::from(spaced.allowed[place as usize]);
+        inspector.teeth_per_second.is_none() && is_refined[place as usize] && allowed > CLEAR * simulated.planes[strip].after
+    };
+    let (clear, chosen): (Vec<_>, Vec<_>) = tightest(&spaced, &simulated.planes, &risks, CHOSEN, stop).into_iter().partition(is_clear);
+    let mut evaluated = heights_of(&inspector, &spaced, &simulated.planes, &drawn, &chosen);
+    let places = evaluated.len();
+    evaluated.extend(clear.iter().map(|one| Evaluated { facet: spaced.sweep.covered[one.place as usize].facet, height: None }));
+    let figures = ScallopFigures { places, ..figures(&evaluated, drawn.len(), spaced.workpiece, inspector.tolerance) };
     Ok((simulated, figures))
 }
 
 /// The heights at the sampled facets, followed by those at the facets that determine the strips.
-fn heights_of(inspector: &Inspector, spaced: &Spaced, planes: &[Plane], drawn: &[u32]) -> Vec<Evaluated> {
-    let tightest = tightest(spaced, planes, inspector, CHOSEN).into_iter();
-    let chosen = tightest.map(|Tightest { strip, place }| (strip, spaced.sweep.covered[place as usize].facet));
+fn heights_of(inspector: &Inspector, spaced: &Spaced, planes: &[Plane], drawn: &[u32], chosen: &[Tightest]) -> Vec<Evaluated> {
+    let chosen = chosen.iter().map(|&Tightest { strip, place }| (strip, spaced.sweep.covered[place as usize].facet));
     let places: Vec<(usize, u32)> = Inspector::by_strip(spaced, planes, drawn).into_iter().chain(chosen).collect();
     inspector.evaluate(spaced, planes, &places)
 }

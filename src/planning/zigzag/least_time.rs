@@ -10,7 +10,7 @@ const DIRECTIONS: u32 = 36;
 const SLACK: f64 = 0.998;
 
 /// Facets beyond this number are sampled.
-const MOST_FACETS: usize = 1_500;
+const MOST_FACETS: usize = 600;
 
 /// The integral of dA / (v s) over the surface, in s. v s is the largest product of feed rate and step-over of any
 /// direction at the facet. Facets that set no spacing add no time.

@@ -8,17 +8,26 @@ pub(super) const MOST_PLANES: usize = 50_000;
 /// The number of a strip's tightest facets from which the share that may be left out is taken.
 const TIGHTEST: usize = 8;
 
-/// A facet that may meet the current plane.
+/// A facet that meets the strip after the current plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reached {
+    /// The interval across the passes that it covers.
+    low: f64,
+    high: f64,
+    /// The spacing that it allows.
+    allowed: f32,
+    /// Its area divided by its width across the passes.
+    density: f32,
     /// Its position in the order of the sweep.
     pub(super) place: u32,
-    pub(super) low: f64,
-    pub(super) high: f64,
-    /// The spacing that it allows.
-    allowed: f64,
-    /// Its area divided by its width across the passes.
-    density: f64,
+}
+
+impl Reached {
+    /// Its part of the area between two planes.
+    fn area_between(&self, at: f64, end: f64) -> f64 {
+        let (from, to) = (if self.low > at { self.low } else { at }, if self.high < end { self.high } else { end });
+        f64::from(self.density) * (to - from).max(0.0)
+    }
 }
 
 /// A plane of passes with the spacings to its neighbours. The first and the last plane have one neighbour, whose
@@ -76,9 +85,8 @@ const MOST_FITTED: usize = 12;
 /// The largest factor by which fitting widens a strip: the facets that are not fitted still have their own spacings.
 const WIDEST_FITTED: f64 = 1.3;
 
-/// Places the planes band by band, and calls `visit` with each plane and the facets that it may meet. The visitor
-/// removes the facets that end at the plane, and may end the placement. Facets that bind a strip are fitted to it by
-/// `fit`.
+/// Places the planes band by band, and calls `visit` with each plane and the facets that it cuts. The visitor may end
+/// the placement. Facets that bind a strip are fitted to it by `fit`.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -86,7 +94,7 @@ pub(super) fn march(
     spaced: &Spaced,
     fit: Option<&Fit>,
     stop: &(dyn Fn() -> bool + Sync),
-    mut visit: impl FnMut(Plane, &mut Vec<Reached>) -> Result<(), NoPlanes>,
+    mut visit: impl FnMut(Plane, &[Reached]) -> Result<(), NoPlanes>,
 ) -> Result<(), NoPlanes> {
     let (mut planes, mut met, mut met_at_check) = (0_usize, 0_usize, 0_usize);
     if stop() {
@@ -100,7 +108,7 @@ pub(super) fn march(
             end: band.end,
             reached: Vec::new(),
             hint: spaced.widest,
-            tightest: Vec::new(),
+            tightest: Tightest::default(),
             binding: None,
             fitted: Vec::new(),
         };
@@ -128,13 +136,14 @@ pub(super) fn march(
                     return Err(NoPlanes::Cancelled);
                 }
             }
+            walk.pass(plane.at);
             let rest = band.high - plane.at;
             let widest = if is_last { plane.before } else { walk.fitted_from(plane.at, fit)? };
             plane.binding = walk.binding.map(|(place, _)| place);
             if is_last || rest <= widest / 2.0 {
                 // Half a spacing beyond the last plane leaves the same height as a whole spacing between two planes.
                 plane.after = plane.before;
-                visit(plane, &mut walk.reached)?;
+                visit(plane, walk.cut(plane.at))?;
                 break;
             }
             // There is no material beyond the border: the last plane may be half a spacing before it, and the strip up
@@ -144,7 +153,7 @@ pub(super) fn march(
             if planes == 1 {
                 plane.before = plane.after;
             }
-            visit(plane, &mut walk.reached)?;
+            visit(plane, walk.cut(plane.at))?;
             plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: None };
         }
     }
@@ -157,18 +166,38 @@ struct Walk<'a> {
     /// The next facet in the order of the sweep.
     next: usize,
     end: usize,
+    /// The facets that meet the strip, in rising order of their beginnings.
     reached: Vec<Reached>,
     /// The width to search first: somewhat more than the last spacing.
     hint: f64,
-    /// The tightest facets of the strip: the width that each allows, and its index among the reached facets.
-    tightest: Vec<(f64, usize)>,
+    /// The tightest facets of the strip.
+    tightest: Tightest,
     /// The place of the facet that binds the last strip, and its index among the reached facets; those left out do not.
     binding: Option<(u32, usize)>,
     /// The facets that are fitted to the strip: their indices among the reached ones, and their own spacings.
-    fitted: Vec<(usize, f64)>,
+    fitted: Vec<(usize, f32)>,
 }
 
 impl Walk<'_> {
+    /// Removes the facets that end before a plane.
+    fn pass(&mut self, at: f64) {
+        let count = self.cut(at).len();
+        let begun = &mut self.reached[..count];
+        let mut kept = 0;
+        // Whether a facet ends is nearly random, so the list is filled without branches.
+        for index in 0..count {
+            let one = begun[index];
+            begun[kept] = one;
+            kept += usize::from(one.high > at);
+        }
+        self.reached.drain(kept..count);
+    }
+
+    /// The reached facets that begin before a plane.
+    fn cut(&self, at: f64) -> &[Reached] {
+        &self.reached[..self.reached.partition_point(|reached| reached.low <= at)]
+    }
+
     /// The same as [`Self::widest_from`], with the facets that bind the strip fitted to it one after the other. The
     /// others of the tightest are then compared with the result.
     fn fitted_from(&mut self, at: f64, fit: Option<&Fit>) -> Result<f64, NoPlanes> {
@@ -180,14 +209,16 @@ impl Walk<'_> {
             let Some((place, index)) = self.binding.filter(|&(_, index)| !is_fitted(index)) else { break };
             let Some(width) = fit(place, at, found, limit) else { break };
             self.fitted.push((index, self.reached[index].allowed));
-            self.reached[index].allowed = width;
+            #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
+            let allowed = width as f32;
+            self.reached[index].allowed = allowed;
             found = self.widest_from(at)?;
         }
         if self.fitted.is_empty() {
             return Ok(found);
         }
         found = found.min(limit);
-        for &(_, index) in &self.tightest {
+        for &(_, index) in self.tightest.facets() {
             if self.fitted.iter().all(|&(known, _)| known != index) {
                 found = fit(self.reached[index].place, at, found, found).unwrap_or(found);
             }
@@ -226,55 +257,77 @@ impl Walk<'_> {
                 break;
             }
             if covered.high > at && covered.high > covered.low {
-                let allowed = f64::from(self.spaced.allowed[self.next]);
-                let density = f64::from(covered.density);
+                let (allowed, density) = (self.spaced.allowed[self.next], covered.density);
                 #[expect(clippy::cast_possible_truncation, reason = "as many as facets")]
                 let place = self.next as u32;
-                self.reached.push(Reached { place, low: covered.low, high: covered.high, allowed, density });
+                self.reached.push(Reached { low: covered.low, high: covered.high, allowed, density, place });
             }
             self.next += 1;
         }
-        self.tightest.clear();
-        // Only facets that allow less than this limit can be among the tightest.
-        let mut limit = width;
-        let mut area = 0.0;
-        for (index, reached) in self.reached.iter().enumerate() {
-            // Skips facets that end at the previous plane and are still in the list.
-            if reached.high <= at {
-                continue;
+        let area: f64 = self.reached.iter().map(|reached| reached.area_between(at, end)).sum();
+        self.tightest = Tightest { limit: width, ..Tightest::default() };
+        let begun = self.cut(at).len();
+        for index in 0..begun {
+            let allowed = f64::from(self.reached[index].allowed);
+            if allowed < self.tightest.limit {
+                self.tightest.add(allowed, index);
             }
+        }
+        for index in begun..self.reached.len() {
             // A strip may extend to the facet's beginning in any case.
-            let (own, begins) = (reached.allowed, reached.low - at);
-            let bound = if own > begins { own } else { begins };
-            let (from, to) = (if reached.low > at { reached.low } else { at }, if reached.high < end { reached.high } else { end });
-            area += reached.density * if to > from { to - from } else { 0.0 };
-            if bound < limit {
-                if self.tightest.len() == TIGHTEST {
-                    self.tightest.pop();
-                }
-                let place = self.tightest.iter().rposition(|&(other, _)| other <= bound).map_or(0, |place| place + 1);
-                self.tightest.insert(place, (bound, index));
-                if self.tightest.len() == TIGHTEST {
-                    limit = self.tightest[TIGHTEST - 1].0;
-                }
+            let begins = self.reached[index].low - at;
+            if begins >= self.tightest.limit {
+                break;
+            }
+            let bound = f64::from(self.reached[index].allowed).max(begins);
+            if bound < self.tightest.limit {
+                self.tightest.add(bound, index);
             }
         }
         // The area of a strip is about proportional to its width. The strip may extend to the bound of the first facet
         // that cannot be left out: with it, the tighter facets would exceed the share that may be left out.
         let left_out_per_width = self.spaced.left_out * area / width;
-        let next_bound = |index: usize| self.tightest.get(index + 1).map_or(width, |&(bound, _)| bound);
+        let tightest = self.tightest.facets();
+        let next_bound = |index: usize| tightest.get(index + 1).map_or(width, |&(bound, _)| bound);
         let holds_too_much = |index: &usize| {
             let wider = next_bound(*index);
-            let overlap = |&(_, at_index): &(f64, usize)| {
-                let reached = &self.reached[at_index];
-                reached.density * (reached.high.min(at + wider) - reached.low.max(at)).max(0.0)
-            };
-            self.tightest[..=*index].iter().map(overlap).sum::<f64>() > left_out_per_width * wider
+            let overlap = |&(_, at_index): &(f64, usize)| self.reached[at_index].area_between(at, at + wider);
+            tightest[..=*index].iter().map(overlap).sum::<f64>() > left_out_per_width * wider
         };
         // If all recorded facets could be left out, the facets that were not recorded might exceed the share: then the
         // last recorded facet binds.
-        let first = (0..self.tightest.len()).find(holds_too_much).or((self.tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
-        self.binding = first.map(|first| self.tightest[first].1).map(|index| (self.reached[index].place, index));
-        first.map_or(width, |first| self.tightest[first].0)
+        let first = (0..tightest.len()).find(holds_too_much).or((tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
+        self.binding = first.map(|first| tightest[first].1).map(|index| (self.reached[index].place, index));
+        first.map_or(width, |first| tightest[first].0)
+    }
+}
+
+/// The facets of a strip that allow the least.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tightest {
+    /// The widths that they allow in rising order, each with the facet's index among the reached ones.
+    facets: [(f64, usize); TIGHTEST],
+    count: usize,
+    /// Only facets that allow less than this belong to them.
+    limit: f64,
+}
+
+impl Tightest {
+    fn facets(&self) -> &[(f64, usize)] {
+        &self.facets[..self.count]
+    }
+
+    /// Adds a facet that allows less than the limit.
+    fn add(&mut self, width: f64, index: usize) {
+        self.count = (self.count + 1).min(TIGHTEST);
+        let mut place = self.count - 1;
+        while place > 0 && self.facets[place - 1].0 > width {
+            self.facets[place] = self.facets[place - 1];
+            place -= 1;
+        }
+        self.facets[place] = (width, index);
+        if self.count == TIGHTEST {
+            self.limit = self.facets[TIGHTEST - 1].0;
+        }
     }
 }

@@ -6,7 +6,9 @@ use super::march::{NoPlanes, Plane};
 use super::room::Room;
 use super::simulate::planes_of;
 use super::spaced::Spaced;
+use super::sweep::Covered;
 use super::workpiece::Tangent;
+use crate::milling::Cutter;
 use rayon::prelude::*;
 
 /// The number of facets that are refined in a round, over all strips.
@@ -32,16 +34,22 @@ const LEVEL: f64 = 2.0;
 const LARGEST_CURVATURE: f64 = 10.0;
 
 /// Refines the spacings of the facets that bind the strips, and of those where the estimate errs most, until all
-/// that bind are refined.
+/// that bind are refined. Returns for each facet of the sweep whether its spacing is refined.
 ///
 /// # Errors
 /// [`NoPlanes`]
-pub(super) fn refine(spaced: &mut Spaced, inspector: &Inspector, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<(), NoPlanes> {
+pub(super) fn refine(
+    spaced: &mut Spaced,
+    risks: &Risks,
+    inspector: &Inspector,
+    room: &Room,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Vec<bool>, NoPlanes> {
     let mut is_refined = vec![false; spaced.allowed.len()];
     for _ in 0..ROUNDS {
         let planes = planes_of(spaced, room, stop)?;
         let bound = planes.iter().enumerate().filter_map(|(strip, plane)| Some(Tightest { strip, place: plane.binding? }));
-        let mut wanted = tightest(spaced, &planes, inspector, REFINED);
+        let mut wanted = tightest(spaced, &planes, risks, REFINED, stop);
         wanted.extend(bound);
         wanted.retain(|one| !is_refined[one.place as usize]);
         wanted.sort_unstable_by_key(|one| one.place);
@@ -64,7 +72,51 @@ pub(super) fn refine(spaced: &mut Spaced, inspector: &Inspector, room: &Room, st
             }
         }
     }
-    Ok(())
+    Ok(is_refined)
+}
+
+/// How far the estimates of one cutter in one direction may be too large.
+///
+/// Estimates err where the surface's curvature is not small against that of the cutter's body, 1/((R - r)/sin(S) + r),
+/// and where the passes run level on the facet. Those of a ball are exact to second order.
+#[derive(Debug)]
+pub(super) struct Risks {
+    /// For each facet of the sweep the factor by which its estimate is lowered, and the lowered spacing of a plane of
+    /// its slope; empty for a ball.
+    lowered: Vec<[f32; 2]>,
+}
+
+impl Risks {
+    /// The risks of the estimates in `spaced`. Once `stop` returns true, it returns early, with fewer of them.
+    pub(super) fn new(spaced: &Spaced, cutter: Cutter, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+        let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+        if core == 0.0 {
+            return Self { lowered: Vec::new() };
+        }
+        let of_facet = |covered: &Covered| {
+            let tangent = &spaced.workpiece.tangents[covered.facet as usize];
+            let [steepest, twist, level] = tangent.curvature;
+            let curvature = steepest.abs().max(level.abs()) + twist.abs();
+            let ratio = if curvature > 0.0 { (curvature * (core / tangent.sin + corner)).min(LARGEST_CURVATURE) } else { 0.0 };
+            let is_level = runs_level(tangent, spaced.workpiece.areas[covered.facet as usize], spaced.sweep.heading.e);
+            let factor = if is_level { LEVEL.recip() } else { (1.0 + ratio).sqrt().recip() };
+            let on_plane = spaced.squared_on_plane(covered.facet as usize).sqrt();
+            #[expect(clippy::cast_possible_truncation, reason = "a risk needs few digits")]
+            let lowered = [factor as f32, (factor * on_plane) as f32];
+            lowered
+        };
+        let mut lowered = Vec::with_capacity(spaced.sweep.covered.len());
+        for covered in spaced.sweep.covered.chunks(TURN).take_while(|_| !stop()) {
+            lowered.extend(covered.iter().map(of_facet));
+        }
+        Self { lowered }
+    }
+
+    /// The spacing that an estimate may stand for; infinite where it cannot be too large.
+    fn lowered(&self, place: usize, estimate: f64) -> f64 {
+        let lowered = self.lowered.get(place);
+        lowered.map_or(f64::INFINITY, |&[factor, on_plane]| (estimate * f64::from(factor)).min(f64::from(on_plane)))
+    }
 }
 
 /// A facet that determines a strip.
@@ -79,14 +131,11 @@ pub(super) struct Tightest {
 /// About `count` facets that determine the strips, at least two of a strip; of more strips than `count`, as many at
 /// even distances.
 ///
-/// Estimates err where the surface's curvature is not small against that of the cutter's body, 1/((R - r)/sin(S) + r).
-/// Half of the facets of a strip are those with the smallest estimates, the other half those whose estimates, or the
-/// spacings of a plane, are smallest once lowered by that ratio, or because the passes run level on the facet.
-pub(super) fn tightest(spaced: &Spaced, planes: &[Plane], inspector: &Inspector, count: usize) -> Vec<Tightest> {
-    let (core, corner) = (inspector.cutter.core_radius().mm(), inspector.cutter.corner_radius().mm());
+/// Half of the facets of a strip are those with the smallest estimates, the other half those whose estimates are
+/// smallest once lowered by their risk.
+pub(super) fn tightest(spaced: &Spaced, planes: &[Plane], risks: &Risks, count: usize, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Tightest> {
     let stride = planes.len().div_ceil(count).max(1);
-    // The estimates of a ball are exact to second order.
-    let most = if core == 0.0 { 2 } else { MOST_OF_STRIP };
+    let most = if risks.lowered.is_empty() { 2 } else { MOST_OF_STRIP };
     let of_strip = (count / (2 * planes.len().max(1))).clamp(1, most);
     let mut by_estimate: Vec<Least> = vec![Least::default(); planes.len()];
     let mut by_risk = by_estimate.clone();
@@ -95,24 +144,19 @@ pub(super) fn tightest(spaced: &Spaced, planes: &[Plane], inspector: &Inspector,
         examined += 1;
         if examined >= TURN {
             examined = 0;
-            if (inspector.stop)() {
+            if stop() {
                 break;
             }
         }
         while planes.get(first + 1).is_some_and(|next| next.at <= covered.low) {
             first += 1;
         }
-        let tangent = &spaced.workpiece.tangents[covered.facet as usize];
-        if tangent.is_steep {
+        // Steep facets set no spacing.
+        let allowed = f64::from(allowed);
+        if allowed.is_infinite() {
             continue;
         }
-        let [steepest, twist, level] = tangent.curvature;
-        let curvature = steepest.abs().max(level.abs()) + twist.abs();
-        let ratio = if curvature > 0.0 { (curvature * (core / tangent.sin + corner)).min(LARGEST_CURVATURE) } else { 0.0 };
-        let allowed = f64::from(allowed);
-        let is_level = runs_level(tangent, spaced.workpiece.areas[covered.facet as usize], spaced.sweep.heading.e);
-        let on_plane = spaced.squared_on_plane(covered.facet as usize).sqrt();
-        let at_risk = allowed.min(on_plane) / if is_level { LEVEL } else { (1.0 + ratio).sqrt() };
+        let at_risk = risks.lowered(place as usize, allowed);
         let reached = planes.iter().enumerate().skip(first).take_while(|(strip, plane)| *strip == first || plane.at < covered.high);
         for (strip, plane) in reached {
             examined += 1;
@@ -122,7 +166,7 @@ pub(super) fn tightest(spaced: &Spaced, planes: &[Plane], inspector: &Inspector,
             if allowed < NEAR * plane.after {
                 by_estimate[strip].add(place, allowed, of_strip);
             }
-            if core > 0.0 && at_risk < NEAR * plane.after {
+            if at_risk < NEAR * plane.after {
                 by_risk[strip].add(place, at_risk, of_strip);
             }
         }

@@ -34,8 +34,6 @@ pub(super) struct RunFinder {
     cells: Vec<Cell>,
     /// The cells with cuts: a part of a kilometre has 1e5 cells, but most planes have few cuts.
     filled: Vec<usize>,
-    /// A buffer for the positions of the facets that a plane cuts.
-    cut: Vec<u32>,
     origin: f64,
     gap: f64,
     pub(super) runs: Vec<Run>,
@@ -50,28 +48,17 @@ impl RunFinder {
         let gap = gap.max((high - low) / 100_000.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 1e5")]
         let count = ((high - low) / gap) as usize + 2;
-        Self { cells: vec![EMPTY; count], filled: Vec::new(), cut: Vec::new(), origin: low, gap, runs: Vec::new() }
+        Self { cells: vec![EMPTY; count], filled: Vec::new(), origin: low, gap, runs: Vec::new() }
     }
 
-    /// Adds the runs of the plane with this index, and removes the facets that end at it.
-    pub(super) fn find(&mut self, spaced: &Spaced, reached: &mut Vec<Reached>, number: usize, plane: &Plane, feeds: &FeedLaw) {
+    /// Adds the runs of the plane with this index, which cuts the facets `cut`.
+    pub(super) fn find(&mut self, spaced: &Spaced, cut: &[Reached], number: usize, plane: &Plane, feeds: &FeedLaw) {
         let workpiece = spaced.workpiece;
         let (at, spacing) = (plane.at, plane.spacing());
         let constant_pace = if let FeedLaw::Constant { rate } = feeds { Some(rate.recip()) } else { None };
         let per_gap = self.gap.recip();
-        // Whether a facet is cut or kept is nearly random, so both lists are filled without branches.
-        self.cut.resize(reached.len(), 0);
-        let (mut kept, mut count) = (0, 0);
-        for index in 0..reached.len() {
-            let one = reached[index];
-            reached[kept] = one;
-            self.cut[count] = one.place;
-            kept += usize::from(at < one.high);
-            count += usize::from((one.low..one.high).contains(&at));
-        }
-        reached.truncate(kept);
-        for &place in &self.cut[..count] {
-            let place = place as usize;
+        for cut in cut {
+            let place = cut.place as usize;
             let slice = &spaced.sweep.slices[place];
             let [from, to] = slice.cut(at);
             let length = (to - from) * slice.stretch();
@@ -81,7 +68,7 @@ impl RunFinder {
                 feeds.rate(tangent, tangent.alpha(spaced.sweep.heading.e).0, taken).recip()
             });
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the cells")]
-            let index = (((from - self.origin) * per_gap) as usize).min(self.cells.len() - 1);
+            let index = (((from - self.origin) * per_gap) as u32 as usize).min(self.cells.len() - 1);
             let cell = &mut self.cells[index];
             if cell.ends[0][0] > cell.ends[1][0] {
                 self.filled.push(index);

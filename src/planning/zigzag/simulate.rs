@@ -47,8 +47,8 @@ pub(super) fn simulate(
 ) -> Result<Simulated, NoPlanes> {
     let mut finder = RunFinder::new(spaced, spaced.widest.max(spaced.workpiece.sampling_gap));
     let mut planes = Vec::new();
-    march(spaced, fit, stop, |plane, reached| {
-        finder.find(spaced, reached, planes.len(), &plane, operation.feeds);
+    march(spaced, fit, stop, |plane, cut| {
+        finder.find(spaced, cut, planes.len(), &plane, operation.feeds);
         planes.push(plane);
         // All runs stay in memory until their order is known.
         operation.room.check(planes.len(), finder.runs.len())
@@ -63,8 +63,7 @@ pub(super) fn simulate(
 /// [`NoPlanes`]
 pub(super) fn planes_of(spaced: &Spaced, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
     let mut planes = Vec::new();
-    march(spaced, None, stop, |plane, reached| {
-        reached.retain(|reached| reached.high > plane.at);
+    march(spaced, None, stop, |plane, _| {
         planes.push(plane);
         room.check(planes.len(), 0)
     })?;

@@ -36,8 +36,11 @@ impl<'a> Spaced<'a> {
             let allowed = squared_spacing(&workpiece.tangents[covered.facet as usize], sweep, spacing).sqrt() as f32;
             allowed
         };
-        let allowed = sweep.covered.chunks(FACETS_AT_ONCE).take_while(|_| !stop()).flatten().map(allowed).collect();
-        Self { workpiece, sweep, spacing, allowed, widest, left_out }
+        let mut spacings = Vec::with_capacity(sweep.covered.len());
+        for covered in sweep.covered.chunks(FACETS_AT_ONCE).take_while(|_| !stop()) {
+            spacings.extend(covered.iter().map(allowed));
+        }
+        Self { workpiece, sweep, spacing, allowed: spacings, widest, left_out }
     }
 
     /// The squared spacing that a facet allows; infinite for a steep facet.

@@ -289,7 +289,7 @@ fn column_of(cos_alpha: f64) -> (usize, f64) {
     let columns = COLUMNS as f64;
     let at = cos_alpha.abs() * columns;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 24")]
-    let column = (at as usize).min(COLUMNS - 1);
+    let column = (at as u32 as usize).min(COLUMNS - 1);
     #[expect(clippy::cast_precision_loss, reason = "under 24")]
     let low = column as f64;
     (column, ((at * at - low * low) / (2.0 * low + 1.0)).min(1.0))

@@ -124,11 +124,10 @@ impl Sweep {
         let heading = Heading::new(direction);
         let mut along = [f64::INFINITY, f64::NEG_INFINITY];
         let mut across = [f64::INFINITY, f64::NEG_INFINITY];
-        let unordered: Vec<Covered> = (0_u32..)
-            .zip(&workpiece.corners)
-            .zip(&workpiece.areas)
-            .take_while(|((facet, _), _)| !(*facet as usize).is_multiple_of(TURN) || !stop())
-            .map(|((facet, corners), area)| {
+        let mut unordered: Vec<Covered> = Vec::with_capacity(workpiece.len());
+        let facets = (0_u32..).step_by(TURN).zip(workpiece.corners.chunks(TURN).zip(workpiece.areas.chunks(TURN)));
+        for (first, (corners, areas)) in facets.take_while(|_| !stop()) {
+            unordered.extend((first..).zip(corners).zip(areas).map(|((facet, corners), area)| {
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
                 for &[x, y, _] in corners {
                     let (p, q) = (heading.along(x, y), heading.across(x, y));
@@ -139,14 +138,17 @@ impl Sweep {
                 #[expect(clippy::cast_possible_truncation, reason = "shares of areas need few digits")]
                 let density = (area / (high - low)) as f32;
                 Covered { low, high, facet, density }
-            })
-            .collect();
+            }));
+        }
         let covered = if stop() { Vec::new() } else { ordered(unordered, across) };
         let slice = |covered: &Covered| {
             let facet = covered.facet as usize;
             Slice::new(&workpiece.corners[facet], &workpiece.tangents[facet], workpiece.weights[facet], heading)
         };
-        let slices = covered.chunks(TURN).take_while(|_| !stop()).flatten().map(slice).collect();
+        let mut slices = Vec::with_capacity(covered.len());
+        for covered in covered.chunks(TURN).take_while(|_| !stop()) {
+            slices.extend(covered.iter().map(slice));
+        }
         let covered_bands = bands_of(&covered);
         Self { heading, covered, slices, along, covered_bands }
     }
@@ -206,7 +208,7 @@ fn ordered(unordered: Vec<Covered>, range: [f64; 2]) -> Vec<Covered> {
     #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
     let per_width = (count - 1) as f64 / width;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to count - 1")]
-    let bucket = |covered: &Covered| (((covered.low - range[0]) * per_width) as usize).min(count - 1);
+    let bucket = |covered: &Covered| (((covered.low - range[0]) * per_width) as u32 as usize).min(count - 1);
     let mut starts = vec![0_u32; count + 1];
     for covered in &unordered {
         starts[bucket(covered) + 1] += 1;
