@@ -152,6 +152,19 @@ impl<'a> PlainJson<'a> {
         text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or(Unusual)
     }
 
+    /// Reads a whole number of 32 bits in digits alone.
+    #[inline]
+    pub(crate) fn whole_number(&mut self) -> Result<u32, Unusual> {
+        /// No number of 32 bits has more digits.
+        const MOST: usize = 10;
+        self.skip_blank();
+        let mut number = 0;
+        match (self.digits(&mut number), self.next()) {
+            (1..=MOST, Some(b',' | b']' | b' ' | b'\n' | b'\t' | b'\r')) => u32::try_from(number).map_err(|_| Unusual),
+            _ => Err(Unusual),
+        }
+    }
+
     /// Reads digits, appends them to `number` modulo 2^64, and returns their count.
     #[inline]
     fn digits(&mut self, number: &mut u64) -> usize {

@@ -1,6 +1,7 @@
 //! The fast reader of arrays of triples of numbers, such as points. It uses all cores, and needs JSON whose syntax has
 //! been checked.
 
+use super::plain::{PlainJson, Unusual};
 use crate::cancellation::CancelFlag;
 use memchr::memchr;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -14,21 +15,21 @@ const BATCH: usize = 16;
 
 /// A number of a triple, parsed from an item of a JSON array.
 pub(crate) trait TripleNumber: Copy + Default + Send {
-    /// Parses an item; `None` if it is not a number of this type in the usual notation.
-    fn parse(item: &str) -> Option<Self>;
+    /// Reads the next item; an error if it is not a number of this type in the usual notation.
+    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual>;
 }
 
 impl TripleNumber for f64 {
-    fn parse(item: &str) -> Option<Self> {
-        // The text is valid JSON, so the first byte identifies a number.
-        let is_number = matches!(item.as_bytes().first(), Some(b'-' | b'0'..=b'9'));
-        item.parse().ok().filter(|value: &f64| is_number && value.is_finite())
+    #[inline]
+    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
+        json.number()
     }
 }
 
 impl TripleNumber for u32 {
-    fn parse(item: &str) -> Option<Self> {
-        item.parse().ok().filter(|_| item.as_bytes()[0].is_ascii_digit())
+    #[inline]
+    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
+        json.whole_number()
     }
 }
 
@@ -52,7 +53,7 @@ pub(crate) fn read_triples<N: TripleNumber, T: Send>(
             (block, rest) = next_block(rest)?;
             blocks.push(block);
         }
-        let read: Vec<Option<T>> = blocks.into_par_iter().map(|block| read_block(block).map(&each)).collect();
+        let read: Vec<Option<T>> = blocks.into_par_iter().map(|block| read_block(block).ok().map(&each)).collect();
         for block in read {
             take(block?);
         }
@@ -69,26 +70,21 @@ fn next_block(items: &str) -> Option<(&str, &str)> {
     if rest.is_empty() { Some((block, rest)) } else { Some((block, rest.strip_prefix(',')?.trim_ascii_start())) }
 }
 
-fn read_block<N: TripleNumber>(block: &str) -> Option<Vec<[N; 3]>> {
+fn read_block<N: TripleNumber>(block: &str) -> Result<Vec<[N; 3]>, Unusual> {
     let mut triples = Vec::with_capacity(block.len() / 16);
-    let mut rest = block;
+    let mut json = PlainJson::new(block.as_bytes());
     loop {
-        let items = rest.strip_prefix('[')?;
-        let (items, after) = items.split_at(memchr(b']', items.as_bytes())?);
-        let mut triple = [N::default(); 3];
-        let mut items = items.split(',');
-        for number in &mut triple {
-            *number = N::parse(items.next()?.trim_ascii())?;
+        json.expect(b'[')?;
+        let first = N::read(&mut json)?;
+        json.expect(b',')?;
+        let second = N::read(&mut json)?;
+        json.expect(b',')?;
+        triples.push([first, second, N::read(&mut json)?]);
+        json.expect(b']')?;
+        if json.is_at_end() {
+            return Ok(triples);
         }
-        if items.next().is_some() {
-            return None;
-        }
-        triples.push(triple);
-        rest = after[1..].trim_ascii_start();
-        if rest.is_empty() {
-            return Some(triples);
-        }
-        rest = rest.strip_prefix(',')?.trim_ascii_start();
+        json.expect(b',')?;
     }
 }
 

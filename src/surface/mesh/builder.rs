@@ -92,7 +92,7 @@ impl MeshBuilder {
     /// discarded.
     #[must_use]
     pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
-        Self { cancel: cancel.clone(), ..self }
+        Self { cancel: cancel.clone(), cloud: self.cloud.with_cancel_flag(cancel), ..self }
     }
 
     /// N, the largest number of facets held.

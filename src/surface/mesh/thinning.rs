@@ -1,6 +1,7 @@
 //! A cloud of single points. If there are more than a limit, it keeps one for each cell of a lattice.
 
 use super::weld::HashKeys;
+use crate::cancellation::CancelFlag;
 use crate::surface::Bounds;
 use hashbrown::HashTable;
 
@@ -14,11 +15,17 @@ pub(super) struct PointCloud {
     points: Vec<[f64; 3]>,
     received: u64,
     cells: Option<Cells>,
+    cancel: CancelFlag,
 }
 
 impl PointCloud {
     pub(super) fn new(limit: usize) -> Self {
-        Self { limit: limit.max(4), points: Vec::new(), received: 0, cells: None }
+        Self { limit: limit.max(4), points: Vec::new(), received: 0, cells: None, cancel: CancelFlag::default() }
+    }
+
+    /// The same cloud with a cancel flag: once `cancel` is set, points are lost, and the cloud must be discarded.
+    pub(super) fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
+        Self { cancel: cancel.clone(), ..self }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -41,7 +48,8 @@ impl PointCloud {
             cells.add(point);
             if cells.points.len() > self.limit {
                 let first = cells.exponent + 1;
-                self.cells = Some(Cells::fitting(first, &cells.points, self.limit / 2));
+                let points = std::mem::take(&mut cells.points);
+                self.cells = Some(Cells::fitting(first, first, &points, self.limit / 2, &self.cancel));
             }
             return;
         }
@@ -93,14 +101,13 @@ impl PointCloud {
         }
         let mut bounds = Bounds::NONE;
         self.points.iter().for_each(|&point| bounds.include(point));
+        let [width, depth] = [0, 1].map(|axis| bounds.max[axis] - bounds.min[axis]);
+        let least = (bounds.largest_magnitude() * 2.0_f64.powi(-40)).max(f64::MIN_POSITIVE);
         #[expect(clippy::cast_precision_loss, reason = "under 2^53")]
-        let finest = {
-            let extent = (bounds.max[0] - bounds.min[0]).max(bounds.max[1] - bounds.min[1]) / self.limit as f64;
-            extent.max(bounds.largest_magnitude() * 2.0_f64.powi(-40)).max(f64::MIN_POSITIVE)
-        };
+        let [finest, usual] = [width.max(depth) / self.limit as f64, (width * depth / (self.limit / 2) as f64).sqrt()];
         #[expect(clippy::cast_possible_truncation, reason = "logarithms of doubles are within 1100")]
-        let finest = finest.log2().floor() as i32;
-        self.cells = Some(Cells::fitting(finest, &std::mem::take(&mut self.points), self.limit / 2));
+        let [finest, usual] = [finest, usual].map(|side| side.max(least).log2().floor() as i32);
+        self.cells = Some(Cells::fitting(finest, usual, &std::mem::take(&mut self.points), self.limit / 2, &self.cancel));
     }
 }
 
@@ -123,25 +130,49 @@ struct Cells {
 }
 
 impl Cells {
-    fn new(exponent: i32) -> Self {
+    /// Cells with room for `room` points.
+    fn new(exponent: i32, room: usize) -> Self {
         let side = 2.0_f64.powi(exponent);
-        Self { exponent, side, by_side: side.recip(), points: Vec::new(), table: HashTable::new(), keys: HashKeys::random() }
+        let (points, table) = (Vec::with_capacity(room), HashTable::with_capacity(room));
+        Self { exponent, side, by_side: side.recip(), points, table, keys: HashKeys::random() }
     }
 
-    /// The smallest cells of at least the size 2^`first` that leave at most `most` of `points`.
-    fn fitting(first: i32, points: &[[f64; 3]], most: usize) -> Self {
-        let mut exponent = first;
+    /// The smallest cells of at least the size 2^`first` that leave at most `most` of `points`. The search begins at
+    /// 2^`likely`. Once `cancel` is set, it ends with any cells.
+    fn fitting(first: i32, likely: i32, points: &[[f64; 3]], most: usize, cancel: &CancelFlag) -> Self {
+        // Cells of a size are divided by those of half the size, so that smaller cells never leave fewer points.
+        let mut exponent = likely.max(first);
+        let (mut fitting, mut grown) = (None, false);
         loop {
-            let mut cells = Self::new(exponent);
-            // `all` ends at the first point that exceeds the limit, usually long before the last.
-            if points.iter().all(|&point| {
-                cells.add(point);
-                cells.points.len() <= most
-            }) {
-                return cells;
+            match Self::of(exponent, points, most, cancel) {
+                Some(cells) if grown || exponent == first || cancel.is_cancelled() => return cells,
+                Some(cells) => {
+                    fitting = Some(cells);
+                    exponent -= 1;
+                }
+                None => match fitting {
+                    Some(cells) => return cells,
+                    None => (exponent, grown) = (exponent + 1, true),
+                },
             }
-            exponent += 1;
         }
+    }
+
+    /// Cells of the size 2^`exponent` with their points, unless they leave more than `most` of `points`. Once `cancel` is
+    /// set, the other points are left out.
+    fn of(exponent: i32, points: &[[f64; 3]], most: usize, cancel: &CancelFlag) -> Option<Self> {
+        /// The number of points between two checks for cancellation, which take less than a millisecond.
+        const TURN: usize = 4096;
+        let mut cells = Self::new(exponent, points.len().min(most + 1));
+        for some in points.chunks(TURN).take_while(|_| !cancel.is_cancelled()) {
+            for &point in some {
+                cells.add(point);
+                if cells.points.len() > most {
+                    return None;
+                }
+            }
+        }
+        Some(cells)
     }
 
     fn add(&mut self, point: [f64; 3]) {
@@ -209,6 +240,30 @@ mod tests {
             assert!(cloud.len() <= 100);
         }
         assert!(cloud.cell().unwrap() >= 1000.0 && cloud.len() > 12, "{:?}", cloud.cell());
+    }
+
+    #[test]
+    fn the_cells_do_not_depend_on_where_the_search_begins() {
+        let points: Vec<[f64; 3]> = (0..3000_u32).map(|i| [f64::from(i * 37 % 101), f64::from(i * 17 % 89), f64::from(i)]).collect();
+        let cells = |points: &[[f64; 3]], likely| Cells::fitting(-8, likely, points, 500, &CancelFlag::default());
+        for points in [&points[..], &points[..600], &points[..100], &points.iter().map(|p| [p[0], p[0], p[2]]).collect::<Vec<_>>()] {
+            let from_below = cells(points, -8);
+            for likely in [-9, -3, 1, 2, 3, 10] {
+                let found = cells(points, likely);
+                assert_eq!((found.exponent, &found.points), (from_below.exponent, &from_below.points), "{likely}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cancelled_cloud_is_not_thinned_further() {
+        let cancel = CancelFlag::default();
+        cancel.cancel();
+        let mut cloud = PointCloud::new(1000).with_cancel_flag(&cancel);
+        for i in 0..3000_u32 {
+            cloud.add([f64::from(i), 0.0, 0.0]);
+        }
+        assert!(cloud.len() < 3000);
     }
 
     #[test]
