@@ -142,20 +142,26 @@ impl Envelope {
     }
 
     /// The height of the smallest step-over.
-    ///
-    /// Short step-overs follow a parabola, unless runout or an edge lets them grow more. Two of them give its vertex:
-    /// searches of ridges need passes that are apart.
     pub(super) fn feed_height(&self, pattern: Pattern, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Result<f64, NoAnswer> {
-        let s = Length::SMALLEST.max(SHORT * pattern.spacing);
-        if pattern.is_even()
-            && !self.pass.surface.is_plane()
-            && self.cutter.kind() != CutterKind::FlatEnd
-            && let (Ok(one), Ok(two)) = (height(s), height(2.0 * s))
-            && two <= one * (1.0 + FLAT)
-        {
-            return Ok(one - (two - one) / 3.0 * (1.0 - (Length::SMALLEST / s).powi(2)));
+        if let Some(vertex) = self.feed_vertex(pattern, &height) { Ok(vertex) } else { height(Length::SMALLEST) }
+    }
+
+    /// The height of the smallest step-over by the vertex of a parabola over short step-overs; `None` if heights do not
+    /// follow one, because runout or an edge lets them grow more. Searches of ridges need passes that are apart.
+    fn feed_vertex(&self, pattern: Pattern, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Option<f64> {
+        if !pattern.is_even() || self.pass.surface.is_plane() || self.cutter.kind() == CutterKind::FlatEnd {
+            return None;
         }
-        height(Length::SMALLEST)
+        let s = Length::SMALLEST.max(SHORT * pattern.spacing);
+        let (one, two) = (height(s).ok()?, height(2.0 * s).ok()?);
+        (two <= one * (1.0 + FLAT)).then(|| one - (two - one) / 3.0 * (1.0 - (Length::SMALLEST / s).powi(2)))
+    }
+
+    /// Whether the marks alone leave more than the height p, where their parabola does by a good part. A search for
+    /// a step-over that does not exist takes longer than two heights.
+    fn is_clearly_used_up(&self, p: f64, pattern: Pattern) -> bool {
+        let is_likely = self.has_third_order && !self.body.is_nearly_level() && self.is_convex_up_to(p) && self.guess(0.0, pattern) > p;
+        is_likely && self.feed_vertex(pattern, |s| self.height(s, pattern)).is_some_and(|height| height > p)
     }
 
     /// The largest step-over that keeps the height p with a pattern of marks.
@@ -178,6 +184,9 @@ impl Envelope {
         } else if self.is_sharp_on_concave(pattern.spacing) {
             sharp_edge::step_over(&self.body, p, guess)
         } else if pattern.is_even() {
+            if self.is_clearly_used_up(p, pattern) {
+                return Ok(SecondOrder::UsedUp);
+            }
             ridge = self.quickly(lengths, Sought::StepOver);
             ridge.map(|ridge| ridge.lengths.step_over)
         } else if self.is_convex_up_to(p) {

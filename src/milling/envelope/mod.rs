@@ -251,7 +251,10 @@ impl Envelope {
         if self.body.is_concave() {
             return self.level_on_concave(s, pattern, quick);
         }
-        let level = Section::new(&self.body, pattern, 2.0 * s).level(s, self.guess(s, pattern), self.ceiling(s, &pattern));
+        // Most ridges of a sharp edge without marks lie between points of the edge.
+        let is_sharp = pattern.spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd;
+        let guess = if is_sharp { sharp_edge::level(&self.body, s) } else { None }.unwrap_or_else(|| self.guess(s, pattern));
+        let level = Section::new(&self.body, pattern, 2.0 * s).level(s, guess, self.ceiling(s, &pattern));
         Some(level).filter(|level| *level <= Length::LARGEST)
     }
 
