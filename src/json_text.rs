@@ -65,7 +65,7 @@ impl<'a> JsonText<'a> {
         let members = scanner.members(text, most).map_err(|_| scanner.error())?;
         let object = Self(&text[first..scanner.position()]);
         scanner.end().map_err(|_| scanner.error())?;
-        Ok((object, members.map_err(|name| Unread::Name(object.name_error(name)))))
+        Ok((object, members.map_err(|name| Unread::Name(object.name_error(&name)))))
     }
 
     /// The value at the beginning of `json`, after blanks. `None` if there is none, or once `stop` returns true.
@@ -91,7 +91,7 @@ impl<'a> JsonText<'a> {
         }
         // The syntax has been checked, so the scan can only be cancelled.
         let members = Scanner::new(self.0.as_bytes(), stop).members(self.0, most).map_err(|_| Unread::Cancelled)?;
-        members.map_err(|name| Unread::Name(self.name_error(name)))
+        members.map_err(|name| Unread::Name(self.name_error(&name)))
     }
 
     /// Passes the items of an array to `take`, in order.
@@ -139,7 +139,7 @@ impl<'a> JsonText<'a> {
     }
 
     /// The error of a name in this text that cannot be decoded.
-    fn name_error(self, name: BadName<'_>) -> JsonError {
+    fn name_error(self, name: &BadName<'_>) -> JsonError {
         let from = name.quoted.as_ptr().addr() - self.0.as_ptr().addr();
         JsonError::of(&name.error, name.quoted.as_bytes(), 0, self.0.as_bytes(), from)
     }

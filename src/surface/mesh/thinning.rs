@@ -150,10 +150,12 @@ impl Cells {
                     fitting = Some(cells);
                     exponent -= 1;
                 }
-                None => match fitting {
-                    Some(cells) => return cells,
-                    None => (exponent, grown) = (exponent + 1, true),
-                },
+                None => {
+                    if let Some(cells) = fitting {
+                        return cells;
+                    }
+                    (exponent, grown) = (exponent + 1, true);
+                }
             }
         }
     }
