@@ -146,7 +146,7 @@ fn main() {
             report(&format!("reach of {count}"), &mut || drop(black_box(reach.uncut_of_each(&cutters, mm(0.01)))));
             let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(&cutters, mm(0.01))).map(with_reach).collect();
             report(&format!("rank {count}"), &mut || {
-                drop(black_box(rank(&finished, &candidates, &settings, SurfaceEvidence::default(), &|| false)))
+                drop(black_box(rank(&finished, &candidates, &settings, SurfaceEvidence::default(), &|| false)));
             });
             report(&format!("all, {count} cutters"), &mut || drop(black_box(planned(&mesh, &cutters, &settings))));
         }
