@@ -196,8 +196,8 @@ mod tests {
         for bend in [0.002, -0.002] {
             let counts = fitted(Cutter::flat_end(Length::computed(6.0)), bend, |inspector, spaced, place, [at, _, width]| {
                 let height = highest(inspector, spaced, place, at, width);
-                // The fit evaluates three places of a cut, and the search across a strip ends within 0.9 % of its peak.
-                assert!(height <= 1.01, "{bend} {place} {at} {width}: {height}");
+                // The fit keeps 0.99 at three places in the middle of the overlap; 3 % is what a plan may exceed.
+                assert!(height <= 1.03, "{bend} {place} {at} {width}: {height}");
             });
             assert!(4 * counts[1] > counts[0], "{counts:?}");
         }

@@ -8,6 +8,9 @@ pub(super) const MOST_PLANES: usize = 50_000;
 /// The number of a strip's tightest facets from which the share that may be left out is taken.
 const TIGHTEST: usize = 8;
 
+/// The number of a strip's tightest facets that are recorded first: mostly the first one binds.
+const FEW: usize = 2;
+
 /// A facet that meets the strip after the current plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reached {
@@ -112,7 +115,7 @@ pub(super) fn march(
             binding: None,
             fitted: Vec::new(),
         };
-        let first = walk.widest_from(band.low)?;
+        let first = walk.widest_from(band.low, FEW)?;
         let mut is_last = band.high - band.low < first;
         // The first plane is half a spacing from the border; in a band narrower than one spacing, in the middle.
         let mut plane = Plane {
@@ -201,8 +204,8 @@ impl Walk<'_> {
     /// The same as [`Self::widest_from`], with the facets that bind the strip fitted to it one after the other. The
     /// others of the tightest are then compared with the result.
     fn fitted_from(&mut self, at: f64, fit: Option<&Fit>) -> Result<f64, NoPlanes> {
-        let mut found = self.widest_from(at)?;
-        let Some(fit) = fit else { return Ok(found) };
+        let Some(fit) = fit else { return self.widest_from(at, FEW) };
+        let mut found = self.widest_from(at, TIGHTEST)?;
         let limit = (WIDEST_FITTED * found).min(self.spaced.widest);
         while self.fitted.len() < MOST_FITTED && found < limit {
             let is_fitted = |index: usize| self.fitted.iter().any(|&(known, _)| known == index);
@@ -212,7 +215,7 @@ impl Walk<'_> {
             #[expect(clippy::cast_possible_truncation, reason = "single precision errs by 6e-8, far less than the model")]
             let allowed = width as f32;
             self.reached[index].allowed = allowed;
-            found = self.widest_from(at)?;
+            found = self.widest_from(at, TIGHTEST)?;
         }
         if self.fitted.is_empty() {
             return Ok(found);
@@ -230,12 +233,12 @@ impl Walk<'_> {
     }
 
     /// The largest d allowed by all facets in the strip from `at` to `at` + d, except the share of its area that may be
-    /// left out.
-    fn widest_from(&mut self, at: f64) -> Result<f64, NoPlanes> {
+    /// left out. At least `most` of the tightest facets are recorded.
+    fn widest_from(&mut self, at: f64, most: usize) -> Result<f64, NoPlanes> {
         let widest = self.spaced.widest;
         loop {
             let width = self.hint.min(widest);
-            let found = self.widest_within(at, width);
+            let found = self.widest_within(at, width, most);
             if found < width || width >= widest {
                 // A spacing under a nanometre counts as none: the largest number of planes would cover 0.05 mm.
                 if found.is_nan() || found <= 1e-6 {
@@ -248,8 +251,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The same with an upper limit: the result is at most `width`.
-    fn widest_within(&mut self, at: f64, width: f64) -> f64 {
+    /// The same with an upper limit: the result is at most `width`. At least `most` of the tightest facets are recorded.
+    fn widest_within(&mut self, at: f64, width: f64, most: usize) -> f64 {
         let end = at + width;
         while self.next < self.end {
             let covered = self.spaced.sweep.covered[self.next];
@@ -264,26 +267,7 @@ impl Walk<'_> {
             }
             self.next += 1;
         }
-        let area: f64 = self.reached.iter().map(|reached| reached.area_between(at, end)).sum();
-        self.tightest = Tightest { limit: width, ..Tightest::default() };
-        let begun = self.cut(at).len();
-        for index in 0..begun {
-            let allowed = f64::from(self.reached[index].allowed);
-            if allowed < self.tightest.limit {
-                self.tightest.add(allowed, index);
-            }
-        }
-        for index in begun..self.reached.len() {
-            // A strip may extend to the facet's beginning in any case.
-            let begins = self.reached[index].low - at;
-            if begins >= self.tightest.limit {
-                break;
-            }
-            let bound = f64::from(self.reached[index].allowed).max(begins);
-            if bound < self.tightest.limit {
-                self.tightest.add(bound, index);
-            }
-        }
+        let area = self.find_tightest(at, width, most);
         // The area of a strip is about proportional to its width. The strip may extend to the bound of the first facet
         // that cannot be left out: with it, the tighter facets would exceed the share that may be left out.
         let left_out_per_width = self.spaced.left_out * area / width;
@@ -297,8 +281,37 @@ impl Walk<'_> {
         // If all recorded facets could be left out, the facets that were not recorded might exceed the share: then the
         // last recorded facet binds.
         let first = (0..tightest.len()).find(holds_too_much).or((tightest.len() == TIGHTEST).then_some(TIGHTEST - 1));
+        if most < TIGHTEST && tightest.len() == most && first != Some(0) {
+            return self.widest_within(at, width, TIGHTEST);
+        }
         self.binding = first.map(|first| tightest[first].1).map(|index| (self.reached[index].place, index));
         first.map_or(width, |first| tightest[first].0)
+    }
+
+    /// Records the `most` tightest facets of the strip, and returns the area of its facets.
+    fn find_tightest(&mut self, at: f64, width: f64, most: usize) -> f64 {
+        let end = at + width;
+        let mut tightest = Tightest { limit: width, most, ..Tightest::default() };
+        let mut area = 0.0;
+        let begun = self.cut(at).len();
+        for (index, reached) in self.reached[..begun].iter().enumerate() {
+            area += f64::from(reached.density) * (if reached.high < end { reached.high } else { end } - at);
+            let allowed = f64::from(reached.allowed);
+            if allowed < tightest.limit {
+                tightest.add(allowed, index);
+            }
+        }
+        for (index, reached) in self.reached.iter().enumerate().skip(begun) {
+            area += reached.area_between(at, end);
+            // A strip may extend to the facet's beginning in any case.
+            let (allowed, begins) = (f64::from(reached.allowed), reached.low - at);
+            let bound = if allowed > begins { allowed } else { begins };
+            if bound < tightest.limit {
+                tightest.add(bound, index);
+            }
+        }
+        self.tightest = tightest;
+        area
     }
 }
 
@@ -308,6 +321,8 @@ struct Tightest {
     /// The widths that they allow in rising order, each with the facet's index among the reached ones.
     facets: [(f64, usize); TIGHTEST],
     count: usize,
+    /// The largest number of them, at most [`TIGHTEST`].
+    most: usize,
     /// Only facets that allow less than this belong to them.
     limit: f64,
 }
@@ -319,15 +334,15 @@ impl Tightest {
 
     /// Adds a facet that allows less than the limit.
     fn add(&mut self, width: f64, index: usize) {
-        self.count = (self.count + 1).min(TIGHTEST);
+        self.count = (self.count + 1).min(self.most);
         let mut place = self.count - 1;
         while place > 0 && self.facets[place - 1].0 > width {
             self.facets[place] = self.facets[place - 1];
             place -= 1;
         }
         self.facets[place] = (width, index);
-        if self.count == TIGHTEST {
-            self.limit = self.facets[TIGHTEST - 1].0;
+        if self.count == self.most {
+            self.limit = self.facets[self.count - 1].0;
         }
     }
 }

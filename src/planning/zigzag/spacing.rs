@@ -112,6 +112,7 @@ impl CutterSpacing {
 
     /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 if no spacing keeps the
     /// scallop height.
+    #[inline]
     pub(super) fn squared(&self, tangent: &Tangent, cos_alpha: f64, sin_alpha: f64) -> f64 {
         let ratio_squared = tangent.ratio_squared(cos_alpha);
         let on_plane = match &self.law {
