@@ -217,39 +217,3 @@ impl<'a> Inspector<'a> {
 fn strip_of(planes: &[Plane], at: f64) -> usize {
     planes.partition_point(|plane| plane.at <= at).saturating_sub(1)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::milling::{Contact, EvaluatedPass, Pass, Runout, SurfaceCurvature};
-
-    /// Pseudo-random numbers from 0 to 1, the same in each run.
-    fn random(state: &mut u64) -> f64 {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        f64::from(u32::try_from(*state >> 33).unwrap()) / f64::from(1_u32 << 31)
-    }
-
-    #[test]
-    fn step_overs_that_are_not_confirmed_are_those_that_are() {
-        let (mut state, mut compared, mut others) = (3, 0_u32, Vec::new());
-        let tolerance = Length::computed(0.01);
-        for _ in 0..400 {
-            let corner = Length::computed(0.3 + 2.7 * random(&mut state));
-            let cutter = Cutter::toroidal(Length::computed(10.0), corner).unwrap();
-            let contact = Contact::from_degrees(2.0 + 60.0 * random(&mut state), 360.0 * random(&mut state)).unwrap();
-            let [along, across, twist] = [0; 3].map(|_| 0.04 * random(&mut state) - 0.02);
-            let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).unwrap();
-            let pass = Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None };
-            let Ok(evaluated) = EvaluatedPass::new(Model::Envelope, pass) else { continue };
-            let (one, other) = (evaluated.unconfirmed_max_step_over(tolerance, None), evaluated.max_step_over(tolerance, None));
-            if let (Ok(one), Ok(other)) = (one, other) {
-                compared += 1;
-                if (one.mm() / other.mm() - 1.0).abs() > 1e-6 {
-                    others.push(one.mm() / other.mm());
-                }
-            }
-        }
-        println!("{} of {compared} differ: {others:?}", others.len());
-        assert!(compared > 250 && 100 * others.len() <= compared as usize, "{} of {compared}: {others:?}", others.len());
-    }
-}
