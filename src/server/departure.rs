@@ -20,6 +20,9 @@ const HALF_CLOSED: Duration = Duration::from_secs(1);
 /// after those bytes.
 const RECHECK: Duration = Duration::from_millis(250);
 
+/// The interval of checks for a reset while a body arrives: the service reads no more of it while it works on a part.
+const RECEIVING_RECHECK: Duration = Duration::from_millis(20);
+
 /// The watch on one connection.
 pub(super) struct Departure {
     stream: SharedStream,
@@ -35,6 +38,9 @@ impl Departure {
 
     /// Ready when the client has closed the connection before its answer was ready.
     pub(super) fn poll(&mut self, context: &mut Context<'_>) -> Poll<()> {
+        if self.state.is_in(Phase::Receiving) {
+            return self.poll_reset(context);
+        }
         if !self.state.is_in(Phase::Working) {
             (self.half_closed, self.recheck) = (None, None);
             return Poll::Pending;
@@ -52,6 +58,23 @@ impl Departure {
                 End::HalfClosed => self.half_closed = Some(Box::pin(sleep(HALF_CLOSED))),
                 End::Unknown => self.recheck = Some(Box::pin(sleep(RECHECK))),
             }
+        }
+    }
+
+    /// Ready when the connection was reset. Unread bytes do not hide a reset, as they hide the end of the stream.
+    fn poll_reset(&mut self, context: &mut Context<'_>) -> Poll<()> {
+        loop {
+            if let Some(next) = &mut self.recheck {
+                ready!(next.as_mut().poll(context));
+            }
+            let stream = lock(&self.stream);
+            if let Poll::Ready(Ok(ready)) = pin!(stream.ready(Interest::WRITABLE)).poll(context)
+                && ready.is_write_closed()
+            {
+                return Poll::Ready(());
+            }
+            drop(stream);
+            self.recheck = Some(Box::pin(sleep(RECEIVING_RECHECK)));
         }
     }
 

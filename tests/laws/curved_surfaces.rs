@@ -47,6 +47,17 @@ fn turned(principal: [f64; 2], direction: f64, degrees: f64) -> SurfaceCurvature
     SurfaceCurvature::from_principal_per_mm(principal, angle(direction - degrees)).unwrap()
 }
 
+/// Whether the inverse `back` of the height at `value` is `value`, or lies beyond a fall of the height by less than 3 %.
+fn comes_back(back: f64, value: f64, height: impl Fn(f64) -> f64) -> bool {
+    if (back / value - 1.0).abs() <= 1e-9 {
+        return true;
+    }
+    let tolerance = height(value);
+    let between = (0..100).map(|number| value + (back - value) * f64::from(number) / 100.0);
+    let is_same = (height(back) / tolerance - 1.0).abs() <= 1e-9;
+    back > value && is_same && between.map(height).all(|height| height < 1.03 * tolerance)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
@@ -152,6 +163,9 @@ proptest! {
     /// The height at both inverses is the tolerance. An inverse whose part of the height is under a thousandth is not
     /// compared. Cutters with a sharp edge are left out: on a surface that is concave along the feed their section has
     /// two lobes, and a search may find either, so that heights differ by up to 3 % (one in some 5,000 inputs).
+    ///
+    /// With the feed along a level line, a height can fall by up to 3 % where another ridge becomes the one that is found
+    /// (one in some 35,000 inputs). The inverse is then a larger length with the same height.
     #[test]
     fn the_inverses_leave_the_tolerance(
         cutter in cutters(), slope in 10.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.02..0.2_f64,
@@ -166,10 +180,10 @@ proptest! {
         // out.
         prop_assume!(evaluated.relative_curvature() > 0.6);
         prop_assume!(found.feed.mm() > 1e-3 * found.total().mm() && found.step_over.mm() > 1e-3 * found.total().mm());
-        let comes_back = |back: f64, value: f64| (back / value - 1.0).abs() <= 1e-9;
         let (step_over, feed) = (evaluated.max_step_over(found.total(), Some(mm(f))), evaluated.max_feed_per_tooth(found.total(), mm(s)));
-        prop_assert!(comes_back(step_over.unwrap().mm(), s), "{step_over:?} {s}");
-        prop_assert!(comes_back(feed.unwrap().mm(), f), "{feed:?} {f}");
+        let height_of = |s: f64, f: f64| height(&evaluated, s, f).unwrap();
+        prop_assert!(comes_back(step_over.unwrap().mm(), s, |s| height_of(s, f)), "{step_over:?} {s}");
+        prop_assert!(comes_back(feed.unwrap().mm(), f, |f| height_of(s, f)), "{feed:?} {f}");
     }
 
     /// Circles of the radius R placed on a sphere, s apart and f apart, meet over the middle of the rectangle between

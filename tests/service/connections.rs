@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use axum::http::HeaderMap;
+use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use scallopd::http::worker_pool::Work;
 use scallopd::http::{RouteClass, Routes};
@@ -25,17 +26,19 @@ struct Endless {
 impl Endless {
     fn routes(&self) -> Routes {
         let endless = self.clone();
-        let work = move |work: Work, _body: axum::body::Bytes| async move {
-            let work = work.run(move |cancel| {
-                endless.has_begun.store(true, Ordering::SeqCst);
-                while !cancel.is_cancelled() {
-                    std::thread::sleep(Duration::from_millis(1));
-                }
-                endless.was_cancelled.store(true, Ordering::SeqCst);
-            });
-            work.await.map(|()| "cancelled")
-        };
+        let work = move |work: Work, _body: axum::body::Bytes| endless.work(work);
         Routes::new().undocumented(RouteClass::Batch, "/endless", post(work))
+    }
+
+    async fn work(self, work: Work) -> impl IntoResponse {
+        let work = work.run(move |cancel| {
+            self.has_begun.store(true, Ordering::SeqCst);
+            while !cancel.is_cancelled() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            self.was_cancelled.store(true, Ordering::SeqCst);
+        });
+        work.await.map(|()| "cancelled")
     }
 
     async fn begun(&self) {
@@ -175,6 +178,28 @@ async fn work_ends_at_once_after_a_reset_and_after_the_time_out() {
     let mut answer = [0; 12];
     stream.read_exact(&mut answer).await.unwrap();
     assert_eq!(&answer, b"HTTP/1.1 408");
+    endless.cancelled().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn work_on_a_part_of_a_body_ends_after_a_reset_although_the_rest_is_unread() {
+    let endless = Endless::default();
+    // The work begins before the body is read.
+    let work = {
+        let endless = endless.clone();
+        move |work: Work, unread: axum::body::Body| async move {
+            let answer = endless.work(work).await;
+            drop(unread);
+            answer
+        }
+    };
+    let server = server::start(defaults(), Routes::new().undocumented(RouteClass::Batch, "/unread", post(work))).await;
+    let mut stream = server.connect().await;
+    send(&mut stream, "POST /unread HTTP/1.1\r\nhost: test\r\ncontent-length: 100000\r\n\r\n").await;
+    send(&mut stream, &"x".repeat(50_000)).await;
+    endless.begun().await;
+    stream.set_zero_linger().unwrap();
+    drop(stream);
     endless.cancelled().await;
 }
 
