@@ -43,9 +43,9 @@ const LEAST_CLEARANCE: f64 = 1.0 / 3.0;
 /// surface of 100 x 80 mm on 256 cells is evaluated on all cells for discs of up to 6.5 mm.
 const WORK: f64 = 6e7;
 
-/// The largest number of cells that seem uncut at which the cutter is placed, which takes up to some 0.1 s. If there
+/// The largest number of cells that seem uncut at which the cutter is placed, which takes up to some 0.05 s. If there
 /// are more, this many are taken, evenly spread.
-const MOST_PLACED: usize = 1_024;
+const MOST_PLACED: usize = 512;
 
 /// The steps of the search for a normal: 0.618^10 = 0.8 % of the turn between neighbouring cells.
 const TURNS: u32 = 10;

@@ -80,14 +80,9 @@ impl RestingHeights {
     fn highest(&self, cutter: Cutter, [x, y]: [f64; 2], least: f64) -> f64 {
         let (radius, cell) = (cutter.outer_radius().mm(), self.frame.cell);
         let [u, v, _] = self.frame.in_cells([x, y, 0.0]);
-        let mut highest = least;
-        let mut open = vec![(self.blocks.len() - 1, 0, 0)];
-        while let Some((size, column, row)) = open.pop() {
-            let blocks = &self.blocks[size];
-            let z = f64::from(blocks.heights[row * blocks.columns + column]);
-            if z <= highest {
-                continue;
-            }
+        // The height at which the cutter would rest on the highest point of a block, if that were at the block's nearest
+        // cell; minus infinity beside the cutter.
+        let bound = |size: usize, column: usize, row: usize| {
             let side = (1_usize << size) as f64;
             // The distance of the nearest cell centre of the block along one axis, in cells.
             let apart = |first: usize, at: f64| {
@@ -97,23 +92,34 @@ impl RestingHeights {
             // The offsets are far from overflow, and a square root is faster than hypot.
             let [across, along] = [apart(column, u), apart(row, v)];
             let d = cell * (across * across + along * along).sqrt();
-            if d > radius {
-                continue;
-            }
-            let resting = z - profile(cutter, d);
-            if resting <= highest {
+            let blocks = &self.blocks[size];
+            let z = f64::from(blocks.heights[row * blocks.columns + column]);
+            if d > radius || z <= least { f64::NEG_INFINITY } else { z - profile(cutter, d) }
+        };
+        let mut highest = least;
+        let mut open = Vec::with_capacity(4 * self.blocks.len());
+        open.push((f64::INFINITY, self.blocks.len() - 1, 0, 0));
+        while let Some((most, size, column, row)) = open.pop() {
+            if most <= highest {
                 continue;
             }
             let Some(smaller) = size.checked_sub(1) else {
-                highest = resting;
+                // A cell alone is its own bound.
+                highest = if most.is_finite() { most } else { bound(size, column, row).max(highest) };
                 continue;
             };
             let cells = &self.blocks[smaller];
+            let first = open.len();
             for row in 2 * row..(2 * row + 2).min(cells.rows) {
                 for column in 2 * column..(2 * column + 2).min(cells.columns) {
-                    open.push((smaller, column, row));
+                    let bound = bound(smaller, column, row);
+                    if bound > highest {
+                        open.push((bound, smaller, column, row));
+                    }
                 }
             }
+            // The most promising block is next, so that more of the others can be skipped.
+            open[first..].sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
         }
         highest
     }
