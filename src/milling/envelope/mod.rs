@@ -34,6 +34,7 @@ mod runout;
 mod section;
 mod sharp_edge;
 mod third_order;
+mod turned_pair;
 mod turned_ridge;
 mod turning_marks;
 

@@ -118,7 +118,7 @@ impl RestingHeights {
                     }
                 }
             }
-            // The most promising block is next, so that more of the others can be skipped.
+            // The block with the largest bound is next, so that more of the others can be skipped.
             open[first..].sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
         }
         highest

@@ -111,7 +111,7 @@ pub(super) fn march(
             end: band.end,
             reached: Vec::new(),
             hint: spaced.widest,
-            tightest: Tightest::default(),
+            tightest: TightestOfStrip::default(),
             binding: None,
             fitted: Vec::new(),
         };
@@ -174,7 +174,7 @@ struct Walk<'a> {
     /// The width to search first: somewhat more than the last spacing.
     hint: f64,
     /// The tightest facets of the strip.
-    tightest: Tightest,
+    tightest: TightestOfStrip,
     /// The place of the facet that binds the last strip, and its index among the reached facets; those left out do not.
     binding: Option<(u32, usize)>,
     /// The facets that are fitted to the strip: their indices among the reached ones, and their own spacings.
@@ -291,7 +291,7 @@ impl Walk<'_> {
     /// Records the `most` tightest facets of the strip, and returns the area of its facets.
     fn find_tightest(&mut self, at: f64, width: f64, most: usize) -> f64 {
         let end = at + width;
-        let mut tightest = Tightest { limit: width, most, ..Tightest::default() };
+        let mut tightest = TightestOfStrip { limit: width, most, ..TightestOfStrip::default() };
         let mut area = 0.0;
         let begun = self.cut(at).len();
         for (index, reached) in self.reached[..begun].iter().enumerate() {
@@ -317,7 +317,7 @@ impl Walk<'_> {
 
 /// The facets of a strip that allow the least.
 #[derive(Debug, Clone, Copy, Default)]
-struct Tightest {
+struct TightestOfStrip {
     /// The widths that they allow in rising order, each with the facet's index among the reached ones.
     facets: [(f64, usize); TIGHTEST],
     count: usize,
@@ -327,7 +327,7 @@ struct Tightest {
     limit: f64,
 }
 
-impl Tightest {
+impl TightestOfStrip {
     fn facets(&self) -> &[(f64, usize)] {
         &self.facets[..self.count]
     }
