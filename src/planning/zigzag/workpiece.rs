@@ -1,6 +1,7 @@
 //! The facets of a surface, prepared for simulation in any direction.
 
 use super::slopes::{SlopePlace, place_of};
+use crate::cancellation::collect_until;
 use crate::quantity::{Angle, Area, Length};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
@@ -72,6 +73,9 @@ impl Tangent {
     }
 }
 
+/// The number of facets whose figures one thread adds up at a time.
+const SUMMED_AT_ONCE: usize = 4096;
+
 impl Workpiece {
     /// Prepares the facets; `cos_of_steepest` is the cosine of the slope up to which they set spacings. Once `stop`
     /// returns true, no facets are prepared.
@@ -85,16 +89,15 @@ impl Workpiece {
             }
         }
         let origin = [0, 1, 2].map(|axis| if facets.is_empty() { 0.0 } else { f64::midpoint(low[axis], high[axis]) });
-        let corners =
-            facets.par_iter().with_min_len(4096).map(|facet| facet.corners.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]));
-        let corners: Vec<_> = corners.collect();
-        let facets = if stop() { &[] } else { facets };
-        let corners = if facets.is_empty() { Vec::new() } else { corners };
-        let tangents = facets.par_iter().with_min_len(4096).map(|facet| Tangent::of(facet, cos_of_steepest));
+        let corners = collect_until(facets.len(), stop, |facet| {
+            facets[facet].corners.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]])
+        });
+        let tangents = collect_until(facets.len(), stop, |facet| Tangent::of(&facets[facet], cos_of_steepest));
+        let (facets, corners, tangents) = if stop() { (&facets[..0], Vec::new(), Vec::new()) } else { (facets, corners, tangents) };
         Self {
             corners,
             areas: facets.iter().map(|facet| facet.area).collect(),
-            tangents: tangents.collect(),
+            tangents,
             origin,
             top: if facets.is_empty() { 0.0 } else { high[2] - origin[2] },
             area: facets.iter().map(|facet| facet.area).sum(),
@@ -109,13 +112,20 @@ impl Workpiece {
 
     /// The figures of the surface.
     pub(super) fn figures(&self) -> SurfaceFigures {
-        let (mut slopes, mut steep, mut curvature) = (0.0, 0.0, 0.0);
-        for (tangent, area) in self.tangents.iter().zip(&self.areas) {
-            slopes += area * tangent.sin.atan2(tangent.cos);
-            let [steepest, twist, level] = tangent.curvature;
-            curvature += area * steepest.hypot(level).hypot(std::f64::consts::SQRT_2 * twist);
-            steep += if tangent.is_steep { *area } else { 0.0 };
-        }
+        let sums_of = |(tangents, areas): (&[Tangent], &[f64])| {
+            let mut sums = [0.0; 3];
+            for (tangent, area) in tangents.iter().zip(areas) {
+                let [steepest, twist, level] = tangent.curvature;
+                sums[0] += area * tangent.sin.atan2(tangent.cos);
+                sums[1] += if tangent.is_steep { *area } else { 0.0 };
+                sums[2] += area * (steepest * steepest + level * level + 2.0 * twist * twist).sqrt();
+            }
+            sums
+        };
+        // Added in the order of the facets, so that the result does not depend on the number of threads.
+        let parts: Vec<[f64; 3]> =
+            self.tangents.par_chunks(SUMMED_AT_ONCE).zip(self.areas.par_chunks(SUMMED_AT_ONCE)).map(sums_of).collect();
+        let [slopes, steep, curvature] = [0, 1, 2].map(|place| parts.iter().map(|part| part[place]).sum::<f64>());
         let area = self.area;
         let of_area = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]

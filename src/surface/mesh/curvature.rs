@@ -33,7 +33,7 @@
 use super::fans::{Fans, LARGEST_FAN};
 use super::flat_regions::{SAME_PLANE, areas_of_flat_regions};
 use super::{Mesh, Visibility, cross, difference, dot};
-use rayon::prelude::*;
+use crate::cancellation::collect_until;
 
 /// The angle between normals, in deg, above which facets do not belong to one smooth surface.
 pub const CREASE_ANGLE_DEG: f64 = 35.0;
@@ -80,94 +80,81 @@ impl Mesh {
     /// turned. Once `stop` returns true, it returns early, and the result must be discarded.
     pub(super) fn curvatures(&self, visibility: &Visibility, wanted: &[u32], stop: &(dyn Fn() -> bool + Sync)) -> Vec<[f64; 6]> {
         let cos_crease = CREASE_ANGLE_DEG.to_radians().cos();
-        let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = (0..self.triangles().len())
-            .into_par_iter()
-            .map(|facet| {
-                let (normal, area) = self.normal_and_area(facet);
-                (if visibility.is_seen_from_behind(facet) { normal.map(|part| -part) } else { normal }, area)
-            })
-            .unzip();
+        let count = self.triangles().len();
+        let normals_and_areas = collect_until(count, stop, |facet| {
+            let (normal, area) = self.normal_and_area(facet);
+            (if visibility.is_seen_from_behind(facet) { normal.map(|part| -part) } else { normal }, area)
+        });
         if stop() {
             return Vec::new();
         }
-        let fans = Fans::of(self);
+        let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = normals_and_areas.into_iter().unzip();
+        let Some(fans) = Fans::until(self, stop) else { return Vec::new() };
         let areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas, stop);
         let sides = Sides { normals, areas };
         let normals = &sides.normals;
         // If all facets around a point are near their mean normal, and so near each other, all corners there have the
         // same normal.
         let cos_half = (CREASE_ANGLE_DEG / 2.0).to_radians().cos();
-        let at_points: Vec<Option<CornerNormal>> = (0..self.points().len())
-            .into_par_iter()
-            .map(|point| {
-                if stop() {
-                    return None;
-                }
-                let fan = fans.around(point);
-                let mean = self.corner_normal(point, fan.iter(), &sides)?;
-                fan.iter().all(|&facet| dot(normals[facet as usize], mean.normal) >= cos_half).then_some(mean)
-            })
-            .collect();
-        let equations: Vec<Equations> = (0..self.triangles().len())
-            .into_par_iter()
-            .map(|facet| {
-                if stop() {
-                    return Equations::default();
-                }
-                let own = normals[facet];
-                let corners = self.triangles()[facet].map(|point| {
-                    let point = point as usize;
-                    at_points[point].unwrap_or_else(|| {
-                        let fan = fans.around(point);
-                        let near = fan
-                            .iter()
-                            .step_by(fan.len().div_ceil(LARGEST_FAN))
-                            .filter(|&&other| dot(normals[other as usize], own) >= cos_crease);
-                        self.corner_normal(point, near, &sides).unwrap_or(CornerNormal { normal: own, open: [0.0; 3] })
-                    })
+        let at_points = collect_until(self.points().len(), stop, |point| {
+            let fan = fans.around(point);
+            let mean = self.corner_normal(point, fan.iter(), &sides)?;
+            fan.iter().all(|&facet| dot(normals[facet as usize], mean.normal) >= cos_half).then_some(mean)
+        });
+        if stop() {
+            return Vec::new();
+        }
+        let equations = collect_until(count, stop, |facet| {
+            let own = normals[facet];
+            let corners = self.triangles()[facet].map(|point| {
+                let point = point as usize;
+                at_points[point].unwrap_or_else(|| {
+                    let fan = fans.around(point);
+                    let near = fan
+                        .iter()
+                        .step_by(fan.len().div_ceil(LARGEST_FAN))
+                        .filter(|&&other| dot(normals[other as usize], own) >= cos_crease);
+                    self.corner_normal(point, near, &sides).unwrap_or(CornerNormal { normal: own, open: [0.0; 3] })
+                })
+            });
+            let is_plane = sides.areas[facet] >= MUCH_LARGER * own_areas[facet]
+                && corners.iter().all(|corner| {
+                    let apart = difference(corner.normal, own);
+                    dot(apart, apart) <= SAME_PLANE * SAME_PLANE
                 });
-                let is_plane = sides.areas[facet] >= MUCH_LARGER * own_areas[facet]
-                    && corners.iter().all(|corner| {
-                        let apart = difference(corner.normal, own);
-                        dot(apart, apart) <= SAME_PLANE * SAME_PLANE
-                    });
-                if is_plane { Equations::default() } else { self.equations(facet, corners) }
-            })
-            .collect();
-        wanted
-            .par_iter()
-            .map(|&facet| {
-                if stop() {
-                    return [0.0; 6];
-                }
-                let facet = facet as usize;
-                let own = normals[facet];
-                // If the normals do not turn, the facet is in a plane, whatever its neighbours are.
-                if equations[facet].turns.iter().all(|&turn| turn == 0.0) {
-                    return [0.0; 6];
-                }
-                let (mut around, mut count) = (Equations::default(), 0_u32);
-                for point in self.triangles()[facet] {
-                    let fan = fans.around(point as usize);
-                    for &other in fan.iter().step_by(fan.len().div_ceil(LARGEST_FAN)) {
-                        if other as usize != facet && dot(normals[other as usize], own) >= cos_crease {
-                            let ratio = sides.areas[other as usize] / sides.areas[facet];
-                            let ratio = ratio.min(ratio.recip());
-                            // The comparison is also false for a facet whose area was rounded to 0.
-                            if ratio >= LEAST_AREA_RATIO {
-                                around.add(&equations[other as usize], ratio * ratio);
-                                count += 1;
-                            }
+            if is_plane { Equations::default() } else { self.equations(facet, corners) }
+        });
+        if stop() {
+            return Vec::new();
+        }
+        collect_until(wanted.len(), stop, |index| {
+            let facet = wanted[index] as usize;
+            let own = normals[facet];
+            // If the normals do not turn, the facet is in a plane, whatever its neighbours are.
+            if equations[facet].turns.iter().all(|&turn| turn == 0.0) {
+                return [0.0; 6];
+            }
+            let (mut around, mut count) = (Equations::default(), 0_u32);
+            for point in self.triangles()[facet] {
+                let fan = fans.around(point as usize);
+                for &other in fan.iter().step_by(fan.len().div_ceil(LARGEST_FAN)) {
+                    if other as usize != facet && dot(normals[other as usize], own) >= cos_crease {
+                        let ratio = sides.areas[other as usize] / sides.areas[facet];
+                        let ratio = ratio.min(ratio.recip());
+                        // The comparison is also false for a facet whose area was rounded to 0.
+                        if ratio >= LEAST_AREA_RATIO {
+                            around.add(&equations[other as usize], ratio * ratio);
+                            count += 1;
                         }
                     }
                 }
-                let mut sum = equations[facet];
-                if count > 0 {
-                    sum.add(&around, NEIGHBOURS / f64::from(count));
-                }
-                sum.solve(own)
-            })
-            .collect()
+            }
+            let mut sum = equations[facet];
+            if count > 0 {
+                sum.add(&around, NEIGHBOURS / f64::from(count));
+            }
+            sum.solve(own)
+        })
     }
 
     /// The mean of the normals of these facets around a point, weighted by their angles there. Facets with too small

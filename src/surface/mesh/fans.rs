@@ -12,24 +12,38 @@ pub(super) struct Fans {
     facets: Vec<u32>,
 }
 
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 65_536;
+
 impl Fans {
-    pub(super) fn of(mesh: &Mesh) -> Self {
+    /// The facets around all points; `None` once `stop` returns true.
+    pub(super) fn until(mesh: &Mesh, stop: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
         let mut starts = vec![0_u32; mesh.points().len() + 1];
-        for &point in mesh.triangles().iter().flatten() {
-            starts[point as usize + 1] += 1;
+        for some in mesh.triangles().chunks(TURN) {
+            if stop() {
+                return None;
+            }
+            for &point in some.iter().flatten() {
+                starts[point as usize + 1] += 1;
+            }
         }
         for point in 1..starts.len() {
             starts[point] += starts[point - 1];
         }
         let mut next = starts.clone();
         let mut facets = vec![0; 3 * mesh.triangles().len()];
-        for (facet, triangle) in (0_u32..).zip(mesh.triangles()) {
-            for &point in triangle {
-                facets[next[point as usize] as usize] = facet;
-                next[point as usize] += 1;
+        for (first, some) in (0_u32..).step_by(TURN).zip(mesh.triangles().chunks(TURN)) {
+            if stop() {
+                return None;
+            }
+            for (facet, triangle) in (first..).zip(some) {
+                for &point in triangle {
+                    facets[next[point as usize] as usize] = facet;
+                    next[point as usize] += 1;
+                }
             }
         }
-        Self { starts, facets }
+        Some(Self { starts, facets })
     }
 
     /// The facets around a point.

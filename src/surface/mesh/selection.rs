@@ -1,12 +1,10 @@
 //! The selection of facets to machine, and the facets that planning receives.
 
 use super::{FacetClass, FinishFacet, Mesh, Pieces, Visibility};
+use crate::cancellation::collect_until;
 use crate::quantity::Angle;
 use crate::surface::Bounds;
 use std::fmt;
-
-/// The number of facets between two checks for cancellation.
-const TURN: usize = 4096;
 
 /// The conditions that a facet must meet, all of them, to be machined. The other facets still hide those below them,
 /// and must not be gouged.
@@ -143,18 +141,14 @@ impl Mesh {
             .map(|(facet, _)| facet)
             .collect();
         let curvatures = self.curvatures(visibility, &wanted, stop);
-        let mut facets = Vec::with_capacity(curvatures.len());
-        for (wanted, curvatures) in wanted.chunks(TURN).zip(curvatures.chunks(TURN)).take_while(|_| !stop()) {
-            facets.extend(wanted.iter().zip(curvatures).map(|(&facet, &curvature)| {
-                let facet = facet as usize;
-                let (mut corners, (mut normal, area)) = (self.corners(facet), self.normal_and_area(facet));
-                if visibility.is_seen_from_behind(facet) {
-                    corners.swap(1, 2);
-                    normal = normal.map(|part| -part);
-                }
-                FinishFacet { corners, normal, area, curvature }
-            }));
-        }
-        facets
+        collect_until(curvatures.len(), stop, |index| {
+            let (facet, curvature) = (wanted[index] as usize, curvatures[index]);
+            let (mut corners, (mut normal, area)) = (self.corners(facet), self.normal_and_area(facet));
+            if visibility.is_seen_from_behind(facet) {
+                corners.swap(1, 2);
+                normal = normal.map(|part| -part);
+            }
+            FinishFacet { corners, normal, area, curvature }
+        })
     }
 }

@@ -2,8 +2,8 @@
 
 use super::view::side_seen;
 use super::{Mesh, cross};
+use crate::cancellation::collect_until;
 use crate::quantity::Angle;
-use rayon::prelude::*;
 
 /// The class of a facet for a cutter from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,9 +109,6 @@ impl Mesh {
         // coordinates.
         let rounding = 1e-9 * height + 4.0 * f64::EPSILON * self.bounds().largest_magnitude();
         let one = |facet: usize| {
-            if stop() {
-                return (FacetClass::Hidden, false, 0.0);
-            }
             let corners = self.corners(facet);
             let [a, b, c] = corners;
             let side = side_seen(cross(a, b, c));
@@ -149,7 +146,7 @@ impl Mesh {
             };
             (class, visible && side == Some(false), area)
         };
-        let examined: Vec<(FacetClass, bool, f64)> = (0..facets).into_par_iter().map(one).collect();
+        let examined: Vec<(FacetClass, bool, f64)> = collect_until(facets, stop, one);
         let (mut shares, mut area, mut area_from_behind) =
             (AreaShares { hidden: 0.0, overhanging: 0.0, steep: 0.0, machined: 0.0 }, 0.0, 0.0);
         for &(class, from_behind, own) in &examined {
