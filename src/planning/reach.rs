@@ -103,7 +103,7 @@ impl ReachMap {
     #[expect(clippy::cast_possible_truncation, reason = "heights in single precision; the rounding is part of the error")]
     pub fn new(mesh: &Mesh, view: &ViewFromAbove, machined: &[bool]) -> Self {
         let bounds = mesh.bounds();
-        let normal_of = |(cell, _): (usize, &u32)| match view.facet(cell) {
+        let normal_of = |cell: usize| match view.facet(cell) {
             Some(facet) if machined[facet] => {
                 let ([x, y, z], _) = mesh.normal_and_area(facet);
                 // The normal of the visible side. Facets that a view shows are not walls: |n_z| is at least 1e-4.
@@ -111,7 +111,7 @@ impl ReachMap {
             }
             _ => ([0.0; 2], 0.0),
         };
-        let (normals, area) = view.facets.iter().enumerate().map(normal_of).unzip();
+        let (normals, area) = (0..view.facets.len()).into_par_iter().with_min_len(4096).map(normal_of).unzip();
         let rounding = (bounds.max[2] - bounds.min[2]) * f64::from(f32::EPSILON);
         Self { frame: view.frame, heights: RestingHeights::new(view), normals, area, rounding }
     }

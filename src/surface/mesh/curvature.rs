@@ -51,9 +51,12 @@ const MUCH_LARGER: f64 = 8.0;
 /// The factor by which the weight of an edge's equation is reduced if the edge points into the open side of a fan.
 const OPEN_SIDE: f64 = 1e3;
 
-/// Each facet's unit normal, reversed if its back is seen, and the area of its flat region.
-struct Sides {
+/// The facets as they are seen: for each its unit normal, reversed if its back is seen, its area, and the area of its
+/// flat region.
+struct Sides<'a> {
+    visibility: &'a Visibility,
     normals: Vec<[f64; 3]>,
+    own_areas: Vec<f64>,
     areas: Vec<f64>,
 }
 
@@ -91,7 +94,7 @@ impl Mesh {
         let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = normals_and_areas.into_iter().unzip();
         let Some(fans) = Fans::until(self, stop) else { return Vec::new() };
         let areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas, stop);
-        let sides = Sides { normals, areas };
+        let sides = Sides { visibility, normals, own_areas, areas };
         let normals = &sides.normals;
         // If all facets around a point are near their mean normal, and so near each other, all corners there have the
         // same normal.
@@ -117,7 +120,7 @@ impl Mesh {
                     self.corner_normal(point, near, &sides).unwrap_or(CornerNormal { normal: own, open: [0.0; 3] })
                 })
             });
-            let is_plane = sides.areas[facet] >= MUCH_LARGER * own_areas[facet]
+            let is_plane = sides.areas[facet] >= MUCH_LARGER * sides.own_areas[facet]
                 && corners.iter().all(|corner| {
                     let apart = difference(corner.normal, own);
                     dot(apart, apart) <= SAME_PLANE * SAME_PLANE
@@ -166,16 +169,17 @@ impl Mesh {
             let triangle = self.triangles()[facet as usize];
             let place = triangle.iter().position(|&corner| corner as usize == point)?;
             let [p, q, r] = [0, 1, 2].map(|step| self.points()[triangle[(place + step) % 3] as usize]);
-            let (u, v) = (unit(difference(q, p))?, unit(difference(r, p))?);
-            let sine = cross([0.0; 3], u, v);
-            let angle = dot(sine, sine).sqrt().atan2(dot(u, v));
-            let normal = sides.normals[facet as usize];
-            let weight = if sides.areas[facet as usize] >= least { angle } else { 0.0 };
+            let facet = facet as usize;
+            let (u, v) = (difference(q, p), difference(r, p));
+            // Twice the area is |u x v|.
+            let weight = if sides.areas[facet] >= least { (2.0 * sides.own_areas[facet]).atan2(dot(u, v)) } else { 0.0 };
+            // The contributions of shared edges cancel, so that only the ends of the fan remain. Turned facets have the
+            // opposite orientation.
+            let (u, v) = if sides.visibility.is_seen_from_behind(facet) { (v, u) } else { (u, v) };
+            let (u, v, normal) = (unit(u)?, unit(v)?, sides.normals[facet]);
             for axis in 0..3 {
                 sum[axis] += weight * normal[axis];
-                // The contributions of shared edges cancel, so that only the ends of the fan remain. Turned facets have
-                // the opposite orientation.
-                open[axis] += if dot(sine, normal) >= 0.0 { v[axis] - u[axis] } else { u[axis] - v[axis] };
+                open[axis] += v[axis] - u[axis];
             }
         }
         let normal = unit(sum)?;
@@ -216,8 +220,7 @@ impl Equations {
     fn solve(&self, normal: [f64; 3]) -> [f64; 6] {
         let (t, u) = tangents(normal);
         let (stt, stu, suu) = (between(&self.directions, t, t), between(&self.directions, t, u), between(&self.directions, u, u));
-        let half_angle = 0.5 * (2.0 * stu).atan2(stt - suu);
-        let (sin, cos) = half_angle.sin_cos();
+        let (sin, cos) = half_of(2.0 * stu, stt - suu);
         let first = [0, 1, 2].map(|axis| cos * t[axis] + sin * u[axis]);
         let second = [0, 1, 2].map(|axis| cos * u[axis] - sin * t[axis]);
         let (s1, s2) = (between(&self.directions, first, first), between(&self.directions, second, second));
@@ -235,6 +238,19 @@ impl Equations {
 /// a'Mb for a symmetric tensor M as xx, xy, xz, yy, yz, zz.
 fn between([xx, xy, xz, yy, yz, zz]: &[f64; 6], a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * (xx * b[0] + xy * b[1] + xz * b[2]) + a[1] * (xy * b[0] + yy * b[1] + yz * b[2]) + a[2] * (xz * b[0] + yz * b[1] + zz * b[2])
+}
+
+/// Sine and cosine of half the angle atan2(y, x).
+pub(super) fn half_of(y: f64, x: f64) -> (f64, f64) {
+    let length = (x * x + y * y).sqrt();
+    if length == 0.0 {
+        return (0.0, 1.0);
+    }
+    // The larger of both from the sum without cancellation, the other from the sine of the whole angle.
+    let larger = (0.5 * (1.0 + x.abs() / length)).sqrt();
+    let smaller = 0.5 * y.abs() / (length * larger);
+    let (sin, cos) = if x >= 0.0 { (smaller, larger) } else { (larger, smaller) };
+    (sin.copysign(y), cos)
 }
 
 /// Two unit vectors perpendicular to a unit vector and to each other.
@@ -257,5 +273,6 @@ pub(super) fn tangents(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
 /// The unit vector in this direction; `None` for a vector too short to have one.
 fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let length = dot(vector, vector).sqrt();
-    (length > 1e-150).then(|| vector.map(|part| part / length))
+    let per_length = length.recip();
+    (length > 1e-150).then(|| vector.map(|part| part * per_length))
 }

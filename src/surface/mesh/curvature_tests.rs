@@ -207,3 +207,18 @@ fn only_facets_much_smaller_than_their_flat_region_lose_the_curvature_of_noise()
     assert!(curved(3) > 0);
     assert_eq!([5, 6, 12].map(curved), [0; 3]);
 }
+
+#[test]
+fn sine_and_cosine_of_half_an_angle_are_those_of_the_arc_tangent() {
+    for degrees in -180..=180 {
+        let (y, x) = f64::from(degrees).to_radians().sin_cos();
+        for length in [1e-9, 1.0, 7.0] {
+            let (y, x) = (y * length, x * length);
+            let (sin, cos) = super::curvature::half_of(y, x);
+            let half = 0.5 * y.atan2(x);
+            assert_abs_diff_eq!(sin, half.sin(), epsilon = 1e-15);
+            assert_abs_diff_eq!(cos, half.cos(), epsilon = 1e-15);
+        }
+    }
+    assert_eq!(super::curvature::half_of(0.0, 0.0), (0.0, 1.0));
+}

@@ -40,6 +40,9 @@ use std::fmt;
 /// a metre from the origin by 3e-5.
 const WALL: f64 = 1e-4;
 
+/// Squares over this have no part that underflows.
+const LEAST_SQUARED: f64 = 1e-200;
+
 /// A triangle mesh: points in mm, and triangles as the numbers of their points. There is at least one triangle, and all
 /// have an area.
 #[derive(Debug, Clone)]
@@ -208,6 +211,11 @@ impl Mesh {
     pub fn normal_and_area(&self, facet: usize) -> ([f64; 3], f64) {
         let [a, b, c] = self.corners(facet);
         let normal = cross(a, b, c);
+        let squared = dot(normal, normal);
+        if squared > LEAST_SQUARED {
+            let length = squared.sqrt();
+            return (normal.map(|part| part / length), 0.5 * length);
+        }
         // Scaled by the largest component, so that squares of tiny components do not underflow.
         let largest = normal.iter().fold(0.0_f64, |largest, part| largest.max(part.abs()));
         // A facet as thin as a rounding error may lose its area in the conversion to mm.

@@ -136,7 +136,9 @@ impl Mesh {
                     .fold(f64::INFINITY, |lowest, cell| lowest.min(view.heights[cell]));
                 at_the_border || centroid[2] >= lowest - rounding
             };
-            let steep = normal[0].hypot(normal[1]).atan2(normal[2].abs()) > max_slope.radians();
+            // tan(S) > tan(max), without a quotient or an arc tangent for each facet.
+            let horizontal = (normal[0] * normal[0] + normal[1] * normal[1]).sqrt();
+            let steep = horizontal * max_slope.cos() > normal[2].abs() * max_slope.sin();
             let class = match (side, visible) {
                 (Some(false), false) => FacetClass::Overhanging,
                 (_, false) => FacetClass::Hidden,
