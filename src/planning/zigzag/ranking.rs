@@ -141,6 +141,10 @@ fn keep_planes_of_fastest(plans: &mut [ZigzagPlan]) {
 /// The largest number of directions in which the plan of a candidate is checked.
 const MOST_CHECKED: usize = 3;
 
+/// A direction is checked after the fastest one only if its time before the check is shorter by more than this factor:
+/// less is within the error of these times.
+const LEAST_GAIN: f64 = 1.005;
+
 /// The smallest angle between checked directions, in deg. Directions nearer to each other have nearly the same
 /// spacings.
 const CHECKED_APART: f64 = 5.0;
@@ -198,7 +202,7 @@ impl Planner<'_> {
     /// checked are multiplied by the factor by which the check changed the fastest one.
     ///
     /// The check changes the spacing, so that the fastest direction may become slower than another. Directions whose
-    /// time before the check is less than the fastest after it are therefore checked as well.
+    /// time before the check is clearly less than the fastest after it are therefore checked as well.
     fn fastest_checked(
         &self,
         prepared: &Prepared,
@@ -218,7 +222,7 @@ impl Planner<'_> {
                 |time: &&TimeOfDirection| checked_times.iter().all(|other| lines_apart(other.direction, time.direction) >= CHECKED_APART);
             let open: Vec<TimeOfDirection> = times.iter().filter(is_open).copied().collect();
             let Some(next) = fastest(&open) else { break };
-            if best.as_ref().zip(next.seconds.ok()).is_some_and(|(best, seconds)| seconds >= best.simulated.figures.seconds) {
+            if best.as_ref().zip(next.seconds.ok()).is_some_and(|(best, seconds)| LEAST_GAIN * seconds >= best.simulated.figures.seconds) {
                 break;
             }
             let sweep = Sweep::new(workpiece, next.direction, stop);

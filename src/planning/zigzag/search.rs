@@ -21,15 +21,18 @@ pub(super) struct TimeOfDirection {
     pub(super) is_rough: bool,
 }
 
-/// In the first round over all directions, more facets than this are sampled; the error of the times is then about 1 %.
-const MOST_AT_FIRST: usize = 3_000;
+/// In the first round over all directions, more facets than this are sampled; the error of the times is then about 1.4
+/// %.
+const MOST_AT_FIRST: usize = 1_500;
 
 /// In the rounds around the best direction, more facets than this are sampled; the error of the times is then about 0.7
 /// %.
 const MOST_FACETS: usize = 6_000;
 
-/// The number of the fastest directions of the first round that are simulated again.
-const BEST_AT_FIRST: usize = 2;
+/// The number of the fastest directions of the first round that are simulated again. On 60 random patches with three
+/// cutters each, the plans take 0.5 % longer on average than without sampling, and at most 5 %; twice the facets in the
+/// first round, and two directions, give the same.
+const BEST_AT_FIRST: usize = 4;
 
 /// The times of each contender in the requested directions, in rising order of direction; `None` as soon as `stop`
 /// returns true.
