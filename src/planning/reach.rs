@@ -162,10 +162,13 @@ impl ReachMap {
         }
         let (mut over, mut worst) = (0.0, None::<(f64, usize)>);
         let step = seeming.len().div_ceil(MOST_PLACED).max(1);
-        for &(cell, fine) in seeming.iter().step_by(step).take_while(|_| !stop()) {
+        let placed: Vec<(usize, usize)> = seeming.into_iter().step_by(step).collect();
+        let rise = |&(_, fine): &(usize, usize)| (!stop()).then(|| self.rise(cutter, fine, error(f64::from(self.area[fine]))));
+        let rises: Vec<Option<f64>> = placed.par_iter().with_min_len(4).map(rise).collect();
+        for ((cell, fine), rise) in placed.into_iter().zip(rises) {
             let area = f64::from(self.area[fine]);
-            let Some(on_raster) = left[cell].map(f64::from) else { continue };
-            let height = on_raster.min(self.rise(cutter, fine, error(area))).max(0.0);
+            let (Some(on_raster), Some(rise)) = (left[cell].map(f64::from), rise) else { continue };
+            let height = on_raster.min(rise).max(0.0);
             left[cell] = Some(height as f32);
             if height > error(area) {
                 // A cell represents those between it and the next sampled one.
