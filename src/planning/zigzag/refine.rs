@@ -12,7 +12,7 @@ use crate::milling::Cutter;
 use rayon::prelude::*;
 
 /// The number of facets that are refined in a round, over all strips.
-const REFINED: usize = 800;
+const REFINED: usize = 1_200;
 
 /// The largest number of facets refined in a strip in each of the two orders.
 const MOST_OF_STRIP: usize = 16;
