@@ -21,8 +21,8 @@ pub(super) struct TimeOfDirection {
     pub(super) is_rough: bool,
 }
 
-/// In the first round over all directions, more facets than this are sampled; the error of the times is then about 1.4
-/// %.
+/// In the first round over all directions, more facets than this are sampled. The error of the times was 1 % with twice
+/// as many.
 const MOST_AT_FIRST: usize = 1_500;
 
 /// In the rounds around the best direction, more facets than this are sampled; the error of the times is then about 0.7
@@ -64,8 +64,8 @@ pub(super) fn times_by_direction(
                 simulated(around, best.iter().map(|&(contender, time)| (contender, time.direction)).collect(), &mut times);
                 correct_rough(&mut times, &best);
             }
-            // 1.5 deg and half a degree to both sides of the fastest direction so far. These are all half degrees within 2
-            // deg of it; a third round does not make the plans faster on average.
+            // 1.5 deg and half a degree to both sides of the fastest direction so far, which can lead to every half degree
+            // within 2 deg. A third round does not make the plans faster on average.
             for steps in [[-3, 3], [-1, 1]] {
                 let near = |(contender, found): (usize, &Vec<TimeOfDirection>)| {
                     let best = fastest(found);
