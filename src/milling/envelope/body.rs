@@ -161,6 +161,13 @@ impl Body {
         RelativeRadii { across: (across + det * k_f) / whole, skew: (skew - det * k_ft) / whole }
     }
 
+    /// The curvature of cutter and surface together along the feed, of a cutter with a corner radius.
+    pub(super) fn bend_along_feed(&self) -> f64 {
+        let (sin, r) = (self.slope.sin(), self.corner);
+        let across_steepest = sin / (self.core + r * sin);
+        self.along_steepest * self.along_steepest / r + self.along_level * self.along_level * across_steepest + self.surface.along_per_mm()
+    }
+
     /// An upper bound of the distance from the contact to any point of the cutter's lower body.
     pub(super) fn reach(&self) -> f64 {
         2.0 * (self.core + self.corner)

@@ -173,10 +173,7 @@ impl Envelope {
         if largest < Length::SMALLEST {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(Length::SMALLEST)) });
         }
-        // A guess above the result: the groove's parabola, or near the floor the width of the cutter's flat and corner.
-        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
-        let on_floor = 2.0 * (core + (2.0 * corner * p).sqrt());
-        let guess = (8.0 * p / self.groove_curvature).sqrt().min(on_floor).min(largest);
+        let guess = self.step_over_guess(p).min(largest);
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };
         let mut ridge = None;
         let quick = if let Some(step_over) = self.step_over_on_floor_or_wall(p, &pattern) {
@@ -212,6 +209,14 @@ impl Envelope {
             Some(step_over) => SecondOrder::Found(step_over, ridge),
             None => SecondOrder::UsedUp,
         })
+    }
+
+    /// A step-over above the one that leaves the height p: the groove's parabola, or near the floor the width of the
+    /// cutter's flat and corner.
+    pub(super) fn step_over_guess(&self, p: f64) -> f64 {
+        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let on_floor = 2.0 * (core + (2.0 * corner * p).sqrt());
+        (8.0 * p / self.groove_curvature).sqrt().min(on_floor)
     }
 
     /// `found`, or the largest value up to `largest` at which the height keeps the tolerance; `None` if the smallest value

@@ -18,7 +18,7 @@
 //! - `concave`, `outline` and `local`: surfaces on which the section need not be convex
 //! - `body`: the cutter's solid over the surface
 //! - `turning_marks`: marks that have normals of their own on a curved surface; `turned_ridge`: the ridge between them;
-//!   `third_order`: the answers corrected by it
+//!   `nearby`: the fast search for it where turns are small; `third_order`: the answers corrected by it
 
 mod body;
 mod chord;
@@ -27,12 +27,14 @@ mod closed_form;
 mod concave;
 mod inverses;
 mod local;
+mod nearby;
 mod newton;
 mod outline;
 mod proved;
 mod runout;
 mod section;
 mod sharp_edge;
+mod smooth_bound;
 mod third_order;
 mod turned_pair;
 mod turned_ridge;

@@ -36,6 +36,17 @@ pub(super) enum Sought {
     MarkSpacing,
 }
 
+impl Sought {
+    /// The unknown's value.
+    pub(super) fn of(self, lengths: &Lengths) -> f64 {
+        match self {
+            Self::Level => lengths.level,
+            Self::StepOver => lengths.step_over,
+            Self::MarkSpacing => lengths.mark_spacing,
+        }
+    }
+}
+
 /// The largest number of steps. Quadratic convergence takes four to six from a guess within a few percent, and some
 /// more from others.
 const MOST_STEPS: usize = 24;
@@ -55,6 +66,22 @@ pub(super) const OUTSIDE: f64 = 1e-7;
 
 /// The share of the lengths within which a point is at an overhang.
 const AT_OVERHANG: f64 = 1e-6;
+
+/// The size of a step, as a share of the lengths, after which a search ends near the ridge: the step leaves an error of
+/// the order of its square.
+const NEARBY: f64 = 0.03;
+
+/// The number of steps after which a search that has to end near the ridge gives up.
+const MOST_STEPS_NEARBY: usize = 6;
+
+/// Where a search ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    /// At the ridge, to the rounding of the height, with the proof by convexity.
+    AtRidge,
+    /// Near the ridge, where a search that knows more goes on. Nothing is proved.
+    Nearby,
+}
 
 /// A ridge: its lengths, and the positions of its chords.
 #[derive(Debug, Clone, Copy)]
@@ -82,11 +109,12 @@ pub(super) fn solve_from(
     mut lengths: Lengths,
     mut place: Place,
     [near_marks, far_marks]: [Clearing; 2],
+    end: End,
 ) -> Option<Ridge> {
     // If edges of the body meet there, the position of a chord's end is only as accurate as its search.
     let mut is_close = false;
     let mut small_steps = 0;
-    for step in 0..MOST_STEPS {
+    for step in 0..if end == End::Nearby { MOST_STEPS_NEARBY } else { MOST_STEPS } {
         let s = lengths.step_over;
         let f = lengths.mark_spacing;
         let (p, reach) = (lengths.level, s + f);
@@ -126,12 +154,16 @@ pub(super) fn solve_from(
         let aside = aside.clamp(-s, s);
         // Beside overhangs the ends of chords are only as accurate as their coordinates are rounded, so that the distances
         // need not fall below the rounding of the height.
-        let is_small = body.is_concave() && furthest <= OUTSIDE * p && change.share_of(&lengths) + aside.abs() / s <= LAST_STEP;
+        let size = change.share_of(&lengths) + aside.abs() / s;
+        let is_small = body.is_concave() && furthest <= OUTSIDE * p && size <= LAST_STEP;
         small_steps += usize::from(is_small);
         follow(&mut place, (&near_held, &far_held), aside, change);
         lengths.level += change.rise;
         lengths.step_over += change.wider;
         lengths.mark_spacing += change.longer;
+        if end == End::Nearby && size <= NEARBY {
+            return Some(Ridge { lengths, place, is_exact: false });
+        }
         if proved || small_steps >= MOST_SMALL_STEPS {
             if body.is_concave()
                 && !(near_marks.is_seen(body, place.x, row(place.t)) && far_marks.is_seen(body, place.neighbour_x, row(place.t - s)))

@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use super::clearing::Clearing;
-use super::newton::{Lengths, Place, Ridge, Sought};
+use super::newton::{End, Lengths, Place, Ridge, Sought};
 use super::{local, newton};
 
 /// The ridge on the body, whose sought length is a guess in `lengths`; `None` unless the result is proved.
@@ -11,7 +11,7 @@ use super::{local, newton};
 /// the floor, from under the axis. Convexity proves these results, too: a ridge near the start is the only one.
 pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths, marks: [Clearing; 2]) -> Option<Ridge> {
     let place = Place::start(body, lengths.step_over, marks, lengths.mark_spacing);
-    let found = newton::solve_from(body, sought, lengths, place, marks);
+    let found = newton::solve_from(body, sought, lengths, place, marks, End::AtRidge);
     if found.is_some() || body.is_concave() {
         return found;
     }

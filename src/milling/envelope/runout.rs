@@ -7,7 +7,7 @@
 //! proved as without runout.
 
 use super::clearing::{Clearing, Row};
-use super::newton::{self, Lengths, Place, Ridge, Sought};
+use super::newton::{self, End, Lengths, Place, Ridge, Sought};
 use super::proved;
 use super::section::Pattern;
 use super::{Envelope, QuickLevel};
@@ -71,7 +71,7 @@ impl Envelope {
         } else {
             return Some(best.ridge);
         };
-        newton::solve_from(&self.body, sought, best.ridge.lengths, place, marks).filter(|ridge| self.meet(ridge, marks))
+        newton::solve_from(&self.body, sought, best.ridge.lengths, place, marks, End::AtRidge).filter(|ridge| self.meet(ridge, marks))
     }
 
     /// h for passes s apart; `None` if the search's result is not proved.

@@ -4,7 +4,7 @@
 use super::body::Body;
 use super::clearing::Clearing;
 use super::inverses::SecondOrder;
-use super::newton::{self, Lengths, Place, Ridge, Sought};
+use super::newton::{self, End, Lengths, Place, Ridge, Sought};
 use super::proved;
 use super::section::Pattern;
 use super::turned_ridge::{RidgeSearch, TurnedRidge};
@@ -35,15 +35,15 @@ const FIRST_REACH: f64 = 0.4;
 /// The width, as a share of the length, down to which the place of a jump is searched.
 const NARROW: f64 = 5e-10;
 
-/// An inverse by turned marks.
+/// A length at which the height may be the tolerance.
 #[derive(Debug, Clone, Copy)]
-enum Turned {
-    /// Turns do not count: the proved answer of the second order holds.
-    Not,
-    /// The lengths at the ridge, which the height is to confirm.
-    Lengths(Lengths),
-    /// No ridge is found without a search over heights.
-    Unknown,
+enum Candidate {
+    /// The answer, which no height need confirm.
+    Proved(f64),
+    /// A length at a ridge, which the height is to confirm; the guess is the start of a search otherwise.
+    AtRidge { length: f64, guess: f64 },
+    /// The start of a search.
+    Guess(f64),
 }
 
 impl Envelope {
@@ -99,9 +99,7 @@ impl Envelope {
         if !self.has_third_order {
             return self.second_order_max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over);
         }
-        let (lengths, ridge) = self.second_order(step_over.mm(), 0.0)?;
-        let step_over_height = Length::computed(self.turned_level(lengths, ridge));
-        self.max_turned_feed(step_over_height, lengths.level, tolerance, step_over)
+        self.max_turned_feed(self.step_over_height(step_over)?, tolerance, step_over)
     }
 
     /// The same for a step-over that alone leaves `step_over_height`.
@@ -114,18 +112,11 @@ impl Envelope {
         if !self.has_third_order {
             return self.second_order_max_feed_per_tooth_above(step_over_height, tolerance, step_over);
         }
-        let second_order_height = self.height(step_over.mm(), Pattern::even(0.0))?;
-        self.max_turned_feed(step_over_height, second_order_height, tolerance, step_over)
+        self.max_turned_feed(step_over_height, tolerance, step_over)
     }
 
-    /// The same with turned marks, for a step-over that alone leaves `second_order_height` to second order.
-    fn max_turned_feed(
-        &self,
-        step_over_height: Length,
-        second_order_height: f64,
-        tolerance: Length,
-        step_over: Length,
-    ) -> Result<Length, NoAnswer> {
+    /// The same with turned marks.
+    fn max_turned_feed(&self, step_over_height: Length, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
         let (p, s) = (tolerance.mm(), step_over.mm());
         let used_up = || {
             let max_step_over = self.max_step_over(tolerance, None)?;
@@ -135,21 +126,8 @@ impl Envelope {
             return used_up();
         }
         let largest = self.largest_feed(s);
-        let height = |feed: f64| self.turned_height(s, self.pattern(feed)).ok();
-        let (guess, found) = match self.second_order_feed(p, s, second_order_height) {
-            SecondOrder::Found(feed, ridge) => {
-                let lengths = Lengths { level: p, step_over: s, mark_spacing: feed };
-                match self.turned_lengths(Sought::MarkSpacing, lengths, ridge) {
-                    _ if !self.pattern(feed).is_even() => (feed, None),
-                    Turned::Not => return Ok(Length::computed(feed)),
-                    Turned::Lengths(lengths) => (feed, Some(lengths.mark_spacing)),
-                    Turned::Unknown => (feed, None),
-                }
-            }
-            SecondOrder::Unlimited => (largest, None),
-            SecondOrder::UsedUp => (Length::SMALLEST, None),
-        };
-        match Self::largest_within(p, guess, found, largest, height) {
+        let candidate = self.feed_candidate(p, s, step_over_height.mm(), largest)?;
+        match Self::confirmed_length(candidate, p, largest, |feed| self.turned_height(s, self.pattern(feed)).ok()) {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
             Some(feed) => Ok(Length::computed(feed)),
             None => used_up(),
@@ -171,32 +149,65 @@ impl Envelope {
         let largest = self.largest_step_over(pattern.spacing);
         let feed_height = || self.feed_height(pattern, |s| self.turned_height(s, pattern));
         let used_up = |feed_height: f64| Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
-        let (guess, found) = match self.second_order_step_over(p, pattern)? {
-            SecondOrder::Found(step_over, ridge) => {
-                let lengths = Lengths { level: p, step_over, mark_spacing: pattern.spacing };
-                match self.turned_lengths(Sought::StepOver, lengths, ridge) {
-                    _ if !pattern.is_even() => (step_over, None),
-                    Turned::Not => return Ok(Length::computed(step_over)),
-                    Turned::Lengths(lengths) => (step_over, Some(lengths.step_over)),
-                    Turned::Unknown => (step_over, None),
-                }
+        let candidate = if let Some(candidate) = self.step_over_candidate(p, pattern, largest)? {
+            candidate
+        } else {
+            let feed_height = feed_height()?;
+            if feed_height > p {
+                return used_up(feed_height);
             }
-            SecondOrder::Unlimited => (largest, None),
-            SecondOrder::UsedUp => {
-                let feed_height = feed_height()?;
-                if feed_height > p {
-                    return used_up(feed_height);
-                }
-                (Length::SMALLEST, None)
-            }
+            Candidate::Guess(Length::SMALLEST)
         };
-        let height = |s: f64| self.turned_height(s, pattern).ok();
-        match Self::largest_within(p, guess, found, largest, height) {
+        match Self::confirmed_length(candidate, p, largest, |s| self.turned_height(s, pattern).ok()) {
             Some(step_over) if step_over >= largest * (1.0 - 1e-12) => {
                 Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
             }
             Some(step_over) => Ok(Length::computed(step_over)),
             None => used_up(feed_height()?.max(p)),
+        }
+    }
+
+    /// A feed per tooth that may leave the height p between passes s apart, which alone leave `step_over_height`.
+    fn feed_candidate(&self, p: f64, s: f64, step_over_height: f64, largest: f64) -> Result<Candidate, NoAnswer> {
+        if let Some(feed) = self.nearby_feed(p, s, step_over_height, largest) {
+            return Ok(self.nearby_candidate(feed));
+        }
+        Ok(match self.second_order_feed(p, s, self.height(s, Pattern::even(0.0))?) {
+            SecondOrder::Found(feed, ridge) if self.pattern(feed).is_even() => {
+                self.candidate(Sought::MarkSpacing, Lengths { level: p, step_over: s, mark_spacing: feed }, ridge)
+            }
+            SecondOrder::Found(feed, _) => Candidate::Guess(feed),
+            SecondOrder::Unlimited => Candidate::Guess(largest),
+            SecondOrder::UsedUp => Candidate::Guess(Length::SMALLEST),
+        })
+    }
+
+    /// A step-over that may leave the height p at a pattern of marks; `None` if to second order the marks alone leave more.
+    fn step_over_candidate(&self, p: f64, pattern: Pattern, largest: f64) -> Result<Option<Candidate>, NoAnswer> {
+        if let Some(step_over) = self.nearby_step_over(p, pattern, largest) {
+            return Ok(Some(self.nearby_candidate(step_over)));
+        }
+        Ok(match self.second_order_step_over(p, pattern)? {
+            SecondOrder::Found(step_over, ridge) if pattern.is_even() => {
+                Some(self.candidate(Sought::StepOver, Lengths { level: p, step_over, mark_spacing: pattern.spacing }, ridge))
+            }
+            SecondOrder::Found(step_over, _) => Some(Candidate::Guess(step_over)),
+            SecondOrder::Unlimited => Some(Candidate::Guess(largest)),
+            SecondOrder::UsedUp => None,
+        })
+    }
+
+    /// A length at a ridge near that of the second order.
+    fn nearby_candidate(&self, length: f64) -> Candidate {
+        if self.has_one_ridge() { Candidate::Proved(length) } else { Candidate::AtRidge { length, guess: length } }
+    }
+
+    /// The length that a candidate leads to; `None` if the height of the smallest length exceeds p.
+    fn confirmed_length(candidate: Candidate, p: f64, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        match candidate {
+            Candidate::Proved(length) => Some(length),
+            Candidate::AtRidge { length, guess } => Self::largest_within(p, guess, Some(length), largest, height),
+            Candidate::Guess(guess) => Self::largest_within(p, guess, None, largest, height),
         }
     }
 
@@ -268,11 +279,15 @@ impl Envelope {
     }
 
     /// h for passes s apart with a pattern of marks.
-    fn turned_height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
+    pub(super) fn turned_height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
         if !self.has_third_order {
             return self.height(s, pattern);
         }
         if pattern.is_even() {
+            self.check_overlap(s, pattern.spacing)?;
+            if let Some(ridge) = self.nearby_height(s, pattern) {
+                return Ok(ridge.lengths.level);
+            }
             let (lengths, ridge) = self.second_order(s, pattern.spacing)?;
             return Ok(self.turned_level(lengths, ridge));
         }
@@ -286,7 +301,7 @@ impl Envelope {
     }
 
     /// The height to second order with its lengths, for marks of equal depth, and its ridge if the search is proved.
-    fn second_order(&self, s: f64, f: f64) -> Result<(Lengths, Option<Ridge>), NoAnswer> {
+    pub(super) fn second_order(&self, s: f64, f: f64) -> Result<(Lengths, Option<Ridge>), NoAnswer> {
         self.check_overlap(s, f)?;
         let pattern = Pattern::even(f);
         let lengths = |level: f64| Lengths { level, step_over: s, mark_spacing: f };
@@ -302,7 +317,7 @@ impl Envelope {
     }
 
     /// h of turned marks from the lengths and the ridge of the second order.
-    fn turned_level(&self, lengths: Lengths, ridge: Option<Ridge>) -> f64 {
+    pub(super) fn turned_level(&self, lengths: Lengths, ridge: Option<Ridge>) -> f64 {
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
         let Some(start) = self.start_of_turns(lengths, ridge) else { return lengths.level };
@@ -314,25 +329,27 @@ impl Envelope {
         if weight < 1.0 { lengths.level * (turned.lengths.level / lengths.level).powf(weight) } else { turned.lengths.level }
     }
 
-    /// The lengths at the ridge of turned marks, of which the sought one is that of the second order in `lengths`, with
-    /// its ridge if that is proved.
-    fn turned_lengths(&self, sought: Sought, lengths: Lengths, ridge: Option<Ridge>) -> Turned {
+    /// The length sought at the ridge of turned marks, of which that of the second order is in `lengths`, with its ridge if
+    /// that is proved.
+    fn candidate(&self, sought: Sought, lengths: Lengths, ridge: Option<Ridge>) -> Candidate {
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
+        let guess = sought.of(&lengths);
         let known = ridge.or_else(|| self.ridge_of_second_order(sought, lengths));
-        let Some(start) = self.start_of_turns(lengths, known) else { return Turned::Lengths(lengths) };
+        let Some(start) = self.start_of_turns(lengths, known) else { return Candidate::AtRidge { length: guess, guess } };
         if weight_of_turns(search.share(&start)) == 0.0 {
             let is_proved = ridge.is_some() && self.is_convex_up_to(lengths.level);
-            return if is_proved { Turned::Not } else { Turned::Lengths(lengths) };
+            return if is_proved { Candidate::Proved(guess) } else { Candidate::AtRidge { length: guess, guess } };
         }
-        search.solve(sought, start).map_or(Turned::Unknown, |ridge| Turned::Lengths(ridge.lengths))
+        let ridge = search.solve(sought, start);
+        ridge.map_or(Candidate::Guess(guess), |ridge| Candidate::AtRidge { length: sought.of(&ridge.lengths), guess })
     }
 
     /// The ridge of the second order, if its search ends.
     fn ridge_of_second_order(&self, sought: Sought, lengths: Lengths) -> Option<Ridge> {
         let both = [Clearing::EVEN; 2];
         let start = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        newton::solve_from(&self.body, sought, lengths, start, both)
+        newton::solve_from(&self.body, sought, lengths, start, both, End::AtRidge)
     }
 
     /// The ridge at which the search of turned marks starts: that of the second order if it is known; `None` if it is at
@@ -351,7 +368,7 @@ impl Envelope {
         let ahead = radii.skew / radii.across.max(f64::MIN_POSITIVE) * lengths.step_over / 2.0;
         let ahead = ahead.clamp(-self.body.reach(), self.body.reach());
         let half = lengths.mark_spacing / 2.0;
-        TurnedRidge { behind: [half + ahead, half - ahead], aside: 0.0, lengths }
+        TurnedRidge { behind: [half + ahead, half - ahead], aside: 0.0, lengths, is_round: false }
     }
 
     /// How much the surface's normal turns from the stated contact to the marks at the ridge: the tangent of the
@@ -367,9 +384,12 @@ impl Envelope {
             return if is_exact || self.pass.surface.is_plane() { 0.0 } else { f64::INFINITY };
         }
         let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
-        let Ok((lengths, ridge)) = self.second_order(s, f) else { return f64::INFINITY };
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
+        if let Some(ridge) = self.nearby_height(s, Pattern::even(f)) {
+            return search.share(&ridge);
+        }
+        let Ok((lengths, ridge)) = self.second_order(s, f) else { return f64::INFINITY };
         let Some(start) = self.start_of_turns(lengths, ridge) else { return f64::INFINITY };
         if weight_of_turns(search.share(&start)) == 0.0 {
             return f64::INFINITY;

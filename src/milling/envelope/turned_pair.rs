@@ -30,6 +30,8 @@ pub(super) struct Pair {
     pub(super) by_place: f64,
     pub(super) by_height: f64,
     pub(super) by_spacing: f64,
+    /// Whether both marks touch with the corner's round.
+    pub(super) is_round: bool,
     /// The error of the value, by the parabola of the distance along the feed.
     pub(super) error: f64,
     pub(super) shift: Shift,
@@ -86,6 +88,7 @@ impl Pair {
             by_place: mix(front.by_place, back.by_place),
             by_height: mix(front.by_height, back.by_height),
             by_spacing: -(1.0 - share) * back.by_behind,
+            is_round: front.is_round && back.is_round,
             error: 0.5 * steepening / spacing.length * off * off,
             shift: Shift {
                 off,
@@ -122,7 +125,8 @@ impl Pair {
             }
             let is_straight = steepening.abs() <= STRAIGHT && difference.abs() <= STRAIGHT * length;
             let is_between = front.by_behind >= -STRAIGHT && back.by_behind <= STRAIGHT;
-            if is_straight || is_between {
+            // Over marks so close together the distance is a parabola, which shows its lowest place from beside it, too.
+            if is_straight || is_between || spacing.is_close(&front, &back) {
                 let pair = Self::between(&front, &back, spacing, is_straight);
                 if is_straight || pair.error <= tolerance && pair.shift.off.abs() <= near * (length + offset.abs()) {
                     return Some(pair);

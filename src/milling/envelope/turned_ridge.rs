@@ -6,6 +6,7 @@
 //! away, the height at which they touch the place, and the offset at which both passes leave the same height.
 
 use super::newton::{Lengths, Ridge, Sought};
+use super::smooth_bound::SmoothBound;
 use super::turned_pair::{Accuracy, NEAR, NEARLY, Pair, Shift, Spacing};
 use super::turning_marks::TurningMarks;
 use crate::numerics::bracketed_root;
@@ -30,12 +31,15 @@ pub(super) struct TurnedRidge {
     pub(super) behind: [f64; 2],
     pub(super) aside: f64,
     pub(super) lengths: Lengths,
+    /// Whether all four marks are known to touch with the corner's round, over which the distance has one minimum along
+    /// the feed. Over the flat it can have several where marks turn.
+    pub(super) is_round: bool,
 }
 
 impl TurnedRidge {
     /// The ridge of marks that all have the normal of the stated contact.
     pub(super) fn of_second_order(Ridge { lengths, place, .. }: &Ridge) -> Self {
-        Self { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths: *lengths }
+        Self { behind: [place.x[0], place.neighbour_x[0]], aside: place.t - lengths.step_over / 2.0, lengths: *lengths, is_round: false }
     }
 
     /// The offset of the ridge from the near pass, to its side.
@@ -94,10 +98,8 @@ impl<'a> RidgeSearch<'a> {
         let (place, by_aside, by_bound) = if share > 1e64 {
             (bound.copysign(aside), 0.0, bound.copysign(aside))
         } else {
-            let fourth = share.powi(4);
-            let factor = (1.0 + fourth).sqrt().sqrt().sqrt().recip();
-            let by_aside = factor / (1.0 + fourth);
-            (aside * factor, by_aside, aside * by_aside * fourth)
+            let SmoothBound { factor, slope } = SmoothBound::of(share);
+            (aside * factor, slope, aside * slope * share.powi(4))
         };
         Stated { place, by_aside, by_step_over: by_bound * growth / step_over, by_spacing: -by_bound * loss / spacing }
     }
@@ -174,6 +176,7 @@ impl<'a> RidgeSearch<'a> {
                 Lengths { level: level + change.rise, step_over: step_over + change.wider, mark_spacing: mark_spacing + change.longer };
             ridge.aside = offset - 0.5 * ridge.lengths.step_over;
             if is_exact {
+                ridge.is_round = near.is_round && far.is_round;
                 return Some(ridge);
             }
         }
@@ -244,7 +247,7 @@ impl<'a> RidgeSearch<'a> {
                 let ridges = [offset - resolution, offset + resolution].into_iter().filter_map(|offset| {
                     let [Some(near), Some(far)] = left(offset) else { return None };
                     let lengths = Lengths { level: near.0.min(far.0), ..start.lengths };
-                    Some(TurnedRidge { behind: [near.1, far.1], aside: offset - 0.5 * step_over, lengths })
+                    Some(TurnedRidge { behind: [near.1, far.1], aside: offset - 0.5 * step_over, lengths, is_round: false })
                 });
                 return ridges.reduce(|one, other| if one.lengths.level >= other.lengths.level { one } else { other });
             }

@@ -8,6 +8,7 @@
 //! w = -1/2 u'Ku. `turned_ridge` searches the ridge between such marks.
 
 use super::body::Body;
+use super::smooth_bound::SmoothBound;
 
 /// The largest turn of a normal, as a share of the sine and cosine of the slope. Turns up to half of it are exact;
 /// larger ones are bounded smoothly, so that no mark reaches the floor or the wall, where the cutter's place jumps.
@@ -40,8 +41,9 @@ pub(super) struct TurningMarks {
     axis: Space,
     /// k_F, k_T, k_FT.
     curvature: [f64; 3],
-    /// The bound of the turns.
+    /// The bound of the turns, and the inverse of its square.
     largest_turn: f64,
+    per_bound: f64,
 }
 
 /// The turn of the normal at a place on the surface, and its derivatives along the feed and to the side.
@@ -58,8 +60,8 @@ pub(super) struct RidgePlace {
     aside: f64,
     height: f64,
     turn: Plane,
-    /// The length of (turn, 1).
-    length: f64,
+    /// The height over the length of (turn, 1).
+    upright_height: f64,
     normal: Space,
     normal_by_side: Space,
 }
@@ -74,24 +76,28 @@ pub(super) struct MarkDistance {
     pub(super) by_offset: f64,
     pub(super) by_place: f64,
     pub(super) by_height: f64,
+    /// Whether the corner's round is nearest, and not the flat or the side.
+    pub(super) is_round: bool,
 }
 
 impl TurningMarks {
     pub(super) fn new(body: &Body) -> Self {
         let (slope, surface) = (body.slope(), body.surface());
+        let largest_turn = LARGEST_TURN * slope.sin().min(slope.cos());
         Self {
             core: body.core(),
             corner: body.corner(),
             axis: [-slope.sin() * body.along_steepest(), slope.sin() * body.along_level(), slope.cos()],
             curvature: [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()],
-            largest_turn: LARGEST_TURN * slope.sin().min(slope.cos()),
+            largest_turn,
+            per_bound: (largest_turn * largest_turn).recip(),
         }
     }
 
     /// Marks that all have the normal of the stated contact, as to second order.
     #[cfg(test)]
     pub(super) fn without_turns(body: &Body) -> Self {
-        Self { largest_turn: 0.0, ..Self::new(body) }
+        Self { largest_turn: 0.0, per_bound: f64::INFINITY, ..Self::new(body) }
     }
 
     /// The largest extent of the cutter.
@@ -110,7 +116,7 @@ impl TurningMarks {
     fn turn(&self, u: Plane) -> Turn {
         let [f, t, ft] = self.curvature;
         let turn = self.fall(u);
-        let per_bound = (self.largest_turn * self.largest_turn).recip();
+        let per_bound = self.per_bound;
         let share = dot(turn, turn) * per_bound;
         // Under a hundredth of the bound the factor is 1 to a rounding.
         if share < 1e-4 {
@@ -120,9 +126,8 @@ impl TurningMarks {
         if share.is_nan() || share > 1e64 {
             return Turn { value: [0.0; 2], by_feed: [0.0; 2], by_side: [0.0; 2] };
         }
-        let fourth = share.powi(4);
-        let factor = (1.0 + fourth).sqrt().sqrt().sqrt().recip();
-        let by_share = -0.5 * share.powi(3) * factor / (1.0 + fourth);
+        let SmoothBound { factor, slope } = SmoothBound::of(share);
+        let by_share = -0.5 * share.powi(3) * slope;
         let derivative = |by: Plane| {
             let more = by_share * 2.0 * dot(turn, by) * per_bound;
             [factor * by[0] + more * turn[0], factor * by[1] + more * turn[1]]
@@ -133,8 +138,7 @@ impl TurningMarks {
     /// The place at (0, `aside`), `height` along the normal there over the surface.
     pub(super) fn ridge_place(&self, aside: f64, height: f64) -> RidgePlace {
         let Turn { value: turn, by_side, .. } = self.turn([0.0, aside]);
-        let length = (1.0 + dot(turn, turn)).sqrt();
-        let per_length = length.recip();
+        let per_length = (1.0 + dot(turn, turn)).sqrt().recip();
         let normal = [turn[0] * per_length, turn[1] * per_length, per_length];
         let lengthening = dot(turn, by_side) * per_length * per_length;
         let normal_by_side = [
@@ -142,7 +146,7 @@ impl TurningMarks {
             by_side[1] * per_length - normal[1] * lengthening,
             -normal[2] * lengthening,
         ];
-        RidgePlace { aside, height, turn, length, normal, normal_by_side }
+        RidgePlace { aside, height, turn, upright_height: height * per_length, normal, normal_by_side }
     }
 
     /// The distance of the ridge's place from a mark whose contact is `behind` it along the feed and `offset` to its
@@ -162,18 +166,18 @@ impl TurningMarks {
         let Turn { value: turn, by_feed, by_side } = self.turn([-behind, ridge.aside - offset]);
         let square = 1.0 + dot(turn, turn);
         let length = square.sqrt();
-        let per_length = length.recip();
         let fall = self.fall(along);
         let sag = 0.5 * dot(along, fall);
         let upright = [turn[0], turn[1], 1.0];
 
         // The level line and the descent, which is horizontal and leads from the contact towards the axis.
         let level_raw = cross(axis, upright);
-        let sin_length = dot3(level_raw, level_raw).sqrt();
-        let per_sin_length = sin_length.recip();
+        let (upright_axis, sin_length) = (dot3(axis, upright), dot3(level_raw, level_raw).sqrt());
+        let per_both = (length * sin_length).recip();
+        let (per_length, per_sin_length) = (per_both * sin_length, per_both * length);
         let level_line = level_raw.map(|component| component * per_sin_length);
-        let descent = cross(level_line, axis);
-        let (sin, cos) = (sin_length * per_length, dot3(axis, upright) * per_length);
+        let descent: Space = std::array::from_fn(|i| (upright[i] - upright_axis * axis[i]) * per_sin_length);
+        let (sin, cos) = (sin_length * per_length, upright_axis * per_length);
 
         // From here on as in the second order: offsets from the contact along the descent, the level line and the axis.
         let place: Space = [
@@ -181,19 +185,24 @@ impl TurningMarks {
             along[1] + ridge.height * ridge.normal[1],
             ridge.height * ridge.normal[2] - dot(along, turn) - sag,
         ];
-        let up = (ridge.height * (1.0 + dot(turn, ridge.turn)) / ridge.length - sag) * per_length;
-        let steep = cos * dot3(descent, place) - sin * dot3(axis, place);
-        let level = dot3(level_line, place);
-        let (d, e) = (up * sin + steep * cos, up * cos - steep * sin);
+        let up = (ridge.upright_height * (1.0 + dot(turn, ridge.turn)) - sag) * per_length;
+        let (d, level, e) = (dot3(descent, place), dot3(level_line, place), dot3(axis, place));
         let b = a + r * sin - d;
         let radius = (b * b + level * level).sqrt();
-        let excess = if b > 0.0 { level * level / (radius + b) } else { radius - b };
+        let (excess, per_radius) = if b > 0.0 {
+            let per_both = (radius * (radius + b)).recip();
+            (level * level * per_both * radius, per_both * (radius + b))
+        } else {
+            (radius - b, if radius > 0.0 { radius.recip() } else { 0.0 })
+        };
         let grown = excess - d;
         let (outside, below) = (r * sin + grown, r * cos - e);
-        let (value, out, down) = if outside > 0.0 && below > 0.0 {
+        let is_round = outside > 0.0 && below > 0.0;
+        let (value, out, down) = if is_round {
             let to_core = (outside * outside + below * below).sqrt();
-            let per_core = to_core.recip();
-            ((2.0 * r * (sin * excess - up) + grown * grown + e * e) / (to_core + r), outside * per_core, below * per_core)
+            let per_both = (to_core * (to_core + r)).recip();
+            let per_core = per_both * (to_core + r);
+            ((2.0 * r * (sin * excess - up) + grown * grown + e * e) * (per_both * to_core), outside * per_core, below * per_core)
         } else if outside > below {
             (grown - r * (1.0 - sin), 1.0, 0.0)
         } else {
@@ -201,10 +210,9 @@ impl TurningMarks {
         };
 
         // The normal of the body.
-        let per_radius = if radius > 0.0 { radius.recip() } else { 0.0 };
         let (to_axis, to_level) = (-out * b * per_radius, out * level * per_radius);
         let normal: Space = std::array::from_fn(|i| to_axis * descent[i] + to_level * level_line[i] - down * axis[i]);
-        let facing = dot3(normal, upright) / square;
+        let facing = dot3(normal, upright) * per_length * per_length;
         // How the centre of the torus moves with the turn of the contact's normal, times the normal.
         let moves = |by: Plane| {
             let by_normal = (dot([normal[0], normal[1]], by) - facing * dot(turn, by)) * per_length;
@@ -218,6 +226,7 @@ impl TurningMarks {
             by_offset: normal[1] - normal[2] * (turn[1] + fall[1]) + by_side,
             by_place: ridge.height * dot3(normal, ridge.normal_by_side) - by_side,
             by_height: dot3(normal, ridge.normal),
+            is_round,
         }
     }
 
@@ -277,7 +286,7 @@ mod tests {
         ) {
             let Some(envelope) = envelope(ratio, slope, alpha, [one, other], turn) else { return Ok(()) };
             // Turns are at most 0.015; with a bound of 2 they are exact.
-            let marks = TurningMarks { largest_turn: 2.0, ..TurningMarks::new(&envelope.body) };
+            let marks = TurningMarks { largest_turn: 2.0, per_bound: 0.25, ..TurningMarks::new(&envelope.body) };
             let found = marks.distance(&marks.ridge_place(aside, height), behind, aside - pass).value;
             let expected = placed_distance(&marks, behind, aside, height, pass);
             // Roundings of places some 10 mm from the axis.
