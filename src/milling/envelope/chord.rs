@@ -29,6 +29,8 @@ pub(super) struct Chord {
     pub(super) by_spacing: f64,
     /// The greater of the two distances at x itself.
     pub(super) furthest: f64,
+    /// The steepest slope of the two along the feed.
+    pub(super) steepest: f64,
     pub(super) shift: Shift,
 }
 
@@ -175,7 +177,15 @@ impl Chord {
 
     /// The chord of a distance that does not change along the feed.
     fn flat(at: &Distance) -> Self {
-        Self { value: at.value, by_side: at.by_side, by_height: at.by_height, by_spacing: 0.0, furthest: at.value, shift: Shift::default() }
+        Self {
+            value: at.value,
+            by_side: at.by_side,
+            by_height: at.by_height,
+            by_spacing: 0.0,
+            furthest: at.value,
+            steepest: at.by_feed.abs(),
+            shift: Shift::default(),
+        }
     }
 
     /// The chord at the minimum of one distance while the other is smaller, by the parabola of that distance along the
@@ -188,6 +198,7 @@ impl Chord {
             by_height: at.by_height + off * at.bend_to_height,
             by_spacing: 0.0,
             furthest: at.value,
+            steepest: at.by_feed.abs(),
             shift: Shift { off, by_side: -at.bend_to_side / at.bend, by_height: -at.bend_to_height / at.bend, by_spacing: back },
         }
     }
@@ -204,6 +215,7 @@ impl Chord {
             by_height: mix(front.by_height, back.by_height),
             by_spacing: -(1.0 - share) * back.by_feed,
             furthest: front.value.max(back.value),
+            steepest: front.by_feed.max(-back.by_feed),
             shift: Shift {
                 off: (back.value - front.value) / steepening,
                 by_side: (back.by_side - front.by_side) / steepening,
@@ -225,6 +237,7 @@ impl Chord {
             by_height: mix(rising.by_height, falling.by_height),
             by_spacing: 0.0,
             furthest: rising.value.max(falling.value),
+            steepest: rising.by_feed.max(-falling.by_feed),
             shift: Shift::default(),
         }
     }

@@ -9,7 +9,7 @@
 use super::body::{Body, Distance};
 use super::chord::{Chord, Marks, Shift, balance};
 use super::clearing::{Clearing, Held};
-use super::newton::{Change, Lengths, Place, Ridge, Sought, bounded, follow};
+use super::newton::{COARSE, Change, Lengths, Place, Ridge, Sought, bounded, follow};
 use crate::quantity::Length;
 
 /// Quadratic convergence takes four to six steps from a start that is right to a few percent. Where the round begins a
@@ -129,6 +129,7 @@ fn point(Bound { at, is_front, .. }: &Bound, off: f64, furthest: f64) -> Chord {
         by_height: at.by_height + off * at.bend_to_height,
         by_spacing: 0.0,
         furthest,
+        steepest: at.by_feed.abs(),
         shift: Shift {
             off,
             by_side: -at.bend_to_side / at.bend,
@@ -150,6 +151,7 @@ fn between(rising: &Bound, falling: &Bound, furthest: f64) -> Chord {
         by_height: mix(&|bound| bound.at.by_height),
         by_spacing: mix(&|bound| bound.by_spacing),
         furthest,
+        steepest: rising.at.by_feed.max(-falling.at.by_feed),
         shift: Shift {
             off: change(&|bound| bound.at.value),
             by_side: change(&|bound| bound.at.by_side),
@@ -234,6 +236,7 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
         last_size = size;
         let change = Change { rise: damping * change.rise, wider: damping * change.wider, longer: damping * change.longer };
         let aside = damping * aside;
+        let rounding = place.rounding(near, far, step_over + mark_spacing);
         follow(&mut place, (&near_held, &far_held), aside, change);
         lengths.level += change.rise;
         lengths.step_over += change.wider;
@@ -243,7 +246,8 @@ pub(super) fn solve(body: &Body, sought: Sought, mut lengths: Lengths, mut place
             return None;
         }
         let furthest = near.furthest.max(far.furthest);
-        let is_rounding = value.abs().max(furthest) <= ROUNDING * level * by_height.abs();
+        let height = level * by_height.abs();
+        let is_rounding = value.abs().max(furthest) <= ROUNDING * height + rounding.min(COARSE * height);
         // On a convex section distances within their roundings prove the ridge. A mark spacing may be taken from
         // the last step's size, too, but not a height: the edge can be nearly upright.
         let is_sloped = matches!(sought, Sought::MarkSpacing) && by_spacing >= SLOPED;

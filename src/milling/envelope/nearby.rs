@@ -2,8 +2,8 @@
 //! marks.
 //!
 //! Where the section is convex the second order has one ridge, and near it is that of turned marks. The second order need
-//! not be searched to its end then. An answer counts if all marks at the ridge touch with the corner's round. Over the
-//! flat, the distance of turned marks can have several minima along the feed, and slower searches answer.
+//! not be searched to its end then. An answer counts if all marks touch with the corner's round at every step. Over the flat,
+//! the distance of turned marks can have several minima along the feed, and slower searches answer.
 
 use super::Envelope;
 use super::clearing::Clearing;
@@ -61,7 +61,10 @@ impl Envelope {
         }
         let both = [Clearing::EVEN; 2];
         let place = Place::start(&self.body, lengths.step_over, both, lengths.mark_spacing);
-        let near = newton::solve_from(&self.body, sought, lengths, place, both, End::Nearby)?;
+        // Where there can be several ridges, the start decides which one is found, and must not depend on the number of
+        // steps to it.
+        let end = if self.has_one_ridge() { End::Nearby } else { End::AtRidge };
+        let near = newton::solve_from(&self.body, sought, lengths, place, both, end)?;
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
         let is_small = |ridge: &TurnedRidge| search.share(ridge) <= SMALL_TURN;

@@ -17,7 +17,7 @@
 //! body.
 
 use super::body::Body;
-use super::chord::{Accuracy, balance};
+use super::chord::{Accuracy, Chord, balance};
 use super::clearing::{Clearing, Held, Row};
 
 /// The height p of the ridge, the step-over s and the distance f of the marks, in mm.
@@ -63,6 +63,10 @@ const MOST_SMALL_STEPS: usize = 8;
 
 /// The distances outside of the body at the last step, as a share of the height.
 pub(super) const OUTSIDE: f64 = 1e-7;
+
+/// The largest share of a height that counts as the rounding of coordinates. Where the body is nearly upright, roundings
+/// of coordinates would leave the height open.
+pub(super) const COARSE: f64 = 1e-8;
 
 /// The share of the lengths within which a point is at an overhang.
 const AT_OVERHANG: f64 = 1e-6;
@@ -139,7 +143,8 @@ pub(super) fn solve_from(
         if by_height >= 0.0 {
             return None;
         }
-        let rounding = 16.0 * f64::EPSILON * lengths.level * by_height.abs();
+        let height = lengths.level * by_height.abs();
+        let rounding = 16.0 * f64::EPSILON * height + place.rounding(near, far, reach).min(COARSE * height);
         is_close |= value.abs() <= rounding;
         let furthest = near.furthest.max(far.furthest);
         let proved = value.abs() <= rounding && furthest <= rounding;
@@ -221,6 +226,13 @@ pub(super) struct Place {
 }
 
 impl Place {
+    /// The rounding errors of the distances at both chords, which are those of the coordinates times the slopes there.
+    /// Near a floor they exceed the rounding of the height.
+    pub(super) fn rounding(&self, near: &Chord, far: &Chord, reach: f64) -> f64 {
+        let steepest = near.steepest.max(far.steepest).max(near.by_side.abs()).max(far.by_side.abs());
+        4.0 * f64::EPSILON * (self.x[0].abs() + self.t.abs() + reach) * steepest
+    }
+
     /// The position on both sides of the axis, around which a nearly level section lies.
     pub(super) fn under_axis(body: &Body, Lengths { step_over, mark_spacing, .. }: Lengths, marks: [Clearing; 2]) -> Self {
         let [x, t] = body.flat_centre();

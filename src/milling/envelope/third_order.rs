@@ -23,6 +23,10 @@ const TURNS_BEYOND: f64 = 1.0;
 /// The share of a tolerance that counts as a rounding.
 const ROUNDING: f64 = 1e-10;
 
+/// The share of a tolerance by which the height of a length at a ridge may differ from it. A feed whose part of the height
+/// is a thousandth is then right to 5e-10.
+const CONFIRMED: f64 = 1e-12;
+
 /// The logarithm of the share of a tolerance under which a height counts as none.
 const LEAST_EXCESS: f64 = -30.0;
 
@@ -219,7 +223,7 @@ impl Envelope {
     pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| (height / p).ln().max(LEAST_EXCESS));
         if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found))
-            && excess(found).abs() <= ROUNDING
+            && excess(found).abs() <= CONFIRMED
         {
             return Some(found);
         }
@@ -325,7 +329,7 @@ impl Envelope {
         if weight == 0.0 {
             return lengths.level;
         }
-        let Some(turned) = search.solve(Sought::Level, start).or_else(|| search.search(&start)) else { return lengths.level };
+        let Some(turned) = search.lowest_from(start) else { return lengths.level };
         if weight < 1.0 { lengths.level * (turned.lengths.level / lengths.level).powf(weight) } else { turned.lengths.level }
     }
 
@@ -354,7 +358,7 @@ impl Envelope {
 
     /// The ridge at which the search of turned marks starts: that of the second order if it is known; `None` if it is at
     /// an overhang, which turned marks do not know.
-    fn start_of_turns(&self, lengths: Lengths, ridge: Option<Ridge>) -> Option<TurnedRidge> {
+    pub(super) fn start_of_turns(&self, lengths: Lengths, ridge: Option<Ridge>) -> Option<TurnedRidge> {
         match ridge {
             Some(ridge) if ridge.is_at_overhang(&self.body) => None,
             Some(ridge) if ridge.is_exact => Some(TurnedRidge::of_second_order(&ridge)),
@@ -394,7 +398,7 @@ impl Envelope {
         if weight_of_turns(search.share(&start)) == 0.0 {
             return f64::INFINITY;
         }
-        search.solve(Sought::Level, start).or_else(|| search.search(&start)).map_or(f64::INFINITY, |ridge| search.share(&ridge))
+        search.lowest_from(start).map_or(f64::INFINITY, |ridge| search.share(&ridge))
     }
 }
 
