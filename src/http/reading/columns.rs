@@ -88,7 +88,7 @@ impl<P> Cells<P> {
 }
 
 /// A value that a column holds for a row.
-pub(crate) trait PlainValue: for<'de> Deserialize<'de> + Serialize + Copy {
+pub(crate) trait CellValue: for<'de> Deserialize<'de> + Serialize + Copy {
     /// The value that stands for null. No value in JSON equals it.
     const ABSENT: Self;
 
@@ -100,7 +100,7 @@ pub(crate) trait PlainValue: for<'de> Deserialize<'de> + Serialize + Copy {
     }
 }
 
-impl PlainValue for f64 {
+impl CellValue for f64 {
     const ABSENT: Self = Self::NAN;
 
     fn is_absent(&self) -> bool {
@@ -112,7 +112,7 @@ impl PlainValue for f64 {
     }
 }
 
-impl<const N: usize> PlainValue for [f64; N]
+impl<const N: usize> CellValue for [f64; N]
 where
     Self: for<'de> Deserialize<'de> + Serialize,
 {
@@ -123,14 +123,14 @@ where
     }
 }
 
-impl<P: PlainValue> Cells<P> {
+impl<P: CellValue> Cells<P> {
     /// The value of a row, if it has one of the column's type.
     fn value(&self, index: usize) -> Option<P> {
         self.values.get(index).copied().filter(|value| !value.is_absent())
     }
 }
 
-impl<P: PlainValue> PlainColumn for Cells<P> {
+impl<P: CellValue> PlainColumn for Cells<P> {
     type Plain = P;
 
     fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {

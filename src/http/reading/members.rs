@@ -1,8 +1,7 @@
 //! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
 //! of batches.
 
-use super::{Faults, JsonPath, Object, ObjectSchema, PlainColumns, RowText, Rows};
-use serde::de::MapAccess;
+use super::{Faults, JsonPath, Object, ObjectSchema, PlainColumns, PlainJson, RowText, Rows, Unusual};
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
@@ -31,7 +30,7 @@ pub(crate) trait PlainMembers: Members {
 
     /// Reads the value of `name` into its slot. Returns false if no member has this name, and an error for a value of
     /// another type or a repeated name.
-    fn fill<'de, A: MapAccess<'de>>(slots: &mut Self::Slots, name: &str, map: &mut A) -> Result<bool, A::Error>;
+    fn fill(slots: &mut Self::Slots, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual>;
 
     /// Whether no slot is filled.
     fn are_absent(slots: &Self::Slots) -> bool;
@@ -131,13 +130,16 @@ macro_rules! members {
             type Slots = $slots;
             type Columns = $columns;
 
-            fn fill<'de, A: serde::de::MapAccess<'de>>(slots: &mut $slots, name: &str, map: &mut A) -> Result<bool, A::Error> {
+            #[inline]
+            fn fill(
+                slots: &mut $slots,
+                name: &str,
+                json: &mut $crate::http::reading::PlainJson<'_>,
+            ) -> Result<bool, $crate::http::reading::Unusual> {
                 $(
                     if name == $member.name {
-                        if slots.$field.replace(map.next_value()?).is_some() {
-                            return Err(serde::de::Error::duplicate_field($member.name));
-                        }
-                        return Ok(true);
+                        let earlier = slots.$field.replace($crate::http::reading::PlainValue::read(json)?);
+                        return if earlier.is_none() { Ok(true) } else { Err($crate::http::reading::Unusual) };
                     }
                 )+
                 Ok(false)

@@ -28,6 +28,6 @@ pub(crate) use member::{Kind, Member, PlainKind, WireObject};
 pub(crate) use members::{Form, Members, PlainMembers, members};
 pub(crate) use not_finite::{mark, mark_not_finite};
 pub(crate) use object::{Object, describe};
-pub(crate) use plain::{PlainJson, Unusual};
+pub(crate) use plain::{PlainJson, PlainValue, Unusual};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};
 pub(crate) use triples::read_triples;

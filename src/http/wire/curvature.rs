@@ -2,14 +2,12 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Cell, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainColumn, PlainKind, PlainMembers, Quantity,
-    RowText, Rows, members,
+    Cell, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainColumn, PlainJson, PlainKind,
+    PlainMembers, PlainValue, Quantity, RowText, Rows, Unusual, members,
 };
 use crate::json_text::JsonText;
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
-use std::fmt;
 use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -162,27 +160,13 @@ pub(super) struct FormSlots {
     principal: PrincipalSlots,
 }
 
-impl<'de> Deserialize<'de> for FormSlots {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Fill;
-        impl<'de> Visitor<'de> for Fill {
-            type Value = FormSlots;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<FormSlots, A::Error> {
-                let mut slots = FormSlots::default();
-                while let Some(name) = map.next_key::<&str>()? {
-                    let known = ComponentMembers::fill(&mut slots.components, name, &mut map)?
-                        || PrincipalMembers::fill(&mut slots.principal, name, &mut map)?;
-                    if !known {
-                        return Err(A::Error::custom("unknown member"));
-                    }
-                }
-                Ok(slots)
-            }
-        }
-        deserializer.deserialize_map(Fill)
+impl PlainValue for FormSlots {
+    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
+        let mut slots = Self::default();
+        json.object(|name, json| {
+            Ok(ComponentMembers::fill(&mut slots.components, name, json)? || PrincipalMembers::fill(&mut slots.principal, name, json)?)
+        })?;
+        Ok(slots)
     }
 }
 

@@ -7,11 +7,11 @@ use super::model::MODEL;
 use super::runout::{RUNOUT, RunoutObject};
 use super::step_over::{self, StepOverColumns, StepOverMembers, StepOverSlots};
 use crate::http::reading::{
-    Choice, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, PlainMembers, Quantity, RowText, Rows, members,
+    Choice, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, PlainJson, PlainMembers, Quantity, RowText,
+    Rows, Unusual, members,
 };
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
-use serde::de::MapAccess;
 
 /// The tolerance of the calculations that have one.
 pub(crate) const TOLERANCE: Member<Quantity<Length>> =
@@ -161,10 +161,11 @@ impl ParameterSlots {
     }
 
     /// Reads the value of `name` into its slot. False if no parameter has this name.
-    pub(super) fn fill<'de, A: MapAccess<'de>>(&mut self, name: &str, map: &mut A) -> Result<bool, A::Error> {
-        Ok(StepOverMembers::fill(&mut self.step_over, name, map)?
-            || FeedMembers::fill(&mut self.feed, name, map)?
-            || CurvatureMembers::fill(&mut self.curvature, name, map)?)
+    #[inline]
+    pub(super) fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual> {
+        Ok(StepOverMembers::fill(&mut self.step_over, name, json)?
+            || FeedMembers::fill(&mut self.feed, name, json)?
+            || CurvatureMembers::fill(&mut self.curvature, name, json)?)
     }
 }
 
