@@ -144,7 +144,7 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
         detail: problem.detail.into_owned(),
         instance: instance.to_owned(),
         request_id: Some(request_id.as_str().to_owned()),
-        errors: problem.errors.into_iter().map(FaultBody::from).collect(),
+        errors: problem.errors,
         not_ranked: problem.not_ranked,
         figures: problem.figures.into_iter().map(|(figure, value)| (figure.name().to_owned(), value.into())).collect(),
     };
@@ -183,7 +183,7 @@ pub(crate) struct ProblemBody {
     /// All faults of an invalid request.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(required = false)]
-    errors: Vec<FaultBody>,
+    errors: Vec<Fault>,
     /// The cutters that cannot be ranked, for the type `no-cutter-fits`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(ignore)]
@@ -192,24 +192,6 @@ pub(crate) struct ProblemBody {
     #[serde(flatten)]
     #[schema(ignore)]
     figures: Map<String, Value>,
-}
-
-/// One fault of an invalid request.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Fault)]
-struct FaultBody {
-    /// The location: a JSON pointer (RFC 6901) into the request; for an uploaded file, `detail` has the line or byte.
-    #[schema(example = "/cutter/corner_radius_mm")]
-    pointer: String,
-    code: FaultCode,
-    /// What is wrong and what is expected, for people.
-    detail: String,
-}
-
-impl From<Fault> for FaultBody {
-    fn from(fault: Fault) -> Self {
-        Self { pointer: fault.pointer, code: fault.code, detail: fault.detail }
-    }
 }
 
 /// The problems that any operation with a JSON body can answer with, for the API document.
