@@ -40,15 +40,8 @@ struct DurationLabels {
     status: u16,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct ShedLabels {
-    reason: &'static str,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct FormatLabels {
-    format: &'static str,
-}
+/// One label: its name and its value.
+type Label = [(&'static str, &'static str); 1];
 
 type Durations = Family<DurationLabels, Histogram, fn() -> Histogram>;
 
@@ -62,9 +55,9 @@ struct Counters {
     requests: Family<RequestLabels, Counter>,
     durations: Durations,
     in_flight: Gauge,
-    shed: Family<ShedLabels, Counter>,
+    shed: Family<Label, Counter>,
     upload_bytes: Counter,
-    upload_facets: Family<FormatLabels, Counter>,
+    upload_facets: Family<Label, Counter>,
 }
 
 impl Metrics {
@@ -74,10 +67,10 @@ impl Metrics {
         let requests = Family::default();
         let durations = Durations::new_with_constructor(|| Histogram::new(DURATIONS));
         let in_flight = Gauge::default();
-        let shed = Family::<ShedLabels, Counter>::default();
+        let shed = Family::<Label, Counter>::default();
         for overload in Overload::ALL {
             // The series are created at the start, so that their first increase is visible.
-            drop(shed.get_or_create(&ShedLabels { reason: overload.label() }));
+            drop(shed.get_or_create(&[("reason", overload.label())]));
         }
         let upload_bytes = Counter::default();
         let upload_facets = Family::default();
@@ -115,7 +108,7 @@ impl Metrics {
 
     /// Counts a request that was refused under load.
     pub fn shed(&self, overload: Overload) {
-        self.0.shed.get_or_create(&ShedLabels { reason: overload.label() }).inc();
+        self.0.shed.get_or_create(&[("reason", overload.label())]).inc();
     }
 
     /// Counts bytes of an upload, decompressed.
@@ -125,7 +118,7 @@ impl Metrics {
 
     /// Counts the facets of an upload in this format, or its points if the format has no facets.
     pub fn upload_facets(&self, format: &'static str, facets: u64) {
-        self.0.upload_facets.get_or_create(&FormatLabels { format }).inc_by(facets);
+        self.0.upload_facets.get_or_create(&[("format", format)]).inc_by(facets);
     }
 
     /// The counters as OpenMetrics text.
