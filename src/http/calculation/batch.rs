@@ -15,7 +15,7 @@ use crate::http::reading::{
 };
 use crate::http::wire::{
     BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, Heights, MODEL,
-    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer, warning_code,
+    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
@@ -304,7 +304,7 @@ impl Part {
             }
         }
         for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {
-            match self.warnings.iter_mut().find(|known| known.code == warning_code(warning)) {
+            match self.warnings.iter_mut().find(|known| known.code == warning.into()) {
                 Some(known) => known.contacts = known.contacts.map(|contacts| contacts + 1),
                 None => self.warnings.push(Warning { contacts: Some(1), first_index: Some(index), ..Warning::from(warning) }),
             }

@@ -1,6 +1,6 @@
 //! Wire objects of an answer's confidence: its level, and the weaknesses of the method on this surface.
 
-use crate::http::codes::ConfidenceCode;
+use crate::http::codes::{ConfidenceCode, same_names};
 use crate::planning::zigzag::SurfaceConfidence;
 use crate::planning::{Confidence, Level, Reason};
 use serde::Serialize;
@@ -48,15 +48,7 @@ impl From<&Confidence> for ConfidenceAnswer {
     }
 }
 
-impl From<Level> for LevelName {
-    fn from(level: Level) -> Self {
-        match level {
-            Level::High => Self::High,
-            Level::Moderate => Self::Moderate,
-            Level::Low => Self::Low,
-        }
-    }
-}
+same_names!(Level => LevelName: High, Moderate, Low);
 
 impl From<&Reason> for ReasonAnswer {
     fn from(reason: &Reason) -> Self {

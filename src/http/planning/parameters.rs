@@ -11,9 +11,13 @@ use crate::quantity::{Angle, Length, OutOfRange};
 use crate::surface::mesh::Selection;
 use crate::surface::{Facing, Shape, Unit};
 use crate::tooling::FaultyTool;
+use serde::Serialize;
+use utoipa::ToSchema;
 
 /// The method of planning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = MethodUsed)]
 pub(super) enum Method {
     /// Zigzag passes simulated on the surface.
     #[default]

@@ -1,6 +1,6 @@
 //! The calculation of a recommendation from surface and parameters, by either method.
 
-use super::answer::{RankedCandidate, RecommendationAnswer, model};
+use super::answer::{RankedCandidate, RecommendationAnswer};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::library;
@@ -13,7 +13,7 @@ use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning};
+use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning, model_name};
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
@@ -118,8 +118,8 @@ impl Task {
         let map = if has_map { MapAnswer::new(workpiece, &simulation, stop) } else { None };
         let critical = self.published().map(|published| published.plan);
         Ok(RecommendationAnswer {
-            method: self.parameters.method.into(),
-            model: model(by),
+            method: self.parameters.method,
+            model: model_name(by),
             recommended: first.into(),
             candidates,
             not_ranked,
@@ -180,8 +180,8 @@ impl Task {
         let critical = published.as_ref().map(|published| published.plan);
         let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, resources, stop)?;
         Ok(RecommendationAnswer {
-            method: self.parameters.method.into(),
-            model: model(self.parameters.model()),
+            method: self.parameters.method,
+            model: model_name(self.parameters.model()),
             recommended: first.into(),
             not_ranked,
             surface: SurfaceAnswer::new(&self.shape, self.source, workpiece),

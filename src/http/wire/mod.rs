@@ -41,4 +41,4 @@ pub(crate) use source::{ReceivedSurface, Source, SurfaceWithSource};
 pub(crate) use summary::{Check, ColumnExtremes, Extreme, Extremes, Failure, Summary};
 pub(crate) use surface::SURFACE;
 pub(crate) use unit::UNIT;
-pub(crate) use warning::{Warning, warning_code};
+pub(crate) use warning::Warning;

@@ -3,7 +3,7 @@
 use super::Warning;
 use super::unit::unit_name;
 use crate::cancellation::CancelFlag;
-use crate::http::codes::{FileFault, RequestFault, WarningCode};
+use crate::http::codes::{FileFault, RequestFault, WarningCode, same_names};
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::surface::read::{Format, MostOfPush, Notes, Summary};
 use crate::surface::{Basis, MeshBuilder, MeshPart, PartedSink, SampledSurface, Shape, Sink, Unit};
@@ -43,21 +43,7 @@ pub(crate) enum Source {
     ThreeMf,
 }
 
-impl From<Format> for Source {
-    fn from(format: Format) -> Self {
-        match format {
-            Format::Text => Self::Text,
-            Format::StlAscii => Self::StlAscii,
-            Format::StlBinary => Self::StlBinary,
-            Format::Obj => Self::Obj,
-            Format::PlyAscii => Self::PlyAscii,
-            Format::PlyLittleEndian => Self::PlyLittleEndian,
-            Format::PlyBigEndian => Self::PlyBigEndian,
-            Format::Pcd => Self::Pcd,
-            Format::ThreeMf => Self::ThreeMf,
-        }
-    }
-}
+same_names!(Format => Source: Text, StlAscii, StlBinary, Obj, PlyAscii, PlyLittleEndian, PlyBigEndian, Pcd, ThreeMf);
 
 /// The largest number of facets of a surface; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
