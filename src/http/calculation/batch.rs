@@ -297,10 +297,10 @@ impl Parts {
 impl Part {
     fn add(&mut self, index: usize, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
         for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
-            match figure.getter() {
+            match figure.get {
                 Get::Number(get) => column.push_number(index, get(figures).map(|number| selection.rounded(number))),
-                Get::Word(get) => column.push(get(figures).as_ref()),
-                Get::Words(_) => column.push(figure.value(figures).as_ref()),
+                Get::Word(get, _) => column.push(get(figures).as_ref()),
+                Get::Words(..) => column.push(figure.value(figures).as_ref()),
             }
         }
         for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {

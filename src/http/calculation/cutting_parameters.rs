@@ -9,7 +9,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::http::worker_pool::Work;
 use crate::milling::{CuttingLimits, EvaluatedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
@@ -65,7 +65,7 @@ fn binding_limit_schema(about: &str, components: &mut Components) -> RefOr<Schem
 
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::words("limited_by", "the limits that bind", binding_limit_schema, |figures| figures.binding_limits),
+    Figure::new("limited_by", "the limits that bind", Get::Words(|figures| figures.binding_limits, binding_limit_schema)),
     FEED_RATE,
     Figure::number("area_rate_mm2_min", "the area finished per minute, the step-over along the surface times the feed rate", |figures| {
         figures.feed_rate_mm_min.map(|rate| rate * figures.step_over.mm())

@@ -8,7 +8,7 @@ use crate::http::document::described;
 use crate::http::problem::{Problem, Problems, QueryProblems};
 use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Heights, SharedParameters, StatedParameters, TOLERANCE};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
@@ -57,7 +57,7 @@ fn limited_by_schema(about: &str, components: &mut Components) -> RefOr<Schema> 
 
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::word("limited_by", "the limit that the feed reaches", limited_by_schema, |figures| figures.limited_by),
+    Figure::new("limited_by", "the limit that the feed reaches", Get::Word(|figures| figures.limited_by, limited_by_schema)),
     FEED_RATE,
 ];
 
