@@ -33,10 +33,6 @@ pub(super) enum Part {
     Passes,
 }
 
-fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
-    Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?)
-}
-
 /// The direction of a line, which repeats after half a turn.
 fn direction(degrees: f64) -> Result<Angle, OutOfRange> {
     Angle::from_degrees(OutOfRange::check(degrees, -360.0, 360.0)?.rem_euclid(180.0))
@@ -58,7 +54,7 @@ members! {
         machine: required MACHINE: Machine,
         pattern: optional PATTERN: Choice<Pattern> = ("pattern", Choice { name: Some("Pattern"), words: &[("zigzag", Pattern::Zigzag), ("one_way", Pattern::OneWay)] },
             "zigzag (default): passes alternate in direction; one_way: all passes have the same direction, and the cutter returns at the rapid rate at the clearance height"),
-        max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::new(slope, DEFAULT_MAX_SLOPE),
+        max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::slope(DEFAULT_MAX_SLOPE),
             "the largest slope of facets that limit the step-over; steeper facets count as steep; absent = 85"),
         method: optional METHOD: Choice<Method> = ("method", Choice { name: Some("Method"), words: &[("surface", Method::Surface), ("rectangle", Method::Rectangle)] },
             "surface (default): zigzag passes simulated on the surface; rectangle: the published method, by an inclined rectangle equivalent to the surface"),

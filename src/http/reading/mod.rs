@@ -18,11 +18,11 @@ mod schema;
 mod triples;
 
 pub(crate) use array::{each, each_raw, items};
-pub(crate) use columns::{Cell, Cells, PlainColumn, RowText, Rows};
+pub(crate) use columns::{Cell, CellValue, Cells, PlainColumn, RowText, Rows};
 pub(crate) use cut_out::{CutOut, Large, PlainColumns};
 pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use json_path::JsonPath;
-pub(crate) use kinds::{Choice, Pair, Quantity, Vector, Whole, number, text};
+pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;
 pub(crate) use member::{Kind, Member, PlainKind, WireObject};
 pub(crate) use members::{Form, Members, PlainMembers, members};
