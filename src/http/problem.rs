@@ -300,6 +300,7 @@ fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure
     always.iter().fold(schema, |schema, figure| schema.required(figure.name())).into()
 }
 
-fn pascal_case(name: &str) -> String {
+/// The name in Pascal case of a name in kebab case.
+pub(crate) fn pascal_case(name: &str) -> String {
     name.split('-').map(|word| word[..1].to_ascii_uppercase() + &word[1..]).collect()
 }

@@ -14,25 +14,6 @@ use std::fmt::Write;
 use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn, ParameterStyle};
 use utoipa::openapi::{RefOr, Required, Schema};
 
-/// Declares the parameters of a calculation's query: `query!(NAME, Description, describe)` with the schema of the JSON
-/// request.
-macro_rules! query {
-    ($query:ident, $parameters:ident, $describe:expr) => {
-        static $query: std::sync::LazyLock<$crate::http::query::Query> =
-            std::sync::LazyLock::new(|| $crate::http::query::Query::of($describe));
-
-        /// The query's parameters, for the OpenAPI document.
-        struct $parameters;
-
-        impl utoipa::IntoParams for $parameters {
-            fn into_params(_: impl Fn() -> Option<utoipa::openapi::path::ParameterIn>) -> Vec<utoipa::openapi::path::Parameter> {
-                $query.describe()
-            }
-        }
-    };
-}
-pub(crate) use query;
-
 /// The parameters of a calculation's query.
 pub(crate) struct Query {
     members: Vec<QueryMember>,

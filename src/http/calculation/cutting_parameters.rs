@@ -2,18 +2,12 @@
 //! time within a tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::{Calculation, batch, single};
-use crate::http::body::{JsonBody, WrittenJson};
+use super::{Calculation, Texts};
 use crate::http::codes::RequestFault;
-use crate::http::document::described;
-use crate::http::problem::{Problem, Problems, QueryProblems};
-use crate::http::query::query;
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
-use crate::http::worker_pool::Work;
 use crate::milling::{CuttingLimits, EvaluatedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
-use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
@@ -96,6 +90,14 @@ impl FastestParameters {
 }
 
 impl Calculation for FastestParameters {
+    const TEXTS: Texts = Texts {
+        name: "cutting-parameters",
+        summary: "The fastest step-over and feed at one contact",
+        about: "The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance,\n\
+            within the limits of cutter, machine and step-over if these are stated.",
+        answer: "Step-over and feed, the limits that bind, and the heights",
+        batch_summary: "The fastest step-overs and feeds of a tool path",
+    };
     const STATED: StatedParameters = StatedParameters { step_over: false, feed_per_tooth: false };
     // The calculation searches for a step-over dozens of times.
     const TAKES_LONG: bool = true;
@@ -142,50 +144,4 @@ impl Calculation for FastestParameters {
         }
         Ok(figures)
     }
-}
-
-query!(QUERY, CuttingParametersQuery, single::describe_request::<FastestParameters>);
-
-described!(CuttingParametersRequest, single::describe_request::<FastestParameters>);
-described!(CuttingParametersAnswer, single::describe_answer::<FastestParameters>);
-described!(CuttingParametersBatchRequest, batch::describe_request::<FastestParameters>);
-described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParameters>);
-
-/// The fastest step-over and feed at one contact
-///
-/// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance,
-/// within the limits of cutter, machine and step-over if these are stated.
-#[utoipa::path(
-    post, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters",
-    request_body = CuttingParametersRequest,
-    responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), Problems),
-)]
-pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    single::answer::<FastestParameters>(work, body).await
-}
-
-/// The fastest step-over and feed at one contact, by a query
-///
-/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore,
-/// members of `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers
-/// separated by commas.
-#[utoipa::path(
-    get, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters_query", params(CuttingParametersQuery),
-    responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), QueryProblems),
-)]
-pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
-    single::answer_query::<FastestParameters>(work, &QUERY, text).await
-}
-
-/// The fastest step-overs and feeds of a tool path
-///
-/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`;
-/// it does not affect the others.
-#[utoipa::path(
-    post, path = "/v1/cutting-parameters/batch", tag = "calculations", operation_id = "cutting_parameters_batch",
-    request_body = CuttingParametersBatchRequest,
-    responses((status = 200, description = "A column for each figure", body = CuttingParametersBatchAnswer), Problems),
-)]
-pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    batch::answer::<FastestParameters>(work, body).await
 }

@@ -2,17 +2,11 @@
 //! tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::{Calculation, batch, single};
-use crate::http::body::{JsonBody, WrittenJson};
-use crate::http::document::described;
-use crate::http::problem::{Problem, Problems, QueryProblems};
-use crate::http::query::query;
+use super::{Calculation, Texts};
 use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
-use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
-use axum::extract::RawQuery;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
@@ -62,6 +56,14 @@ const FIGURES: &[Figure] = &[
 ];
 
 impl Calculation for MaxFeed {
+    const TEXTS: Texts = Texts {
+        name: "max-feed",
+        summary: "The largest feed at one contact",
+        about: "The largest feed per tooth, and feed rate, that keep the scallop height within a tolerance at a given step-over, and\n\
+            within the limits of cutter and machine if these are stated.",
+        answer: "The feed, its limit, and the heights at this feed",
+        batch_summary: "The largest feeds of a tool path",
+    };
     const STATED: StatedParameters = StatedParameters { step_over: true, feed_per_tooth: false };
     type Members = MaxFeedMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
@@ -105,50 +107,4 @@ impl Calculation for MaxFeed {
         figures.limited_by = Some(LIMITED_BY.word(&limited_by));
         Ok(figures)
     }
-}
-
-query!(QUERY, MaxFeedQuery, single::describe_request::<MaxFeed>);
-
-described!(MaxFeedRequest, single::describe_request::<MaxFeed>);
-described!(MaxFeedAnswer, single::describe_answer::<MaxFeed>);
-described!(MaxFeedBatchRequest, batch::describe_request::<MaxFeed>);
-described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
-
-/// The largest feed at one contact
-///
-/// The largest feed per tooth, and feed rate, that keep the scallop height within a tolerance at a given step-over, and
-/// within the limits of cutter and machine if these are stated.
-#[utoipa::path(
-    post, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed",
-    request_body = MaxFeedRequest,
-    responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), Problems),
-)]
-pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    single::answer::<MaxFeed>(work, body).await
-}
-
-/// The largest feed at one contact, by a query
-///
-/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore,
-/// members of `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers
-/// separated by commas.
-#[utoipa::path(
-    get, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed_query", params(MaxFeedQuery),
-    responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), QueryProblems),
-)]
-pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
-    single::answer_query::<MaxFeed>(work, &QUERY, text).await
-}
-
-/// The largest feeds of a tool path
-///
-/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`;
-/// it does not affect the others.
-#[utoipa::path(
-    post, path = "/v1/max-feed/batch", tag = "calculations", operation_id = "max_feed_batch",
-    request_body = MaxFeedBatchRequest,
-    responses((status = 200, description = "A column for each figure", body = MaxFeedBatchAnswer), Problems),
-)]
-pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    batch::answer::<MaxFeed>(work, body).await
 }

@@ -14,6 +14,7 @@ use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass, StepOver};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::marker::PhantomData;
 use std::num::NonZeroU32;
+use std::sync::Arc;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -79,7 +80,7 @@ pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody)
 /// Answers the same request as a query.
 pub(super) async fn answer_query<C: Calculation + 'static>(
     work: Work,
-    query: &'static Query,
+    query: Arc<Query>,
     text: Option<String>,
 ) -> Result<WrittenJson, Problem> {
     let text = text.unwrap_or_default();
