@@ -45,14 +45,15 @@ const MEMORY_OF_A_PACKAGE: u64 = 48 * MOST_VERTICES_OF_A_PACKAGE as u64;
 described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
-    let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
+    let binary = || ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
+    let file = binary().description(Some(
         "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
         Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))
             .build()
     });
-    let library = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
+    let library = binary().description(Some(
         "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them, of which those that its .fctl lists name are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
     ));
     let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));

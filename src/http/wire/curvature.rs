@@ -69,9 +69,8 @@ impl CurvatureMembers {
         let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
         match (self.radius, self.curvature) {
             (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
-            (Ok(radius), Ok(None)) => Some(Ok(radius.map(of(SURFACE_RADIUS.name)))),
-            (Ok(None), Ok(curvature)) => Some(Ok(curvature.map(of(SURFACE_CURVATURE.name)))),
-            (Err(faulted), Ok(None)) | (Ok(None), Err(faulted)) => Some(Err(faulted)),
+            (radius, Ok(None)) => Some(radius.map(|stated| stated.map(of(SURFACE_RADIUS.name)))),
+            (Ok(None), curvature) => Some(curvature.map(|stated| stated.map(of(SURFACE_CURVATURE.name)))),
         }
     }
 }

@@ -94,14 +94,11 @@ impl ContactParameters {
         if unknown {
             return None;
         }
-        let step_over = match StepOverMembers::accept(step_over)? {
-            StepOverMembers { along_surface: Ok(None), seen_from_above: Ok(None) } => None,
-            StepOverMembers { along_surface: Ok(Some(s)), seen_from_above: Ok(None) } => Some(StepOver::AlongSurface(s)),
-            StepOverMembers { along_surface: Ok(None), seen_from_above: Ok(Some(d)) } => Some(StepOver::SeenFromAbove(d)),
-            StepOverMembers { .. } => return None,
-        };
-        let feed_per_tooth = FeedMembers::accept(feed)?.feed_per_tooth;
-        Some(Self { step_over: Ok(step_over), feed_per_tooth, curvature: CurvatureMembers::accept(curvature)?.stated()? })
+        Some(Self {
+            step_over: StepOverMembers::accept(step_over)?.stated()?,
+            feed_per_tooth: FeedMembers::accept(feed)?.feed_per_tooth,
+            curvature: CurvatureMembers::accept(curvature)?.stated()?,
+        })
     }
 
     /// These parameters, with those of `others` in place of absent ones.
