@@ -1,7 +1,7 @@
 //! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
 //! of batches.
 
-use super::{Faults, JsonPath, Object, ObjectSchema, PlainColumns, PlainJson, RowText, Rows, Unusual};
+use super::{Columns, Faults, Object, ObjectSchema, Slots};
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
@@ -23,41 +23,13 @@ pub(crate) trait Members: Sized {
 
 /// Members of a contact in a batch, which are read in one pass as long as there is no fault.
 pub(crate) trait PlainMembers: Members {
-    /// The values of the members, each `None` until it is read.
-    type Slots: Default + Copy;
+    /// The values of the members.
+    type Slots: Slots;
     /// A column of values for each member.
-    type Columns: Default;
-
-    /// Reads the value of `name` into its slot. Returns false if no member has this name, and an error for a value of
-    /// another type or a repeated name.
-    fn fill(slots: &mut Self::Slots, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual>;
-
-    /// Whether no slot is filled.
-    fn are_absent(slots: &Self::Slots) -> bool;
+    type Columns: Columns<Row = Self::Slots>;
 
     /// The members; `None` if a required one is missing or a value is out of bounds.
     fn accept(slots: Self::Slots) -> Option<Self>;
-
-    /// Reads columns of at most `most` rows from `object`, which may have other members.
-    fn read_columns(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self::Columns;
-
-    /// Whether there are no columns.
-    fn columns_are_absent(columns: &Self::Columns) -> bool;
-
-    /// Takes columns of at most `most` rows from `columns`, which may have others; `None` if one is unusual.
-    fn read_plain_columns(columns: &mut PlainColumns<'_>, most: usize) -> Option<Self::Columns>;
-
-    /// Adds columns of at most `most` rows to a schema; none is required.
-    fn describe_columns(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_>;
-
-    /// Compares the number of rows of all columns of the object at `path`.
-    fn check_rows(columns: &Self::Columns, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
-
-    /// The values of a row; `None` if one is of another type.
-    fn row(columns: &Self::Columns, index: usize) -> Option<Self::Slots>;
-
-    /// Writes a row as members of an object.
-    fn write_row(columns: &Self::Columns, index: usize, row: &mut RowText);
 }
 
 /// An object in one of two forms.
@@ -130,43 +102,45 @@ macro_rules! members {
             type Slots = $slots;
             type Columns = $columns;
 
+            fn accept(slots: $slots) -> Option<Self> {
+                Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
+            }
+        }
+
+        impl $crate::http::reading::Slots for $slots {
             #[inline]
             fn fill(
-                slots: &mut $slots,
+                &mut self,
                 name: &str,
                 json: &mut $crate::http::reading::PlainJson<'_>,
             ) -> Result<bool, $crate::http::reading::Unusual> {
                 $(
                     if name == $member.name {
-                        let earlier = slots.$field.replace($crate::http::reading::PlainValue::read(json)?);
+                        let earlier = self.$field.replace($crate::http::reading::PlainValue::read(json)?);
                         return if earlier.is_none() { Ok(true) } else { Err($crate::http::reading::Unusual) };
                     }
                 )+
                 Ok(false)
             }
 
-            fn are_absent(slots: &$slots) -> bool {
-                $( slots.$field.is_none() )&&+
+            fn are_absent(&self) -> bool {
+                $( self.$field.is_none() )&&+
             }
+        }
 
-            fn accept(slots: $slots) -> Option<Self> {
-                Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
-            }
+        impl $crate::http::reading::Columns for $columns {
+            type Row = $slots;
 
-            fn read_columns(
+            fn take(
                 object: &mut $crate::http::reading::Object<'_, '_>,
                 most: usize,
                 faults: &mut $crate::http::reading::Faults,
-            ) -> $columns {
-                $columns { $( $field: object.column($member.name, most, faults), )+ }
+            ) -> Self {
+                Self { $( $field: object.column($member.name, most, faults), )+ }
             }
 
-            fn columns_are_absent(columns: &$columns) -> bool {
-                $( columns.$field.is_none() )&&+
-            }
-
-            fn read_plain_columns(columns: &mut $crate::http::reading::PlainColumns<'_>, most: usize) -> Option<$columns> {
-                Some($columns {
+            fn take_plain(columns: &mut $crate::http::reading::PlainColumns<'_>, most: usize) -> Option<Self> {
+                Some(Self {
                     $( $field: match columns.take($member.name) {
                         Some(items) => Some($crate::http::reading::PlainColumn::read_plain(items, most)?),
                         None => None,
@@ -174,26 +148,30 @@ macro_rules! members {
                 })
             }
 
-            fn describe_columns(schema: $crate::http::reading::ObjectSchema<'_>, most: usize) -> $crate::http::reading::ObjectSchema<'_> {
+            fn describe(schema: $crate::http::reading::ObjectSchema<'_>, most: usize) -> $crate::http::reading::ObjectSchema<'_> {
                 schema$( .column(&$member, most) )+
             }
 
+            fn are_absent(&self) -> bool {
+                $( self.$field.is_none() )&&+
+            }
+
             fn check_rows(
-                columns: &$columns,
+                &self,
                 path: &$crate::http::reading::JsonPath<'_>,
                 rows: &mut $crate::http::reading::Rows,
                 faults: &mut $crate::http::reading::Faults,
             ) {
                 $(
-                    if let Some(column) = &columns.$field {
+                    if let Some(column) = &self.$field {
                         $crate::http::reading::PlainColumn::check_rows(column, $member.name, path.member($member.name), rows, faults);
                     }
                 )+
             }
 
-            fn row(columns: &$columns, index: usize) -> Option<$slots> {
+            fn row(&self, index: usize) -> Option<$slots> {
                 Some($slots {
-                    $( $field: match columns.$field.as_ref().map(|column| $crate::http::reading::PlainColumn::get(column, index)) {
+                    $( $field: match self.$field.as_ref().map(|column| $crate::http::reading::PlainColumn::get(column, index)) {
                         Some($crate::http::reading::Cell::Value(value)) => Some(value),
                         Some($crate::http::reading::Cell::Absent) | None => None,
                         Some($crate::http::reading::Cell::Faulty) => return None,
@@ -201,9 +179,9 @@ macro_rules! members {
                 })
             }
 
-            fn write_row(columns: &$columns, index: usize, row: &mut $crate::http::reading::RowText) {
+            fn write_row(&self, index: usize, row: &mut $crate::http::reading::RowText) {
                 $(
-                    if let Some(column) = &columns.$field {
+                    if let Some(column) = &self.$field {
                         $crate::http::reading::PlainColumn::write(column, index, $member.name, row);
                     }
                 )+

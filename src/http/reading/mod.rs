@@ -15,6 +15,7 @@ mod number_array;
 mod object;
 mod plain;
 mod schema;
+mod slots;
 mod triples;
 
 pub(crate) use array::{each, each_raw, items};
@@ -30,4 +31,5 @@ pub(crate) use not_finite::{mark, mark_not_finite};
 pub(crate) use object::{Object, describe};
 pub(crate) use plain::{PlainJson, PlainValue, Unusual};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};
+pub(crate) use slots::{Columns, Slots};
 pub(crate) use triples::read_triples;

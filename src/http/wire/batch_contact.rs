@@ -1,9 +1,9 @@
 //! A contact of a batch, with its own parameters. A contact without faults is parsed in one pass directly into numbers.
 //! If that fails, the contact is read again by the reader that collects faults.
 
-use super::contact::{self, AngleMembers, AngleSlots, StatedContact, VectorMembers, VectorSlots};
+use super::contact::{self, AngleSlots, StatedContact, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainJson, PlainMembers, Unusual};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainJson, Slots, Unusual};
 use crate::json_text::JsonText;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -41,8 +41,8 @@ impl BatchContact {
     ) -> Result<Result<Self, Faulted>, Unusual> {
         json.skip_blank();
         let first = json.position();
-        let mut slots = Slots::default();
-        if slots.fill(json).is_ok()
+        let mut slots = ContactSlots::default();
+        if slots.fill_all(json).is_ok()
             && let Some(plain) = Self::accept(&slots, stated, defaults)
         {
             return Ok(plain.complete(stated, path, faults));
@@ -75,17 +75,18 @@ impl BatchContact {
 
     /// The contact, or `None` if it cannot be read in one pass.
     fn read_plain(raw: JsonText<'_>, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
-        let mut slots = Slots::default();
-        slots.fill(&mut PlainJson::new(raw.get().as_bytes())).ok()?;
+        let mut slots = ContactSlots::default();
+        slots.fill_all(&mut PlainJson::new(raw.get().as_bytes())).ok()?;
         Self::accept(&slots, stated, defaults)
     }
 
     /// The contact from its values, with `defaults` for the parameters that it does not state; `None` if there is a
     /// fault.
     #[inline]
-    pub(super) fn accept(slots: &Slots, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
-        let contact = contact::accept(slots.angles, slots.vectors)?;
-        Some(Self { contact, parameters: ContactParameters::accept(&slots.parameters, stated, defaults)? })
+    pub(super) fn accept(slots: &ContactSlots, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
+        let (contact, parameters) = slots;
+        let contact = contact::accept(*contact)?;
+        Some(Self { contact, parameters: ContactParameters::accept(parameters, stated, defaults)? })
     }
 
     /// The contact and its parameters with all their faults.
@@ -104,24 +105,7 @@ impl BatchContact {
 }
 
 /// The values of a contact's members.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Slots {
-    pub(super) angles: AngleSlots,
-    pub(super) vectors: VectorSlots,
-    pub(super) parameters: ParameterSlots,
-}
-
-impl Slots {
-    /// Reads the values of a contact.
-    #[inline]
-    fn fill(&mut self, json: &mut PlainJson<'_>) -> Result<(), Unusual> {
-        json.object(|name, json| {
-            Ok(AngleMembers::fill(&mut self.angles, name, json)?
-                || VectorMembers::fill(&mut self.vectors, name, json)?
-                || self.parameters.fill(name, json)?)
-        })
-    }
-}
+pub(super) type ContactSlots = ((AngleSlots, VectorSlots), ParameterSlots);
 
 /// The schema of a contact with the parameters that `stated` allows.
 pub(crate) fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {

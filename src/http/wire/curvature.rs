@@ -2,8 +2,8 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Cell, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainColumn, PlainJson, PlainKind,
-    PlainMembers, PlainValue, Quantity, RowText, Rows, Unusual, members,
+    Columns, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainKind, PlainMembers, Quantity, Slots,
+    members,
 };
 use crate::json_text::JsonText;
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
@@ -137,15 +137,15 @@ impl PlainKind for CurvatureKind {
     fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
         components.refer("SurfaceCurvatureColumns", about, |components| {
             let schema = ObjectSchema::new("Columns of curvatures, each contact in one of two forms", components);
-            PrincipalMembers::describe_columns(ComponentMembers::describe_columns(schema, most), most).build()
+            FormColumns::describe(schema, most).build()
         })
     }
 
     fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {
-        let absent = (ComponentMembers::are_absent(&plain.components), PrincipalMembers::are_absent(&plain.principal));
-        let curvature = match absent {
-            (_, true) => ComponentMembers::accept(plain.components)?.curvature(),
-            (true, false) => PrincipalMembers::accept(plain.principal)?.curvature(),
+        let (components, principal) = plain;
+        let curvature = match (components.are_absent(), principal.are_absent()) {
+            (_, true) => ComponentMembers::accept(components)?.curvature(),
+            (true, false) => PrincipalMembers::accept(principal)?.curvature(),
             (false, false) => return None,
         };
         curvature.ok()?.ok()
@@ -153,61 +153,7 @@ impl PlainKind for CurvatureKind {
 }
 
 /// The values of either form in one pass.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct FormSlots {
-    components: ComponentSlots,
-    principal: PrincipalSlots,
-}
-
-impl PlainValue for FormSlots {
-    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
-        let mut slots = Self::default();
-        json.object(|name, json| {
-            Ok(ComponentMembers::fill(&mut slots.components, name, json)? || PrincipalMembers::fill(&mut slots.principal, name, json)?)
-        })?;
-        Ok(slots)
-    }
-}
+type FormSlots = (ComponentSlots, PrincipalSlots);
 
 /// Columns of curvatures: one object of arrays.
-#[derive(Debug, Default)]
-pub(super) struct FormColumns {
-    components: ComponentColumns,
-    principal: PrincipalColumns,
-}
-
-impl PlainColumn for FormColumns {
-    type Plain = FormSlots;
-
-    fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let components = ComponentMembers::read_columns(&mut object, most, faults);
-        let principal = PrincipalMembers::read_columns(&mut object, most, faults);
-        object.close(faults)?;
-        Ok(Self { components, principal })
-    }
-
-    fn check_rows(&self, _: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
-        ComponentMembers::check_rows(&self.components, &path, rows, faults);
-        PrincipalMembers::check_rows(&self.principal, &path, rows, faults);
-    }
-
-    fn get(&self, index: usize) -> Cell<FormSlots> {
-        let (Some(components), Some(principal)) =
-            (ComponentMembers::row(&self.components, index), PrincipalMembers::row(&self.principal, index))
-        else {
-            return Cell::Faulty;
-        };
-        if ComponentMembers::are_absent(&components) && PrincipalMembers::are_absent(&principal) {
-            return Cell::Absent;
-        }
-        Cell::Value(FormSlots { components, principal })
-    }
-
-    fn write(&self, index: usize, name: &'static str, row: &mut RowText) {
-        let mut object = RowText::default();
-        ComponentMembers::write_row(&self.components, index, &mut object);
-        PrincipalMembers::write_row(&self.principal, index, &mut object);
-        row.object(name, object);
-    }
-}
+type FormColumns = (ComponentColumns, PrincipalColumns);
