@@ -14,7 +14,7 @@ use crate::http::reading::{
     Components, CutOut, Fault, Faulted, Faults, JsonPath, Kind, Large, Members, Object, ObjectSchema, PlainJson, Unusual,
 };
 use crate::http::wire::{
-    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, Heights, MODEL,
+    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, Heights, MODEL, SharedMembers,
     SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer,
 };
 use crate::http::worker_pool::Work;
@@ -406,7 +406,7 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
     let contacts = OneOfBuilder::new().item(rows).item(columns);
     let contacts = contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"));
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
-    let schema = SharedParameters::describe(ObjectSchema::new(about, components));
+    let schema = ObjectSchema::new(about, components).with::<SharedMembers>();
     let schema = ContactParameters::describe(schema, C::STATED).with::<C::Members>();
     Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }

@@ -38,10 +38,6 @@ impl SharedParameters {
         let SharedMembers { cutter, runout, model } = SharedMembers::read(object, faults);
         Ok(Self { tool: cutter?, runout: runout?.unwrap_or(Runout::NONE), model: model?.unwrap_or_default() })
     }
-
-    pub(crate) fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
-        schema.with::<SharedMembers>()
-    }
 }
 
 /// Which parameters of a contact a request states; a calculation computes the others.
