@@ -273,14 +273,6 @@ impl Work {
         self.budget.reserve(bytes)
     }
 
-    /// Adds `bytes` to a reservation. Waits for free memory as long as for a permit.
-    ///
-    /// # Errors
-    /// [`BudgetExceeded`], which is a problem to answer with.
-    pub async fn grow(&self, memory: &mut Reservation, bytes: u64) -> Result<(), BudgetExceeded> {
-        memory.grow_within(bytes, Self::LONGEST_WAIT).await
-    }
-
     /// The memory budget.
     #[must_use]
     pub fn budget(&self) -> &MemoryBudget {

@@ -4,11 +4,10 @@
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, Texts};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::milling::{CuttingLimits, EvaluatedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
-use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// The tolerance to keep, and the limits of cutter, machine and step-over.
@@ -53,13 +52,13 @@ const BINDING_LIMIT: Choice<BindingLimit> = Choice {
     ],
 };
 
-fn binding_limit_schema(about: &str, components: &mut Components) -> RefOr<Schema> {
-    BINDING_LIMIT.schema(about, components)
-}
-
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::new("limited_by", "the limits that bind", Get::Words(|figures| figures.binding_limits, binding_limit_schema)),
+    Figure::new(
+        "limited_by",
+        "the limits that bind",
+        Get::Words(|figures| figures.binding_limits, |about, components| BINDING_LIMIT.schema(about, components)),
+    ),
     FEED_RATE,
     Figure::number("area_rate_mm2_min", "the area finished per minute, the step-over along the surface times the feed rate", |figures| {
         figures.feed_rate_mm_min.map(|rate| rate * figures.step_over.mm())

@@ -3,11 +3,10 @@
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, Texts};
-use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
-use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// The tolerance to keep, and the limits of cutter and machine.
@@ -45,13 +44,13 @@ const LIMITED_BY: Choice<LimitedBy> = Choice {
     ],
 };
 
-fn limited_by_schema(about: &str, components: &mut Components) -> RefOr<Schema> {
-    LIMITED_BY.schema(about, components)
-}
-
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::new("limited_by", "the limit that the feed reaches", Get::Word(|figures| figures.limited_by, limited_by_schema)),
+    Figure::new(
+        "limited_by",
+        "the limit that the feed reaches",
+        Get::Word(|figures| figures.limited_by, |about, components| LIMITED_BY.schema(about, components)),
+    ),
     FEED_RATE,
 ];
 

@@ -94,7 +94,7 @@ pub(super) struct RecommendedCutter {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub(super) struct RankedCandidate {
     /// The position of the cutter in the request, from 0; cutters of libraries follow.
-    cutter: usize,
+    pub(super) cutter: usize,
     /// The cutter's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -113,7 +113,7 @@ pub(super) struct RankedCandidate {
     direction_deg: Option<f64>,
     /// The time of all passes and links, stops included.
     #[schema(minimum = 0)]
-    machining_time_s: f64,
+    pub(super) machining_time_s: f64,
     /// The number of planes that contain the passes; in method rectangle the model's quotient, not rounded.
     #[schema(minimum = 0)]
     passes: f64,
@@ -322,10 +322,6 @@ impl RankedCandidate {
 
     pub(super) fn time(&self) -> Time {
         Time::computed(self.machining_time_s)
-    }
-
-    pub(super) fn cutter(&self) -> usize {
-        self.cutter
     }
 }
 

@@ -76,7 +76,8 @@ impl Form {
         }
         if self.held.starts_with(b"--") {
             self.position = Position::Epilogue;
-            self.drain().await?;
+            // All data are read, so that the connection can be used again.
+            while next_data(&mut self.body).await?.is_some() {}
             return Ok(None);
         }
         self.parts += 1;
@@ -139,12 +140,6 @@ impl Form {
         };
         // The buffer holds at most the start of a delimiter here, so that a copy is rare.
         self.held = if self.held.is_empty() { data } else { [&self.held[..], &data].concat().into() };
-        Ok(())
-    }
-
-    /// Reads and discards the data after the last delimiter, so that the connection can be used again.
-    async fn drain(&mut self) -> Result<(), Problem> {
-        while next_data(&mut self.body).await?.is_some() {}
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::library::Libraries;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, ObjectSchema, Quantity, members};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
 use crate::http::wire::{CUTTERS, CandidateKind, MACHINE, MODEL, MOST_CUTTERS, Machine, NamedCandidate, SELECT, SelectKind, UNIT};
 use crate::milling::Model;
 use crate::motion;
@@ -86,12 +86,12 @@ pub(super) struct Parameters {
     pub(super) max_slope: Angle,
     pub(super) method: Method,
     model: Option<Model>,
-    directions: Option<Vec<Angle>>,
+    pub(super) directions: Option<Vec<Angle>>,
     pub(super) unit: Option<Unit>,
     pub(super) facing: Facing,
     pub(super) max_uncut_share: Option<f64>,
     pub(super) selection: Selection,
-    include: Vec<Part>,
+    pub(super) include: Vec<Part>,
 }
 
 impl Parameters {
@@ -125,11 +125,6 @@ impl Parameters {
         })
     }
 
-    /// Adds the members to the schema of a request.
-    pub(super) fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
-        schema.with::<ParameterMembers>()
-    }
-
     /// The model of the plan. The default is `envelope` for method `surface`, and the published `analytic` for method
     /// `rectangle`.
     pub(super) fn model(&self) -> Model {
@@ -137,16 +132,6 @@ impl Parameters {
             Method::Surface => Model::Envelope,
             Method::Rectangle => Model::Analytic,
         })
-    }
-
-    /// Whether the request states `include` with at least one part.
-    pub(super) fn has_include(&self) -> bool {
-        !self.include.is_empty()
-    }
-
-    /// Whether the request states directions.
-    pub(super) fn has_directions(&self) -> bool {
-        self.directions.is_some()
     }
 
     pub(super) fn includes(&self, part: Part) -> bool {

@@ -170,9 +170,9 @@ impl Task {
             }
         }
         not_ranked.extend(self.faulty_tools());
-        candidates.sort_by(|a, b| a.time().seconds().total_cmp(&b.time().seconds()));
+        candidates.sort_by(|a, b| a.machining_time_s.total_cmp(&b.machining_time_s));
         let Some(first) = candidates.first() else { return Err(Problem::no_cutter_fits(not_ranked)) };
-        let unused = [("include", self.parameters.has_include()), ("directions_deg", self.parameters.has_directions())];
+        let unused = [("include", !self.parameters.include.is_empty()), ("directions_deg", self.parameters.directions.is_some())];
         self.warnings.extend(unused.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| {
             Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
         }));
@@ -210,7 +210,7 @@ impl Task {
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
         let Some(workpiece) = workpiece else { return Ok((&confidence).into()) };
         // The order depends on the recommended cutter and the next one.
-        let compared: Vec<usize> = candidates.iter().take(2).map(RankedCandidate::cutter).collect();
+        let compared: Vec<usize> = candidates.iter().take(2).map(|candidate| candidate.cutter).collect();
         let by = Model::Envelope;
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, resources, stop)? else {
             return Ok((&confidence).into());
@@ -219,7 +219,7 @@ impl Task {
         let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.machined_pieces, simulated: None };
         let simulated = |candidate: &RankedCandidate| {
             let plans = &simulation.ranking.plans;
-            plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter()).map(|plan| (candidate.time(), plan.time))
+            plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter).map(|plan| (candidate.time(), plan.time))
         };
         let confidence = confidence.with_surface(&self.shape, &evidence);
         // Without a simulation of the recommended cutter, the others cannot be compared with it.

@@ -5,7 +5,7 @@ use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
 use super::memory::{Resources, bytes_of_workpiece};
 use super::multipart::{Form, Head};
-use super::parameters::Parameters;
+use super::parameters::{ParameterMembers, Parameters};
 use super::plan::Task;
 use super::recommendation::answer_to;
 use crate::cancellation::{CancelFlag, CancelOnDrop};
@@ -50,8 +50,8 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
         "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
-        Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))
-            .build()
+        let about = "The cutters to choose from, unless they are in libraries, and the machine";
+        ObjectSchema::new(about, components).with::<ParameterMembers>().build()
     });
     let library = binary().description(Some(
         "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them, of which those that its .fctl lists name are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",

@@ -98,6 +98,7 @@ impl ContactColumns {
     }
 
     /// The angles and vectors of a row.
+    #[inline]
     fn form(&self, index: usize) -> Option<(AngleSlots, VectorSlots)> {
         let (angles, vectors) = &self.columns.0;
         let vectors = if self.has_vectors { vectors.row(index)? } else { VectorSlots::default() };
