@@ -18,7 +18,7 @@ mod schema;
 mod slots;
 mod triples;
 
-pub(crate) use array::{each, each_raw, items};
+pub(crate) use array::{each_raw, items};
 pub(crate) use columns::{Cell, CellValue, Cells, PlainColumn, RowText, Rows};
 pub(crate) use cut_out::{CutOut, Large, PlainColumns};
 pub(crate) use faults::{Fault, Faulted, Faults};
