@@ -9,6 +9,7 @@ use super::parameters::{ParameterMembers, Parameters};
 use super::plan::Task;
 use super::recommendation::answer_to;
 use crate::cancellation::{CancelFlag, CancelOnDrop};
+use crate::http::app_state::AppState;
 use crate::http::body::{WrittenJson, read_text};
 use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
@@ -70,7 +71,7 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     request_body(content = UploadRequest, content_type = "multipart/form-data", encoding(("parameters" = (content_type = "application/json")))),
     responses((status = 200, description = "The recommendation, with all candidates", body = RecommendationAnswer), UploadProblems),
 )]
-pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
+pub(crate) async fn answer(work: Work, State(AppState { metrics, .. }): State<AppState>, mut form: Form) -> Result<WrittenJson, Problem> {
     let received = Received::read(&mut form, &work, &metrics).await?;
     let resources = Resources::none(&work, Work::LONGEST_WAIT_OF_PLAN);
     let bytes = received.bytes_to_answer(&resources);
