@@ -57,27 +57,31 @@ macro_rules! members {
             $( $vis $field: Result<$crate::http::reading::members!(@value $presence $kind), $crate::http::reading::Faulted>, )*
         }
 
-        impl $crate::http::reading::Members for $name {
-            const NAMES: &'static [&'static str] = &[$( $member.name ),*];
+        const _: () = {
+            use $crate::http::reading::{Faults, Members, Object, ObjectSchema};
 
-            #[allow(unused_variables, reason = "a struct may have no members")]
-            fn read(object: &mut $crate::http::reading::Object<'_, '_>, faults: &mut $crate::http::reading::Faults) -> Self {
-                Self { $( $field: object.$presence(&$member, faults), )* }
-            }
+            impl Members for $name {
+                const NAMES: &'static [&'static str] = &[$( $member.name ),*];
 
-            #[allow(unused_variables, reason = "a struct may have no members")]
-            fn check(object: &mut $crate::http::reading::Object<'_, '_>, faults: &mut $crate::http::reading::Faults) {
-                $( let _ = object.optional(&$member, faults); )*
-            }
+                #[allow(unused_variables, reason = "a struct may have no members")]
+                fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Self {
+                    Self { $( $field: object.$presence(&$member, faults), )* }
+                }
 
-            fn describe(schema: $crate::http::reading::ObjectSchema<'_>) -> $crate::http::reading::ObjectSchema<'_> {
-                schema$( .$presence(&$member) )*
-            }
+                #[allow(unused_variables, reason = "a struct may have no members")]
+                fn check(object: &mut Object<'_, '_>, faults: &mut Faults) {
+                    $( let _ = object.optional(&$member, faults); )*
+                }
 
-            fn describe_form(schema: $crate::http::reading::ObjectSchema<'_>) -> $crate::http::reading::ObjectSchema<'_> {
-                schema$( .optional(&$member) )*
+                fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+                    schema$( .$presence(&$member) )*
+                }
+
+                fn describe_form(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+                    schema$( .optional(&$member) )*
+                }
             }
-        }
+        };
     };
     ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident / $columns:ident {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+
@@ -98,95 +102,89 @@ macro_rules! members {
             $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Column>, )+
         }
 
-        impl $crate::http::reading::PlainMembers for $name {
-            type Slots = $slots;
-            type Columns = $columns;
+        const _: () = {
+            use $crate::http::reading::{
+                Cell, Columns, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, PlainJson, PlainMembers, PlainValue,
+                RowText, Rows, Slots, Unusual,
+            };
 
-            fn accept(slots: $slots) -> Option<Self> {
-                Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
-            }
-        }
+            impl PlainMembers for $name {
+                type Slots = $slots;
+                type Columns = $columns;
 
-        impl $crate::http::reading::Slots for $slots {
-            #[inline]
-            fn fill(
-                &mut self,
-                name: &str,
-                json: &mut $crate::http::reading::PlainJson<'_>,
-            ) -> Result<bool, $crate::http::reading::Unusual> {
-                $(
-                    if name == $member.name {
-                        let earlier = self.$field.replace($crate::http::reading::PlainValue::read(json)?);
-                        return if earlier.is_none() { Ok(true) } else { Err($crate::http::reading::Unusual) };
-                    }
-                )+
-                Ok(false)
+                fn accept(slots: $slots) -> Option<Self> {
+                    Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
+                }
             }
 
-            fn are_absent(&self) -> bool {
-                $( self.$field.is_none() )&&+
-            }
-        }
+            impl Slots for $slots {
+                #[inline]
+                fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual> {
+                    $(
+                        if name == $member.name {
+                            let earlier = self.$field.replace(PlainValue::read(json)?);
+                            return if earlier.is_none() { Ok(true) } else { Err(Unusual) };
+                        }
+                    )+
+                    Ok(false)
+                }
 
-        impl $crate::http::reading::Columns for $columns {
-            type Row = $slots;
-
-            fn take(
-                object: &mut $crate::http::reading::Object<'_, '_>,
-                most: usize,
-                faults: &mut $crate::http::reading::Faults,
-            ) -> Self {
-                Self { $( $field: object.column($member.name, most, faults), )+ }
-            }
-
-            fn take_plain(columns: &mut $crate::http::reading::PlainColumns<'_>, most: usize) -> Option<Self> {
-                Some(Self {
-                    $( $field: match columns.take($member.name) {
-                        Some(items) => Some($crate::http::reading::PlainColumn::read_plain(items, most)?),
-                        None => None,
-                    }, )+
-                })
+                fn are_absent(&self) -> bool {
+                    $( self.$field.is_none() )&&+
+                }
             }
 
-            fn describe(schema: $crate::http::reading::ObjectSchema<'_>, most: usize) -> $crate::http::reading::ObjectSchema<'_> {
-                schema$( .column(&$member, most) )+
-            }
+            impl Columns for $columns {
+                type Row = $slots;
 
-            fn are_absent(&self) -> bool {
-                $( self.$field.is_none() )&&+
-            }
+                fn take(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self {
+                    Self { $( $field: object.column($member.name, most, faults), )+ }
+                }
 
-            fn check_rows(
-                &self,
-                path: &$crate::http::reading::JsonPath<'_>,
-                rows: &mut $crate::http::reading::Rows,
-                faults: &mut $crate::http::reading::Faults,
-            ) {
-                $(
-                    if let Some(column) = &self.$field {
-                        $crate::http::reading::PlainColumn::check_rows(column, $member.name, path.member($member.name), rows, faults);
-                    }
-                )+
-            }
+                fn take_plain(columns: &mut PlainColumns<'_>, most: usize) -> Option<Self> {
+                    Some(Self {
+                        $( $field: match columns.take($member.name) {
+                            Some(items) => Some(PlainColumn::read_plain(items, most)?),
+                            None => None,
+                        }, )+
+                    })
+                }
 
-            fn row(&self, index: usize) -> Option<$slots> {
-                Some($slots {
-                    $( $field: match self.$field.as_ref().map(|column| $crate::http::reading::PlainColumn::get(column, index)) {
-                        Some($crate::http::reading::Cell::Value(value)) => Some(value),
-                        Some($crate::http::reading::Cell::Absent) | None => None,
-                        Some($crate::http::reading::Cell::Faulty) => return None,
-                    }, )+
-                })
-            }
+                fn describe(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
+                    schema$( .column(&$member, most) )+
+                }
 
-            fn write_row(&self, index: usize, row: &mut $crate::http::reading::RowText) {
-                $(
-                    if let Some(column) = &self.$field {
-                        $crate::http::reading::PlainColumn::write(column, index, $member.name, row);
-                    }
-                )+
+                fn are_absent(&self) -> bool {
+                    $( self.$field.is_none() )&&+
+                }
+
+                fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
+                    $(
+                        if let Some(column) = &self.$field {
+                            PlainColumn::check_rows(column, $member.name, path.member($member.name), rows, faults);
+                        }
+                    )+
+                }
+
+                fn row(&self, index: usize) -> Option<$slots> {
+                    Some($slots {
+                        $( $field: match self.$field.as_ref().map(|column| PlainColumn::get(column, index)) {
+                            Some(Cell::Value(value)) => Some(value),
+                            Some(Cell::Absent) | None => None,
+                            Some(Cell::Faulty) => return None,
+                        }, )+
+                    })
+                }
+
+                fn write_row(&self, index: usize, row: &mut RowText) {
+                    $(
+                        if let Some(column) = &self.$field {
+                            PlainColumn::write(column, index, $member.name, row);
+                        }
+                    )+
+                }
             }
-        }
+        };
     };
     (@value required $kind:ty) => { <$kind as $crate::http::reading::Kind>::Value };
     (@value optional $kind:ty) => { Option<<$kind as $crate::http::reading::Kind>::Value> };
