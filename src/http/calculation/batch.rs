@@ -58,7 +58,7 @@ const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     let contacts = MOST_CONTACTS.min(body.json().len() / SHORTEST_CONTACT);
-    let memory = work.reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
+    let memory = work.budget().reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
     work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
 }
 

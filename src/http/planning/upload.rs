@@ -106,7 +106,7 @@ impl Received {
                     received.surface_memory = Some(memory);
                 }
                 Some(PARAMETERS) if received.parameters.is_none() => {
-                    received.parameters = Some(read_small(form, PARAMETERS, LARGEST_PARAMETERS, &mut work.reserve(0)?).await?);
+                    received.parameters = Some(read_small(form, PARAMETERS, LARGEST_PARAMETERS, &mut work.budget().reserve(0)?).await?);
                 }
                 Some(LIBRARY) => received.read_library(form, head.file_name, work).await?,
                 name => received.refuse_part(name),
@@ -116,7 +116,7 @@ impl Received {
     }
 
     async fn read_library(&mut self, form: &mut Form, file_name: Option<String>, work: &Work) -> Result<(), Problem> {
-        let mut memory = work.reserve(0)?;
+        let mut memory = work.budget().reserve(0)?;
         let bytes = read_small(form, LIBRARY, LARGEST_LIBRARY, &mut memory).await?;
         let cancel = CancelOnDrop::default();
         let cancelled = CancelFlag::clone(&cancel);
