@@ -146,16 +146,8 @@ impl Collector for BudgetMetrics {
 
 /// The label of a method; unknown methods create no new series.
 pub(crate) fn method_label(method: &Method) -> &'static str {
-    match *method {
-        Method::GET => "GET",
-        Method::POST => "POST",
-        Method::HEAD => "HEAD",
-        Method::OPTIONS => "OPTIONS",
-        Method::PUT => "PUT",
-        Method::DELETE => "DELETE",
-        Method::PATCH => "PATCH",
-        _ => "other",
-    }
+    static KNOWN: [Method; 7] = [Method::GET, Method::POST, Method::HEAD, Method::OPTIONS, Method::PUT, Method::DELETE, Method::PATCH];
+    KNOWN.iter().find(|known| *known == method).map_or("other", Method::as_str)
 }
 
 /// The metrics
