@@ -139,7 +139,7 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
     let Problem(problem) = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
     let body = ProblemBody {
         kind: problem.kind,
-        title: problem.kind.title(),
+        title: problem.kind.entry().meaning,
         status: status.as_u16(),
         detail: problem.detail.into_owned(),
         instance: instance.to_owned(),

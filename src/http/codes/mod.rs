@@ -98,10 +98,15 @@ macro_rules! joined_codes {
         }
 
         impl $set {
-            pub(crate) fn name(self) -> &'static str {
+            /// The code's name, meaning and remedy.
+            pub(crate) fn entry(self) -> $crate::http::codes::Entry {
                 match self {
-                    $( Self::$family(code) => $crate::http::codes::Code::name(code), )+
+                    $( Self::$family(code) => $crate::http::codes::Code::entry(code), )+
                 }
+            }
+
+            pub(crate) fn name(self) -> &'static str {
+                self.entry().name
             }
 
             /// The names of all codes of the set, each once.
