@@ -1,10 +1,10 @@
 //! `/v1/cutting-parameters`, by `POST` and `GET`, and its batch: the step-over and feed that finish the most area per
 //! time within a tolerance.
 
-use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
+use super::feed_limits::{BINDING_LIMIT, FEED_PER_TOOTH, FEED_RATE, FeedLimits, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, Texts};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::milling::{CuttingLimits, EvaluatedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
@@ -31,27 +31,6 @@ pub(crate) struct FastestParameters {
     max_step_over: Option<Length>,
 }
 
-/// A limit that binds, as the answer names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum BindingLimit {
-    ScallopTolerance,
-    MaxFeedPerTooth,
-    MaxFeedRate,
-    MinStepOver,
-    MaxStepOver,
-}
-
-const BINDING_LIMIT: Choice<BindingLimit> = Choice {
-    name: Some("BindingLimit"),
-    words: &[
-        ("scallop_tolerance", BindingLimit::ScallopTolerance),
-        ("max_feed_per_tooth", BindingLimit::MaxFeedPerTooth),
-        ("max_feed_rate", BindingLimit::MaxFeedRate),
-        ("min_step_over", BindingLimit::MinStepOver),
-        ("max_step_over", BindingLimit::MaxStepOver),
-    ],
-};
-
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
     Figure::new(
@@ -72,18 +51,18 @@ const EQUAL: f64 = 1e-9;
 impl FastestParameters {
     /// The wire names of a limit that binds. A limit on the feed per tooth is the cutter manufacturer's, the machine's,
     /// or both.
-    fn words(limit: LimitedBy, per_tooth: Option<Length>, by_machine: Option<Length>) -> [Option<BindingLimit>; 2] {
+    fn words(limit: LimitedBy, per_tooth: Option<Length>, by_machine: Option<Length>) -> [Option<Limit>; 2] {
         let is_smallest = |one: Option<Length>, other: Option<Length>| {
             one.is_some_and(|one| other.is_none_or(|other| one.mm() <= other.mm() * (1.0 + EQUAL)))
         };
         match limit {
-            LimitedBy::ScallopTolerance => [Some(BindingLimit::ScallopTolerance), None],
+            LimitedBy::ScallopTolerance => [Some(Limit::ScallopTolerance), None],
             LimitedBy::MaxFeedPerTooth => [
-                is_smallest(per_tooth, by_machine).then_some(BindingLimit::MaxFeedPerTooth),
-                is_smallest(by_machine, per_tooth).then_some(BindingLimit::MaxFeedRate),
+                is_smallest(per_tooth, by_machine).then_some(Limit::MaxFeedPerTooth),
+                is_smallest(by_machine, per_tooth).then_some(Limit::MaxFeedRate),
             ],
-            LimitedBy::MinStepOver => [Some(BindingLimit::MinStepOver), None],
-            LimitedBy::MaxStepOver => [Some(BindingLimit::MaxStepOver), None],
+            LimitedBy::MinStepOver => [Some(Limit::MinStepOver), None],
+            LimitedBy::MaxStepOver => [Some(Limit::MaxStepOver), None],
         }
     }
 }

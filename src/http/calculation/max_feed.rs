@@ -1,9 +1,9 @@
 //! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps the scallop height within a
 //! tolerance.
 
-use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
+use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, LIMITED_BY, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, Texts};
-use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
@@ -23,26 +23,6 @@ pub(crate) struct MaxFeed {
     tolerance: Length,
     limits: FeedLimits,
 }
-
-/// The limit that the feed reaches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum LimitedBy {
-    /// The tolerance of the scallop height.
-    ScallopTolerance,
-    /// The manufacturer's largest feed per tooth.
-    MaxFeedPerTooth,
-    /// The machine's largest feed rate.
-    MaxFeedRate,
-}
-
-const LIMITED_BY: Choice<LimitedBy> = Choice {
-    name: Some("LimitedBy"),
-    words: &[
-        ("scallop_tolerance", LimitedBy::ScallopTolerance),
-        ("max_feed_per_tooth", LimitedBy::MaxFeedPerTooth),
-        ("max_feed_rate", LimitedBy::MaxFeedRate),
-    ],
-};
 
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
@@ -88,13 +68,13 @@ impl Calculation for MaxFeed {
     ) -> Result<Figures, NoAnswer> {
         let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
         let by_machine = self.limits.by_machine(shared);
-        let stated = [(self.limits.per_tooth, LimitedBy::MaxFeedPerTooth), (by_machine, LimitedBy::MaxFeedRate)];
+        let stated = [(self.limits.per_tooth, Limit::MaxFeedPerTooth), (by_machine, Limit::MaxFeedRate)];
         let stated = stated.into_iter().filter_map(|(limit, by)| Some((limit?, by))).reduce(|a, b| if b.0 < a.0 { b } else { a });
         let step_over_height = pass.step_over_height(step_over)?;
         let by_tolerance = pass.max_feed_per_tooth_above(step_over_height, self.tolerance, step_over);
         let (feed_per_tooth, limited_by) = match (by_tolerance, stated) {
             (Ok(by_tolerance), Some(stated)) if stated.0 < by_tolerance => stated,
-            (Ok(by_tolerance), _) => (by_tolerance, LimitedBy::ScallopTolerance),
+            (Ok(by_tolerance), _) => (by_tolerance, Limit::ScallopTolerance),
             // The tolerance sets no limit while the marks overlap. A limit that the request states is then the only
             // one.
             (Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }), Some(stated)) if stated.0 <= largest_feed_per_tooth => stated,
