@@ -1,7 +1,5 @@
 //! The application state: the handles that all requests share. It has no results of requests.
 
-use axum::extract::FromRef;
-
 use super::metrics::Metrics;
 use super::readiness::Readiness;
 use super::worker_pool::WorkerPool;
@@ -31,17 +29,5 @@ impl AppState {
         let metrics = Metrics::new(&budget);
         let workers = WorkerPool::start(settings.max_concurrent_work, &metrics)?;
         Ok(Self { metrics, readiness: Readiness::default(), workers, budget })
-    }
-}
-
-impl FromRef<AppState> for Metrics {
-    fn from_ref(state: &AppState) -> Self {
-        state.metrics.clone()
-    }
-}
-
-impl FromRef<AppState> for Readiness {
-    fn from_ref(state: &AppState) -> Self {
-        state.readiness.clone()
     }
 }

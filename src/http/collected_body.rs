@@ -15,7 +15,7 @@ const TURN: usize = 64 * 1024;
 
 /// Collects `body`. Its memory returns to the budget when the last reference to it is dropped.
 pub(super) async fn collect(mut body: Body, budget: &MemoryBudget) -> Result<Bytes, Problem> {
-    let Some(first) = next(&mut body).await? else { return Ok(Bytes::new()) };
+    let Some(first) = next_data(&mut body).await? else { return Ok(Bytes::new()) };
     if body.is_end_stream() {
         return Ok(first);
     }
@@ -31,12 +31,13 @@ pub(super) async fn collect(mut body: Body, budget: &MemoryBudget) -> Result<Byt
             tokio::task::yield_now().await;
             turn = 0;
         }
-        piece = next(&mut body).await?;
+        piece = next_data(&mut body).await?;
     }
     Ok(Bytes::from_owner(collected))
 }
 
-async fn next(body: &mut Body) -> Result<Option<Bytes>, Problem> {
+/// The body's next data; `None` at its end.
+pub(super) async fn next_data(body: &mut Body) -> Result<Option<Bytes>, Problem> {
     while let Some(frame) = body.frame().await {
         // If a body is over its limit, too slow or damaged, the middleware replaces the answer; this problem is for
         // other errors.

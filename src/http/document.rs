@@ -49,100 +49,68 @@ pub(super) fn outline() -> OpenApi {
         .build()
 }
 
-/// The example of an operation.
-struct Example {
-    operation: &'static str,
-    /// The body to send; `None` for an operation without a body.
-    request: Option<&'static str>,
-    answer: &'static str,
-}
-
-/// The example of an operation that takes a body, by the operation's id.
-macro_rules! example {
-    ($operation:literal) => {
-        Example {
-            operation: $operation,
-            request: Some(include_str!(concat!("../../openapi/examples/", $operation, ".request.json"))),
-            answer: include_str!(concat!("../../openapi/examples/", $operation, ".answer.json")),
-        }
+/// Embeds an example of one kind for each operation, by the operation's id.
+macro_rules! examples {
+    ($kind:literal: $($operation:literal),+ $(,)?) => {
+        &[$(($operation, include_str!(concat!("../../openapi/examples/", $operation, ".", $kind, ".json")))),+]
     };
 }
 
-const EXAMPLES: [Example; 12] = [
-    example!("scallop_height"),
-    example!("scallop_height_batch"),
-    example!("max_feed"),
-    example!("max_feed_batch"),
-    example!("step_over"),
-    example!("step_over_batch"),
-    example!("cutting_parameters"),
-    example!("cutting_parameters_batch"),
-    example!("critical_slope"),
-    example!("cutter_recommendation"),
-    example!("cutter_recommendation_upload"),
-    Example { operation: "machines", request: None, answer: include_str!("../../openapi/examples/machines.answer.json") },
-];
+/// The body to send to each operation that takes one.
+const REQUESTS: &[(&str, &str)] = examples! {
+    "request": "scallop_height", "scallop_height_batch", "max_feed", "max_feed_batch", "step_over", "step_over_batch",
+    "cutting_parameters", "cutting_parameters_batch", "critical_slope", "cutter_recommendation", "cutter_recommendation_upload",
+};
 
-/// The refused requests of an operation, by the operation's id.
-macro_rules! refused {
-    ($($operation:literal),* $(,)?) => {
-        [$(($operation, include_str!(concat!("../../openapi/examples/", $operation, ".refused.json")))),*]
-    };
-}
+/// The answer of each operation.
+const ANSWERS: &[(&str, &str)] = examples! {
+    "answer": "scallop_height", "scallop_height_batch", "max_feed", "max_feed_batch", "step_over", "step_over_batch",
+    "cutting_parameters", "cutting_parameters_batch", "critical_slope", "cutter_recommendation", "cutter_recommendation_upload", "machines",
+};
 
 /// For each operation, named requests that are refused with status 422, each with the problem that answers it.
-const REFUSALS: [(&str, &str); 15] = refused![
-    "scallop_height",
-    "scallop_height_query",
-    "scallop_height_batch",
-    "max_feed",
-    "max_feed_query",
-    "max_feed_batch",
-    "step_over",
-    "step_over_query",
-    "step_over_batch",
-    "cutting_parameters",
-    "cutting_parameters_query",
-    "cutting_parameters_batch",
-    "critical_slope",
-    "cutter_recommendation",
-    "cutter_recommendation_upload",
-];
+const REFUSALS: &[(&str, &str)] = examples! {
+    "refused": "scallop_height", "scallop_height_query", "scallop_height_batch", "max_feed", "max_feed_query", "max_feed_batch",
+    "step_over", "step_over_query", "step_over_batch", "cutting_parameters", "cutting_parameters_query", "cutting_parameters_batch",
+    "critical_slope", "cutter_recommendation", "cutter_recommendation_upload",
+};
+
+/// The example for an operation.
+fn example(of_kind: &[(&str, &str)], operation: &str) -> Option<Value> {
+    let (_, example) = of_kind.iter().find(|(id, _)| *id == operation)?;
+    Some(serde_json::from_str(example).unwrap_or_else(|error| unreachable!("an example of the document is not JSON: {error}")))
+}
 
 /// The document as JSON, with the examples of its operations.
 pub(super) fn with_examples(document: &OpenApi) -> Value {
     let mut document = serde_json::to_value(document).unwrap_or_else(|error| unreachable!("the document can be written: {error}"));
     let operations = document["paths"].as_object_mut().into_iter().flat_map(|paths| paths.values_mut());
     for operation in operations.filter_map(Value::as_object_mut).flat_map(|path| path.values_mut()) {
-        let id = operation["operationId"].as_str().unwrap_or_default();
-        if let Some((_, examples)) = REFUSALS.iter().find(|(operation, _)| *operation == id) {
+        let id = operation["operationId"].as_str().unwrap_or_default().to_owned();
+        if let Some(examples) = example(REFUSALS, &id) {
             operation["responses"]["422"]["content"]["application/problem+json"]["examples"] = refusals(examples);
         }
-        let id = operation["operationId"].as_str().unwrap_or_default();
         // The examples of a query come from the operation with the same members in JSON.
-        let (id, is_query) = id.strip_suffix("_query").map_or((id, false), |id| (id, true));
-        let Some(example) = EXAMPLES.iter().find(|example| example.operation == id) else { continue };
-        if let Some(request) = example.request.filter(|_| is_query) {
-            let request = parse(request);
+        let id = id.strip_suffix("_query").unwrap_or(&id);
+        let Some(answer) = example(ANSWERS, id) else { continue };
+        if let Some(request) = example(REQUESTS, id) {
             let values = parameters_of(&request);
-            for parameter in operation["parameters"].as_array_mut().into_iter().flatten() {
+            for parameter in operation.get_mut("parameters").and_then(Value::as_array_mut).into_iter().flatten() {
                 if let Some((_, value)) = values.iter().find(|(name, _)| parameter["name"] == **name) {
                     parameter["example"] = (*value).clone();
                 }
             }
-        } else if let Some(request) = example.request {
             // An operation accepts either JSON or a form.
-            let contents = operation["requestBody"]["content"].as_object_mut().into_iter().flat_map(|contents| contents.values_mut());
-            contents.for_each(|content| content["example"] = parse(request));
+            let contents = operation.get_mut("requestBody").and_then(|body| body["content"].as_object_mut());
+            contents.into_iter().flat_map(|contents| contents.values_mut()).for_each(|content| content["example"] = request.clone());
         }
-        operation["responses"]["200"]["content"]["application/json"]["example"] = parse(example.answer);
+        operation["responses"]["200"]["content"]["application/json"]["example"] = answer;
     }
     document
 }
 
-/// The examples of a response with status 422 from a file of refused requests. Each description states the request.
-fn refusals(file: &str) -> Value {
-    let mut examples = parse(file);
+/// The examples of a response with status 422 from refused requests. Each description states the request.
+fn refusals(mut examples: Value) -> Value {
     for example in examples.as_object_mut().into_iter().flat_map(|examples| examples.values_mut()) {
         let request = match &example["request"] {
             Value::String(query) => query.clone(),
@@ -155,8 +123,4 @@ fn refusals(file: &str) -> Value {
         });
     }
     examples
-}
-
-fn parse(example: &str) -> Value {
-    serde_json::from_str(example).unwrap_or_else(|error| unreachable!("an example of the document is not JSON: {error}"))
 }

@@ -17,6 +17,7 @@ use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
+use super::app_state::AppState;
 use super::overload::Overload;
 use crate::memory_budget::MemoryBudget;
 
@@ -40,15 +41,8 @@ struct DurationLabels {
     status: u16,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct ShedLabels {
-    reason: &'static str,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct FormatLabels {
-    format: &'static str,
-}
+/// One label: its name and its value.
+type Label = [(&'static str, &'static str); 1];
 
 type Durations = Family<DurationLabels, Histogram, fn() -> Histogram>;
 
@@ -62,9 +56,9 @@ struct Counters {
     requests: Family<RequestLabels, Counter>,
     durations: Durations,
     in_flight: Gauge,
-    shed: Family<ShedLabels, Counter>,
+    shed: Family<Label, Counter>,
     upload_bytes: Counter,
-    upload_facets: Family<FormatLabels, Counter>,
+    upload_facets: Family<Label, Counter>,
 }
 
 impl Metrics {
@@ -74,10 +68,10 @@ impl Metrics {
         let requests = Family::default();
         let durations = Durations::new_with_constructor(|| Histogram::new(DURATIONS));
         let in_flight = Gauge::default();
-        let shed = Family::<ShedLabels, Counter>::default();
+        let shed = Family::<Label, Counter>::default();
         for overload in Overload::ALL {
             // The series are created at the start, so that their first increase is visible.
-            drop(shed.get_or_create(&ShedLabels { reason: overload.label() }));
+            drop(shed.get_or_create(&[("reason", overload.label())]));
         }
         let upload_bytes = Counter::default();
         let upload_facets = Family::default();
@@ -115,7 +109,7 @@ impl Metrics {
 
     /// Counts a request that was refused under load.
     pub fn shed(&self, overload: Overload) {
-        self.0.shed.get_or_create(&ShedLabels { reason: overload.label() }).inc();
+        self.0.shed.get_or_create(&[("reason", overload.label())]).inc();
     }
 
     /// Counts bytes of an upload, decompressed.
@@ -125,7 +119,7 @@ impl Metrics {
 
     /// Counts the facets of an upload in this format, or its points if the format has no facets.
     pub fn upload_facets(&self, format: &'static str, facets: u64) {
-        self.0.upload_facets.get_or_create(&FormatLabels { format }).inc_by(facets);
+        self.0.upload_facets.get_or_create(&[("format", format)]).inc_by(facets);
     }
 
     /// The counters as OpenMetrics text.
@@ -152,16 +146,8 @@ impl Collector for BudgetMetrics {
 
 /// The label of a method; unknown methods create no new series.
 pub(crate) fn method_label(method: &Method) -> &'static str {
-    match *method {
-        Method::GET => "GET",
-        Method::POST => "POST",
-        Method::HEAD => "HEAD",
-        Method::OPTIONS => "OPTIONS",
-        Method::PUT => "PUT",
-        Method::DELETE => "DELETE",
-        Method::PATCH => "PATCH",
-        _ => "other",
-    }
+    static KNOWN: [Method; 7] = [Method::GET, Method::POST, Method::HEAD, Method::OPTIONS, Method::PUT, Method::DELETE, Method::PATCH];
+    KNOWN.iter().find(|known| *known == method).map_or("other", Method::as_str)
 }
 
 /// The metrics
@@ -171,8 +157,8 @@ pub(crate) fn method_label(method: &Method) -> &'static str {
     get, path = "/metrics", tag = "service", operation_id = "metrics",
     responses((status = 200, description = "The metrics", body = String, content_type = "application/openmetrics-text", example = json!("scallopd_http_requests_in_flight 0\n# EOF\n"))),
 )]
-pub async fn show(State(metrics): State<Metrics>) -> Response {
-    match metrics.text() {
+pub async fn show(State(state): State<AppState>) -> Response {
+    match state.metrics.text() {
         Ok(page) => ([(header::CONTENT_TYPE, "application/openmetrics-text; version=1.0.0; charset=utf-8")], page).into_response(),
         Err(error) => {
             tracing::error!(%error, "the metrics cannot be encoded");

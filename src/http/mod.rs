@@ -36,7 +36,11 @@ use axum::http::StatusCode;
 use utoipa_axum::routes;
 
 use crate::settings::HttpSettings;
-use calculation::{cutting_parameters, max_feed, scallop_height, step_over};
+use calculation::cutting_parameters::FastestParameters;
+use calculation::max_feed::MaxFeed;
+use calculation::operations;
+use calculation::scallop_height::ScallopHeight;
+use calculation::step_over::MaxStepOver;
 use planning::{critical_slope, machines, recommendation, upload};
 
 /// All routes, each with its class and its documentation.
@@ -44,14 +48,14 @@ use planning::{critical_slope, machines, recommendation, upload};
 pub fn routes() -> Routes {
     use RouteClass::{Batch, Single, Upload};
     Routes::new()
-        .documented(Single, routes!(scallop_height::answer, scallop_height::answer_query))
-        .documented(Batch, routes!(scallop_height::answer_batch))
-        .documented(Single, routes!(max_feed::answer, max_feed::answer_query))
-        .documented(Batch, routes!(max_feed::answer_batch))
-        .documented(Single, routes!(step_over::answer, step_over::answer_query))
-        .documented(Batch, routes!(step_over::answer_batch))
-        .documented(Single, routes!(cutting_parameters::answer, cutting_parameters::answer_query))
-        .documented(Batch, routes!(cutting_parameters::answer_batch))
+        .documented(Single, operations::single::<ScallopHeight>())
+        .documented(Batch, operations::batch::<ScallopHeight>())
+        .documented(Single, operations::single::<MaxFeed>())
+        .documented(Batch, operations::batch::<MaxFeed>())
+        .documented(Single, operations::single::<MaxStepOver>())
+        .documented(Batch, operations::batch::<MaxStepOver>())
+        .documented(Single, operations::single::<FastestParameters>())
+        .documented(Batch, operations::batch::<FastestParameters>())
         .documented(Single, routes!(critical_slope::answer))
         .documented(Single, routes!(machines::list))
         .documented(Batch, routes!(recommendation::answer))

@@ -29,14 +29,7 @@ pub(super) fn converted(mut document: Value) -> Value {
     for schema in members_mut(&mut document["components"]["schemas"]) {
         convert(schema);
     }
-    for operation in operations_mut(&mut document) {
-        for parameter in operation.get_mut("parameters").and_then(Value::as_array_mut).into_iter().flatten() {
-            convert(&mut parameter["schema"]);
-        }
-        for content in contents_mut(operation) {
-            convert(&mut content["schema"]);
-        }
-    }
+    convert_inside(&mut document["paths"]);
     document
 }
 
@@ -48,19 +41,21 @@ fn operations_mut(document: &mut Value) -> impl Iterator<Item = &mut Value> {
     members_mut(&mut document["paths"]).flat_map(members_mut)
 }
 
-/// The bodies of an operation's request and responses, by media type.
-fn contents_mut(operation: &mut Value) -> Vec<&mut Value> {
-    let Some(operation) = operation.as_object_mut() else { return Vec::new() };
-    let mut bodies = Vec::new();
-    for (name, member) in operation {
-        match name.as_str() {
-            "requestBody" => bodies.push(member),
-            "responses" => bodies.extend(members_mut(member)),
-            _ => {}
+/// Converts the schemas of parameters and bodies inside `value`.
+fn convert_inside(value: &mut Value) {
+    match value {
+        Value::Object(members) => {
+            for (name, member) in members {
+                match name.as_str() {
+                    "schema" => convert(member),
+                    "example" | "examples" => {}
+                    _ => convert_inside(member),
+                }
+            }
         }
+        Value::Array(items) => items.iter_mut().for_each(convert_inside),
+        _ => {}
     }
-    let contents = bodies.into_iter().filter_map(|body| body.get_mut("content"));
-    contents.flat_map(members_mut).collect()
 }
 
 /// Removes the operations that take forms, and the schemas of the forms.

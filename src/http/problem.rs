@@ -139,12 +139,12 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
     let Problem(problem) = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
     let body = ProblemBody {
         kind: problem.kind,
-        title: problem.kind.title(),
+        title: problem.kind.entry().meaning,
         status: status.as_u16(),
         detail: problem.detail.into_owned(),
         instance: instance.to_owned(),
         request_id: Some(request_id.as_str().to_owned()),
-        errors: problem.errors.into_iter().map(FaultBody::from).collect(),
+        errors: problem.errors,
         not_ranked: problem.not_ranked,
         figures: problem.figures.into_iter().map(|(figure, value)| (figure.name().to_owned(), value.into())).collect(),
     };
@@ -183,7 +183,7 @@ pub(crate) struct ProblemBody {
     /// All faults of an invalid request.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(required = false)]
-    errors: Vec<FaultBody>,
+    errors: Vec<Fault>,
     /// The cutters that cannot be ranked, for the type `no-cutter-fits`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(ignore)]
@@ -192,24 +192,6 @@ pub(crate) struct ProblemBody {
     #[serde(flatten)]
     #[schema(ignore)]
     figures: Map<String, Value>,
-}
-
-/// One fault of an invalid request.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Fault)]
-struct FaultBody {
-    /// The location: a JSON pointer (RFC 6901) into the request; for an uploaded file, `detail` has the line or byte.
-    #[schema(example = "/cutter/corner_radius_mm")]
-    pointer: String,
-    code: FaultCode,
-    /// What is wrong and what is expected, for people.
-    detail: String,
-}
-
-impl From<Fault> for FaultBody {
-    fn from(fault: Fault) -> Self {
-        Self { pointer: fault.pointer, code: fault.code, detail: fault.detail }
-    }
 }
 
 /// The problems that any operation with a JSON body can answer with, for the API document.
@@ -273,40 +255,34 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
     let mut schemas: Vec<(String, RefOr<Schema>)> = Vec::new();
     let mut any = OneOfBuilder::new().description(Some("The reason why a well-formed request has no answer, discriminated by `type`."));
     let mut mapping = Vec::new();
-    let mut add = |name: String, types: &[&'static str], figures: (&[ProblemFigure], &[ProblemFigure])| {
+    let mut add = |name: String, types: &[&'static str], schema: ObjectBuilder| {
         any = std::mem::take(&mut any).item(Ref::from_schema_name(&name));
         mapping.extend(types.iter().map(|of_type| (*of_type, format!("#/components/schemas/{name}"))));
-        schemas.push((name, schema_of_types(types, figures)));
+        schemas.push((name, schema.into()));
     };
     let of_files = FileFault::ALL.iter().filter(|fault| fault.status() == StatusCode::UNPROCESSABLE_ENTITY).map(|fault| fault.name());
     let mut plain: Vec<_> = std::iter::once(ServiceProblem::InvalidRequest.name()).chain(of_files).collect();
     for code in NoAnswerCode::ALL {
         match code.figures() {
             (&[], &[]) => plain.push(code.name()),
-            figures => add(format!("{}Problem", pascal_case(code.name())), &[code.name()], figures),
+            figures => add(format!("{}Problem", pascal_case(code.name())), &[code.name()], schema_of_types(&[code.name()], figures)),
         }
     }
-    let no_cutter_fits = ServiceProblem::NoCutterFits.name();
-    add("NoCutterFitsProblem".to_owned(), &[no_cutter_fits], (&[], &[]));
-    add("ProblemWithoutFigures".to_owned(), &plain, (&[], &[]));
+    let no_cutter_fits = [ServiceProblem::NoCutterFits.name()];
+    let of_cutters = ArrayBuilder::new().items(Ref::from_schema_name(NotRanked::name())).min_items(Some(1));
+    let of_cutters = of_cutters.description(Some("The cutters, each with the reason why it is not ranked."));
+    let schema = schema_of_types(&no_cutter_fits, (&[], &[])).property(NOT_RANKED, of_cutters).required(NOT_RANKED);
+    add("NoCutterFitsProblem".to_owned(), &no_cutter_fits, schema);
+    add("ProblemWithoutFigures".to_owned(), &plain, schema_of_types(&plain, (&[], &[])));
     let any = any.discriminator(Some(Discriminator::with_mapping("type", mapping)));
     schemas.push((UNPROCESSABLE.to_owned(), any.into()));
-    for (name, schema) in &mut schemas {
-        if name == "NoCutterFitsProblem"
-            && let RefOr::T(Schema::Object(problem)) = schema
-        {
-            let of_cutters = ArrayBuilder::new().items(Ref::from_schema_name(NotRanked::name())).min_items(Some(1));
-            let of_cutters = of_cutters.description(Some("The cutters, each with the reason why it is not ranked."));
-            *schema = ObjectBuilder::from(problem.clone()).property(NOT_RANKED, of_cutters).required(NOT_RANKED).into();
-        }
-    }
     schemas.push((NotRanked::name().into_owned(), NotRanked::schema()));
     NotRanked::schemas(&mut schemas);
     schemas
 }
 
 /// The schema of a problem of one of `types`, with the figures that are always present and those that may be absent.
-fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure], &[ProblemFigure])) -> RefOr<Schema> {
+fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure], &[ProblemFigure])) -> ObjectBuilder {
     let RefOr::T(Schema::Object(problem)) = ProblemBody::schema() else { unreachable!("a struct is described as an object") };
     let kind = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(types.iter().copied()));
     let mut schema = ObjectBuilder::from(problem).property("type", kind);
@@ -315,9 +291,10 @@ fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure
         let number = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0.0)).description(Some(about));
         schema = schema.property(name, number);
     }
-    always.iter().fold(schema, |schema, figure| schema.required(figure.name())).into()
+    always.iter().fold(schema, |schema, figure| schema.required(figure.name()))
 }
 
-fn pascal_case(name: &str) -> String {
+/// The name in Pascal case of a name in kebab case.
+pub(crate) fn pascal_case(name: &str) -> String {
     name.split('-').map(|word| word[..1].to_ascii_uppercase() + &word[1..]).collect()
 }

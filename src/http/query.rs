@@ -14,25 +14,6 @@ use std::fmt::Write;
 use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn, ParameterStyle};
 use utoipa::openapi::{RefOr, Required, Schema};
 
-/// Declares the parameters of a calculation's query: `query!(NAME, Description, describe)` with the schema of the JSON
-/// request.
-macro_rules! query {
-    ($query:ident, $parameters:ident, $describe:expr) => {
-        static $query: std::sync::LazyLock<$crate::http::query::Query> =
-            std::sync::LazyLock::new(|| $crate::http::query::Query::of($describe));
-
-        /// The query's parameters, for the OpenAPI document.
-        struct $parameters;
-
-        impl utoipa::IntoParams for $parameters {
-            fn into_params(_: impl Fn() -> Option<utoipa::openapi::path::ParameterIn>) -> Vec<utoipa::openapi::path::Parameter> {
-                $query.describe()
-            }
-        }
-    };
-}
-pub(crate) use query;
-
 /// The parameters of a calculation's query.
 pub(crate) struct Query {
     members: Vec<QueryMember>,
@@ -64,11 +45,7 @@ impl Query {
         let mut components = Components::default();
         let schema = value_of(&describe(&mut components));
         let named = components.into_named().into_iter().map(|(name, schema)| (name, value_of(&schema))).collect();
-        let mut members = members_of(&schema, &named, &[]);
-        for member in &mut members {
-            member.name = name_of(&member.path.iter().map(String::as_str).collect::<Vec<_>>());
-        }
-        Self { members }
+        Self { members: members_of(&schema, &named, &[]) }
     }
 
     /// The parameters for the OpenAPI document.
@@ -223,7 +200,8 @@ fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) 
         if let Some(schema) = schema.as_object_mut() {
             schema.remove("description");
         }
-        members.push(QueryMember { name: String::new(), path, kind, is_required, about, schema });
+        let name = name_of(&path.iter().map(String::as_str).collect::<Vec<_>>());
+        members.push(QueryMember { name, path, kind, is_required, about, schema });
     }
     members
 }

@@ -29,9 +29,10 @@ use crate::priority;
 const MAX_THREADS_PER_REQUEST: usize = 8;
 
 /// The worker threads and the permits to use them. Clones share both.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct WorkerPool(Arc<Shared>);
 
+#[derive(Debug)]
 struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
@@ -48,12 +49,6 @@ struct Shared {
 impl Shared {
     fn free(&self) -> MutexGuard<'_, Vec<ThreadPool>> {
         self.free.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl std::fmt::Debug for WorkerPool {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("WorkerPool").field("free_permits", &self.0.permits.available_permits()).finish_non_exhaustive()
     }
 }
 
@@ -108,6 +103,7 @@ impl WorkerPool {
 }
 
 /// The threads of one permit, which return to the pool when this is dropped.
+#[derive(Debug)]
 struct PermitThreads {
     threads: Option<ThreadPool>,
     _permit: OwnedSemaphorePermit,
@@ -122,15 +118,10 @@ impl Drop for PermitThreads {
 }
 
 /// One request's permit and its threads. Dropping it cancels the work; the threads become free when the work has ended.
+#[derive(Debug)]
 pub struct WorkPermit {
     held: Arc<PermitThreads>,
     cancel: CancelOnDrop,
-}
-
-impl std::fmt::Debug for WorkPermit {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("WorkPermit").finish_non_exhaustive()
-    }
 }
 
 impl WorkPermit {
@@ -263,22 +254,6 @@ impl Work {
     /// future cancels a piece that has not started.
     pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce() -> T + Send + 'static) -> T {
         run_on(&self.workers.0.pieces, (), piece).await
-    }
-
-    /// Reserves memory.
-    ///
-    /// # Errors
-    /// [`BudgetExceeded`], which is a problem to answer with.
-    pub fn reserve(&self, bytes: u64) -> Result<Reservation, BudgetExceeded> {
-        self.budget.reserve(bytes)
-    }
-
-    /// Adds `bytes` to a reservation. Waits for free memory as long as for a permit.
-    ///
-    /// # Errors
-    /// [`BudgetExceeded`], which is a problem to answer with.
-    pub async fn grow(&self, memory: &mut Reservation, bytes: u64) -> Result<(), BudgetExceeded> {
-        memory.grow_within(bytes, Self::LONGEST_WAIT).await
     }
 
     /// The memory budget.

@@ -1,4 +1,4 @@
-//! The levels of confidence in a recommendation, common to both methods.
+//! The confidence in a recommendation, with the reasons that lower it; common to both methods.
 
 /// The reliability of a recommendation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -9,4 +9,61 @@ pub enum Level {
     Moderate,
     /// The recommendation may be wrong; simulate both candidates.
     Low,
+}
+
+/// A weakness `W` of a method on a surface, with its figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reason<W> {
+    /// The weakness.
+    pub weakness: W,
+    /// The level to which it lowers the confidence.
+    pub level: Level,
+    /// The figure on which it is based, in the unit that the weakness states.
+    pub figure: f64,
+    /// The threshold that the figure crossed.
+    pub threshold: f64,
+}
+
+impl<W> Reason<W> {
+    /// The reason for a figure below the threshold `moderate`, or below the lower threshold `low`.
+    pub(super) fn under(weakness: W, figure: f64, moderate: f64, low: f64) -> Option<Self> {
+        let (level, threshold) = if figure < low { (Level::Low, low) } else { (Level::Moderate, moderate) };
+        (figure < moderate).then_some(Self { weakness, level, figure, threshold })
+    }
+
+    /// The reason for a figure above the threshold `moderate`, or above the higher threshold `low`.
+    pub(super) fn over(weakness: W, figure: f64, moderate: f64, low: f64) -> Option<Self> {
+        let (level, threshold) = if figure > low { (Level::Low, low) } else { (Level::Moderate, moderate) };
+        (figure > moderate).then_some(Self { weakness, level, figure, threshold })
+    }
+}
+
+/// The confidence in a recommendation, with the reasons that lower it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Confidence<W> {
+    level: Level,
+    reasons: Vec<Reason<W>>,
+}
+
+impl<W> Confidence<W> {
+    pub(super) fn from_reasons(mut reasons: Vec<Reason<W>>) -> Self {
+        reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));
+        Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons }
+    }
+
+    pub(super) fn into_reasons(self) -> Vec<Reason<W>> {
+        self.reasons
+    }
+
+    /// The level: the lowest of the reasons' levels, high if there are none.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// The reasons why the level is not high, the gravest first.
+    #[must_use]
+    pub fn reasons(&self) -> &[Reason<W>] {
+        &self.reasons
+    }
 }

@@ -10,9 +10,8 @@ pub mod reach;
 pub mod rectangle;
 pub mod zigzag;
 
-pub use confidence::Level;
+pub use confidence::{Confidence, Level, Reason};
 pub use rectangle::{
-    Candidate, Confidence, CriticalFormFactor, CriticalSlope, CutterChoice, Evidence, HeightExceedsWidth, InclinedRectangle, Job, JobError,
-    Plan, PlanError, Reason, Recommendation, RectanglePlan, Weakness, Zigzag, critical_form_factor, critical_slope, plan,
-    plan_on_rectangle, recommend,
+    Candidate, CriticalFormFactor, CriticalSlope, CutterChoice, Evidence, HeightExceedsWidth, InclinedRectangle, Job, JobError, Plan,
+    PlanError, Recommendation, RectanglePlan, Weakness, Zigzag, critical_form_factor, critical_slope, plan, plan_on_rectangle, recommend,
 };

@@ -14,8 +14,8 @@ use crate::http::reading::{
     Components, CutOut, Fault, Faulted, Faults, JsonPath, Kind, Large, Members, Object, ObjectSchema, PlainJson, Unusual,
 };
 use crate::http::wire::{
-    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, Heights, MODEL,
-    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer, warning_code,
+    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, Heights, MODEL, SharedMembers,
+    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
@@ -58,7 +58,7 @@ const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     let contacts = MOST_CONTACTS.min(body.json().len() / SHORTEST_CONTACT);
-    let memory = work.reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
+    let memory = work.budget().reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
     work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
 }
 
@@ -297,14 +297,14 @@ impl Parts {
 impl Part {
     fn add(&mut self, index: usize, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
         for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
-            match figure.getter() {
+            match figure.get {
                 Get::Number(get) => column.push_number(index, get(figures).map(|number| selection.rounded(number))),
-                Get::Word(get) => column.push(get(figures).as_ref()),
-                Get::Words(_) => column.push(figure.value(figures).as_ref()),
+                Get::Word(get, _) => column.push(get(figures).as_ref()),
+                Get::Words(..) => column.push(figure.value(figures).as_ref()),
             }
         }
         for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {
-            match self.warnings.iter_mut().find(|known| known.code == warning_code(warning)) {
+            match self.warnings.iter_mut().find(|known| known.code == warning.into()) {
                 Some(known) => known.contacts = known.contacts.map(|contacts| contacts + 1),
                 None => self.warnings.push(Warning { contacts: Some(1), first_index: Some(index), ..Warning::from(warning) }),
             }
@@ -406,7 +406,7 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
     let contacts = OneOfBuilder::new().item(rows).item(columns);
     let contacts = contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"));
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
-    let schema = SharedParameters::describe(ObjectSchema::new(about, components));
+    let schema = ObjectSchema::new(about, components).with::<SharedMembers>();
     let schema = ContactParameters::describe(schema, C::STATED).with::<C::Members>();
     Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }

@@ -81,23 +81,15 @@ impl Column {
         self.pieces.append(&mut next.pieces);
         self.rows = next.rows;
         self.has_value |= next.has_value;
-        self.minimum = lower(self.minimum, next.minimum);
-        self.maximum = higher(self.maximum, next.maximum);
+        self.minimum = further(self.minimum, next.minimum, f64::lt);
+        self.maximum = further(self.maximum, next.maximum, f64::gt);
     }
 }
 
-/// The extreme with the smaller value, the first of equals.
-fn lower(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
+/// The second extreme if it exceeds the first, otherwise the first.
+fn further(first: Option<Extreme>, second: Option<Extreme>, exceeds: impl FnOnce(&f64, &f64) -> bool) -> Option<Extreme> {
     match (first, second) {
-        (Some(a), Some(b)) => Some(if b.value < a.value { b } else { a }),
-        (one, other) => one.or(other),
-    }
-}
-
-/// The extreme with the larger value, the first of equals.
-fn higher(first: Option<Extreme>, second: Option<Extreme>) -> Option<Extreme> {
-    match (first, second) {
-        (Some(a), Some(b)) => Some(if b.value > a.value { b } else { a }),
+        (Some(a), Some(b)) => Some(if exceeds(&b.value, &a.value) { b } else { a }),
         (one, other) => one.or(other),
     }
 }

@@ -1,20 +1,13 @@
 //! `/v1/cutting-parameters`, by `POST` and `GET`, and its batch: the step-over and feed that finish the most area per
 //! time within a tolerance.
 
-use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::{Calculation, batch, single};
-use crate::http::body::{JsonBody, WrittenJson};
+use super::feed_limits::{BINDING_LIMIT, FEED_PER_TOOTH, FEED_RATE, FeedLimits, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
+use super::{Calculation, Texts};
 use crate::http::codes::RequestFault;
-use crate::http::document::described;
-use crate::http::problem::{Problem, Problems, QueryProblems};
-use crate::http::query::query;
-use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters, TOLERANCE};
-use crate::http::worker_pool::Work;
+use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::milling::{CuttingLimits, EvaluatedPass, LimitedBy, NoAnswer};
 use crate::quantity::Length;
-use axum::extract::RawQuery;
-use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// The tolerance to keep, and the limits of cutter, machine and step-over.
@@ -38,34 +31,13 @@ pub(crate) struct FastestParameters {
     max_step_over: Option<Length>,
 }
 
-/// A limit that binds, as the answer names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum BindingLimit {
-    ScallopTolerance,
-    MaxFeedPerTooth,
-    MaxFeedRate,
-    MinStepOver,
-    MaxStepOver,
-}
-
-const BINDING_LIMIT: Choice<BindingLimit> = Choice {
-    name: Some("BindingLimit"),
-    words: &[
-        ("scallop_tolerance", BindingLimit::ScallopTolerance),
-        ("max_feed_per_tooth", BindingLimit::MaxFeedPerTooth),
-        ("max_feed_rate", BindingLimit::MaxFeedRate),
-        ("min_step_over", BindingLimit::MinStepOver),
-        ("max_step_over", BindingLimit::MaxStepOver),
-    ],
-};
-
-fn binding_limit_schema(about: &str, components: &mut Components) -> RefOr<Schema> {
-    BINDING_LIMIT.schema(about, components)
-}
-
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::words("limited_by", "the limits that bind", binding_limit_schema, |figures| figures.binding_limits),
+    Figure::new(
+        "limited_by",
+        "the limits that bind",
+        Get::Words(|figures| figures.binding_limits, |about, components| BINDING_LIMIT.schema(about, components)),
+    ),
     FEED_RATE,
     Figure::number("area_rate_mm2_min", "the area finished per minute, the step-over along the surface times the feed rate", |figures| {
         figures.feed_rate_mm_min.map(|rate| rate * figures.step_over.mm())
@@ -79,23 +51,31 @@ const EQUAL: f64 = 1e-9;
 impl FastestParameters {
     /// The wire names of a limit that binds. A limit on the feed per tooth is the cutter manufacturer's, the machine's,
     /// or both.
-    fn words(limit: LimitedBy, per_tooth: Option<Length>, by_machine: Option<Length>) -> [Option<BindingLimit>; 2] {
+    fn words(limit: LimitedBy, per_tooth: Option<Length>, by_machine: Option<Length>) -> [Option<Limit>; 2] {
         let is_smallest = |one: Option<Length>, other: Option<Length>| {
             one.is_some_and(|one| other.is_none_or(|other| one.mm() <= other.mm() * (1.0 + EQUAL)))
         };
         match limit {
-            LimitedBy::ScallopTolerance => [Some(BindingLimit::ScallopTolerance), None],
+            LimitedBy::ScallopTolerance => [Some(Limit::ScallopTolerance), None],
             LimitedBy::MaxFeedPerTooth => [
-                is_smallest(per_tooth, by_machine).then_some(BindingLimit::MaxFeedPerTooth),
-                is_smallest(by_machine, per_tooth).then_some(BindingLimit::MaxFeedRate),
+                is_smallest(per_tooth, by_machine).then_some(Limit::MaxFeedPerTooth),
+                is_smallest(by_machine, per_tooth).then_some(Limit::MaxFeedRate),
             ],
-            LimitedBy::MinStepOver => [Some(BindingLimit::MinStepOver), None],
-            LimitedBy::MaxStepOver => [Some(BindingLimit::MaxStepOver), None],
+            LimitedBy::MinStepOver => [Some(Limit::MinStepOver), None],
+            LimitedBy::MaxStepOver => [Some(Limit::MaxStepOver), None],
         }
     }
 }
 
 impl Calculation for FastestParameters {
+    const TEXTS: Texts = Texts {
+        name: "cutting-parameters",
+        summary: "The fastest step-over and feed at one contact",
+        about: "The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance,\n\
+            within the limits of cutter, machine and step-over if these are stated.",
+        answer: "Step-over and feed, the limits that bind, and the heights",
+        batch_summary: "The fastest step-overs and feeds of a tool path",
+    };
     const STATED: StatedParameters = StatedParameters { step_over: false, feed_per_tooth: false };
     // The calculation searches for a step-over dozens of times.
     const TAKES_LONG: bool = true;
@@ -142,50 +122,4 @@ impl Calculation for FastestParameters {
         }
         Ok(figures)
     }
-}
-
-query!(QUERY, CuttingParametersQuery, single::describe_request::<FastestParameters>);
-
-described!(CuttingParametersRequest, single::describe_request::<FastestParameters>);
-described!(CuttingParametersAnswer, single::describe_answer::<FastestParameters>);
-described!(CuttingParametersBatchRequest, batch::describe_request::<FastestParameters>);
-described!(CuttingParametersBatchAnswer, batch::describe_answer::<FastestParameters>);
-
-/// The fastest step-over and feed at one contact
-///
-/// The step-over and feed per tooth that finish the most area per time while the scallop height keeps a tolerance,
-/// within the limits of cutter, machine and step-over if these are stated.
-#[utoipa::path(
-    post, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters",
-    request_body = CuttingParametersRequest,
-    responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), Problems),
-)]
-pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    single::answer::<FastestParameters>(work, body).await
-}
-
-/// The fastest step-over and feed at one contact, by a query
-///
-/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore,
-/// members of `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers
-/// separated by commas.
-#[utoipa::path(
-    get, path = "/v1/cutting-parameters", tag = "calculations", operation_id = "cutting_parameters_query", params(CuttingParametersQuery),
-    responses((status = 200, description = "Step-over and feed, the limits that bind, and the heights", body = CuttingParametersAnswer), QueryProblems),
-)]
-pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
-    single::answer_query::<FastestParameters>(work, &QUERY, text).await
-}
-
-/// The fastest step-overs and feeds of a tool path
-///
-/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`;
-/// it does not affect the others.
-#[utoipa::path(
-    post, path = "/v1/cutting-parameters/batch", tag = "calculations", operation_id = "cutting_parameters_batch",
-    request_body = CuttingParametersBatchRequest,
-    responses((status = 200, description = "A column for each figure", body = CuttingParametersBatchAnswer), Problems),
-)]
-pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    batch::answer::<FastestParameters>(work, body).await
 }

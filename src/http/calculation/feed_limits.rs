@@ -1,7 +1,7 @@
 //! The limits of cutter and machine on the feed, and the conversion between feed per tooth and feed rate.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Member, Quantity};
 use crate::http::wire::{CUTTER, Figure, SharedParameters, TEETH};
 use crate::quantity::{Length, OutOfRange};
 
@@ -28,6 +28,36 @@ pub(super) const FEED_PER_TOOTH: Figure =
 
 pub(super) const FEED_RATE: Figure = Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min)
     .only("if the cutter's teeth and the spindle speed are given");
+
+/// A limit that binds, as answers name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Limit {
+    /// The tolerance of the scallop height.
+    ScallopTolerance,
+    /// The manufacturer's largest feed per tooth.
+    MaxFeedPerTooth,
+    /// The machine's largest feed rate.
+    MaxFeedRate,
+    /// The smallest step-over that the request allows.
+    MinStepOver,
+    /// The largest step-over that the request allows.
+    MaxStepOver,
+}
+
+/// The limits, those on the feed first.
+const LIMITS: &[(&str, Limit)] = &[
+    ("scallop_tolerance", Limit::ScallopTolerance),
+    ("max_feed_per_tooth", Limit::MaxFeedPerTooth),
+    ("max_feed_rate", Limit::MaxFeedRate),
+    ("min_step_over", Limit::MinStepOver),
+    ("max_step_over", Limit::MaxStepOver),
+];
+
+/// The limit that a feed reaches.
+pub(super) const LIMITED_BY: Choice<Limit> = Choice { name: Some("LimitedBy"), words: LIMITS.split_at(3).0 };
+
+/// A limit on feed or step-over that binds.
+pub(super) const BINDING_LIMIT: Choice<Limit> = Choice { name: Some("BindingLimit"), words: LIMITS };
 
 /// The limits on the feed that a request states.
 pub(super) struct FeedLimits {

@@ -1,19 +1,12 @@
 //! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps the scallop height within a
 //! tolerance.
 
-use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::{Calculation, batch, single};
-use crate::http::body::{JsonBody, WrittenJson};
-use crate::http::document::described;
-use crate::http::problem::{Problem, Problems, QueryProblems};
-use crate::http::query::query;
-use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Heights, SharedParameters, StatedParameters, TOLERANCE};
-use crate::http::worker_pool::Work;
+use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, LIMITED_BY, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
+use super::{Calculation, Texts};
+use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
-use axum::extract::RawQuery;
-use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// The tolerance to keep, and the limits of cutter and machine.
@@ -31,37 +24,25 @@ pub(crate) struct MaxFeed {
     limits: FeedLimits,
 }
 
-/// The limit that the feed reaches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum LimitedBy {
-    /// The tolerance of the scallop height.
-    ScallopTolerance,
-    /// The manufacturer's largest feed per tooth.
-    MaxFeedPerTooth,
-    /// The machine's largest feed rate.
-    MaxFeedRate,
-}
-
-const LIMITED_BY: Choice<LimitedBy> = Choice {
-    name: Some("LimitedBy"),
-    words: &[
-        ("scallop_tolerance", LimitedBy::ScallopTolerance),
-        ("max_feed_per_tooth", LimitedBy::MaxFeedPerTooth),
-        ("max_feed_rate", LimitedBy::MaxFeedRate),
-    ],
-};
-
-fn limited_by_schema(about: &str, components: &mut Components) -> RefOr<Schema> {
-    LIMITED_BY.schema(about, components)
-}
-
 const FIGURES: &[Figure] = &[
     FEED_PER_TOOTH,
-    Figure::word("limited_by", "the limit that the feed reaches", limited_by_schema, |figures| figures.limited_by),
+    Figure::new(
+        "limited_by",
+        "the limit that the feed reaches",
+        Get::Word(|figures| figures.limited_by, |about, components| LIMITED_BY.schema(about, components)),
+    ),
     FEED_RATE,
 ];
 
 impl Calculation for MaxFeed {
+    const TEXTS: Texts = Texts {
+        name: "max-feed",
+        summary: "The largest feed at one contact",
+        about: "The largest feed per tooth, and feed rate, that keep the scallop height within a tolerance at a given step-over, and\n\
+            within the limits of cutter and machine if these are stated.",
+        answer: "The feed, its limit, and the heights at this feed",
+        batch_summary: "The largest feeds of a tool path",
+    };
     const STATED: StatedParameters = StatedParameters { step_over: true, feed_per_tooth: false };
     type Members = MaxFeedMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
@@ -87,13 +68,13 @@ impl Calculation for MaxFeed {
     ) -> Result<Figures, NoAnswer> {
         let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
         let by_machine = self.limits.by_machine(shared);
-        let stated = [(self.limits.per_tooth, LimitedBy::MaxFeedPerTooth), (by_machine, LimitedBy::MaxFeedRate)];
+        let stated = [(self.limits.per_tooth, Limit::MaxFeedPerTooth), (by_machine, Limit::MaxFeedRate)];
         let stated = stated.into_iter().filter_map(|(limit, by)| Some((limit?, by))).reduce(|a, b| if b.0 < a.0 { b } else { a });
         let step_over_height = pass.step_over_height(step_over)?;
         let by_tolerance = pass.max_feed_per_tooth_above(step_over_height, self.tolerance, step_over);
         let (feed_per_tooth, limited_by) = match (by_tolerance, stated) {
             (Ok(by_tolerance), Some(stated)) if stated.0 < by_tolerance => stated,
-            (Ok(by_tolerance), _) => (by_tolerance, LimitedBy::ScallopTolerance),
+            (Ok(by_tolerance), _) => (by_tolerance, Limit::ScallopTolerance),
             // The tolerance sets no limit while the marks overlap. A limit that the request states is then the only
             // one.
             (Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }), Some(stated)) if stated.0 <= largest_feed_per_tooth => stated,
@@ -105,50 +86,4 @@ impl Calculation for MaxFeed {
         figures.limited_by = Some(LIMITED_BY.word(&limited_by));
         Ok(figures)
     }
-}
-
-query!(QUERY, MaxFeedQuery, single::describe_request::<MaxFeed>);
-
-described!(MaxFeedRequest, single::describe_request::<MaxFeed>);
-described!(MaxFeedAnswer, single::describe_answer::<MaxFeed>);
-described!(MaxFeedBatchRequest, batch::describe_request::<MaxFeed>);
-described!(MaxFeedBatchAnswer, batch::describe_answer::<MaxFeed>);
-
-/// The largest feed at one contact
-///
-/// The largest feed per tooth, and feed rate, that keep the scallop height within a tolerance at a given step-over, and
-/// within the limits of cutter and machine if these are stated.
-#[utoipa::path(
-    post, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed",
-    request_body = MaxFeedRequest,
-    responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), Problems),
-)]
-pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    single::answer::<MaxFeed>(work, body).await
-}
-
-/// The largest feed at one contact, by a query
-///
-/// The same as the POST, with the members as query parameters: the names of nested members are joined by an underscore,
-/// members of `cutter` and `contact` keep their names, the cutter's type is `cutter`, and a vector is three numbers
-/// separated by commas.
-#[utoipa::path(
-    get, path = "/v1/max-feed", tag = "calculations", operation_id = "max_feed_query", params(MaxFeedQuery),
-    responses((status = 200, description = "The feed, its limit, and the heights at this feed", body = MaxFeedAnswer), QueryProblems),
-)]
-pub(crate) async fn answer_query(work: Work, RawQuery(text): RawQuery) -> Result<WrittenJson, Problem> {
-    single::answer_query::<MaxFeed>(work, &QUERY, text).await
-}
-
-/// The largest feeds of a tool path
-///
-/// The same calculation at many contacts. A contact without an answer is null in every column and listed in `failures`;
-/// it does not affect the others.
-#[utoipa::path(
-    post, path = "/v1/max-feed/batch", tag = "calculations", operation_id = "max_feed_batch",
-    request_body = MaxFeedBatchRequest,
-    responses((status = 200, description = "A column for each figure", body = MaxFeedBatchAnswer), Problems),
-)]
-pub(crate) async fn answer_batch(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    batch::answer::<MaxFeed>(work, body).await
 }

@@ -8,10 +8,13 @@ mod contacts;
 pub(crate) mod cutting_parameters;
 mod feed_limits;
 pub(crate) mod max_feed;
+pub(crate) mod operations;
 pub(crate) mod scallop_height;
 mod selection;
 mod single;
 pub(crate) mod step_over;
+
+use operations::Texts;
 
 use super::reading::{Faulted, Faults, JsonPath, Members};
 use super::wire::{ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters};
@@ -20,6 +23,8 @@ use crate::quantity::Length;
 
 /// A calculation at a contact: its members, its figures and its formula.
 pub(crate) trait Calculation: Sized + Send + Sync {
+    /// The texts of the documentation.
+    const TEXTS: Texts;
     /// The parameters of a contact that a request must state.
     const STATED: StatedParameters;
     /// Whether a single answer takes too long for a thread that serves connections.

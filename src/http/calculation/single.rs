@@ -5,15 +5,17 @@ use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
 use crate::http::query::Query;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
+use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    CONTACT, Check, ContactParameters, Figures, Heights, MODEL, SharedParameters, StatedContact, Warning, model_name, no_answer,
+    CONTACT, Check, ContactParameters, Figures, Heights, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, model_name,
+    no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass, StepOver};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::marker::PhantomData;
 use std::num::NonZeroU32;
+use std::sync::Arc;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -65,7 +67,7 @@ pub(super) fn warnings_schema(components: &mut Components) -> ArrayBuilder {
 
 /// The schema of a request with one contact.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
-    let schema = SharedParameters::describe(ObjectSchema::new("A calculation at one contact", components)).required(&CONTACT);
+    let schema = ObjectSchema::new("A calculation at one contact", components).with::<SharedMembers>().required(&CONTACT);
     ContactParameters::describe(schema, C::STATED).with::<C::Members>().build()
 }
 
@@ -79,7 +81,7 @@ pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody)
 /// Answers the same request as a query.
 pub(super) async fn answer_query<C: Calculation + 'static>(
     work: Work,
-    query: &'static Query,
+    query: Arc<Query>,
     text: Option<String>,
 ) -> Result<WrittenJson, Problem> {
     let text = text.unwrap_or_default();
@@ -94,6 +96,7 @@ fn may_state_curvature(request: &[u8], escape: u8) -> bool {
     memchr::memmem::find(request, b"surface_").is_some() || memchr::memchr(escape, request).is_some()
 }
 
+/// Reads a request and computes its answer. Its parts without faults are evaluated to find further faults.
 fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {
     let path = object.path();
     let shared = SharedParameters::read(object, faults);
@@ -101,37 +104,17 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let parameters = ContactParameters::read(object, C::STATED, faults);
     let members = C::Members::read(object, faults);
     let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
-    Request { shared, contact, parameters, calculation }.answer(&path, faults)
-}
-
-/// A request whose parts may have faults. The parts without faults are evaluated to find further faults.
-struct Request<C> {
-    shared: Result<SharedParameters, Faulted>,
-    contact: Result<StatedContact, Faulted>,
-    parameters: ContactParameters,
-    calculation: Result<C, Faulted>,
-}
-
-impl<C: Calculation> Request<C> {
-    fn answer(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {
-        let step_over = self.parameters.step_over(C::STATED, path, faults);
-        let pass = self.evaluate(path, faults);
-        let (shared, contact, pass) = (self.shared?, self.contact?, pass?);
-        let calculation = self.calculation?;
-        let step_over_member = calculation.step_over_member(&self.parameters);
-        let figures = compute(&calculation, &shared, &pass, step_over?, &self.parameters, Heights::Parts)?;
-        let figures = figures.map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, step_over_member)))?;
-        let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
-        let check = check(&pass, &figures, &mut warnings);
-        Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
-    }
-
-    /// The pass with its model, if cutter, contact and surface have no fault.
-    fn evaluate(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<EvaluatedPass, Faulted> {
-        let (shared, contact) = (self.shared?, self.contact?);
-        evaluate(&shared, contact, &self.parameters)?
-            .map_err(|cause| faults.push(no_answer(cause, path, contact, &self.parameters, self.parameters.step_over_member())))
-    }
+    let step_over = parameters.step_over(C::STATED, &path, faults);
+    let (shared, contact) = (shared?, contact?);
+    let fault = |cause, step_over_member| no_answer(cause, &path, contact, &parameters, step_over_member);
+    let pass = evaluate(&shared, contact, &parameters)?;
+    let pass = pass.map_err(|cause| faults.push(fault(cause, parameters.step_over_member())))?;
+    let calculation = calculation?;
+    let figures = compute(&calculation, &shared, &pass, step_over?, &parameters, Heights::Parts)?;
+    let figures = figures.map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
+    let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
+    let check = check(&pass, &figures, &mut warnings);
+    Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
 }
 
 /// Evaluates a contact by the request's model. The outer error is a fault that is already recorded; the inner error is

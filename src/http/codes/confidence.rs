@@ -1,6 +1,6 @@
 //! The codes of the reasons that lower the confidence in a recommendation.
 
-use super::codes;
+use super::{codes, same_names};
 use crate::planning::Weakness;
 use crate::planning::zigzag::SurfaceWeakness;
 
@@ -34,41 +34,14 @@ codes! {
     }
 }
 
-impl From<SurfaceWeakness> for ConfidenceCode {
-    fn from(weakness: SurfaceWeakness) -> Self {
-        match weakness {
-            SurfaceWeakness::SmallLead => Self::SmallLead,
-            SurfaceWeakness::CoarseTessellation => Self::CoarseTessellation,
-            SurfaceWeakness::SteepArea => Self::SteepArea,
-            SurfaceWeakness::HiddenArea => Self::HiddenArea,
-            SurfaceWeakness::SeveralPieces => Self::SeveralPieces,
-            SurfaceWeakness::InconsistentOrientation => Self::InconsistentOrientation,
-            SurfaceWeakness::OverTolerance => Self::OverTolerance,
-        }
-    }
+same_names! {
+    SurfaceWeakness => ConfidenceCode:
+    SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, OverTolerance,
 }
 
-impl From<Weakness> for ConfidenceCode {
-    fn from(weakness: Weakness) -> Self {
-        match weakness {
-            Weakness::DirectionsNotPerpendicular => Self::DirectionsNotPerpendicular,
-            Weakness::FormFactorNearOne => Self::FormFactorNearOne,
-            Weakness::NoPrincipalDirection => Self::NoPrincipalDirection,
-            Weakness::SlopeNearZero => Self::SlopeNearZero,
-            Weakness::NotFlat => Self::NotFlat,
-            Weakness::SlopeNearCritical => Self::SlopeNearCritical,
-            Weakness::TimesNearlyEqual => Self::TimesNearlyEqual,
-            Weakness::MeanSlopeDisagrees => Self::MeanSlopeDisagrees,
-            Weakness::ShortPasses => Self::ShortPasses,
-            Weakness::LongSteps => Self::LongSteps,
-            Weakness::SmallSurface => Self::SmallSurface,
-            Weakness::FewPasses => Self::FewPasses,
-            Weakness::StepOverExceedsCutter => Self::StepOverExceedsCutter,
-            Weakness::MeanSlopeFarFromPlane => Self::MeanSlopeFarFromPlane,
-            Weakness::AreaFarFromSize => Self::AreaFarFromSize,
-            Weakness::SeveralPieces => Self::SeveralPieces,
-            Weakness::SimulationDisagrees => Self::SimulationDisagrees,
-            Weakness::SimulationPrefersOther => Self::SimulationPrefersOther,
-        }
-    }
+same_names! {
+    Weakness => ConfidenceCode:
+    DirectionsNotPerpendicular, FormFactorNearOne, NoPrincipalDirection, SlopeNearZero, NotFlat, SlopeNearCritical, TimesNearlyEqual,
+    MeanSlopeDisagrees, ShortPasses, LongSteps, SmallSurface, FewPasses, StepOverExceedsCutter, MeanSlopeFarFromPlane, AreaFarFromSize,
+    SeveralPieces, SimulationDisagrees, SimulationPrefersOther,
 }

@@ -50,6 +50,20 @@ pub(crate) trait Code: Copy + 'static {
     }
 }
 
+/// Converts an enumeration of the domain to one on the wire: each variant to the one of the same name.
+macro_rules! same_names {
+    ($from:ident => $to:ident: $( $variant:ident ),+ $(,)?) => {
+        impl From<$from> for $to {
+            fn from(value: $from) -> Self {
+                match value {
+                    $( $from::$variant { .. } => Self::$variant, )+
+                }
+            }
+        }
+    };
+}
+pub(crate) use same_names;
+
 /// Declares a family: for each code the variant, the name on the wire, the meaning and the remedy.
 macro_rules! codes {
     ($(#[doc = $about:literal])+ $family:ident { $( $variant:ident = $name:literal: $meaning:literal, $remedy:literal; )+ }) => {
@@ -84,10 +98,15 @@ macro_rules! joined_codes {
         }
 
         impl $set {
-            pub(crate) fn name(self) -> &'static str {
+            /// The code's name, meaning and remedy.
+            pub(crate) fn entry(self) -> $crate::http::codes::Entry {
                 match self {
-                    $( Self::$family(code) => $crate::http::codes::Code::name(code), )+
+                    $( Self::$family(code) => $crate::http::codes::Code::entry(code), )+
                 }
+            }
+
+            pub(crate) fn name(self) -> &'static str {
+                self.entry().name
             }
 
             /// The names of all codes of the set, each once.

@@ -1,6 +1,6 @@
 //! The types of problems, each with its HTTP status.
 
-use super::{Code, FileFault, NoAnswerCode, codes, joined_codes};
+use super::{FileFault, NoAnswerCode, codes, joined_codes};
 use axum::http::StatusCode;
 
 codes! {
@@ -45,15 +45,4 @@ impl ServiceProblem {
 joined_codes! {
     /// The problem, as a code for programs; docs/codes.md lists meanings and remedies.
     ProblemType { ServiceProblem, FileFault, NoAnswerCode }
-}
-
-impl ProblemType {
-    /// The problem in a few words, the same for every occurrence.
-    pub(crate) fn title(self) -> &'static str {
-        match self {
-            Self::ServiceProblem(code) => code.entry().meaning,
-            Self::FileFault(code) => code.entry().meaning,
-            Self::NoAnswerCode(code) => code.entry().meaning,
-        }
-    }
 }

@@ -6,8 +6,9 @@ use super::map::MapAnswer;
 use super::parameters::Method;
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
-use crate::http::wire::{NamedCandidate, NotRanked, Warning, model_name};
-use crate::milling::{CutterKind, Model};
+use crate::http::codes::same_names;
+use crate::http::wire::{NamedCandidate, NotRanked, Warning};
+use crate::milling::CutterKind;
 use crate::planning::RectanglePlan;
 use crate::planning::zigzag::{SpacingFigures, ZigzagPlan};
 use crate::quantity::{Angle, Length, Speed, Time};
@@ -18,7 +19,7 @@ use utoipa::ToSchema;
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct RecommendationAnswer {
     /// The method of the plans.
-    pub(super) method: MethodName,
+    pub(super) method: Method,
     /// The model by which passes are spaced: `analytic` or `envelope`.
     #[schema(example = "envelope")]
     pub(super) model: &'static str,
@@ -60,31 +61,6 @@ pub(crate) struct RecommendationAnswer {
     pub(super) warnings: Vec<Warning>,
 }
 
-/// The method of planning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = MethodUsed)]
-pub(super) enum MethodName {
-    /// Zigzag passes simulated on the surface.
-    Surface,
-    /// The published method, by an inclined rectangle equivalent to the surface.
-    Rectangle,
-}
-
-impl From<Method> for MethodName {
-    fn from(method: Method) -> Self {
-        match method {
-            Method::Surface => Self::Surface,
-            Method::Rectangle => Self::Rectangle,
-        }
-    }
-}
-
-/// The name of a model.
-pub(super) fn model(model: Model) -> &'static str {
-    model_name(model)
-}
-
 /// The recommended cutter and its plan.
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct RecommendedCutter {
@@ -118,7 +94,7 @@ pub(super) struct RecommendedCutter {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub(super) struct RankedCandidate {
     /// The position of the cutter in the request, from 0; cutters of libraries follow.
-    cutter: usize,
+    pub(super) cutter: usize,
     /// The cutter's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -137,7 +113,7 @@ pub(super) struct RankedCandidate {
     direction_deg: Option<f64>,
     /// The time of all passes and links, stops included.
     #[schema(minimum = 0)]
-    machining_time_s: f64,
+    pub(super) machining_time_s: f64,
     /// The number of planes that contain the passes; in method rectangle the model's quotient, not rounded.
     #[schema(minimum = 0)]
     passes: f64,
@@ -277,13 +253,7 @@ impl From<SpacingFigures> for SpacingAnswer {
     }
 }
 
-fn kind(named: &NamedCandidate) -> CutterKindName {
-    match named.candidate.cutter.kind() {
-        CutterKind::Toroidal => CutterKindName::Toroidal,
-        CutterKind::BallEnd => CutterKindName::BallEnd,
-        CutterKind::FlatEnd => CutterKindName::FlatEnd,
-    }
-}
+same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd);
 
 impl RankedCandidate {
     /// A plan simulated on the surface.
@@ -298,7 +268,7 @@ impl RankedCandidate {
             cutter: plan.candidate,
             name: named.name.clone(),
             preset: named.preset.clone(),
-            kind: kind(named),
+            kind: named.candidate.cutter.kind().into(),
             direction_deg: Some(line_degrees(plan.direction)),
             machining_time_s: plan.time.seconds(),
             passes,
@@ -338,7 +308,7 @@ impl RankedCandidate {
             cutter,
             name: named.name.clone(),
             preset: named.preset.clone(),
-            kind: kind(named),
+            kind: named.candidate.cutter.kind().into(),
             direction_deg: plan.direction.map(line_degrees),
             machining_time_s: plan.zigzag.time.seconds(),
             passes: plan.zigzag.passes,
@@ -352,10 +322,6 @@ impl RankedCandidate {
 
     pub(super) fn time(&self) -> Time {
         Time::computed(self.machining_time_s)
-    }
-
-    pub(super) fn cutter(&self) -> usize {
-        self.cutter
     }
 }
 

@@ -1,5 +1,6 @@
 //! Wire objects of the two candidates that the published method compares, and of the faster one.
 
+use crate::http::codes::same_names;
 use crate::planning::{Candidate, CriticalSlope, CutterChoice, Plan};
 use crate::quantity::Angle;
 use serde::Serialize;
@@ -15,14 +16,7 @@ pub(super) enum ComparedCutter {
     BallEnd,
 }
 
-impl From<CutterChoice> for ComparedCutter {
-    fn from(choice: CutterChoice) -> Self {
-        match choice {
-            CutterChoice::Toroidal => Self::Toroidal,
-            CutterChoice::BallEnd => Self::BallEnd,
-        }
-    }
-}
+same_names!(CutterChoice => ComparedCutter: Toroidal, BallEnd);
 
 /// The faster cutter and its passes.
 #[derive(Debug, Clone, Serialize, ToSchema)]

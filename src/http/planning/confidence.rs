@@ -1,9 +1,9 @@
 //! Wire objects of an answer's confidence: its level, and the weaknesses of the method on this surface.
 
-use crate::http::codes::ConfidenceCode;
-use crate::planning::zigzag::SurfaceConfidence;
+use crate::http::codes::{ConfidenceCode, same_names};
 use crate::planning::{Confidence, Level, Reason};
 use serde::Serialize;
+use std::fmt::Display;
 use utoipa::ToSchema;
 
 /// The reliability of a recommendation.
@@ -42,36 +42,11 @@ struct ReasonAnswer {
     threshold: f64,
 }
 
-impl From<&Confidence> for ConfidenceAnswer {
-    fn from(confidence: &Confidence) -> Self {
-        Self { level: confidence.level().into(), reasons: confidence.reasons().iter().map(ReasonAnswer::from).collect() }
-    }
-}
-
-impl From<Level> for LevelName {
-    fn from(level: Level) -> Self {
-        match level {
-            Level::High => Self::High,
-            Level::Moderate => Self::Moderate,
-            Level::Low => Self::Low,
-        }
-    }
-}
-
-impl From<&Reason> for ReasonAnswer {
-    fn from(reason: &Reason) -> Self {
-        Self {
-            code: reason.weakness.into(),
-            level: reason.level.into(),
-            detail: reason.to_string(),
-            value: reason.figure,
-            threshold: reason.threshold,
-        }
-    }
-}
-
-impl From<&SurfaceConfidence> for ConfidenceAnswer {
-    fn from(confidence: &SurfaceConfidence) -> Self {
+impl<W: Copy + Into<ConfidenceCode>> From<&Confidence<W>> for ConfidenceAnswer
+where
+    Reason<W>: Display,
+{
+    fn from(confidence: &Confidence<W>) -> Self {
         let reasons = confidence.reasons().iter().map(|reason| ReasonAnswer {
             code: reason.weakness.into(),
             level: reason.level.into(),
@@ -82,3 +57,5 @@ impl From<&SurfaceConfidence> for ConfidenceAnswer {
         Self { level: confidence.level().into(), reasons: reasons.collect() }
     }
 }
+
+same_names!(Level => LevelName: High, Moderate, Low);

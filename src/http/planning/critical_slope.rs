@@ -10,15 +10,11 @@ use crate::http::reading::{Components, Faulted, Faults, Form, Members, Object, O
 use crate::http::wire::Warning;
 use crate::milling::NoAnswer;
 use crate::planning::{CriticalSlope, InclinedRectangle, Job, Plan, critical_slope, plan};
-use crate::quantity::{Angle, Area, FormFactor, Length, OutOfRange};
+use crate::quantity::{Angle, Area, FormFactor, Length};
 use axum::Json;
 use serde::Serialize;
 use utoipa::ToSchema;
 use utoipa::openapi::{RefOr, Schema};
-
-fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
-    Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?)
-}
 
 members! {
     /// A rectangle by its sides.
@@ -41,7 +37,7 @@ members! {
 members! {
     /// The slope at which the candidates are compared.
     struct SlopeMembers {
-        slope: optional SLOPE: Quantity<Angle> = ("slope_deg", Quantity::new(slope, 60.0),
+        slope: optional SLOPE: Quantity<Angle> = ("slope_deg", Quantity::slope(60.0),
             "s, the rectangle's slope, 0 (floor) to 90 (wall); with it, the answer includes the candidates"),
     }
 }

@@ -3,12 +3,12 @@
 //! compressed body would expand in memory, and it limits neither a part's head nor the preamble.
 
 use crate::http::codes::ServiceProblem;
+use crate::http::collected_body::next_data;
 use crate::http::problem::Problem;
 use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
 use bytes::Buf;
-use http_body_util::BodyExt;
 use memchr::memmem::{self, Finder};
 
 /// The longest head of a part in bytes; browsers and libraries send some hundred.
@@ -76,7 +76,8 @@ impl Form {
         }
         if self.held.starts_with(b"--") {
             self.position = Position::Epilogue;
-            self.drain().await?;
+            // All data are read, so that the connection can be used again.
+            while next_data(&mut self.body).await?.is_some() {}
             return Ok(None);
         }
         self.parts += 1;
@@ -134,34 +135,12 @@ impl Form {
 
     /// Buffers the body's next data; the end of the body is an error here.
     async fn more(&mut self) -> Result<(), Problem> {
-        let Some(data) = self.data().await? else {
+        let Some(data) = next_data(&mut self.body).await? else {
             return Err(malformed("the form ends before its last boundary".to_owned()));
         };
         // The buffer holds at most the start of a delimiter here, so that a copy is rare.
         self.held = if self.held.is_empty() { data } else { [&self.held[..], &data].concat().into() };
         Ok(())
-    }
-
-    /// Reads and discards the data after the last delimiter, so that the connection can be used again.
-    async fn drain(&mut self) -> Result<(), Problem> {
-        while self.data().await?.is_some() {}
-        Ok(())
-    }
-
-    async fn data(&mut self) -> Result<Option<Bytes>, Problem> {
-        loop {
-            match self.body.frame().await {
-                None => return Ok(None),
-                Some(Ok(frame)) => {
-                    if let Ok(data) = frame.into_data() {
-                        return Ok(Some(data));
-                    }
-                }
-                // If a body is too large, too slow or damaged, the middleware replaces the answer; this problem is for
-                // other errors.
-                Some(Err(error)) => return Err(Problem::new(ServiceProblem::UnreadableBody, error.to_string())),
-            }
-        }
     }
 }
 

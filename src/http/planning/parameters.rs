@@ -2,7 +2,7 @@
 
 use super::library::Libraries;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, ObjectSchema, Quantity, members};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
 use crate::http::wire::{CUTTERS, CandidateKind, MACHINE, MODEL, MOST_CUTTERS, Machine, NamedCandidate, SELECT, SelectKind, UNIT};
 use crate::milling::Model;
 use crate::motion;
@@ -11,9 +11,13 @@ use crate::quantity::{Angle, Length, OutOfRange};
 use crate::surface::mesh::Selection;
 use crate::surface::{Facing, Shape, Unit};
 use crate::tooling::FaultyTool;
+use serde::Serialize;
+use utoipa::ToSchema;
 
 /// The method of planning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = MethodUsed)]
 pub(super) enum Method {
     /// Zigzag passes simulated on the surface.
     #[default]
@@ -27,10 +31,6 @@ pub(super) enum Method {
 pub(super) enum Part {
     Map,
     Passes,
-}
-
-fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
-    Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?)
 }
 
 /// The direction of a line, which repeats after half a turn.
@@ -54,7 +54,7 @@ members! {
         machine: required MACHINE: Machine,
         pattern: optional PATTERN: Choice<Pattern> = ("pattern", Choice { name: Some("Pattern"), words: &[("zigzag", Pattern::Zigzag), ("one_way", Pattern::OneWay)] },
             "zigzag (default): passes alternate in direction; one_way: all passes have the same direction, and the cutter returns at the rapid rate at the clearance height"),
-        max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::new(slope, DEFAULT_MAX_SLOPE),
+        max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::slope(DEFAULT_MAX_SLOPE),
             "the largest slope of facets that limit the step-over; steeper facets count as steep; absent = 85"),
         method: optional METHOD: Choice<Method> = ("method", Choice { name: Some("Method"), words: &[("surface", Method::Surface), ("rectangle", Method::Rectangle)] },
             "surface (default): zigzag passes simulated on the surface; rectangle: the published method, by an inclined rectangle equivalent to the surface"),
@@ -86,12 +86,12 @@ pub(super) struct Parameters {
     pub(super) max_slope: Angle,
     pub(super) method: Method,
     model: Option<Model>,
-    directions: Option<Vec<Angle>>,
+    pub(super) directions: Option<Vec<Angle>>,
     pub(super) unit: Option<Unit>,
     pub(super) facing: Facing,
     pub(super) max_uncut_share: Option<f64>,
     pub(super) selection: Selection,
-    include: Vec<Part>,
+    pub(super) include: Vec<Part>,
 }
 
 impl Parameters {
@@ -125,11 +125,6 @@ impl Parameters {
         })
     }
 
-    /// Adds the members to the schema of a request.
-    pub(super) fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
-        schema.with::<ParameterMembers>()
-    }
-
     /// The model of the plan. The default is `envelope` for method `surface`, and the published `analytic` for method
     /// `rectangle`.
     pub(super) fn model(&self) -> Model {
@@ -137,16 +132,6 @@ impl Parameters {
             Method::Surface => Model::Envelope,
             Method::Rectangle => Model::Analytic,
         })
-    }
-
-    /// Whether the request states `include` with at least one part.
-    pub(super) fn has_include(&self) -> bool {
-        !self.include.is_empty()
-    }
-
-    /// Whether the request states directions.
-    pub(super) fn has_directions(&self) -> bool {
-        self.directions.is_some()
     }
 
     pub(super) fn includes(&self, part: Part) -> bool {

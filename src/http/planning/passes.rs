@@ -48,7 +48,7 @@ pub(crate) struct PassesAnswer {
 }
 
 /// The curvature of a surface in the axes of the feed, in 1/mm, positive where convex.
-#[derive(Debug, Default, Serialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 #[expect(clippy::struct_field_names, reason = "the wire names, each with its unit")]
 struct CurvatureColumns {
     /// Along the feed.
@@ -80,13 +80,7 @@ impl PassesAnswer {
 
     fn of(passes: zigzag::Passes) -> Self {
         let points = &passes.points;
-        let mut surface_curvature = CurvatureColumns::default();
-        for point in points {
-            let [along, across, twist] = point.curvature;
-            surface_curvature.along_per_mm.push(along);
-            surface_curvature.across_per_mm.push(across);
-            surface_curvature.twist_per_mm.push(twist);
-        }
+        let [along_per_mm, across_per_mm, twist_per_mm] = [0, 1, 2].map(|axis| points.iter().map(|point| point.curvature[axis]).collect());
         Self {
             run_starts: passes.run_starts,
             contact_mm: points.iter().map(|point| point.contact).collect(),
@@ -96,7 +90,7 @@ impl PassesAnswer {
             feed_per_tooth_mm: points.iter().map(|point| point.feed_per_tooth.map(Length::mm)).collect(),
             feed_rate_mm_min: points.iter().map(|point| point.feed_rate.mm_min()).collect(),
             scallop_height_mm: points.iter().map(|point| point.scallop_height.map(Length::mm)).collect(),
-            surface_curvature,
+            surface_curvature: CurvatureColumns { along_per_mm, across_per_mm, twist_per_mm },
             machining_time_s: passes.time.seconds(),
             chord_tolerance_mm: passes.chord_tolerance.mm(),
         }

@@ -1,6 +1,6 @@
 //! The calculation of a recommendation from surface and parameters, by either method.
 
-use super::answer::{RankedCandidate, RecommendationAnswer, model};
+use super::answer::{RankedCandidate, RecommendationAnswer};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::library;
@@ -13,7 +13,7 @@ use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning};
+use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning, model_name};
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
@@ -118,8 +118,8 @@ impl Task {
         let map = if has_map { MapAnswer::new(workpiece, &simulation, stop) } else { None };
         let critical = self.published().map(|published| published.plan);
         Ok(RecommendationAnswer {
-            method: self.parameters.method.into(),
-            model: model(by),
+            method: self.parameters.method,
+            model: model_name(by),
             recommended: first.into(),
             candidates,
             not_ranked,
@@ -170,9 +170,9 @@ impl Task {
             }
         }
         not_ranked.extend(self.faulty_tools());
-        candidates.sort_by(|a, b| a.time().seconds().total_cmp(&b.time().seconds()));
+        candidates.sort_by(|a, b| a.machining_time_s.total_cmp(&b.machining_time_s));
         let Some(first) = candidates.first() else { return Err(Problem::no_cutter_fits(not_ranked)) };
-        let unused = [("include", self.parameters.has_include()), ("directions_deg", self.parameters.has_directions())];
+        let unused = [("include", !self.parameters.include.is_empty()), ("directions_deg", self.parameters.directions.is_some())];
         self.warnings.extend(unused.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| {
             Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
         }));
@@ -180,8 +180,8 @@ impl Task {
         let critical = published.as_ref().map(|published| published.plan);
         let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, resources, stop)?;
         Ok(RecommendationAnswer {
-            method: self.parameters.method.into(),
-            model: model(self.parameters.model()),
+            method: self.parameters.method,
+            model: model_name(self.parameters.model()),
             recommended: first.into(),
             not_ranked,
             surface: SurfaceAnswer::new(&self.shape, self.source, workpiece),
@@ -210,7 +210,7 @@ impl Task {
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
         let Some(workpiece) = workpiece else { return Ok((&confidence).into()) };
         // The order depends on the recommended cutter and the next one.
-        let compared: Vec<usize> = candidates.iter().take(2).map(RankedCandidate::cutter).collect();
+        let compared: Vec<usize> = candidates.iter().take(2).map(|candidate| candidate.cutter).collect();
         let by = Model::Envelope;
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, resources, stop)? else {
             return Ok((&confidence).into());
@@ -219,7 +219,7 @@ impl Task {
         let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.machined_pieces, simulated: None };
         let simulated = |candidate: &RankedCandidate| {
             let plans = &simulation.ranking.plans;
-            plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter()).map(|plan| (candidate.time(), plan.time))
+            plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter).map(|plan| (candidate.time(), plan.time))
         };
         let confidence = confidence.with_surface(&self.shape, &evidence);
         // Without a simulation of the recommended cutter, the others cannot be compared with it.

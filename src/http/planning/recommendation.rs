@@ -3,7 +3,7 @@
 use super::answer::RecommendationAnswer;
 use super::library::Libraries;
 use super::memory::{Resources, bytes_of_workpiece, bytes_to_read};
-use super::parameters::Parameters;
+use super::parameters::{ParameterMembers, Parameters};
 use super::plan::Task;
 use super::simulation::on_threads;
 use crate::cancellation::CancelFlag;
@@ -22,7 +22,7 @@ described!(RecommendationRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let schema = ObjectSchema::new("A surface, the cutters to choose from, and the machine", components);
-    Parameters::describe(schema.required(&SURFACE)).required(&CUTTERS).build()
+    schema.required(&SURFACE).with::<ParameterMembers>().required(&CUTTERS).build()
 }
 
 /// The cutter for a surface

@@ -5,10 +5,11 @@ use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
 use super::memory::{Resources, bytes_of_workpiece};
 use super::multipart::{Form, Head};
-use super::parameters::Parameters;
+use super::parameters::{ParameterMembers, Parameters};
 use super::plan::Task;
 use super::recommendation::answer_to;
 use crate::cancellation::{CancelFlag, CancelOnDrop};
+use crate::http::app_state::AppState;
 use crate::http::body::{WrittenJson, read_text};
 use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
@@ -45,14 +46,15 @@ const MEMORY_OF_A_PACKAGE: u64 = 48 * MOST_VERTICES_OF_A_PACKAGE as u64;
 described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
-    let file = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
+    let binary = || ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
+    let file = binary().description(Some(
         "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
-        Parameters::describe(ObjectSchema::new("The cutters to choose from, unless they are in libraries, and the machine", components))
-            .build()
+        let about = "The cutters to choose from, unless they are in libraries, and the machine";
+        ObjectSchema::new(about, components).with::<ParameterMembers>().build()
     });
-    let library = ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary))).description(Some(
+    let library = binary().description(Some(
         "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them, of which those that its .fctl lists name are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
     ));
     let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));
@@ -69,7 +71,7 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     request_body(content = UploadRequest, content_type = "multipart/form-data", encoding(("parameters" = (content_type = "application/json")))),
     responses((status = 200, description = "The recommendation, with all candidates", body = RecommendationAnswer), UploadProblems),
 )]
-pub(crate) async fn answer(work: Work, State(metrics): State<Metrics>, mut form: Form) -> Result<WrittenJson, Problem> {
+pub(crate) async fn answer(work: Work, State(AppState { metrics, .. }): State<AppState>, mut form: Form) -> Result<WrittenJson, Problem> {
     let received = Received::read(&mut form, &work, &metrics).await?;
     let resources = Resources::none(&work, Work::LONGEST_WAIT_OF_PLAN);
     let bytes = received.bytes_to_answer(&resources);
@@ -104,7 +106,7 @@ impl Received {
                     received.surface_memory = Some(memory);
                 }
                 Some(PARAMETERS) if received.parameters.is_none() => {
-                    received.parameters = Some(read_small(form, PARAMETERS, LARGEST_PARAMETERS, &mut work.reserve(0)?).await?);
+                    received.parameters = Some(read_small(form, PARAMETERS, LARGEST_PARAMETERS, &mut work.budget().reserve(0)?).await?);
                 }
                 Some(LIBRARY) => received.read_library(form, head.file_name, work).await?,
                 name => received.refuse_part(name),
@@ -114,7 +116,7 @@ impl Received {
     }
 
     async fn read_library(&mut self, form: &mut Form, file_name: Option<String>, work: &Work) -> Result<(), Problem> {
-        let mut memory = work.reserve(0)?;
+        let mut memory = work.budget().reserve(0)?;
         let bytes = read_small(form, LIBRARY, LARGEST_LIBRARY, &mut memory).await?;
         let cancel = CancelOnDrop::default();
         let cancelled = CancelFlag::clone(&cancel);

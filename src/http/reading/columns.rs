@@ -3,10 +3,11 @@
 
 use super::number_array::read_numbers;
 use super::object::describe;
-use super::{Faulted, Faults, JsonPath, each};
+use super::plain::{PlainJson, PlainValue, Unusual};
+use super::{Faulted, Faults, JsonPath};
 use crate::http::codes::RequestFault;
 use crate::json_text::JsonText;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::fmt::Write;
 
 /// A column of values, or an object of columns.
@@ -88,33 +89,47 @@ impl<P> Cells<P> {
 }
 
 /// A value that a column holds for a row.
-pub(crate) trait PlainValue: for<'de> Deserialize<'de> + Serialize + Copy {
+pub(crate) trait CellValue: PlainValue + Serialize {
     /// The value that stands for null. No value in JSON equals it.
     const ABSENT: Self;
 
     fn is_absent(&self) -> bool;
 
-    /// Reads the items of an array faster than the general reader, as [`PlainColumn::read_plain`].
-    fn read_all(_items: &[u8], _most: usize) -> Option<Vec<Self>> {
-        None
+    /// Reads a value or null.
+    #[inline]
+    fn read_item(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
+        if json.takes_null() { Ok(Self::ABSENT) } else { Self::read(json) }
+    }
+
+    /// Reads the items of an array, as [`PlainColumn::read_plain`].
+    fn read_all(items: &[u8], most: usize) -> Option<Vec<Self>> {
+        let (mut json, mut values) = (PlainJson::new(items), Vec::new());
+        while !json.is_at_end() {
+            if values.len() == most || !(values.is_empty() || json.takes(b',')) {
+                return None;
+            }
+            values.push(Self::read_item(&mut json).ok()?);
+        }
+        Some(values)
     }
 }
 
-impl PlainValue for f64 {
+impl CellValue for f64 {
     const ABSENT: Self = Self::NAN;
 
     fn is_absent(&self) -> bool {
         self.is_nan()
     }
 
+    /// Reads the items on all cores.
     fn read_all(items: &[u8], most: usize) -> Option<Vec<Self>> {
         read_numbers(items, most)
     }
 }
 
-impl<const N: usize> PlainValue for [f64; N]
+impl<const N: usize> CellValue for [f64; N]
 where
-    Self: for<'de> Deserialize<'de> + Serialize,
+    Self: Serialize,
 {
     const ABSENT: Self = [f64::NAN; N];
 
@@ -123,14 +138,14 @@ where
     }
 }
 
-impl<P: PlainValue> Cells<P> {
+impl<P: CellValue> Cells<P> {
     /// The value of a row, if it has one of the column's type.
     fn value(&self, index: usize) -> Option<P> {
         self.values.get(index).copied().filter(|value| !value.is_absent())
     }
 }
 
-impl<P: PlainValue> PlainColumn for Cells<P> {
+impl<P: CellValue> PlainColumn for Cells<P> {
     type Plain = P;
 
     fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
@@ -138,38 +153,25 @@ impl<P: PlainValue> PlainColumn for Cells<P> {
         if let Some(cells) = items.and_then(|items| Self::read_plain(items.as_bytes(), most)) {
             return Ok(cells);
         }
+        // This pass finds the items of another type.
         let (mut cells, mut count) = (Self::default(), 0);
-        let read = each(raw, faults, |value: Option<P>| {
+        let stop = || faults.is_cancelled();
+        let read = raw.items(&stop, |item| {
             count += 1;
-            if count <= most {
-                cells.values.push(value.unwrap_or(P::ABSENT));
+            if count > most {
+                return;
             }
+            let value = P::read_item(&mut PlainJson::new(item.get().as_bytes()));
+            if value.is_err() {
+                let text = (cells.faulty.len() < Self::MOST_FAULTY_TEXTS).then(|| item.get().into());
+                cells.faulty.push((count - 1, text));
+            }
+            cells.values.push(value.unwrap_or(P::ABSENT));
         });
-        if read.is_err() {
-            // The pass above stopped at the first item of another type; this pass finds all of them.
-            cells.values.clear();
-            count = 0;
-            let stop = || faults.is_cancelled();
-            let read = raw.items(&stop, |item| {
-                count += 1;
-                if count > most {
-                    return;
-                }
-                let value = serde_json::from_str::<Option<P>>(item.get());
-                if value.is_err() {
-                    let text = (cells.faulty.len() < Self::MOST_FAULTY_TEXTS).then(|| item.get().into());
-                    cells.faulty.push((count - 1, text));
-                }
-                cells.values.push(value.ok().flatten().unwrap_or(P::ABSENT));
-            });
-            read.map_err(|_| {
-                faults.add(
-                    &path,
-                    RequestFault::WrongType,
-                    format_args!("expected an array with an item for each contact, found {}", describe(raw)),
-                )
-            })?;
-        }
+        read.map_err(|_| {
+            let detail = format_args!("expected an array with an item for each contact, found {}", describe(raw));
+            faults.add(&path, RequestFault::WrongType, detail)
+        })?;
         if count > most {
             return Err(faults.add(&path, RequestFault::TooManyItems, format_args!("must have at most {most} items, found {count}")));
         }

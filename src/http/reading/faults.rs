@@ -3,18 +3,21 @@
 use super::JsonPath;
 use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, ProblemFigure, RequestFault};
+use serde::Serialize;
 use std::fmt;
+use utoipa::ToSchema;
 
-/// One fault of a request.
-#[derive(Debug, Clone, PartialEq)]
+/// One fault of an invalid request.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct Fault {
-    /// The location: a JSON pointer into the request.
+    /// The location: a JSON pointer (RFC 6901) into the request; for an uploaded file, `detail` has the line or byte.
+    #[schema(example = "/cutter/corner_radius_mm")]
     pub(crate) pointer: String,
-    /// The code.
     pub(crate) code: FaultCode,
     /// What is wrong and what is expected, for people.
     pub(crate) detail: String,
-    /// Figures in mm that help the caller to correct the request.
+    /// Figures in mm that help the caller to correct the request. A problem with this fault alone has them as members.
+    #[serde(skip)]
     pub(crate) figures: Vec<(ProblemFigure, f64)>,
 }
 

@@ -2,10 +2,10 @@
 
 use super::array::items;
 use super::object::describe;
-use super::{Cells, Components, Faulted, Faults, JsonPath, Kind, PlainKind, not_finite};
+use super::{CellValue, Cells, Components, Faulted, Faults, JsonPath, Kind, PlainKind, not_finite};
 use crate::http::codes::RequestFault;
 use crate::json_text::JsonText;
-use crate::quantity::{Length, OutOfRange};
+use crate::quantity::{Angle, Length, OutOfRange};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -36,6 +36,13 @@ impl Quantity<Length> {
     /// A length in mm.
     pub(crate) const fn length(example: f64) -> Self {
         Self::new(Length::from_mm, example)
+    }
+}
+
+impl Quantity<Angle> {
+    /// A slope in degrees, 0 (floor) to 90 (wall).
+    pub(crate) const fn slope(example: f64) -> Self {
+        Self::new(|degrees| Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?), example)
     }
 }
 
@@ -94,73 +101,77 @@ impl Kind for Whole {
     }
 }
 
-/// A vector of any length except zero.
-pub(crate) struct Vector {
-    pub(crate) example: [f64; 3],
-}
+/// Any finite number.
+pub(crate) struct Number;
 
-impl Kind for Vector {
-    type Value = [f64; 3];
+impl Kind for Number {
+    type Value = f64;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
-        const MOST_COUNTED: usize = 16;
-        let items = items(raw, MOST_COUNTED, path, faults)?;
-        let [x, y, z] = items.as_slice() else {
-            let detail = format_args!("expected three numbers, found {} items", items.len());
-            return Err(faults.add(&path, RequestFault::WrongType, detail));
-        };
-        let [x, y, z] = [(0, x), (1, y), (2, z)].map(|(index, raw)| number(*raw, path.item(index), faults));
-        Ok([x?, y?, z?])
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+        number(raw, path, faults)
     }
 
-    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
-        let component = ObjectBuilder::new().schema_type(Type::Number);
-        let schema = ArrayBuilder::new().items(component).min_items(Some(3)).max_items(Some(3));
-        schema.description(Some(about)).examples([serde_json::json!(self.example)]).into()
+    fn schema(&self, _: &str, _: &mut Components) -> RefOr<Schema> {
+        ObjectBuilder::new().schema_type(Type::Number).into()
     }
 }
 
-impl PlainKind for Vector {
-    type Plain = [f64; 3];
-    type Column = Cells<[f64; 3]>;
+impl PlainKind for Number {
+    type Plain = f64;
+    type Column = Cells<f64>;
 
-    fn accept(&self, plain: [f64; 3]) -> Option<[f64; 3]> {
+    fn accept(&self, plain: f64) -> Option<f64> {
         Some(plain)
     }
 }
 
-/// Two numbers of the same quantity.
-pub(crate) struct Pair {
-    pub(crate) of: Quantity<f64>,
-    pub(crate) example: [f64; 2],
+/// Two or three numbers of the kind `of`.
+pub(crate) struct Tuple<K, const N: usize> {
+    pub(crate) of: K,
+    pub(crate) example: [f64; N],
 }
 
-impl Kind for Pair {
-    type Value = [f64; 2];
+/// A vector of any length except zero.
+pub(crate) type Vector = Tuple<Number, 3>;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 2], Faulted> {
+/// Two numbers of the same quantity.
+pub(crate) type Pair = Tuple<Quantity<f64>, 2>;
+
+impl<K: Kind<Value = f64>, const N: usize> Kind for Tuple<K, N> {
+    type Value = [f64; N];
+
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; N], Faulted> {
         const MOST_COUNTED: usize = 16;
         let items = items(raw, MOST_COUNTED, path, faults)?;
-        let [first, second] = items.as_slice() else {
-            let detail = format_args!("expected two numbers, found {} items", items.len());
+        if items.len() != N {
+            let expected = if N == 2 { "two" } else { "three" };
+            let detail = format_args!("expected {expected} numbers, found {} items", items.len());
             return Err(faults.add(&path, RequestFault::WrongType, detail));
-        };
-        let [first, second] = [(0, first), (1, second)].map(|(index, raw)| self.of.read(*raw, path.item(index), faults));
-        Ok([first?, second?])
+        }
+        // Every item is read, so that all faults are listed.
+        let numbers: [_; N] = std::array::from_fn(|index| self.of.read(items[index], path.item(index), faults));
+        let mut values = [0.0; N];
+        for (value, number) in values.iter_mut().zip(numbers) {
+            *value = number?;
+        }
+        Ok(values)
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        let schema = ArrayBuilder::new().items(self.of.schema("", components)).min_items(Some(2)).max_items(Some(2));
-        schema.description(Some(about)).examples([serde_json::json!(self.example)]).into()
+        let schema = ArrayBuilder::new().items(self.of.schema("", components)).min_items(Some(N)).max_items(Some(N));
+        schema.description(Some(about)).examples([serde_json::json!(self.example.as_slice())]).into()
     }
 }
 
-impl PlainKind for Pair {
-    type Plain = [f64; 2];
-    type Column = Cells<[f64; 2]>;
+impl<K: PlainKind<Value = f64, Plain = f64>, const N: usize> PlainKind for Tuple<K, N>
+where
+    [f64; N]: CellValue,
+{
+    type Plain = [f64; N];
+    type Column = Cells<[f64; N]>;
 
-    fn accept(&self, plain: [f64; 2]) -> Option<[f64; 2]> {
-        Some([self.of.accept(plain[0])?, self.of.accept(plain[1])?])
+    fn accept(&self, plain: [f64; N]) -> Option<[f64; N]> {
+        plain.iter().all(|number| self.of.accept(*number).is_some()).then_some(plain)
     }
 }
 

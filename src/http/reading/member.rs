@@ -1,8 +1,7 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
-use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, PlainColumn};
+use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, PlainColumn, PlainValue};
 use crate::json_text::JsonText;
-use serde::Deserialize;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -31,7 +30,7 @@ pub(crate) trait Kind {
 /// A kind of value that batches read without collecting faults.
 pub(crate) trait PlainKind: Kind {
     /// The value as in JSON.
-    type Plain: for<'de> Deserialize<'de> + Copy;
+    type Plain: PlainValue;
     /// A column of such values.
     type Column: PlainColumn<Plain = Self::Plain> + Sync;
 

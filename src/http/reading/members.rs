@@ -1,8 +1,7 @@
 //! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
 //! of batches.
 
-use super::{Faults, JsonPath, Object, ObjectSchema, PlainColumns, RowText, Rows};
-use serde::de::MapAccess;
+use super::{Columns, Faults, Object, ObjectSchema, Slots};
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
@@ -24,41 +23,13 @@ pub(crate) trait Members: Sized {
 
 /// Members of a contact in a batch, which are read in one pass as long as there is no fault.
 pub(crate) trait PlainMembers: Members {
-    /// The values of the members, each `None` until it is read.
-    type Slots: Default + Copy;
+    /// The values of the members.
+    type Slots: Slots;
     /// A column of values for each member.
-    type Columns: Default;
-
-    /// Reads the value of `name` into its slot. Returns false if no member has this name, and an error for a value of
-    /// another type or a repeated name.
-    fn fill<'de, A: MapAccess<'de>>(slots: &mut Self::Slots, name: &str, map: &mut A) -> Result<bool, A::Error>;
-
-    /// Whether no slot is filled.
-    fn are_absent(slots: &Self::Slots) -> bool;
+    type Columns: Columns<Row = Self::Slots>;
 
     /// The members; `None` if a required one is missing or a value is out of bounds.
     fn accept(slots: Self::Slots) -> Option<Self>;
-
-    /// Reads columns of at most `most` rows from `object`, which may have other members.
-    fn read_columns(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self::Columns;
-
-    /// Whether there are no columns.
-    fn columns_are_absent(columns: &Self::Columns) -> bool;
-
-    /// Takes columns of at most `most` rows from `columns`, which may have others; `None` if one is unusual.
-    fn read_plain_columns(columns: &mut PlainColumns<'_>, most: usize) -> Option<Self::Columns>;
-
-    /// Adds columns of at most `most` rows to a schema; none is required.
-    fn describe_columns(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_>;
-
-    /// Compares the number of rows of all columns of the object at `path`.
-    fn check_rows(columns: &Self::Columns, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
-
-    /// The values of a row; `None` if one is of another type.
-    fn row(columns: &Self::Columns, index: usize) -> Option<Self::Slots>;
-
-    /// Writes a row as members of an object.
-    fn write_row(columns: &Self::Columns, index: usize, row: &mut RowText);
 }
 
 /// An object in one of two forms.
@@ -86,27 +57,31 @@ macro_rules! members {
             $( $vis $field: Result<$crate::http::reading::members!(@value $presence $kind), $crate::http::reading::Faulted>, )*
         }
 
-        impl $crate::http::reading::Members for $name {
-            const NAMES: &'static [&'static str] = &[$( $member.name ),*];
+        const _: () = {
+            use $crate::http::reading::{Faults, Members, Object, ObjectSchema};
 
-            #[allow(unused_variables, reason = "a struct may have no members")]
-            fn read(object: &mut $crate::http::reading::Object<'_, '_>, faults: &mut $crate::http::reading::Faults) -> Self {
-                Self { $( $field: object.$presence(&$member, faults), )* }
-            }
+            impl Members for $name {
+                const NAMES: &'static [&'static str] = &[$( $member.name ),*];
 
-            #[allow(unused_variables, reason = "a struct may have no members")]
-            fn check(object: &mut $crate::http::reading::Object<'_, '_>, faults: &mut $crate::http::reading::Faults) {
-                $( let _ = object.optional(&$member, faults); )*
-            }
+                #[allow(unused_variables, reason = "a struct may have no members")]
+                fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Self {
+                    Self { $( $field: object.$presence(&$member, faults), )* }
+                }
 
-            fn describe(schema: $crate::http::reading::ObjectSchema<'_>) -> $crate::http::reading::ObjectSchema<'_> {
-                schema$( .$presence(&$member) )*
-            }
+                #[allow(unused_variables, reason = "a struct may have no members")]
+                fn check(object: &mut Object<'_, '_>, faults: &mut Faults) {
+                    $( let _ = object.optional(&$member, faults); )*
+                }
 
-            fn describe_form(schema: $crate::http::reading::ObjectSchema<'_>) -> $crate::http::reading::ObjectSchema<'_> {
-                schema$( .optional(&$member) )*
+                fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+                    schema$( .$presence(&$member) )*
+                }
+
+                fn describe_form(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+                    schema$( .optional(&$member) )*
+                }
             }
-        }
+        };
     };
     ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident / $columns:ident {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+
@@ -127,86 +102,89 @@ macro_rules! members {
             $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Column>, )+
         }
 
-        impl $crate::http::reading::PlainMembers for $name {
-            type Slots = $slots;
-            type Columns = $columns;
+        const _: () = {
+            use $crate::http::reading::{
+                Cell, Columns, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, PlainJson, PlainMembers, PlainValue,
+                RowText, Rows, Slots, Unusual,
+            };
 
-            fn fill<'de, A: serde::de::MapAccess<'de>>(slots: &mut $slots, name: &str, map: &mut A) -> Result<bool, A::Error> {
-                $(
-                    if name == $member.name {
-                        if slots.$field.replace(map.next_value()?).is_some() {
-                            return Err(serde::de::Error::duplicate_field($member.name));
+            impl PlainMembers for $name {
+                type Slots = $slots;
+                type Columns = $columns;
+
+                fn accept(slots: $slots) -> Option<Self> {
+                    Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
+                }
+            }
+
+            impl Slots for $slots {
+                #[inline]
+                fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual> {
+                    $(
+                        if name == $member.name {
+                            let earlier = self.$field.replace(PlainValue::read(json)?);
+                            return if earlier.is_none() { Ok(true) } else { Err(Unusual) };
                         }
-                        return Ok(true);
-                    }
-                )+
-                Ok(false)
+                    )+
+                    Ok(false)
+                }
+
+                fn are_absent(&self) -> bool {
+                    $( self.$field.is_none() )&&+
+                }
             }
 
-            fn are_absent(slots: &$slots) -> bool {
-                $( slots.$field.is_none() )&&+
-            }
+            impl Columns for $columns {
+                type Row = $slots;
 
-            fn accept(slots: $slots) -> Option<Self> {
-                Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
-            }
+                fn take(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self {
+                    Self { $( $field: object.column($member.name, most, faults), )+ }
+                }
 
-            fn read_columns(
-                object: &mut $crate::http::reading::Object<'_, '_>,
-                most: usize,
-                faults: &mut $crate::http::reading::Faults,
-            ) -> $columns {
-                $columns { $( $field: object.column($member.name, most, faults), )+ }
-            }
+                fn take_plain(columns: &mut PlainColumns<'_>, most: usize) -> Option<Self> {
+                    Some(Self {
+                        $( $field: match columns.take($member.name) {
+                            Some(items) => Some(PlainColumn::read_plain(items, most)?),
+                            None => None,
+                        }, )+
+                    })
+                }
 
-            fn columns_are_absent(columns: &$columns) -> bool {
-                $( columns.$field.is_none() )&&+
-            }
+                fn describe(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
+                    schema$( .column(&$member, most) )+
+                }
 
-            fn read_plain_columns(columns: &mut $crate::http::reading::PlainColumns<'_>, most: usize) -> Option<$columns> {
-                Some($columns {
-                    $( $field: match columns.take($member.name) {
-                        Some(items) => Some($crate::http::reading::PlainColumn::read_plain(items, most)?),
-                        None => None,
-                    }, )+
-                })
-            }
+                fn are_absent(&self) -> bool {
+                    $( self.$field.is_none() )&&+
+                }
 
-            fn describe_columns(schema: $crate::http::reading::ObjectSchema<'_>, most: usize) -> $crate::http::reading::ObjectSchema<'_> {
-                schema$( .column(&$member, most) )+
-            }
+                fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
+                    $(
+                        if let Some(column) = &self.$field {
+                            PlainColumn::check_rows(column, $member.name, path.member($member.name), rows, faults);
+                        }
+                    )+
+                }
 
-            fn check_rows(
-                columns: &$columns,
-                path: &$crate::http::reading::JsonPath<'_>,
-                rows: &mut $crate::http::reading::Rows,
-                faults: &mut $crate::http::reading::Faults,
-            ) {
-                $(
-                    if let Some(column) = &columns.$field {
-                        $crate::http::reading::PlainColumn::check_rows(column, $member.name, path.member($member.name), rows, faults);
-                    }
-                )+
-            }
+                fn row(&self, index: usize) -> Option<$slots> {
+                    Some($slots {
+                        $( $field: match self.$field.as_ref().map(|column| PlainColumn::get(column, index)) {
+                            Some(Cell::Value(value)) => Some(value),
+                            Some(Cell::Absent) | None => None,
+                            Some(Cell::Faulty) => return None,
+                        }, )+
+                    })
+                }
 
-            fn row(columns: &$columns, index: usize) -> Option<$slots> {
-                Some($slots {
-                    $( $field: match columns.$field.as_ref().map(|column| $crate::http::reading::PlainColumn::get(column, index)) {
-                        Some($crate::http::reading::Cell::Value(value)) => Some(value),
-                        Some($crate::http::reading::Cell::Absent) | None => None,
-                        Some($crate::http::reading::Cell::Faulty) => return None,
-                    }, )+
-                })
+                fn write_row(&self, index: usize, row: &mut RowText) {
+                    $(
+                        if let Some(column) = &self.$field {
+                            PlainColumn::write(column, index, $member.name, row);
+                        }
+                    )+
+                }
             }
-
-            fn write_row(columns: &$columns, index: usize, row: &mut $crate::http::reading::RowText) {
-                $(
-                    if let Some(column) = &columns.$field {
-                        $crate::http::reading::PlainColumn::write(column, index, $member.name, row);
-                    }
-                )+
-            }
-        }
+        };
     };
     (@value required $kind:ty) => { <$kind as $crate::http::reading::Kind>::Value };
     (@value optional $kind:ty) => { Option<<$kind as $crate::http::reading::Kind>::Value> };

@@ -1,5 +1,6 @@
 //! The fast reader of arrays of numbers and nulls. It uses all cores; the syntax need not have been checked.
 
+use super::columns::CellValue;
 use super::plain::{PlainJson, Unusual};
 use memchr::{memchr, memchr_iter};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
@@ -49,15 +50,11 @@ fn read_block(block: &[u8], place: &mut [f64]) -> Result<(), Unusual> {
     let mut json = PlainJson::new(block);
     let (last, others) = place.split_last_mut().ok_or(Unusual)?;
     for value in others {
-        *value = read_item(&mut json)?;
+        *value = f64::read_item(&mut json)?;
         json.expect(b',')?;
     }
-    *last = read_item(&mut json)?;
+    *last = f64::read_item(&mut json)?;
     if json.is_at_end() { Ok(()) } else { Err(Unusual) }
-}
-
-fn read_item(json: &mut PlainJson<'_>) -> Result<f64, Unusual> {
-    if json.takes_null() { Ok(f64::NAN) } else { json.number() }
 }
 
 #[cfg(test)]

@@ -2,10 +2,6 @@
 //! and arrays of numbers. It refuses everything else, valid or not, so that the general reader can find the faults.
 
 use crate::json_text::JsonText;
-use serde::de::value::BorrowedStrDeserializer;
-use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
-use serde::forward_to_deserialize_any;
-use std::fmt;
 
 /// A JSON text and the position up to which it has been read.
 #[derive(Debug, Clone)]
@@ -18,21 +14,39 @@ pub(crate) struct PlainJson<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Unusual;
 
-impl fmt::Display for Unusual {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("not a plain value")
+/// A value that the fast reader reads.
+pub(crate) trait PlainValue: Copy {
+    /// Reads the next value, after blanks.
+    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual>;
+}
+
+impl PlainValue for f64 {
+    #[inline]
+    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
+        json.number()
     }
 }
 
-impl std::error::Error for Unusual {}
-
-impl Error for Unusual {
-    fn custom<T: fmt::Display>(_: T) -> Self {
-        Self
+impl PlainValue for u32 {
+    #[inline]
+    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
+        json.whole_number()
     }
+}
 
-    fn duplicate_field(_: &'static str) -> Self {
-        Self
+impl<T: PlainValue + Default, const N: usize> PlainValue for [T; N] {
+    #[inline]
+    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
+        let mut items = [T::default(); N];
+        json.expect(b'[')?;
+        for (index, item) in items.iter_mut().enumerate() {
+            if index > 0 {
+                json.expect(b',')?;
+            }
+            *item = T::read(json)?;
+        }
+        json.expect(b']')?;
+        Ok(items)
     }
 }
 
@@ -193,84 +207,22 @@ impl<'a> PlainJson<'a> {
         Ok(value)
     }
 
-    /// Whether an item follows in a list that ends with `end`. `is_first` is cleared.
+    /// Reads an object. `take` reads the value of a member, and returns false if it does not know the name.
     #[inline]
-    fn has_item(&mut self, is_first: &mut bool, end: u8) -> Result<bool, Unusual> {
-        if self.takes(end) {
-            return Ok(false);
-        }
-        if !std::mem::take(is_first) {
-            self.expect(b',')?;
-        }
-        Ok(true)
-    }
-}
-
-impl<'de> Deserializer<'de> for &mut PlainJson<'de> {
-    type Error = Unusual;
-
-    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Unusual> {
-        Err(Unusual)
-    }
-
-    #[inline]
-    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unusual> {
-        visitor.visit_f64(self.number()?)
-    }
-
-    #[inline]
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Unusual> {
+    pub(crate) fn object(&mut self, mut take: impl FnMut(&str, &mut Self) -> Result<bool, Unusual>) -> Result<(), Unusual> {
+        let mut is_first = true;
         self.expect(b'{')?;
-        visitor.visit_map(List { json: self, is_first: true })
-    }
-
-    #[inline]
-    fn deserialize_tuple<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Unusual> {
-        self.expect(b'[')?;
-        let value = visitor.visit_seq(List { json: &mut *self, is_first: true })?;
-        self.expect(b']')?;
-        Ok(value)
-    }
-
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 char str string bytes byte_buf option unit unit_struct newtype_struct seq
-        tuple_struct struct enum identifier ignored_any
-    }
-}
-
-/// The members of an object, or the items of an array of known length.
-struct List<'j, 'a> {
-    json: &'j mut PlainJson<'a>,
-    is_first: bool,
-}
-
-impl<'de> MapAccess<'de> for List<'_, 'de> {
-    type Error = Unusual;
-
-    #[inline]
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Unusual> {
-        if !self.json.has_item(&mut self.is_first, b'}')? {
-            return Ok(None);
+        while !self.takes(b'}') {
+            if !std::mem::take(&mut is_first) {
+                self.expect(b',')?;
+            }
+            let name = self.name()?;
+            self.expect(b':')?;
+            if !take(name, self)? {
+                return Err(Unusual);
+            }
         }
-        seed.deserialize(BorrowedStrDeserializer::<Unusual>::new(self.json.name()?)).map(Some)
-    }
-
-    #[inline]
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Unusual> {
-        self.json.expect(b':')?;
-        seed.deserialize(&mut *self.json)
-    }
-}
-
-impl<'de> SeqAccess<'de> for List<'_, 'de> {
-    type Error = Unusual;
-
-    #[inline]
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Unusual> {
-        if !std::mem::take(&mut self.is_first) {
-            self.json.expect(b',')?;
-        }
-        seed.deserialize(&mut *self.json).map(Some)
+        Ok(())
     }
 }
 
@@ -278,7 +230,6 @@ impl<'de> SeqAccess<'de> for List<'_, 'de> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use serde::Deserialize;
 
     /// The number that makes up the whole text.
     fn number(text: &str) -> Option<f64> {
@@ -305,7 +256,7 @@ mod tests {
 
     #[test]
     fn arrays_have_their_length() {
-        let triple = |text: &str| <[f64; 3]>::deserialize(&mut PlainJson::new(text.as_bytes())).ok();
+        let triple = |text: &str| <[f64; 3]>::read(&mut PlainJson::new(text.as_bytes())).ok();
         assert_eq!(triple("[1, -2.5 ,3e1]"), Some([1.0, -2.5, 30.0]));
         for text in ["[1,2]", "[1,2,3,4]", "[1,2,3", "[1,2,]", "[1,,2]", "[,1,2,3]", "1", "[]", "{}", "[1,2,\"3\"]", "[1,2,null]"] {
             assert_eq!(triple(text), None, "{text}");

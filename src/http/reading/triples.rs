@@ -1,7 +1,7 @@
 //! The fast reader of arrays of triples of numbers, such as points. It uses all cores, and needs JSON whose syntax has
 //! been checked.
 
-use super::plain::{PlainJson, Unusual};
+use super::plain::{PlainJson, PlainValue, Unusual};
 use crate::cancellation::CancelFlag;
 use memchr::memchr;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -13,30 +13,10 @@ const BLOCK: usize = 64 * 1024;
 /// time until a cancelled reading ends.
 const BATCH: usize = 16;
 
-/// A number of a triple, parsed from an item of a JSON array.
-pub(crate) trait TripleNumber: Copy + Default + Send {
-    /// Reads the next item; an error if it is not a number of this type in the usual notation.
-    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual>;
-}
-
-impl TripleNumber for f64 {
-    #[inline]
-    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
-        json.number()
-    }
-}
-
-impl TripleNumber for u32 {
-    #[inline]
-    fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
-        json.whole_number()
-    }
-}
-
 /// Reads the array `json`, which must be the text of a JSON value. Its triples are passed to `each` in blocks, on all
 /// cores, and the results of `each` to `take`, in order. Returns `None` if an item is not three finite numbers of type
 /// `N`, or once `cancel` is set; `take` may have been called before.
-pub(crate) fn read_triples<N: TripleNumber, T: Send>(
+pub(crate) fn read_triples<N: PlainValue + Default + Send, T: Send>(
     json: &str,
     cancel: Option<&CancelFlag>,
     each: impl Fn(Vec<[N; 3]>) -> T + Sync,
@@ -70,17 +50,11 @@ fn next_block(items: &str) -> Option<(&str, &str)> {
     if rest.is_empty() { Some((block, rest)) } else { Some((block, rest.strip_prefix(',')?.trim_ascii_start())) }
 }
 
-fn read_block<N: TripleNumber>(block: &str) -> Result<Vec<[N; 3]>, Unusual> {
+fn read_block<N: PlainValue + Default>(block: &str) -> Result<Vec<[N; 3]>, Unusual> {
     let mut triples = Vec::with_capacity(block.len() / 16);
     let mut json = PlainJson::new(block.as_bytes());
     loop {
-        json.expect(b'[')?;
-        let first = N::read(&mut json)?;
-        json.expect(b',')?;
-        let second = N::read(&mut json)?;
-        json.expect(b',')?;
-        triples.push([first, second, N::read(&mut json)?]);
-        json.expect(b']')?;
+        triples.push(PlainValue::read(&mut json)?);
         if json.is_at_end() {
             return Ok(triples);
         }
@@ -93,7 +67,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn read<N: TripleNumber>(json: &str) -> Option<Vec<[N; 3]>> {
+    fn read<N: PlainValue + Default + Send>(json: &str) -> Option<Vec<[N; 3]>> {
         let mut all = Vec::new();
         read_triples(json, None, |triples| triples, |triples| all.extend(triples)).map(|()| all)
     }

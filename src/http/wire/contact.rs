@@ -2,7 +2,7 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Components, Faulted, Faults, Form, JsonPath, Kind, Member, Object, ObjectSchema, PlainMembers, Quantity, Vector, members,
+    Components, Faulted, Faults, Form, JsonPath, Kind, Member, Number, Object, ObjectSchema, PlainMembers, Quantity, Slots, Vector, members,
 };
 use crate::json_text::JsonText;
 use crate::milling::{Contact, ContactError};
@@ -23,11 +23,11 @@ members! {
 members! {
     /// A contact by vectors.
     pub(super) plain struct VectorMembers / VectorSlots / VectorColumns {
-        normal: required NORMAL: Vector = ("normal", Vector { example: [-0.64, 0.0, 0.77] },
+        normal: required NORMAL: Vector = ("normal", Vector { of: Number, example: [-0.64, 0.0, 0.77] },
             "the surface's normal, out of the part, with a length above 0; at most 90 deg from the tool axis"),
-        feed: required FEED: Vector = ("feed", Vector { example: [1.0, 0.0, 0.84] },
+        feed: required FEED: Vector = ("feed", Vector { of: Number, example: [1.0, 0.0, 0.84] },
             "the feed's direction, with a length above 0; only its component in the tangent plane is used"),
-        tool_axis: optional TOOL_AXIS: Vector = ("tool_axis", Vector { example: [0.1, 0.0, 0.99] },
+        tool_axis: optional TOOL_AXIS: Vector = ("tool_axis", Vector { of: Number, example: [0.1, 0.0, 0.99] },
             "the tool axis from the tip to the spindle, with a length above 0; absent = +Z; the slope and the view from above refer to it"),
     }
 }
@@ -108,8 +108,8 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
 }
 
 /// The contact from values read in one pass; `None` if there is a fault.
-pub(super) fn accept(angles: AngleSlots, vectors: VectorSlots) -> Option<StatedContact> {
-    let contact = match (AngleMembers::are_absent(&angles), VectorMembers::are_absent(&vectors)) {
+pub(super) fn accept((angles, vectors): (AngleSlots, VectorSlots)) -> Option<StatedContact> {
+    let contact = match (angles.are_absent(), vectors.are_absent()) {
         (false, true) => AngleMembers::accept(angles)?.contact(),
         (true, false) => VectorMembers::accept(vectors)?.contact(),
         (true, true) | (false, false) => return None,

@@ -1,19 +1,20 @@
 //! The contacts of a batch as an object of columns, which is parsed directly into numbers.
 
-use super::batch_contact::{BatchContact, Slots};
-use super::contact::{self, AngleColumns, AngleMembers, StatedContact, VectorColumns, VectorMembers, VectorSlots};
+use super::batch_contact::{BatchContact, ContactSlots};
+use super::contact::{self, AngleColumns, AngleSlots, StatedContact, VectorColumns, VectorSlots};
 use super::parameters::{ContactParameters, ParameterColumns, StatedParameters};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumns, PlainMembers, RowText, Rows};
+use crate::http::reading::{Columns, Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumns, RowText, Rows};
 use crate::json_text::JsonText;
 use utoipa::openapi::{RefOr, Schema};
+
+/// Columns of the two forms of a contact.
+type FormColumns = (AngleColumns, VectorColumns);
 
 /// Columns of contacts and of their own parameters, all of one length. null means the default.
 #[derive(Debug)]
 pub(crate) struct ContactColumns {
-    angles: AngleColumns,
-    vectors: VectorColumns,
-    parameters: ParameterColumns,
+    columns: (FormColumns, ParameterColumns),
     /// Whether there are columns of vectors and of parameters.
     has_vectors: bool,
     has_parameters: bool,
@@ -32,14 +33,10 @@ impl ContactColumns {
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
-        let angles = AngleMembers::read_columns(&mut object, most, faults);
-        let vectors = VectorMembers::read_columns(&mut object, most, faults);
-        let parameters = ParameterColumns::read(&mut object, stated, most, faults);
+        let columns = (FormColumns::take(&mut object, most, faults), stated.take_columns(&mut object, most, faults));
         object.close(faults)?;
         let mut rows = Rows::default();
-        AngleMembers::check_rows(&angles, &path, &mut rows, faults);
-        VectorMembers::check_rows(&vectors, &path, &mut rows, faults);
-        parameters.check_rows(&path, &mut rows, faults);
+        columns.check_rows(&path, &mut rows, faults);
         if !faults.is_empty() {
             return Err(Faulted);
         }
@@ -47,32 +44,23 @@ impl ContactColumns {
             let detail = "give the columns slope_deg and feed_angle_deg, or normal and feed";
             return Err(faults.add(&path, RequestFault::MissingField, detail));
         };
-        Ok(Self::of_rows(angles, vectors, parameters, first_column, count))
+        Ok(Self::of_rows(columns, first_column, count))
     }
 
     /// Reads columns whose syntax has not been checked. `None` if only the general reader can read them, or if it
     /// finds faults of the columns as a whole.
-    pub(crate) fn read_plain(mut columns: PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
-        let angles = AngleMembers::read_plain_columns(&mut columns, most)?;
-        let vectors = VectorMembers::read_plain_columns(&mut columns, most)?;
-        let parameters = ParameterColumns::read_plain(&mut columns, stated, most)?;
+    pub(crate) fn read_plain(mut given: PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
+        let columns = (FormColumns::take_plain(&mut given, most)?, stated.take_plain_columns(&mut given, most)?);
         let (mut rows, mut faults) = (Rows::default(), Faults::default());
-        AngleMembers::check_rows(&angles, &JsonPath::Root, &mut rows, &mut faults);
-        VectorMembers::check_rows(&vectors, &JsonPath::Root, &mut rows, &mut faults);
-        parameters.check_rows(&JsonPath::Root, &mut rows, &mut faults);
+        columns.check_rows(&JsonPath::Root, &mut rows, &mut faults);
         let (first_column, count) = rows.first()?;
-        (columns.is_empty() && faults.is_empty()).then(|| Self::of_rows(angles, vectors, parameters, first_column, count))
+        (given.is_empty() && faults.is_empty()).then(|| Self::of_rows(columns, first_column, count))
     }
 
-    fn of_rows(
-        angles: AngleColumns,
-        vectors: VectorColumns,
-        parameters: ParameterColumns,
-        first_column: &'static str,
-        count: usize,
-    ) -> Self {
-        let (has_vectors, has_parameters) = (!VectorMembers::columns_are_absent(&vectors), !parameters.are_absent());
-        Self { angles, vectors, parameters, has_vectors, has_parameters, first_column, count }
+    fn of_rows(columns: (FormColumns, ParameterColumns), first_column: &'static str, count: usize) -> Self {
+        let ((_, vectors), parameters) = &columns;
+        let (has_vectors, has_parameters) = (!vectors.are_absent(), !parameters.are_absent());
+        Self { columns, has_vectors, has_parameters, first_column, count }
     }
 
     /// The contact in the row `index`, whose own parameters override `defaults`. `path` is that of the columns.
@@ -100,26 +88,27 @@ impl ContactColumns {
         JsonPath::Row(path, self.first_column, index)
     }
 
-    fn row(&self, index: usize) -> Option<Slots> {
-        let angles = AngleMembers::row(&self.angles, index)?;
-        Some(Slots { angles, vectors: self.vectors_of(index)?, parameters: self.parameters.row(index)? })
+    fn row(&self, index: usize) -> Option<ContactSlots> {
+        Some((self.form(index)?, self.columns.1.row(index)?))
     }
 
     /// The contact of a row without parameters of its own; `None` if there is a fault.
     fn stated_contact(&self, index: usize) -> Option<StatedContact> {
-        contact::accept(AngleMembers::row(&self.angles, index)?, self.vectors_of(index)?)
+        contact::accept(self.form(index)?)
     }
 
-    fn vectors_of(&self, index: usize) -> Option<VectorSlots> {
-        if self.has_vectors { VectorMembers::row(&self.vectors, index) } else { Some(VectorSlots::default()) }
+    /// The angles and vectors of a row.
+    #[inline]
+    fn form(&self, index: usize) -> Option<(AngleSlots, VectorSlots)> {
+        let (angles, vectors) = &self.columns.0;
+        let vectors = if self.has_vectors { vectors.row(index)? } else { VectorSlots::default() };
+        Some((angles.row(index)?, vectors))
     }
 
     /// The row as the JSON of a contact, for the reader that collects faults.
     fn text(&self, index: usize) -> String {
         let mut text = RowText::default();
-        AngleMembers::write_row(&self.angles, index, &mut text);
-        VectorMembers::write_row(&self.vectors, index, &mut text);
-        self.parameters.write_row(index, &mut text);
+        self.columns.write_row(index, &mut text);
         text.written()
     }
 }
@@ -135,7 +124,6 @@ pub(crate) fn contact_columns_schema(stated: StatedParameters, most: usize, comp
     components.refer(name, "", |components| {
         let about =
             "Contacts as columns of one length, by angles or by vectors; null means the value that the request states for all contacts";
-        let schema = VectorMembers::describe_columns(AngleMembers::describe_columns(ObjectSchema::new(about, components), most), most);
-        ParameterColumns::describe(schema, stated, most).build()
+        stated.describe_columns(FormColumns::describe(ObjectSchema::new(about, components), most), most).build()
     })
 }

@@ -2,14 +2,12 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Cell, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainColumn, PlainKind, PlainMembers, Quantity,
-    RowText, Rows, members,
+    Columns, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainKind, PlainMembers, Quantity, Slots,
+    members,
 };
 use crate::json_text::JsonText;
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
-use std::fmt;
 use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -71,9 +69,8 @@ impl CurvatureMembers {
         let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
         match (self.radius, self.curvature) {
             (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
-            (Ok(radius), Ok(None)) => Some(Ok(radius.map(of(SURFACE_RADIUS.name)))),
-            (Ok(None), Ok(curvature)) => Some(Ok(curvature.map(of(SURFACE_CURVATURE.name)))),
-            (Err(faulted), Ok(None)) | (Ok(None), Err(faulted)) => Some(Err(faulted)),
+            (radius, Ok(None)) => Some(radius.map(|stated| stated.map(of(SURFACE_RADIUS.name)))),
+            (Ok(None), curvature) => Some(curvature.map(|stated| stated.map(of(SURFACE_CURVATURE.name)))),
         }
     }
 }
@@ -140,15 +137,15 @@ impl PlainKind for CurvatureKind {
     fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
         components.refer("SurfaceCurvatureColumns", about, |components| {
             let schema = ObjectSchema::new("Columns of curvatures, each contact in one of two forms", components);
-            PrincipalMembers::describe_columns(ComponentMembers::describe_columns(schema, most), most).build()
+            FormColumns::describe(schema, most).build()
         })
     }
 
     fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {
-        let absent = (ComponentMembers::are_absent(&plain.components), PrincipalMembers::are_absent(&plain.principal));
-        let curvature = match absent {
-            (_, true) => ComponentMembers::accept(plain.components)?.curvature(),
-            (true, false) => PrincipalMembers::accept(plain.principal)?.curvature(),
+        let (components, principal) = plain;
+        let curvature = match (components.are_absent(), principal.are_absent()) {
+            (_, true) => ComponentMembers::accept(components)?.curvature(),
+            (true, false) => PrincipalMembers::accept(principal)?.curvature(),
             (false, false) => return None,
         };
         curvature.ok()?.ok()
@@ -156,75 +153,7 @@ impl PlainKind for CurvatureKind {
 }
 
 /// The values of either form in one pass.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct FormSlots {
-    components: ComponentSlots,
-    principal: PrincipalSlots,
-}
-
-impl<'de> Deserialize<'de> for FormSlots {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Fill;
-        impl<'de> Visitor<'de> for Fill {
-            type Value = FormSlots;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<FormSlots, A::Error> {
-                let mut slots = FormSlots::default();
-                while let Some(name) = map.next_key::<&str>()? {
-                    let known = ComponentMembers::fill(&mut slots.components, name, &mut map)?
-                        || PrincipalMembers::fill(&mut slots.principal, name, &mut map)?;
-                    if !known {
-                        return Err(A::Error::custom("unknown member"));
-                    }
-                }
-                Ok(slots)
-            }
-        }
-        deserializer.deserialize_map(Fill)
-    }
-}
+type FormSlots = (ComponentSlots, PrincipalSlots);
 
 /// Columns of curvatures: one object of arrays.
-#[derive(Debug, Default)]
-pub(super) struct FormColumns {
-    components: ComponentColumns,
-    principal: PrincipalColumns,
-}
-
-impl PlainColumn for FormColumns {
-    type Plain = FormSlots;
-
-    fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let components = ComponentMembers::read_columns(&mut object, most, faults);
-        let principal = PrincipalMembers::read_columns(&mut object, most, faults);
-        object.close(faults)?;
-        Ok(Self { components, principal })
-    }
-
-    fn check_rows(&self, _: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
-        ComponentMembers::check_rows(&self.components, &path, rows, faults);
-        PrincipalMembers::check_rows(&self.principal, &path, rows, faults);
-    }
-
-    fn get(&self, index: usize) -> Cell<FormSlots> {
-        let (Some(components), Some(principal)) =
-            (ComponentMembers::row(&self.components, index), PrincipalMembers::row(&self.principal, index))
-        else {
-            return Cell::Faulty;
-        };
-        if ComponentMembers::are_absent(&components) && PrincipalMembers::are_absent(&principal) {
-            return Cell::Absent;
-        }
-        Cell::Value(FormSlots { components, principal })
-    }
-
-    fn write(&self, index: usize, name: &'static str, row: &mut RowText) {
-        let mut object = RowText::default();
-        ComponentMembers::write_row(&self.components, index, &mut object);
-        PrincipalMembers::write_row(&self.principal, index, &mut object);
-        row.object(name, object);
-    }
-}
+type FormColumns = (ComponentColumns, PrincipalColumns);

@@ -88,34 +88,24 @@ pub(crate) struct Figure {
     pub(crate) name: &'static str,
     /// The description for the OpenAPI document.
     about: &'static str,
-    kind: FigureKind,
+    /// The bounds of a number.
+    minimum: f64,
+    maximum: Option<f64>,
     presence: Presence,
     /// The heights from which it is taken.
     pub(crate) heights: Heights,
-    get: Get,
+    pub(crate) get: Get,
 }
 
-/// The function that gives a figure's value; `None` if it has none.
+/// The function that gives a figure's value; `None` if it has none. Words have the schema that lists them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Get {
     Number(fn(&Figures) -> Option<f64>),
-    Word(fn(&Figures) -> Option<&'static str>),
-    Words(fn(&Figures) -> [Option<&'static str>; MOST_WORDS]),
+    Word(fn(&Figures) -> Option<&'static str>, WordsSchema),
+    Words(fn(&Figures) -> [Option<&'static str>; MOST_WORDS], WordsSchema),
 }
 
-/// The type of a figure's values.
-enum FigureKind {
-    /// Numbers of at least 0.
-    Number,
-    /// Numbers from 0 to 1.
-    Share,
-    /// Numbers of at least -1.
-    Deviation,
-    /// Words, with the schema that lists them.
-    Word(fn(&str, &mut Components) -> RefOr<Schema>),
-    /// Lists of such words.
-    Words(fn(&str, &mut Components) -> RefOr<Schema>),
-}
+type WordsSchema = fn(&str, &mut Components) -> RefOr<Schema>;
 
 /// How a single answer represents a figure without a value. The column of a batch has null, as for a contact without an
 /// answer.
@@ -161,9 +151,10 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
         figures.parts.map(|height| height.feed.mm())
     })
     .from(Heights::Parts),
-    Figure::share("feed_share", "the share of the feed height in the scallop height", |figures| {
+    Figure::number("feed_share", "the share of the feed height in the scallop height", |figures| {
         figures.parts.and_then(ScallopHeight::feed_share)
     })
+    .at_most(1.0)
     .from(Heights::Parts)
     .or_absent("if the height is 0"),
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
@@ -187,50 +178,35 @@ pub(crate) const CHECK_FIGURES: &[Figure] = &[
     })
     .from(Heights::Total)
     .only("if columns names it"),
-    Figure {
-        kind: FigureKind::Deviation,
-        ..Figure::number(
-            "deviation",
-            "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
-            |figures| figures.check.and_then(|check| check.deviation),
-        )
-        .from(Heights::Total)
-        .only("if columns names it")
-    },
+    Figure::number(
+        "deviation",
+        "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
+        |figures| figures.check.and_then(|check| check.deviation),
+    )
+    .at_least(-1.0)
+    .from(Heights::Total)
+    .only("if columns names it"),
 ];
 
 impl Figure {
+    /// A figure that every contact with an answer has.
+    pub(crate) const fn new(name: &'static str, about: &'static str, get: Get) -> Self {
+        Self { name, about, minimum: 0.0, maximum: None, presence: Presence::Always, heights: Heights::Unused, get }
+    }
+
     /// A number of at least 0 that every contact with an answer has.
     pub(crate) const fn number(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<f64>) -> Self {
-        let (kind, presence, heights) = (FigureKind::Number, Presence::Always, Heights::Unused);
-        Self { name, about, kind, presence, heights, get: Get::Number(get) }
+        Self::new(name, about, Get::Number(get))
     }
 
-    /// A number from 0 to 1.
-    const fn share(name: &'static str, about: &'static str, get: fn(&Figures) -> Option<f64>) -> Self {
-        Self { kind: FigureKind::Share, ..Self::number(name, about, get) }
+    /// The same number with another lower bound.
+    const fn at_least(self, minimum: f64) -> Self {
+        Self { minimum, ..self }
     }
 
-    /// One of the words that `words` describes.
-    pub(crate) const fn word(
-        name: &'static str,
-        about: &'static str,
-        words: fn(&str, &mut Components) -> RefOr<Schema>,
-        get: fn(&Figures) -> Option<&'static str>,
-    ) -> Self {
-        let (kind, presence, heights) = (FigureKind::Word(words), Presence::Always, Heights::Unused);
-        Self { name, about, kind, presence, heights, get: Get::Word(get) }
-    }
-
-    /// A list of the words that `words` describes.
-    pub(crate) const fn words(
-        name: &'static str,
-        about: &'static str,
-        words: fn(&str, &mut Components) -> RefOr<Schema>,
-        get: fn(&Figures) -> [Option<&'static str>; MOST_WORDS],
-    ) -> Self {
-        let (kind, presence, heights) = (FigureKind::Words(words), Presence::Always, Heights::Unused);
-        Self { name, about, kind, presence, heights, get: Get::Words(get) }
+    /// The same number with an upper bound.
+    const fn at_most(self, maximum: f64) -> Self {
+        Self { maximum: Some(maximum), ..self }
     }
 
     /// The same figure, taken from `heights`.
@@ -253,17 +229,12 @@ impl Figure {
         Self { presence: Presence::Only(place), ..self }
     }
 
-    /// The function that gives the figure's value.
-    pub(crate) fn getter(&self) -> Get {
-        self.get
-    }
-
     /// The figure's value; `None` if it has none.
     pub(crate) fn value(&self, figures: &Figures) -> Option<FigureValue> {
         match self.get {
             Get::Number(get) => get(figures).map(FigureValue::Number),
-            Get::Word(get) => get(figures).map(FigureValue::Word),
-            Get::Words(get) => Some(FigureValue::Words(get(figures))),
+            Get::Word(get, _) => get(figures).map(FigureValue::Word),
+            Get::Words(get, _) => Some(FigureValue::Words(get(figures))),
         }
     }
 
@@ -301,28 +272,22 @@ impl Figure {
 
     fn value_schema(&self, about: &str, is_nullable: bool, components: &mut Components) -> RefOr<Schema> {
         let about = (!about.is_empty()).then_some(about);
-        let number = || {
-            let types = if is_nullable { SchemaType::from_iter([Type::Number, Type::Null]) } else { Type::Number.into() };
-            let number = ObjectBuilder::new().schema_type(types).description(about).minimum(Some(0.0));
-            number.format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)))
-        };
-        match self.kind {
-            FigureKind::Number => number().into(),
-            FigureKind::Deviation => number().minimum(Some(-1.0)).into(),
-            FigureKind::Share => number().maximum(Some(1.0)).into(),
-            FigureKind::Word(words) if is_nullable => {
+        let types = |kind| if is_nullable { SchemaType::from_iter([kind, Type::Null]) } else { kind.into() };
+        match self.get {
+            Get::Number(_) => {
+                let number = ObjectBuilder::new().schema_type(types(Type::Number)).description(about);
+                let number = number.format(Some(SchemaFormat::KnownFormat(KnownFormat::Double)));
+                number.minimum(Some(self.minimum)).maximum(self.maximum).into()
+            }
+            Get::Word(_, words) if is_nullable => {
                 let null = ObjectBuilder::new().schema_type(Type::Null);
                 OneOfBuilder::new().item(words("", components)).item(null).description(about).into()
             }
-            FigureKind::Words(words) => {
-                let list = ArrayBuilder::new().items(words("", components)).max_items(Some(MOST_WORDS));
-                if is_nullable {
-                    list.schema_type(SchemaType::from_iter([Type::Array, Type::Null])).description(about).into()
-                } else {
-                    list.description(about).into()
-                }
+            Get::Word(_, words) => words(about.unwrap_or_default(), components),
+            Get::Words(_, words) => {
+                let list = ArrayBuilder::new().schema_type(types(Type::Array)).items(words("", components));
+                list.max_items(Some(MOST_WORDS)).description(about).into()
             }
-            FigureKind::Word(words) => words(about.unwrap_or_default(), components),
         }
     }
 }

@@ -7,11 +7,10 @@ use super::model::MODEL;
 use super::runout::{RUNOUT, RunoutObject};
 use super::step_over::{self, StepOverColumns, StepOverMembers, StepOverSlots};
 use crate::http::reading::{
-    Choice, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, PlainMembers, Quantity, RowText, Rows, members,
+    Choice, Columns, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, PlainMembers, Quantity, Slots, members,
 };
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
-use serde::de::MapAccess;
 
 /// The tolerance of the calculations that have one.
 pub(crate) const TOLERANCE: Member<Quantity<Length>> =
@@ -38,10 +37,6 @@ impl SharedParameters {
     pub(crate) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let SharedMembers { cutter, runout, model } = SharedMembers::read(object, faults);
         Ok(Self { tool: cutter?, runout: runout?.unwrap_or(Runout::NONE), model: model?.unwrap_or_default() })
-    }
-
-    pub(crate) fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
-        schema.with::<SharedMembers>()
     }
 }
 
@@ -88,20 +83,16 @@ impl ContactParameters {
     }
 
     fn accept_stated(slots: ParameterSlots, stated: StatedParameters) -> Option<Self> {
-        let ParameterSlots { step_over, feed, curvature } = slots;
-        let unknown =
-            !(stated.step_over || StepOverMembers::are_absent(&step_over)) || !(stated.feed_per_tooth || FeedMembers::are_absent(&feed));
-        if unknown {
+        let ((step_over, feed), curvature) = slots;
+        let is_known = (stated.step_over || step_over.are_absent()) && (stated.feed_per_tooth || feed.are_absent());
+        if !is_known {
             return None;
         }
-        let step_over = match StepOverMembers::accept(step_over)? {
-            StepOverMembers { along_surface: Ok(None), seen_from_above: Ok(None) } => None,
-            StepOverMembers { along_surface: Ok(Some(s)), seen_from_above: Ok(None) } => Some(StepOver::AlongSurface(s)),
-            StepOverMembers { along_surface: Ok(None), seen_from_above: Ok(Some(d)) } => Some(StepOver::SeenFromAbove(d)),
-            StepOverMembers { .. } => return None,
-        };
-        let feed_per_tooth = FeedMembers::accept(feed)?.feed_per_tooth;
-        Some(Self { step_over: Ok(step_over), feed_per_tooth, curvature: CurvatureMembers::accept(curvature)?.stated()? })
+        Some(Self {
+            step_over: StepOverMembers::accept(step_over)?.stated()?,
+            feed_per_tooth: FeedMembers::accept(feed)?.feed_per_tooth,
+            curvature: CurvatureMembers::accept(curvature)?.stated()?,
+        })
     }
 
     /// These parameters, with those of `others` in place of absent ones.
@@ -147,86 +138,30 @@ impl ContactParameters {
 }
 
 /// The values of a contact's parameters.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct ParameterSlots {
-    step_over: StepOverSlots,
-    feed: FeedSlots,
-    curvature: CurvatureSlots,
-}
-
-impl ParameterSlots {
-    #[inline]
-    fn are_absent(&self) -> bool {
-        StepOverMembers::are_absent(&self.step_over) && FeedMembers::are_absent(&self.feed) && CurvatureMembers::are_absent(&self.curvature)
-    }
-
-    /// Reads the value of `name` into its slot. False if no parameter has this name.
-    pub(super) fn fill<'de, A: MapAccess<'de>>(&mut self, name: &str, map: &mut A) -> Result<bool, A::Error> {
-        Ok(StepOverMembers::fill(&mut self.step_over, name, map)?
-            || FeedMembers::fill(&mut self.feed, name, map)?
-            || CurvatureMembers::fill(&mut self.curvature, name, map)?)
-    }
-}
+pub(super) type ParameterSlots = ((StepOverSlots, FeedSlots), CurvatureSlots);
 
 /// Columns of the parameters of contacts.
-#[derive(Debug, Default)]
-pub(super) struct ParameterColumns {
-    step_over: StepOverColumns,
-    feed: FeedColumns,
-    curvature: CurvatureColumns,
-}
+pub(super) type ParameterColumns = ((StepOverColumns, FeedColumns), CurvatureColumns);
 
-impl ParameterColumns {
-    /// Reads from `object` the columns of the parameters that `stated` allows.
-    pub(super) fn read(object: &mut Object<'_, '_>, stated: StatedParameters, most: usize, faults: &mut Faults) -> Self {
-        Self {
-            step_over: if stated.step_over { StepOverMembers::read_columns(object, most, faults) } else { StepOverColumns::default() },
-            feed: if stated.feed_per_tooth { FeedMembers::read_columns(object, most, faults) } else { FeedColumns::default() },
-            curvature: CurvatureMembers::read_columns(object, most, faults),
-        }
+impl StatedParameters {
+    /// Takes from `object` the columns of these parameters.
+    pub(super) fn take_columns(self, object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> ParameterColumns {
+        let step_over = if self.step_over { Columns::take(object, most, faults) } else { StepOverColumns::default() };
+        let feed = if self.feed_per_tooth { Columns::take(object, most, faults) } else { FeedColumns::default() };
+        ((step_over, feed), Columns::take(object, most, faults))
     }
 
-    /// Takes from `columns` those of the parameters that `stated` allows; `None` if one is unusual.
-    pub(super) fn read_plain(columns: &mut PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
-        Some(Self {
-            step_over: if stated.step_over { StepOverMembers::read_plain_columns(columns, most)? } else { StepOverColumns::default() },
-            feed: if stated.feed_per_tooth { FeedMembers::read_plain_columns(columns, most)? } else { FeedColumns::default() },
-            curvature: CurvatureMembers::read_plain_columns(columns, most)?,
-        })
+    /// Takes from `columns` those of these parameters; `None` if one is unusual.
+    pub(super) fn take_plain_columns(self, columns: &mut PlainColumns<'_>, most: usize) -> Option<ParameterColumns> {
+        let step_over = if self.step_over { Columns::take_plain(columns, most)? } else { StepOverColumns::default() };
+        let feed = if self.feed_per_tooth { Columns::take_plain(columns, most)? } else { FeedColumns::default() };
+        Some(((step_over, feed), Columns::take_plain(columns, most)?))
     }
 
-    pub(super) fn describe(schema: ObjectSchema<'_>, stated: StatedParameters, most: usize) -> ObjectSchema<'_> {
-        let schema = if stated.step_over { StepOverMembers::describe_columns(schema, most) } else { schema };
-        let schema = if stated.feed_per_tooth { FeedMembers::describe_columns(schema, most) } else { schema };
-        CurvatureMembers::describe_columns(schema, most)
-    }
-
-    pub(super) fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
-        StepOverMembers::check_rows(&self.step_over, path, rows, faults);
-        FeedMembers::check_rows(&self.feed, path, rows, faults);
-        CurvatureMembers::check_rows(&self.curvature, path, rows, faults);
-    }
-
-    /// Whether there are no columns.
-    pub(super) fn are_absent(&self) -> bool {
-        StepOverMembers::columns_are_absent(&self.step_over)
-            && FeedMembers::columns_are_absent(&self.feed)
-            && CurvatureMembers::columns_are_absent(&self.curvature)
-    }
-
-    /// The values of a row; `None` if one is of another type.
-    pub(super) fn row(&self, index: usize) -> Option<ParameterSlots> {
-        Some(ParameterSlots {
-            step_over: StepOverMembers::row(&self.step_over, index)?,
-            feed: FeedMembers::row(&self.feed, index)?,
-            curvature: CurvatureMembers::row(&self.curvature, index)?,
-        })
-    }
-
-    /// Writes a row as members of an object.
-    pub(super) fn write_row(&self, index: usize, row: &mut RowText) {
-        StepOverMembers::write_row(&self.step_over, index, row);
-        FeedMembers::write_row(&self.feed, index, row);
-        CurvatureMembers::write_row(&self.curvature, index, row);
+    /// Adds columns of these parameters to a schema.
+    pub(super) fn describe_columns(self, schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
+        let schema = if self.step_over { StepOverColumns::describe(schema, most) } else { schema };
+        let schema = if self.feed_per_tooth { FeedColumns::describe(schema, most) } else { schema };
+        CurvatureColumns::describe(schema, most)
     }
 }

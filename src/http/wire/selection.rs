@@ -2,11 +2,9 @@
 
 use super::points::{point, point_schema};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{
-    Components, Faulted, Faults, JsonPath, Kind, List, Member, Members, Object, ObjectSchema, Quantity, Whole, WireObject, members,
-};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, List, Member, Quantity, Whole, WireObject, members};
 use crate::json_text::JsonText;
-use crate::quantity::{Angle, OutOfRange};
+use crate::quantity::Angle;
 use crate::surface::mesh::{Selection, SelectionError};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -20,15 +18,11 @@ pub(crate) const SELECT: Member<SelectKind> = Member {
 /// The member of `select` that lists pieces. The fault of an unknown piece points to it.
 pub(crate) const PIECES_NAME: &str = PIECES.name;
 
-fn slope(degrees: f64) -> Result<Angle, OutOfRange> {
-    Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?)
-}
-
 members! {
     /// The members of a selection.
     pub(crate) struct SelectionMembers {
         slopes: optional SLOPES: List<Quantity<Angle>> = ("slope_deg",
-            List { item: Quantity::new(slope, 60.0), about_item: "an angle from the horizontal", fewest: 2, most: 2 },
+            List { item: Quantity::slope(60.0), about_item: "an angle from the horizontal", fewest: 2, most: 2 },
             "the smallest and the largest slope"),
         bounds: optional BOX: BoxKind = ("box_mm", BoxKind, "a box in which the centroid of a facet must lie"),
         pieces: optional PIECES: List<Whole> = ("pieces",
@@ -78,18 +72,14 @@ members! {
     }
 }
 
-impl Kind for BoxKind {
+impl WireObject for BoxKind {
+    const NAME: &'static str = "Box";
+    const ABOUT: &'static str = "A box by two corners";
+    type Members = Corners;
     type Value = [[f64; 3]; 2];
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let Corners { min, max } = Corners::read(&mut object, faults);
-        object.close(faults)?;
-        Ok([min?, max?])
-    }
-
-    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer("Box", about, |components| ObjectSchema::new("A box by two corners", components).with::<Corners>().build())
+    fn build(members: Corners, _: &JsonPath<'_>, _: &mut Faults) -> Result<[[f64; 3]; 2], Faulted> {
+        Ok([members.min?, members.max?])
     }
 }
 

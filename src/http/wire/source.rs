@@ -3,7 +3,7 @@
 use super::Warning;
 use super::unit::unit_name;
 use crate::cancellation::CancelFlag;
-use crate::http::codes::{FileFault, RequestFault, WarningCode};
+use crate::http::codes::{FileFault, RequestFault, WarningCode, same_names};
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::surface::read::{Format, MostOfPush, Notes, Summary};
 use crate::surface::{Basis, MeshBuilder, MeshPart, PartedSink, SampledSurface, Shape, Sink, Unit};
@@ -43,31 +43,23 @@ pub(crate) enum Source {
     ThreeMf,
 }
 
-impl From<Format> for Source {
-    fn from(format: Format) -> Self {
-        match format {
-            Format::Text => Self::Text,
-            Format::StlAscii => Self::StlAscii,
-            Format::StlBinary => Self::StlBinary,
-            Format::Obj => Self::Obj,
-            Format::PlyAscii => Self::PlyAscii,
-            Format::PlyLittleEndian => Self::PlyLittleEndian,
-            Format::PlyBigEndian => Self::PlyBigEndian,
-            Format::Pcd => Self::Pcd,
-            Format::ThreeMf => Self::ThreeMf,
-        }
-    }
-}
+same_names!(Format => Source: Text, StlAscii, StlBinary, Obj, PlyAscii, PlyLittleEndian, PlyBigEndian, Pcd, ThreeMf);
 
 /// The largest number of facets of a surface; more are merged on a raster.
 const MOST_FACETS: usize = 500_000;
 
-/// A surface that is being received: the sums for its shape, and its facets.
-#[derive(Debug)]
-pub(crate) struct ReceivedSurface {
+/// A surface or a part of one that is being received: the sums for its shape, and its facets in `M`.
+#[derive(Debug, Default)]
+pub(crate) struct Received<M> {
     pub(crate) sampled: SampledSurface,
-    pub(crate) mesh: MeshBuilder,
+    pub(crate) mesh: M,
 }
+
+/// A whole surface.
+pub(crate) type ReceivedSurface = Received<MeshBuilder>;
+
+/// A part of a surface, which one thread fills.
+pub(crate) type ReceivedPart = Received<MeshPart>;
 
 impl ReceivedSurface {
     pub(crate) fn new() -> Self {
@@ -96,7 +88,7 @@ impl ReceivedSurface {
     }
 }
 
-impl Sink for ReceivedSurface {
+impl<M: Sink> Sink for Received<M> {
     fn point(&mut self, point: [f64; 3]) {
         self.sampled.point(point);
         self.mesh.point(point);
@@ -123,25 +115,6 @@ impl PartedSink for ReceivedSurface {
     fn append(&mut self, part: ReceivedPart) {
         self.sampled.merge(&part.sampled);
         self.mesh.append(part.mesh);
-    }
-}
-
-/// A part of a surface, which one thread fills.
-#[derive(Debug, Default)]
-pub(crate) struct ReceivedPart {
-    sampled: SampledSurface,
-    mesh: MeshPart,
-}
-
-impl Sink for ReceivedPart {
-    fn point(&mut self, point: [f64; 3]) {
-        self.sampled.point(point);
-        self.mesh.point(point);
-    }
-
-    fn facet(&mut self, corners: [[f64; 3]; 3]) {
-        self.sampled.facet(corners);
-        self.mesh.facet(corners);
     }
 }
 

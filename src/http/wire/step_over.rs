@@ -18,13 +18,19 @@ members! {
 impl StepOverMembers {
     /// The step-over, if one is given.
     pub(super) fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
-        let is_given = |stated: &Result<Option<Length>, Faulted>| !matches!(stated, Ok(None));
-        if is_given(&self.along_surface) && is_given(&self.seen_from_above) {
+        self.stated().unwrap_or_else(|| {
             let detail = "give step_over_mm or step_over_xy_mm, not both";
-            return Err(faults.add(&path.member(STEP_OVER_XY.name), RequestFault::ConflictingFields, detail));
+            Err(faults.add(&path.member(STEP_OVER_XY.name), RequestFault::ConflictingFields, detail))
+        })
+    }
+
+    /// The step-over, if one is given; `None` if both members are.
+    pub(super) fn stated(self) -> Option<Result<Option<StepOver>, Faulted>> {
+        match (self.along_surface, self.seen_from_above) {
+            (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
+            (along_surface, Ok(None)) => Some(along_surface.map(|stated| stated.map(StepOver::AlongSurface))),
+            (Ok(None), seen_from_above) => Some(seen_from_above.map(|stated| stated.map(StepOver::SeenFromAbove))),
         }
-        let along_surface = self.along_surface?.map(StepOver::AlongSurface);
-        Ok(along_surface.or(self.seen_from_above?.map(StepOver::SeenFromAbove)))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Warnings of an answer.
 
-use crate::http::codes::WarningCode;
+use crate::http::codes::{WarningCode, same_names};
 use crate::milling::ModelWarning;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -27,21 +27,13 @@ impl Warning {
     }
 }
 
-/// The code of a model warning.
-pub(crate) fn warning_code(warning: ModelWarning) -> WarningCode {
-    match warning {
-        ModelWarning::RunoutNotSmall { .. } => WarningCode::RunoutNotSmall,
-        ModelWarning::StepOverWide { .. } => WarningCode::StepOverWide,
-        ModelWarning::FeedPerToothLong { .. } => WarningCode::FeedPerToothLong,
-        ModelWarning::EffectiveRadiusBeyondCutter { .. } => WarningCode::EffectiveRadiusBeyondCutter,
-        ModelWarning::SharpMarks => WarningCode::SharpMarks,
-        ModelWarning::CurvatureApproximate => WarningCode::CurvatureApproximate,
-        ModelWarning::NearGouging { .. } => WarningCode::NearGouging,
-    }
+same_names! {
+    ModelWarning => WarningCode:
+    RunoutNotSmall, StepOverWide, FeedPerToothLong, EffectiveRadiusBeyondCutter, SharpMarks, CurvatureApproximate, NearGouging,
 }
 
 impl From<ModelWarning> for Warning {
     fn from(warning: ModelWarning) -> Self {
-        Self::new(warning_code(warning), warning.to_string())
+        Self::new(warning.into(), warning.to_string())
     }
 }

@@ -10,7 +10,7 @@ pub use evidence::Evidence;
 
 use super::{CriticalSlope, InclinedRectangle, Job, Plan};
 use crate::motion::TravelCase;
-use crate::planning::Level;
+use crate::planning::{Confidence, Level, Reason};
 use crate::quantity::Time;
 use crate::surface::Shape;
 use std::fmt;
@@ -85,20 +85,7 @@ pub enum Weakness {
     SimulationPrefersOther,
 }
 
-/// A weakness of the method on a surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reason {
-    /// The weakness.
-    pub weakness: Weakness,
-    /// The level to which it lowers the confidence.
-    pub level: Level,
-    /// The figure on which it is based, in the unit that the weakness states.
-    pub figure: f64,
-    /// The threshold that the figure crossed.
-    pub threshold: f64,
-}
-
-impl fmt::Display for Reason {
+impl fmt::Display for Reason<Weakness> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { figure, threshold, .. } = self;
         match self.weakness {
@@ -182,35 +169,11 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The confidence in a recommendation, with the reasons that lower it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Confidence {
-    level: Level,
-    reasons: Vec<Reason>,
-}
-
-impl Confidence {
-    /// The level: the lowest of the reasons' levels, high if there are none.
-    #[must_use]
-    pub fn level(&self) -> Level {
-        self.level
-    }
-
-    /// The reasons why the level is not high, the gravest first.
-    #[must_use]
-    pub fn reasons(&self) -> &[Reason] {
-        &self.reasons
-    }
-
+impl Confidence<Weakness> {
     /// The confidence in a plan for a surface of this shape.
     pub(super) fn in_plan(plan: &Plan, job: &Job, rectangle: InclinedRectangle, shape: &Shape) -> Self {
         let found = [of_directions(shape), of_form(shape), of_decision(plan, shape), of_assumptions(plan, job, rectangle)];
         Self::from_reasons(found.into_iter().flatten().collect())
-    }
-
-    fn from_reasons(mut reasons: Vec<Reason>) -> Self {
-        reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));
-        Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons }
     }
 
     /// The confidence in the equivalent rectangle of a surface of this shape, if the cutters are not exactly one
@@ -219,54 +182,42 @@ impl Confidence {
     pub fn of_shape(shape: &Shape, times: &[Time]) -> Self {
         let mut reasons = [of_directions(shape), of_form(shape)].concat();
         if let [first, second, ..] = times {
-            reasons.extend(under(Weakness::TimesNearlyEqual, 1.0 - first.seconds() / second.seconds(), 0.05, 0.05));
+            reasons.extend(Reason::under(Weakness::TimesNearlyEqual, 1.0 - first.seconds() / second.seconds(), 0.05, 0.05));
         }
         Self::from_reasons(reasons)
     }
 }
 
-/// The reason for a figure below the threshold `moderate`, or below the lower threshold `low`.
-fn under(weakness: Weakness, figure: f64, moderate: f64, low: f64) -> Option<Reason> {
-    let (level, threshold) = if figure < low { (Level::Low, low) } else { (Level::Moderate, moderate) };
-    (figure < moderate).then_some(Reason { weakness, level, figure, threshold })
-}
-
-/// The reason for a figure above the threshold `moderate`, or above the higher threshold `low`.
-fn over(weakness: Weakness, figure: f64, moderate: f64, low: f64) -> Option<Reason> {
-    let (level, threshold) = if figure > low { (Level::Low, low) } else { (Level::Moderate, moderate) };
-    (figure > moderate).then_some(Reason { weakness, level, figure, threshold })
-}
-
 /// A threshold that no figure crosses, for a weakness with only one level.
 const NEVER_LOW: f64 = f64::NEG_INFINITY;
 
-fn of_directions(shape: &Shape) -> Vec<Reason> {
+fn of_directions(shape: &Shape) -> Vec<Reason<Weakness>> {
     let mut reasons = Vec::new();
     let (mu, slope) = (shape.form_factor.ratio(), shape.slope.degrees());
     if shape.principal_direction.is_none() {
         reasons.push(Reason { weakness: Weakness::NoPrincipalDirection, level: Level::Low, figure: mu, threshold: 1.0 });
     } else {
-        reasons.extend(under(Weakness::FormFactorNearOne, mu, 1.1, NEVER_LOW));
+        reasons.extend(Reason::under(Weakness::FormFactorNearOne, mu, 1.1, NEVER_LOW));
     }
     let no_slope = if shape.steepest_direction.is_none() { 1.0 } else { 0.2 };
-    reasons.extend(under(Weakness::SlopeNearZero, slope, 1.0, no_slope));
+    reasons.extend(Reason::under(Weakness::SlopeNearZero, slope, 1.0, no_slope));
     if let Some(gap) = shape.direction_gap {
-        reasons.extend(under(Weakness::DirectionsNotPerpendicular, gap.degrees(), 75.0, 55.0));
+        reasons.extend(Reason::under(Weakness::DirectionsNotPerpendicular, gap.degrees(), 75.0, 55.0));
     }
     reasons
 }
 
-fn of_form(shape: &Shape) -> Vec<Reason> {
-    over(Weakness::NotFlat, shape.flatness, 0.15, 0.23).into_iter().collect()
+fn of_form(shape: &Shape) -> Vec<Reason<Weakness>> {
+    Reason::over(Weakness::NotFlat, shape.flatness, 0.15, 0.23).into_iter().collect()
 }
 
-fn of_decision(plan: &Plan, shape: &Shape) -> Vec<Reason> {
+fn of_decision(plan: &Plan, shape: &Shape) -> Vec<Reason<Weakness>> {
     let mut reasons = Vec::new();
     let (one, other) = (plan.toroidal.zigzag.time.seconds(), plan.ball_end.zigzag.time.seconds());
-    reasons.extend(under(Weakness::TimesNearlyEqual, (one - other).abs() / one.max(other), 0.05, 0.05));
+    reasons.extend(Reason::under(Weakness::TimesNearlyEqual, (one - other).abs() / one.max(other), 0.05, 0.05));
     if let CriticalSlope::At(critical) = plan.critical_slope {
         let (slope, critical_degrees) = (shape.slope.degrees(), critical.degrees());
-        reasons.extend(under(Weakness::SlopeNearCritical, (slope - critical_degrees).abs(), 8.0, NEVER_LOW));
+        reasons.extend(Reason::under(Weakness::SlopeNearCritical, (slope - critical_degrees).abs(), 8.0, NEVER_LOW));
         let favours = |slope| plan.critical_slope.favours_toroidal(slope);
         if let Some(mean) = shape.mean_slope.filter(|&mean| favours(mean) != favours(shape.slope)) {
             let (figure, threshold) = (mean.degrees(), critical_degrees);
@@ -276,7 +227,7 @@ fn of_decision(plan: &Plan, shape: &Shape) -> Vec<Reason> {
     reasons
 }
 
-fn of_assumptions(plan: &Plan, job: &Job, rectangle: InclinedRectangle) -> Vec<Reason> {
+fn of_assumptions(plan: &Plan, job: &Job, rectangle: InclinedRectangle) -> Vec<Reason<Weakness>> {
     let (machine, toroidal, ball_end) = (job.machine(), plan.toroidal.zigzag, plan.ball_end.zigzag);
     let mut reasons = Vec::new();
     let reach = machine.shortest_at_feed_rate().mm();
@@ -290,9 +241,9 @@ fn of_assumptions(plan: &Plan, job: &Job, rectangle: InclinedRectangle) -> Vec<R
         reasons.push(Reason { weakness: Weakness::LongSteps, level: Level::Moderate, figure: larger.mm(), threshold });
     }
     let diameter = 2.0 * job.toroidal().outer_radius().mm();
-    reasons.extend(over(Weakness::StepOverExceedsCutter, toroidal.step_over.mm(), diameter, diameter));
-    reasons.extend(under(Weakness::SmallSurface, rectangle.characteristic_size().mm2(), 100.0, NEVER_LOW));
-    reasons.extend(under(Weakness::FewPasses, toroidal.passes.min(ball_end.passes), 20.0, 5.0));
+    reasons.extend(Reason::over(Weakness::StepOverExceedsCutter, toroidal.step_over.mm(), diameter, diameter));
+    reasons.extend(Reason::under(Weakness::SmallSurface, rectangle.characteristic_size().mm2(), 100.0, NEVER_LOW));
+    reasons.extend(Reason::under(Weakness::FewPasses, toroidal.passes.min(ball_end.passes), 20.0, 5.0));
     reasons
 }
 

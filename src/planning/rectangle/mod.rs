@@ -15,7 +15,7 @@ mod job;
 mod recommendation;
 
 pub use any_cutter::{RectanglePlan, plan_on_rectangle};
-pub use confidence::{Confidence, Evidence, Reason, Weakness};
+pub use confidence::{Evidence, Weakness};
 pub use critical::{CriticalFormFactor, CriticalSlope, critical_form_factor, critical_slope};
 pub use inclined::{HeightExceedsWidth, InclinedRectangle, Zigzag};
 pub use job::{Job, JobError};

@@ -1,7 +1,8 @@
 //! The recommendation by method `rectangle`: the faster of two cutters, its direction, and both plans.
 
-use super::{Confidence, CriticalFormFactor, CriticalSlope, InclinedRectangle, Job, Zigzag, critical_form_factor, critical_slope};
+use super::{CriticalFormFactor, CriticalSlope, InclinedRectangle, Job, Weakness, Zigzag, critical_form_factor, critical_slope};
 use crate::milling::NoAnswer;
+use crate::planning::Confidence;
 use crate::quantity::{Angle, OutOfRange};
 use crate::surface::Shape;
 use std::fmt;
@@ -60,7 +61,7 @@ pub struct Recommendation {
     /// Both candidates, with directions.
     pub plan: Plan,
     /// The confidence in the recommendation.
-    pub confidence: Confidence,
+    pub confidence: Confidence<Weakness>,
 }
 
 /// The reason why there is no plan.

@@ -2,7 +2,7 @@
 
 use super::plan::ZigzagPlan;
 use super::workpiece::SurfaceFigures;
-use crate::planning::Level;
+use crate::planning::{Confidence, Level, Reason};
 use crate::quantity::Length;
 use std::fmt;
 
@@ -51,20 +51,7 @@ pub enum SurfaceWeakness {
     OverTolerance,
 }
 
-/// A weakness of the plans, with its figure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceReason {
-    /// The weakness.
-    pub weakness: SurfaceWeakness,
-    /// The level to which it lowers the confidence.
-    pub level: Level,
-    /// The figure on which it is based.
-    pub figure: f64,
-    /// The threshold that the figure crosses.
-    pub threshold: f64,
-}
-
-impl fmt::Display for SurfaceReason {
+impl fmt::Display for Reason<SurfaceWeakness> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { figure, threshold, .. } = self;
         match self.weakness {
@@ -99,26 +86,7 @@ impl fmt::Display for SurfaceReason {
     }
 }
 
-/// The confidence in the order of simulated plans, with the reasons that lower it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SurfaceConfidence {
-    level: Level,
-    reasons: Vec<SurfaceReason>,
-}
-
-impl SurfaceConfidence {
-    /// The level: the lowest of the reasons' levels, high if there are none.
-    #[must_use]
-    pub fn level(&self) -> Level {
-        self.level
-    }
-
-    /// The reasons why the level is not high, the gravest first.
-    #[must_use]
-    pub fn reasons(&self) -> &[SurfaceReason] {
-        &self.reasons
-    }
-
+impl Confidence<SurfaceWeakness> {
     /// The confidence in plans that are sorted by time; `None` without a plan.
     pub(super) fn of(plans: &[ZigzagPlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
         let best = plans.first()?;
@@ -126,7 +94,7 @@ impl SurfaceConfidence {
         if let Some(next) = plans.get(1) {
             let lead = 1.0 - best.time.seconds() / next.time.seconds();
             if lead < 0.02 {
-                reasons.push(SurfaceReason { weakness: SurfaceWeakness::SmallLead, level: Level::Moderate, figure: lead, threshold: 0.02 });
+                reasons.push(Reason { weakness: SurfaceWeakness::SmallLead, level: Level::Moderate, figure: lead, threshold: 0.02 });
             }
         }
         let size = surface.facet_size.mm() / best.step_over.median.mm();
@@ -134,21 +102,14 @@ impl SurfaceConfidence {
         let pieces = evidence.pieces as f64;
         let sagittas = surface.sagitta.mm() / scallop_height.mm();
         if sagittas > 0.1 {
-            reasons.extend(over(SurfaceWeakness::CoarseTessellation, size, 2.0, if sagittas > 1.0 { 8.0 } else { f64::INFINITY }));
+            reasons.extend(Reason::over(SurfaceWeakness::CoarseTessellation, size, 2.0, if sagittas > 1.0 { 8.0 } else { f64::INFINITY }));
         }
-        reasons.extend(over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
-        reasons.extend(over(SurfaceWeakness::HiddenArea, 1.0 - evidence.visible_area_share, 0.02, 0.2));
-        reasons.extend(over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
-        reasons.extend(over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, 1.0 - evidence.visible_area_share, 0.02, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
+        reasons.extend(Reason::over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
         let scallop = best.scallop_height;
-        reasons.extend(over(SurfaceWeakness::OverTolerance, scallop.far_over_share + scallop.without_height_share, 0.001, 0.1));
-        reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));
-        Some(Self { level: reasons.first().map_or(Level::High, |reason| reason.level), reasons })
+        reasons.extend(Reason::over(SurfaceWeakness::OverTolerance, scallop.far_over_share + scallop.without_height_share, 0.001, 0.1));
+        Some(Self::from_reasons(reasons))
     }
-}
-
-/// The reason for a figure above the threshold `moderate`, or above the higher threshold `low`.
-fn over(weakness: SurfaceWeakness, figure: f64, moderate: f64, low: f64) -> Option<SurfaceReason> {
-    let (level, threshold) = if figure > low { (Level::Low, low) } else { (Level::Moderate, moderate) };
-    (figure > moderate).then_some(SurfaceReason { weakness, level, figure, threshold })
 }

@@ -45,7 +45,7 @@ mod workpiece;
 
 pub use candidate::{CandidateCutter, Drive, ReachFigures};
 pub use check::ScallopFigures;
-pub use confidence::{SurfaceConfidence, SurfaceEvidence, SurfaceReason, SurfaceWeakness};
+pub use confidence::{SurfaceEvidence, SurfaceWeakness};
 pub use heights::heights;
 pub use passes::{PassPoint, Passes, TooManyPoints, bytes_of_passes, passes, passes_until};
 pub use plan::{NotRanked, NotRankedReason, SpacingFigures, ZigzagPlan};

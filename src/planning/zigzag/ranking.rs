@@ -2,7 +2,7 @@
 
 use super::candidate::CandidateCutter;
 use super::check::{ScallopFigures, checked};
-use super::confidence::{SurfaceConfidence, SurfaceEvidence};
+use super::confidence::{SurfaceEvidence, SurfaceWeakness};
 use super::inspector::Inspector;
 use super::least_time::least_seconds;
 use super::march::NoPlanes;
@@ -16,7 +16,7 @@ use super::spaced::Spaced;
 use super::sweep::Sweep;
 use super::workpiece::{SurfaceFigures, Workpiece};
 use crate::milling::{Cutter, Model};
-use crate::planning::{RectanglePlan, plan_on_rectangle};
+use crate::planning::{Confidence, RectanglePlan, plan_on_rectangle};
 use crate::quantity::{Angle, Length, Speed, Time};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ pub struct Ranking {
     /// The figures of the surface.
     pub surface: SurfaceFigures,
     /// The confidence in the order of the plans; `None` without a plan.
-    pub confidence: Option<SurfaceConfidence>,
+    pub confidence: Option<Confidence<SurfaceWeakness>>,
 }
 
 /// A cutter with more than this share of the area without a height is not ranked.
@@ -127,7 +127,7 @@ fn ranked(
     }
     plans.sort_by(|a, b| a.time.seconds().total_cmp(&b.time.seconds()));
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
-    let confidence = SurfaceConfidence::of(&plans, &surface, settings.scallop_height, evidence);
+    let confidence = Confidence::of(&plans, &surface, settings.scallop_height, evidence);
     Some(Ranking { plans, not_ranked, surface, confidence })
 }
 

@@ -46,11 +46,11 @@ impl BodyRules {
     #[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
     pub(super) fn check_head(&self, headers: &HeaderMap) -> Result<(), Response> {
         let max_bytes = self.max_bytes;
-        match encoding(headers) {
-            Encoding::Gzip => Ok(()),
-            Encoding::Identity if stated_length(headers).is_none_or(|length| length <= max_bytes) => Ok(()),
-            Encoding::Identity => Err(BodyFault::TooLarge { max_bytes }.into_response()),
-            Encoding::Other => Err(unsupported_encoding()),
+        match headers.get(header::CONTENT_ENCODING).map(HeaderValue::as_bytes) {
+            Some(b"gzip") => Ok(()),
+            None | Some(b"identity") if stated_length(headers).is_none_or(|length| length <= max_bytes) => Ok(()),
+            None | Some(b"identity") => Err(BodyFault::TooLarge { max_bytes }.into_response()),
+            Some(_) => Err(unsupported_encoding()),
         }
     }
 
@@ -77,20 +77,6 @@ pub(super) async fn answer_in_time(longest: Duration, progress: Arc<BodyProgress
         (Some(fault), _) => fault.clone().into_response(),
         (None, Some(response)) => response,
         (None, None) => took_too_long(longest),
-    }
-}
-
-enum Encoding {
-    Identity,
-    Gzip,
-    Other,
-}
-
-fn encoding(headers: &HeaderMap) -> Encoding {
-    match headers.get(header::CONTENT_ENCODING).map(HeaderValue::as_bytes) {
-        None | Some(b"identity") => Encoding::Identity,
-        Some(b"gzip") => Encoding::Gzip,
-        Some(_) => Encoding::Other,
     }
 }
 

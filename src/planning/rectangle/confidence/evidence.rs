@@ -1,7 +1,8 @@
 //! Evidence for the confidence in method `rectangle`, from the facets of the surface and from the simulation on them.
 
-use super::{Confidence, Weakness, over};
+use super::Weakness;
 use crate::planning::rectangle::{CutterChoice, Plan};
+use crate::planning::{Confidence, Reason};
 use crate::quantity::{Angle, Area, Time};
 use crate::surface::Shape;
 
@@ -18,7 +19,7 @@ pub struct Evidence {
     pub simulated: Option<[Time; 2]>,
 }
 
-impl Confidence {
+impl Confidence<Weakness> {
     /// Adds the weaknesses found from the surface and from the simulation on it.
     #[must_use]
     pub fn with_evidence(self, plan: &Plan, shape: &Shape, evidence: &Evidence) -> Self {
@@ -35,13 +36,13 @@ impl Confidence {
     /// both, in this order, for each candidate, the recommended one first.
     #[must_use]
     pub fn with_simulation(self, times: &[(Time, Time)]) -> Self {
-        let mut reasons = self.reasons;
+        let mut reasons = self.into_reasons();
         let apart = times.iter().map(|(rectangle, simulated)| (rectangle.seconds() / simulated.seconds() - 1.0).abs());
-        reasons.extend(over(Weakness::SimulationDisagrees, apart.fold(0.0, f64::max), 0.1, 0.3));
+        reasons.extend(Reason::over(Weakness::SimulationDisagrees, apart.fold(0.0, f64::max), 0.1, 0.3));
         if let Some((_, recommended)) = times.first() {
             let fastest = times.iter().map(|(_, simulated)| simulated.seconds()).fold(f64::INFINITY, f64::min);
             // The simulation itself has an error of some 2 %.
-            reasons.extend(over(Weakness::SimulationPrefersOther, recommended.seconds() / fastest - 1.0, 0.02, 0.05));
+            reasons.extend(Reason::over(Weakness::SimulationPrefersOther, recommended.seconds() / fastest - 1.0, 0.02, 0.05));
         }
         Self::from_reasons(reasons)
     }
@@ -49,14 +50,14 @@ impl Confidence {
     /// Adds the weaknesses found from the surface itself.
     #[must_use]
     pub fn with_surface(self, shape: &Shape, evidence: &Evidence) -> Self {
-        let mut reasons = self.reasons;
+        let mut reasons = self.into_reasons();
         let difference = (evidence.mean_slope.degrees() - shape.slope.degrees()).abs();
-        reasons.extend(over(Weakness::MeanSlopeFarFromPlane, difference, 5.0, 15.0));
+        reasons.extend(Reason::over(Weakness::MeanSlopeFarFromPlane, difference, 5.0, 15.0));
         let size = shape.characteristic_size.mm2();
-        reasons.extend(over(Weakness::AreaFarFromSize, (evidence.area.mm2() - size).abs() / size, 0.15, 0.4));
+        reasons.extend(Reason::over(Weakness::AreaFarFromSize, (evidence.area.mm2() - size).abs() / size, 0.15, 0.4));
         #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
         let pieces = evidence.pieces as f64;
-        reasons.extend(over(Weakness::SeveralPieces, pieces, 1.0, 1.0));
+        reasons.extend(Reason::over(Weakness::SeveralPieces, pieces, 1.0, 1.0));
         Self::from_reasons(reasons)
     }
 }
