@@ -13,7 +13,6 @@ use std::time::Duration;
 use input_queue::InputQueue;
 use tokio::sync::Notify;
 use tokio::sync::futures::Notified;
-use tokio::time::{Instant, timeout_at};
 
 /// A limit on the bytes reserved at the same time. Clones share it.
 #[derive(Debug, Clone)]
@@ -181,26 +180,7 @@ impl Reservation {
         self.try_grow(bytes).map_err(|exceeded| self.budget.refuse(exceeded))
     }
 
-    /// Reserves `bytes` more. Waits at most `longest` for bytes to return.
-    ///
-    /// # Errors
-    /// [`BudgetExceeded`]; the reservation is unchanged then.
-    pub async fn grow_within(&mut self, bytes: u64, longest: Duration) -> Result<(), BudgetExceeded> {
-        let deadline = Instant::now() + longest;
-        loop {
-            // Registered before the attempt, so that bytes returned after it are not missed.
-            let budget = self.budget.clone();
-            let returned = budget.returned(bytes);
-            match self.try_grow(bytes) {
-                Err(BudgetExceeded::Now) if timeout_at(deadline, returned).await.is_ok() => {}
-                outcome => {
-                    return outcome.map_err(|exceeded| budget.refuse(exceeded));
-                }
-            }
-        }
-    }
-
-    /// The same for a thread that may block. Also ends once `stop` returns true.
+    /// The same on a thread that may block: waits at most `longest` for bytes to return, and ends once `stop` returns true.
     ///
     /// # Errors
     /// [`BudgetExceeded`]; the reservation is unchanged then.
@@ -324,8 +304,7 @@ impl Drop for Reservation {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-
-    const A_MINUTE: Duration = Duration::from_mins(1);
+    use tokio::time::Instant;
 
     #[test]
     fn bytes_of_dropped_reservations_can_be_reserved_again() {
@@ -393,13 +372,25 @@ mod tests {
         budget.open_for_input().grow(75).unwrap();
     }
 
+    /// Reserves `bytes` more as soon as they have returned.
+    async fn grow_when_free(reservation: &mut Reservation, bytes: u64) {
+        let budget = reservation.budget.clone();
+        loop {
+            let returned = budget.returned(bytes);
+            if reservation.try_grow(bytes).is_ok() {
+                return;
+            }
+            returned.await;
+        }
+    }
+
     #[tokio::test]
-    async fn a_reservation_waits_for_bytes_that_return() {
+    async fn a_reservation_can_wait_for_bytes_that_return() {
         let budget = MemoryBudget::new(100);
         let first = budget.reserve(60).unwrap();
         let mut second = budget.open();
-        let (grown, ()) = tokio::join!(second.grow_within(50, A_MINUTE), async { drop(first) });
-        assert_eq!((grown, second.bytes()), (Ok(()), 50));
+        tokio::join!(grow_when_free(&mut second, 50), async { drop(first) });
+        assert_eq!(second.bytes(), 50);
     }
 
     #[tokio::test(start_paused = true)]
@@ -413,31 +404,18 @@ mod tests {
             }
         };
         let small = async {
-            small.grow_within(45, A_MINUTE).await.unwrap();
+            grow_when_free(&mut small, 45).await;
             tokio::time::sleep(Duration::from_secs(5)).await;
             drop(small);
             Instant::now()
         };
         let large = async {
-            large.grow_within(60, A_MINUTE).await.unwrap();
+            grow_when_free(&mut large, 60).await;
             Instant::now()
         };
         let began = Instant::now();
         let (small, large, ()) = tokio::join!(small, large, release);
         assert_eq!([small - began, large - began].map(|time| time.as_secs()), [7, 7]);
-    }
-
-    #[tokio::test(start_paused = true)]
-    async fn a_reservation_waits_at_most_the_allowed_time_and_not_if_it_never_fits() {
-        let budget = MemoryBudget::new(100);
-        let _first = budget.reserve(60).unwrap();
-        let mut second = budget.open();
-        let began = Instant::now();
-        assert_eq!(second.grow_within(76, A_MINUTE).await, Err(BudgetExceeded::Always));
-        assert_eq!(began.elapsed(), Duration::ZERO);
-        assert_eq!(second.grow_within(50, A_MINUTE).await, Err(BudgetExceeded::Now));
-        assert!(began.elapsed() >= A_MINUTE);
-        assert_eq!((budget.reserved(), budget.refusals()), (60, 2));
     }
 
     proptest! {

@@ -37,11 +37,14 @@ proptest! {
                     assert_largest(&pass, height(&evaluated, step_over, feed.mm()).unwrap(), more, tolerance);
                 }
                 Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over }) => {
-                    prop_assert!(step_over_height.mm() >= tolerance && max_step_over.mm() <= step_over * (1.0 + 1e-9));
+                    prop_assert!(step_over_height.mm() >= tolerance);
                     let left = height(&evaluated, max_step_over.mm(), 0.0).unwrap();
-                    if !is_settled(&evaluated, max_step_over.mm(), 0.0) {
+                    // Elsewhere heights can fall where step-overs grow.
+                    if !(is_settled(&evaluated, max_step_over.mm(), 0.0) && is_settled(&evaluated, step_over, 0.0)) {
+                        prop_assert!(left <= tolerance * (1.0 + 1e-9));
                         continue;
                     }
+                    prop_assert!(max_step_over.mm() <= step_over * (1.0 + 1e-9));
                     assert_largest(&pass, left, height(&evaluated, max_step_over.mm() * (1.0 + 1e-9), 0.0), tolerance);
                 }
                 Err(NoAnswer::RunoutUsesUpTolerance) => prop_assert!(pass.runout != Runout::NONE),

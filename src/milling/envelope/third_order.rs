@@ -329,7 +329,7 @@ impl Envelope {
         if weight == 0.0 {
             return lengths.level;
         }
-        let Some(turned) = search.lowest_from(start) else { return lengths.level };
+        let Some(turned) = search.solve(Sought::Level, start).or_else(|| search.search(&start)) else { return lengths.level };
         if weight < 1.0 { lengths.level * (turned.lengths.level / lengths.level).powf(weight) } else { turned.lengths.level }
     }
 
@@ -398,7 +398,7 @@ impl Envelope {
         if weight_of_turns(search.share(&start)) == 0.0 {
             return f64::INFINITY;
         }
-        search.lowest_from(start).map_or(f64::INFINITY, |ridge| search.share(&ridge))
+        search.solve(Sought::Level, start).or_else(|| search.search(&start)).map_or(f64::INFINITY, |ridge| search.share(&ridge))
     }
 }
 

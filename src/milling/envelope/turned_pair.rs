@@ -125,8 +125,10 @@ impl Pair {
             }
             let is_straight = steepening.abs() <= STRAIGHT && difference.abs() <= STRAIGHT * length;
             let is_between = front.by_behind >= -STRAIGHT && back.by_behind <= STRAIGHT;
-            // Over marks so close together the distance is a parabola, which shows its lowest place from beside it, too.
-            if is_straight || is_between || spacing.is_close(&front, &back) {
+            // On the round, the distance over marks so close together is a parabola, which shows its lowest place from
+            // beside it, too.
+            let is_parabola = front.is_round && steepening > 0.0 && spacing.is_close(&front, &back);
+            if is_straight || is_between || is_parabola {
                 let pair = Self::between(&front, &back, spacing, is_straight);
                 if is_straight || pair.error <= tolerance && pair.shift.off.abs() <= near * (length + offset.abs()) {
                     return Some(pair);

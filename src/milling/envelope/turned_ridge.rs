@@ -21,12 +21,6 @@ const MOST_STEPS: usize = 20;
 /// Heights that differ by a smaller share are those of one ridge.
 const SAME: f64 = 1e-6;
 
-/// The number of times that a lower ridge is searched, once for each pass.
-const MOST_DEEPER: usize = 2;
-
-/// The number of places along the feed, to either side over a radius of the cutter, of which the deepest is searched.
-const PLACES: i32 = 24;
-
 /// If the marks are further apart than this many step-overs, the stated contact moves with the ridge.
 const FEW_STEP_OVERS: f64 = 3.0;
 
@@ -189,41 +183,6 @@ impl<'a> RidgeSearch<'a> {
         None
     }
 
-    /// The lowest of the ridge `found` and those at deeper places of its passes along the feed.
-    ///
-    /// The distance of marks on the flat can have several minima along the feed, of which a search finds one. Between any
-    /// two marks of a pass no more is left than what these two leave, so that every ridge is an upper bound of the height.
-    fn lowest(&self, found: TurnedRidge) -> TurnedRidge {
-        let mut lowest = found;
-        for _ in 0..if found.is_round { 0 } else { MOST_DEEPER } {
-            let deeper = [0, 1].into_iter().filter_map(|pass| self.at_deepest(&lowest, pass));
-            let lower = deeper
-                .filter_map(|start| self.solve(Sought::Level, start))
-                .min_by(|one, other| one.lengths.level.total_cmp(&other.lengths.level));
-            match lower.filter(|ridge| ridge.lengths.level < lowest.lengths.level * (1.0 - SAME)) {
-                Some(ridge) => lowest = ridge,
-                None => break,
-            }
-        }
-        lowest
-    }
-
-    /// The ridge with the marks of a pass at the place along the feed, of a few evenly apart, where they are deepest; `None`
-    /// if it has the deepest already.
-    fn at_deepest(&self, ridge: &TurnedRidge, pass: usize) -> Option<TurnedRidge> {
-        let Lengths { level, step_over, mark_spacing } = ridge.lengths;
-        let place = self.marks.ridge_place(Self::stated(ridge.aside, step_over, Self::length(ridge.lengths)).place, level);
-        let offset = if pass == 0 { ridge.offset() } else { ridge.offset() - step_over };
-        let here = ridge.behind[pass] - 0.5 * mark_spacing;
-        let value = |behind: f64| self.marks.distance(&place, behind, offset).value;
-        let step = self.marks.diameter() / f64::from(2 * PLACES);
-        let places = (-PLACES..=PLACES).map(|number| here + step * f64::from(number));
-        let deepest = places.map(|behind| (value(behind), behind)).min_by(|one, other| one.0.total_cmp(&other.0))?;
-        let mut start = *ridge;
-        start.behind[pass] = deepest.1 + 0.5 * mark_spacing;
-        (deepest.0 < value(here)).then_some(start)
-    }
-
     /// The height that a pass leaves at an offset from it, for any phase of its teeth; `None` if no height is found.
     fn level(&self, start: f64, aside: f64, offset: f64, spacing: Spacing, behind: &mut f64) -> Option<f64> {
         let mut level = start;
@@ -242,14 +201,9 @@ impl<'a> RidgeSearch<'a> {
         None
     }
 
-    /// The lowest ridge for given step-over and marks that searches from a ridge near it find; `None` if they find none.
-    pub(super) fn lowest_from(&self, start: TurnedRidge) -> Option<TurnedRidge> {
-        self.solve(Sought::Level, start).or_else(|| self.search(&start)).map(|found| self.lowest(found))
-    }
-
     /// The ridge for given step-over and marks by nested searches, with what is left of their errors removed by Newton's
     /// method; `None` if there is none.
-    fn search(&self, start: &TurnedRidge) -> Option<TurnedRidge> {
+    pub(super) fn search(&self, start: &TurnedRidge) -> Option<TurnedRidge> {
         let ridge = self.nested(start)?;
         let is_same = |other: &TurnedRidge| (other.lengths.level / ridge.lengths.level - 1.0).abs() <= SAME;
         self.solve(Sought::Level, ridge).filter(is_same).or(Some(ridge))
