@@ -82,8 +82,11 @@ def running(name: str, command: list, cores: str | None = None):
                 sys.exit(f"{name} did not start: {line!r}")
             # A process that discards the log: the cost of a log collector does not count for the server.
             with subprocess.Popen(["cat"], stdin=process.stdout, stdout=subprocess.DEVNULL) as reader:
-                yield Server(name, process, address.group())
-                process.terminate()
+                try:
+                    yield Server(name, process, address.group())
+                finally:
+                    # Otherwise the reader of its log would be waited for without end.
+                    process.terminate()
                 process.wait(timeout=60)
                 reader.wait(timeout=10)
         finally:

@@ -358,7 +358,7 @@ impl Envelope {
 
     /// The ridge at which the search of turned marks starts: that of the second order if it is known; `None` if it is at
     /// an overhang, which turned marks do not know.
-    pub(super) fn start_of_turns(&self, lengths: Lengths, ridge: Option<Ridge>) -> Option<TurnedRidge> {
+    fn start_of_turns(&self, lengths: Lengths, ridge: Option<Ridge>) -> Option<TurnedRidge> {
         match ridge {
             Some(ridge) if ridge.is_at_overhang(&self.body) => None,
             Some(ridge) if ridge.is_exact => Some(TurnedRidge::of_second_order(&ridge)),
