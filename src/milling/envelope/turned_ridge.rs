@@ -263,13 +263,9 @@ impl<'a> RidgeSearch<'a> {
         let Lengths { step_over, mark_spacing, .. } = ridge.lengths;
         let place = Self::stated(ridge.aside, step_over, Self::length(ridge.lengths)).place;
         let offset = ridge.offset();
-        let mut largest = 0.0_f64;
-        for (behind, offset) in ridge.behind.into_iter().zip([offset, offset - step_over]) {
-            for behind in [behind, behind - mark_spacing] {
-                largest = largest.max(self.marks.share([-behind, place - offset]));
-            }
-        }
-        largest
+        let passes = ridge.behind.into_iter().zip([offset, offset - step_over]);
+        let contacts = passes.flat_map(|(behind, offset)| [behind, behind - mark_spacing].map(|behind| [-behind, place - offset]));
+        self.marks.share(contacts)
     }
 }
 

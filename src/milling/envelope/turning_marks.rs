@@ -237,11 +237,14 @@ impl TurningMarks {
         largest * LARGEST_TURN / self.largest_turn
     }
 
-    /// How much the normal turns from the stated contact to the contact of a mark, as a share of the smaller of the
+    /// How much the normal turns from the stated contact to those of marks, at most, as a share of the smaller of the
     /// slope's sine and cosine; not bounded.
-    pub(super) fn share(&self, contact: Plane) -> f64 {
-        let turn = self.fall(contact);
-        dot(turn, turn).sqrt() * LARGEST_TURN / self.largest_turn
+    pub(super) fn share(&self, contacts: impl IntoIterator<Item = Plane>) -> f64 {
+        let square = |contact: Plane| {
+            let turn = self.fall(contact);
+            dot(turn, turn)
+        };
+        contacts.into_iter().map(square).fold(0.0, f64::max).sqrt() * LARGEST_TURN / self.largest_turn
     }
 }
 
