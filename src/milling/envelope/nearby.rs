@@ -16,8 +16,8 @@ use crate::quantity::Length;
 /// The largest turn, as a share of the slope's sine or cosine: half of that up to which turns are exact.
 const SMALL_TURN: f64 = 0.15;
 
-/// The feed's part along the steepest line from which on there is one ridge. Of two million inverses of random
-/// contacts, the height at 112 differs from the tolerance; 0.125 is the largest part among these.
+/// The feed's part along the steepest line from which on there is one ridge. Of 470,000 inverses of random contacts that
+/// were found here, the heights at six differ from the tolerance, all with parts under 0.01.
 const OBLIQUE: f64 = 0.25;
 
 impl Envelope {
