@@ -3,7 +3,7 @@
 
 use super::newton::{Lengths, Ridge, Sought};
 use super::section::{Pattern, Section};
-use super::{Envelope, sharp_edge};
+use super::{Envelope, length_search, sharp_edge};
 use crate::milling::{CutterKind, NoAnswer};
 use crate::numerics::bracketed_root;
 use crate::quantity::Length;
@@ -238,7 +238,7 @@ impl Envelope {
             }
         }
         let found = found.clamp(Length::SMALLEST, largest);
-        Self::largest_within(tolerance, found, Some(found), largest, height)
+        length_search::largest_within(tolerance, found, Some(found), largest, height)
     }
 
     /// The largest feed per tooth, at most `largest`, that keeps the height p in passes s apart. `quick` is the result

@@ -10,7 +10,7 @@
 //! of the second order, so that changes of its curvature are left out.
 //!
 //! - `mod` (this file): the height to second order, by the fastest search that has it; `inverses`: largest step-over and
-//!   feed to second order
+//!   feed to second order; `length_search`: lengths by their heights
 //! - `closed_form`: plane floors and walls, ball-end cutters, sharp edges on planes
 //! - `newton`: the fast search on all unknowns at once, with a proof of the result; `proved`: the same, with `local` where
 //!   it does not converge; `clearing` and `runout`: with runout; `sharp_edge`: sharp edges on curved surfaces
@@ -26,6 +26,7 @@ mod clearing;
 mod closed_form;
 mod concave;
 mod inverses;
+mod length_search;
 mod local;
 mod nearby;
 mod newton;

@@ -4,6 +4,7 @@
 use super::body::Body;
 use super::clearing::Clearing;
 use super::inverses::SecondOrder;
+use super::length_search;
 use super::newton::{self, End, Lengths, Place, Ridge, Sought};
 use super::proved;
 use super::section::Pattern;
@@ -19,25 +20,6 @@ const NO_TURN: f64 = 1e-11;
 
 /// The turn, as a share of the slope's sine or cosine, from which on the marks of the second order count more and more.
 const TURNS_BEYOND: f64 = 1.0;
-
-/// The share of a tolerance that counts as a rounding.
-const ROUNDING: f64 = 1e-10;
-
-/// The share of a tolerance by which the height of a length at a ridge may differ from it. A feed whose part of the height
-/// is a thousandth is then right to 5e-10.
-const CONFIRMED: f64 = 1e-12;
-
-/// The logarithm of the share of a tolerance under which a height counts as none.
-const LEAST_EXCESS: f64 = -30.0;
-
-/// The slope of a height's logarithm by that of a length under which a secant shows nothing.
-const LEAST_SLOPE: f64 = 1e-9;
-
-/// The first step by which a length is bracketed, as a logarithm.
-const FIRST_REACH: f64 = 0.4;
-
-/// The width, as a share of the length, down to which the place of a jump is searched.
-const NARROW: f64 = 5e-10;
 
 /// A length at which the height may be the tolerance.
 #[derive(Debug, Clone, Copy)]
@@ -210,75 +192,8 @@ impl Envelope {
     fn confirmed_length(candidate: Candidate, p: f64, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         match candidate {
             Candidate::Proved(length) => Some(length),
-            Candidate::AtRidge { length, guess } => Self::largest_within(p, guess, Some(length), largest, height),
-            Candidate::Guess(guess) => Self::largest_within(p, guess, None, largest, height),
-        }
-    }
-
-    /// The largest length up to `largest` whose height is at most p: `found`, or the result of a search over the
-    /// heights that starts at `guess`; `None` if the height of the smallest length exceeds p.
-    ///
-    /// Lengths and heights are searched by their logarithms, between which a paraboloid has the slope 2. The steps are
-    /// those of the secant, inside a bracket. A length without a height does not keep the tolerance.
-    pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-        let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| (height / p).ln().max(LEAST_EXCESS));
-        if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found))
-            && excess(found).abs() <= CONFIRMED
-        {
-            return Some(found);
-        }
-        let (shortest, longest) = (Length::SMALLEST.ln(), largest.ln());
-        // The longest logarithm known to keep the tolerance, and the shortest known not to.
-        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut last = None::<(f64, f64)>;
-        let (mut slope, mut reach) = (2.0, FIRST_REACH);
-        let mut widths = [f64::INFINITY; 3];
-        let mut is_near = false;
-        let mut at = guess.clamp(Length::SMALLEST, largest).ln();
-        loop {
-            let length = if at >= longest { largest } else { at.exp().clamp(Length::SMALLEST, largest) };
-            let excess = excess(length);
-            if excess <= ROUNDING && (at >= longest || at <= shortest && excess > 0.0) {
-                return Some(length);
-            }
-            if excess <= 0.0 {
-                low = at;
-            } else if at <= shortest {
-                return None;
-            } else {
-                high = at;
-            }
-            if let Some((last_at, last_excess)) = last.replace((at, excess))
-                && (excess - last_excess).is_finite()
-            {
-                let secant = (excess - last_excess) / (at - last_at);
-                slope = if secant > LEAST_SLOPE { secant } else { f64::NAN };
-            }
-            let step = -excess / slope;
-            if excess.abs() <= ROUNDING && step.abs() <= ROUNDING {
-                // The next step ends the search, unless this one already ends within the rounding of heights.
-                if is_near || step.abs() <= 0.01 * ROUNDING {
-                    return Some(length);
-                }
-                is_near = true;
-            }
-            let width = high - low;
-            if width <= NARROW {
-                return Some(low.exp());
-            }
-            let is_slow = width.is_finite() && width > 0.5 * widths[0];
-            widths = [widths[1], widths[2], width];
-            let next = at + step;
-            at = if next > low && next < high && !is_slow && step.abs() <= reach {
-                next
-            } else if width.is_finite() {
-                f64::midpoint(low, high)
-            } else {
-                let next = at + reach.copysign(-excess);
-                reach *= 2.0;
-                next
-            }
-            .clamp(shortest, longest);
+            Candidate::AtRidge { length, guess } => length_search::largest_within(p, guess, Some(length), largest, height),
+            Candidate::Guess(guess) => length_search::largest_within(p, guess, None, largest, height),
         }
     }
 
