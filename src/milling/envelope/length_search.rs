@@ -21,6 +21,9 @@ const FIRST_REACH: f64 = 0.4;
 /// The width, as a share of the length, down to which the place of a jump is searched.
 const NARROW: f64 = 5e-10;
 
+/// The largest number of secants from a guess within a few percent.
+const MOST_SECANTS: usize = 8;
+
 /// The largest length up to `largest` whose height is at most p: `found`, or the result of a search over the
 /// heights that starts at `guess`; `None` if the height of the smallest length exceeds p.
 ///
@@ -86,4 +89,25 @@ pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f6
         }
         .clamp(shortest, longest);
     }
+}
+
+/// A length near `guess` whose height is p, by secants without a bracket; `None` where they do not converge.
+pub(super) fn by_secants(p: f64, guess: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    let excess = |at: f64| Some((height(at.exp())? / p).ln());
+    let first = guess.ln();
+    let mut last = (first, excess(first)?);
+    let mut step = -last.1 / 2.0;
+    for _ in 0..MOST_SECANTS {
+        if last.1.abs() <= CONFIRMED / 2.0 {
+            return Some(last.0.exp());
+        }
+        if !(step.abs() <= FIRST_REACH) {
+            return None;
+        }
+        let at = last.0 + step;
+        let here = (at, excess(at)?);
+        step = -here.1 * (at - last.0) / (here.1 - last.1);
+        last = here;
+    }
+    None
 }

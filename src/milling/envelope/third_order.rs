@@ -162,7 +162,7 @@ impl Envelope {
             SecondOrder::Found(feed, ridge) if self.pattern(feed).is_even() => {
                 self.candidate(Sought::MarkSpacing, Lengths { level: p, step_over: s, mark_spacing: feed }, ridge)
             }
-            SecondOrder::Found(feed, _) => Candidate::Guess(feed),
+            SecondOrder::Found(feed, _) => Self::candidate_with_runout(p, feed, |feed| self.unconfirmed_height(s, self.pattern(feed))),
             SecondOrder::Unlimited => Candidate::Guess(largest),
             SecondOrder::UsedUp => Candidate::Guess(Length::SMALLEST),
         })
@@ -177,10 +177,16 @@ impl Envelope {
             SecondOrder::Found(step_over, ridge) if pattern.is_even() => {
                 Some(self.candidate(Sought::StepOver, Lengths { level: p, step_over, mark_spacing: pattern.spacing }, ridge))
             }
-            SecondOrder::Found(step_over, _) => Some(Candidate::Guess(step_over)),
+            SecondOrder::Found(step_over, _) => Some(Self::candidate_with_runout(p, step_over, |s| self.unconfirmed_height(s, pattern))),
             SecondOrder::Unlimited => Some(Candidate::Guess(largest)),
             SecondOrder::UsedUp => None,
         })
+    }
+
+    /// A length near that of the second order at which the height of a fast search is p, which the height is to confirm.
+    fn candidate_with_runout(p: f64, guess: f64, height: impl Fn(f64) -> Option<f64>) -> Candidate {
+        let length = length_search::by_secants(p, guess, height);
+        length.map_or(Candidate::Guess(guess), |length| Candidate::AtRidge { length, guess: length })
     }
 
     /// A length at a ridge near that of the second order.
@@ -210,13 +216,29 @@ impl Envelope {
             let (lengths, ridge) = self.second_order(s, pattern.spacing)?;
             return Ok(self.turned_level(lengths, ridge));
         }
-        let level = self.height(s, pattern)?;
-        // With runout, the height changes in the same ratio as for marks of equal depth that leave about the same
-        // height.
-        Ok(match self.second_order(s, self.even_spacing(&pattern)) {
-            Ok((lengths, ridge)) if lengths.level > 0.0 => level * self.turned_level(lengths, ridge) / lengths.level,
-            _ => level,
-        })
+        Ok(self.height(s, pattern)? * self.ratio_of_turns(s, self.even_spacing(&pattern)))
+    }
+
+    /// h with runout by the fast search alone, which nothing confirms on a concave surface; `None` if the search does not
+    /// end at a ridge.
+    fn unconfirmed_height(&self, s: f64, pattern: Pattern) -> Option<f64> {
+        let level = self.quick_level_with_runout(s, &pattern).filter(|_| self.overlap(s, pattern.spacing))?.level;
+        Some(level * self.ratio_of_turns(s, self.even_spacing(&pattern)))
+    }
+
+    /// The ratio of the height of turned marks f apart to that of the second order; 1 if there is none. With runout, the
+    /// height changes in the same ratio as for marks of equal depth that leave about the same height, at any ridge.
+    fn ratio_of_turns(&self, s: f64, f: f64) -> f64 {
+        if !self.overlap(s, f) {
+            return 1.0;
+        }
+        let lengths = Lengths { level: self.guess(s, Pattern::even(f)), step_over: s, mark_spacing: f };
+        let quick = proved::solve(&self.body, Sought::Level, lengths, [Clearing::EVEN; 2]);
+        let second_order = quick.map_or_else(|| self.second_order(s, f), |ridge| Ok((ridge.lengths, Some(ridge))));
+        match second_order {
+            Ok((lengths, ridge)) if lengths.level > 0.0 => self.turned_level(lengths, ridge) / lengths.level,
+            _ => 1.0,
+        }
     }
 
     /// The height to second order with its lengths, for marks of equal depth, and its ridge if the search is proved.
