@@ -159,7 +159,8 @@ impl Envelope {
     /// limit, up to a few rounding errors.
     fn overlap(&self, s: f64, f: f64) -> bool {
         let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
-        across.hypot(along) <= 2.0 * self.cutter.outer_radius().mm() * (1.0 + 16.0 * f64::EPSILON)
+        let diameter = 2.0 * self.cutter.outer_radius().mm() * (1.0 + 16.0 * f64::EPSILON);
+        across * across + along * along <= diameter * diameter
     }
 
     /// h for passes and marks that overlap seen from above; `None` if no height clears s, which can happen on a curved
@@ -211,14 +212,17 @@ impl Envelope {
         let f = self.even_spacing(&pattern);
         // Above the whole cutter there is no section.
         let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
-        // Near the floor, the rectangle between four marks lies on the flat, whose height at the furthest corner
-        // counts, or beyond it on the corner's round.
+        let guess = if self.pass.surface.is_plane() { parabola.min(self.guess_on_flat(s, f)) } else { parabola };
+        guess.min(outer / 4.0)
+    }
+
+    /// An approximation of h near a plane floor. There the rectangle between four marks lies on the flat, whose height at
+    /// the furthest corner counts, or beyond it on the corner's round.
+    fn guess_on_flat(&self, s: f64, f: f64) -> f64 {
         let (slope, theta) = (self.contact().slope(), self.contact().theta());
         let steep = s * theta.sin().abs() + f * theta.cos().abs() + 0.1 * (s + f);
         let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
-        let on_flat = slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE));
-        let guess = if self.pass.surface.is_plane() { parabola.min(on_flat) } else { parabola };
-        guess.min(outer / 4.0)
+        slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE))
     }
 
     /// An approximation of the distance at which marks of equal depth leave the same height. Circles of radius P, f apart

@@ -73,7 +73,7 @@ const AT_OVERHANG: f64 = 1e-6;
 
 /// The size of a step, as a share of the lengths, after which a search ends near the ridge: the step leaves an error of
 /// the order of its square.
-const NEARBY: f64 = 0.03;
+const NEARBY: f64 = 0.3;
 
 /// The number of steps after which a search that has to end near the ridge gives up.
 const MOST_STEPS_NEARBY: usize = 6;

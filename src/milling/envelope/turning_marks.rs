@@ -233,7 +233,8 @@ impl TurningMarks {
     /// The largest turn of the normal over 1 mm, as a share of the smaller of the slope's sine and cosine; not bounded.
     pub(super) fn turn_per_mm(&self) -> f64 {
         let [f, t, ft] = self.curvature;
-        let largest = f64::midpoint(f, t).abs() + (0.5 * (f - t)).hypot(ft);
+        let half = 0.5 * (f - t);
+        let largest = f64::midpoint(f, t).abs() + (half * half + ft * ft).sqrt();
         largest * LARGEST_TURN / self.largest_turn
     }
 
