@@ -6,109 +6,91 @@
 //! cargo run --release --example curved_contacts
 //! ```
 
-#[cfg(target_os = "linux")]
-fn main() {
-    linux::main();
+mod thread_time;
+
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::quantity::{Angle, Length};
+use std::hint::black_box;
+use thread_time::now_us;
+
+const CONTACTS: usize = 3000;
+
+/// Each calculation is repeated within a measurement, because reading the clock takes 0.3 us.
+const REPEATS: u32 = 4;
+
+fn mm(value: f64) -> Length {
+    Length::from_mm(value).expect("a length in its bounds")
 }
 
-#[cfg(not(target_os = "linux"))]
-fn main() {
-    eprintln!("the processor time of a thread is read as Linux counts it");
+/// A pass on a plane, with the curvature of the other surface, and the lengths of the calculations.
+struct Input {
+    plane: Pass,
+    curvature: SurfaceCurvature,
+    step_over: Length,
+    feed: Length,
+    tolerance: Length,
 }
 
-#[cfg(target_os = "linux")]
-mod linux {
-    use rustix::time::{ClockId, clock_gettime};
-    use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
-    use scallopd::quantity::{Angle, Length};
-    use std::hint::black_box;
-
-    const CONTACTS: usize = 3000;
-
-    /// Each calculation is repeated within a measurement, because reading the clock takes 0.3 us.
-    const REPEATS: u32 = 4;
-
-    /// Processor time of this thread in us.
-    #[expect(clippy::cast_precision_loss, reason = "the thread runs for less than 2^53 ns")]
-    fn now_us() -> f64 {
-        let time = clock_gettime(ClockId::ThreadCPUTime);
-        time.tv_sec as f64 * 1e6 + time.tv_nsec as f64 / 1e3
+impl Input {
+    /// A contact whose step-over alone leaves half of the tolerance on the curved surface; `None` if the cutter gouges it.
+    fn draw(within: &mut impl FnMut(f64, f64) -> f64, signs: [f64; 2]) -> Option<Self> {
+        let outer = within(2.0, 10.0);
+        let cutter = Cutter::toroidal(mm(2.0 * outer), mm(within(0.1, 0.7) * outer)).expect("a corner under the radius");
+        let contact = Contact::from_degrees(within(5.0, 85.0), within(0.0, 360.0)).expect("a contact");
+        let principal = signs.map(|sign| sign / within(20.0, 220.0));
+        let turn = Angle::from_degrees(within(0.0, 180.0)).expect("an angle");
+        let curvature = SurfaceCurvature::from_principal_per_mm(principal, turn).expect("curvatures in their bounds");
+        let (feed, half) = (mm(within(0.05, 0.3)), within(0.002, 0.025) / 2.0);
+        let plane = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
+        let evaluated = EvaluatedPass::new(Model::Envelope, Pass { surface: curvature, ..plane }).ok()?;
+        let step_over = evaluated.max_step_over(mm(half), None).ok()?;
+        Some(Self { plane, curvature, step_over, feed, tolerance: mm(2.0 * half) })
     }
+}
 
-    fn mm(value: f64) -> Length {
-        Length::from_mm(value).expect("a length in its bounds")
+/// The result of a calculation, so that the compiler cannot leave the calculation out.
+type Calculation = fn(&EvaluatedPass, &Input) -> Option<Length>;
+
+const CALCULATIONS: [(&str, Calculation); 4] = [
+    ("height of a step-over", |pass, input| Some(pass.scallop_height(input.step_over, None).ok()?.total())),
+    ("height of both", |pass, input| Some(pass.scallop_height(input.step_over, Some(input.feed)).ok()?.total())),
+    ("largest feed", |pass, input| pass.max_feed_per_tooth(input.tolerance, input.step_over).ok()),
+    ("largest step-over", |pass, input| pass.max_step_over(input.tolerance, Some(input.feed)).ok()),
+];
+
+fn time_us(calculate: Calculation, pass: Pass, input: &Input) -> f64 {
+    let began = now_us();
+    for _ in 0..REPEATS {
+        let evaluated = EvaluatedPass::new(Model::Envelope, black_box(pass)).expect("the cutter fits");
+        black_box(calculate(&evaluated, input));
     }
+    (now_us() - began) / f64::from(REPEATS)
+}
 
-    /// A pass on a plane, with the curvature of the other surface, and the lengths of the calculations.
-    struct Input {
-        plane: Pass,
-        curvature: SurfaceCurvature,
-        step_over: Length,
-        feed: Length,
-        tolerance: Length,
-    }
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
 
-    impl Input {
-        /// A contact whose step-over alone leaves half of the tolerance on the curved surface; `None` if the cutter gouges it.
-        fn draw(within: &mut impl FnMut(f64, f64) -> f64, signs: [f64; 2]) -> Option<Self> {
-            let outer = within(2.0, 10.0);
-            let cutter = Cutter::toroidal(mm(2.0 * outer), mm(within(0.1, 0.7) * outer)).expect("a corner under the radius");
-            let contact = Contact::from_degrees(within(5.0, 85.0), within(0.0, 360.0)).expect("a contact");
-            let principal = signs.map(|sign| sign / within(20.0, 220.0));
-            let turn = Angle::from_degrees(within(0.0, 180.0)).expect("an angle");
-            let curvature = SurfaceCurvature::from_principal_per_mm(principal, turn).expect("curvatures in their bounds");
-            let (feed, half) = (mm(within(0.05, 0.3)), within(0.002, 0.025) / 2.0);
-            let plane = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
-            let evaluated = EvaluatedPass::new(Model::Envelope, Pass { surface: curvature, ..plane }).ok()?;
-            let step_over = evaluated.max_step_over(mm(half), None).ok()?;
-            Some(Self { plane, curvature, step_over, feed, tolerance: mm(2.0 * half) })
-        }
-    }
-
-    /// The result of a calculation, so that the compiler cannot leave the calculation out.
-    type Calculation = fn(&EvaluatedPass, &Input) -> Option<Length>;
-
-    const CALCULATIONS: [(&str, Calculation); 4] = [
-        ("height of a step-over", |pass, input| Some(pass.scallop_height(input.step_over, None).ok()?.total())),
-        ("height of both", |pass, input| Some(pass.scallop_height(input.step_over, Some(input.feed)).ok()?.total())),
-        ("largest feed", |pass, input| pass.max_feed_per_tooth(input.tolerance, input.step_over).ok()),
-        ("largest step-over", |pass, input| pass.max_step_over(input.tolerance, Some(input.feed)).ok()),
-    ];
-
-    fn time_us(calculate: Calculation, pass: Pass, input: &Input) -> f64 {
-        let began = now_us();
-        for _ in 0..REPEATS {
-            let evaluated = EvaluatedPass::new(Model::Envelope, black_box(pass)).expect("the cutter fits");
-            black_box(calculate(&evaluated, input));
-        }
-        (now_us() - began) / f64::from(REPEATS)
-    }
-
-    fn median(mut values: Vec<f64>) -> f64 {
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    }
-
-    pub(super) fn main() {
-        let mut state = 7_u64;
-        let mut within = move |low: f64, high: f64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            #[expect(clippy::cast_precision_loss, reason = "53 bits fit")]
-            let unit = (state >> 11) as f64 / (1_u64 << 53) as f64;
-            low + (high - low) * unit
-        };
-        println!("medians over {CONTACTS} contacts, processor time in us\n");
-        println!("| surface | calculation | on a plane | curved | of the plane's |");
-        println!("|---|---|---|---|---|");
-        for (surface, signs) in [("convex", [1.0, 1.0]), ("saddle", [1.0, -1.0]), ("concave", [-1.0, -1.0])] {
-            let inputs: Vec<_> = std::iter::from_fn(|| Some(Input::draw(&mut within, signs))).flatten().take(CONTACTS).collect();
-            for (name, calculate) in CALCULATIONS {
-                let time = |pass: fn(&Input) -> Pass| median(inputs.iter().map(|input| time_us(calculate, pass(input), input)).collect());
-                // The first round warms caches and the processor.
-                let [_, plane, curved] =
-                    [time(|input| input.plane), time(|input| input.plane), time(|input| Pass { surface: input.curvature, ..input.plane })];
-                println!("| {surface} | {name} | {plane:.2} | {curved:.2} | {:.2} |", curved / plane);
-            }
+fn main() {
+    let mut state = 7_u64;
+    let mut within = move |low: f64, high: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        #[expect(clippy::cast_precision_loss, reason = "53 bits fit")]
+        let unit = (state >> 11) as f64 / (1_u64 << 53) as f64;
+        low + (high - low) * unit
+    };
+    println!("medians over {CONTACTS} contacts, processor time in us\n");
+    println!("| surface | calculation | on a plane | curved | of the plane's |");
+    println!("|---|---|---|---|---|");
+    for (surface, signs) in [("convex", [1.0, 1.0]), ("saddle", [1.0, -1.0]), ("concave", [-1.0, -1.0])] {
+        let inputs: Vec<_> = std::iter::from_fn(|| Some(Input::draw(&mut within, signs))).flatten().take(CONTACTS).collect();
+        for (name, calculate) in CALCULATIONS {
+            let time = |pass: fn(&Input) -> Pass| median(inputs.iter().map(|input| time_us(calculate, pass(input), input)).collect());
+            // The first round warms caches and the processor.
+            let [_, plane, curved] =
+                [time(|input| input.plane), time(|input| input.plane), time(|input| Pass { surface: input.curvature, ..input.plane })];
+            println!("| {surface} | {name} | {plane:.2} | {curved:.2} | {:.2} |", curved / plane);
         }
     }
 }
