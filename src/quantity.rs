@@ -301,7 +301,8 @@ impl Angle {
     /// [`OutOfRange`] when `degrees` is not finite.
     pub fn from_degrees(degrees: f64) -> Result<Self, OutOfRange> {
         OutOfRange::check(degrees, -f64::MAX, f64::MAX)?;
-        let in_turn = degrees % 360.0;
+        // The remainder takes as long as sine and cosine.
+        let in_turn = if degrees.abs() < 360.0 { degrees } else { degrees % 360.0 };
         let quarter = (in_turn / 90.0).round();
         let (sin, cos) = (in_turn - 90.0 * quarter).to_radians().sin_cos();
         #[expect(clippy::cast_possible_truncation, reason = "from -4 to 4")]

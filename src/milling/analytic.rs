@@ -3,7 +3,7 @@
 //! Formulas: Segonds et al. 2017, eq. 3 and 8 (effective radii), 9 and 12-15 (heights), 16-18 (runout).
 
 use super::gouging;
-use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, ScallopHeight};
+use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, Runout, ScallopHeight};
 use crate::quantity::{Angle, Length};
 
 /// The radius of curvature of the groove that a cutter leaves, in mm: positive, 0 for a sharp edge, or infinite for a
@@ -76,7 +76,6 @@ pub struct Analytic {
     pass: Pass,
     across: EffectiveRadius,
     along: EffectiveRadius,
-    climb: Angle,
     relative_curvature: f64,
 }
 
@@ -103,10 +102,7 @@ impl Analytic {
         if across.0.recip() + pass.surface.across_per_mm() <= 0.0 {
             return Err(NoAnswer::Gouges { smallest_radius: Some(effective_radius) });
         }
-        // The climb as printed [Segonds 2017, eq. 16], S cos(alpha); the exact value is atan(tan(S) cos(alpha)). A
-        // zigzag cuts in both directions, so the absolute value is used.
-        let climb = Angle::from_radians(pass.contact.slope().radians() * pass.contact.alpha().cos().abs());
-        Ok(Self { pass, across, along, climb, relative_curvature })
+        Ok(Self { pass, across, along, relative_curvature })
     }
 
     pub(super) fn pass(&self) -> &Pass {
@@ -165,10 +161,9 @@ impl Analytic {
         if self.along.0 == 0.0 {
             return Err(NoAnswer::SharpEdge);
         }
-        let (runout, climb) = (self.pass.runout, self.climb);
         match self.along.chord(tolerance.mm() - step_over_height.mm()) {
-            Some(spacing) => runout.feed_per_tooth(Length::computed(spacing), climb).ok_or(NoAnswer::RunoutUsesUpTolerance),
-            None => match runout.feed_per_tooth(Length::computed(2.0 * self.along.0), climb) {
+            Some(spacing) => self.feed_per_tooth(Length::computed(spacing)).ok_or(NoAnswer::RunoutUsesUpTolerance),
+            None => match self.feed_per_tooth(Length::computed(2.0 * self.along.0)) {
                 Some(largest_feed_per_tooth) => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }),
                 None => Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(2.0 * self.along.0) }),
             },
@@ -215,6 +210,24 @@ impl Analytic {
         largest_groove_distance(self.across.0.recip(), self.pass.surface.across_per_mm(), width)
     }
 
+    /// The climb of the feed as printed [Segonds 2017, eq. 16], S cos(alpha); the exact value is atan(tan(S) cos(alpha)).
+    /// A zigzag cuts in both directions, so the absolute value is used.
+    fn climb(&self) -> Angle {
+        Angle::from_radians(self.pass.contact.slope().radians() * self.pass.contact.alpha().cos().abs())
+    }
+
+    /// The distance of the marks of a feed per tooth.
+    fn mark_spacing(&self, feed_per_tooth: Length) -> Length {
+        let runout = self.pass.runout;
+        if runout == Runout::NONE { feed_per_tooth } else { runout.mark_spacing(feed_per_tooth, self.climb()) }
+    }
+
+    /// The feed per tooth of marks at a distance; `None` if runout alone sets them further apart.
+    fn feed_per_tooth(&self, mark_spacing: Length) -> Option<Length> {
+        let runout = self.pass.runout;
+        if runout == Runout::NONE { Some(mark_spacing) } else { runout.feed_per_tooth(mark_spacing, self.climb()) }
+    }
+
     /// h2, or with runout its upper bound [Segonds 2017, eq. 14 and 18].
     fn feed_height(&self, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let Some(feed_per_tooth) = feed_per_tooth else {
@@ -223,7 +236,7 @@ impl Analytic {
         if self.along.0 == 0.0 {
             return Err(NoAnswer::SharpEdge);
         }
-        let spacing = self.pass.runout.mark_spacing(feed_per_tooth, self.climb);
+        let spacing = self.mark_spacing(feed_per_tooth);
         let height = self.along.height(spacing.mm());
         height.map(Length::computed).ok_or(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(2.0 * self.along.0) })
     }
@@ -258,7 +271,7 @@ fn largest_groove_distance(k: f64, c: f64, width: f64) -> Length {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::milling::{Runout, SurfaceCurvature};
+    use crate::milling::SurfaceCurvature;
 
     #[test]
     fn a_sharp_edge_has_no_circle_on_any_surface() {
