@@ -77,7 +77,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
         if !faults.is_empty() {
             // Nothing is computed, but the contacts are still checked, so that the answer lists their faults too.
             for index in (0..contacts.count()).take_while(|_| !cancel.is_cancelled()) {
-                let _recorded = contacts.read(index, C::STATED, &batch.defaults, contacts.path(index, &path), faults);
+                let _recorded = contacts.read(index, &batch.defaults, contacts.path(index, &path), faults);
             }
             return Err(Faulted);
         }
@@ -181,7 +181,7 @@ impl<C: Calculation> Batch<C> {
         let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT).and_until(cancel);
         while !cancel.is_cancelled() {
             let path = JsonPath::Root;
-            let contact = BatchContact::read_next(&mut json, C::STATED, &self.defaults, path, &mut faults)?;
+            let contact = BatchContact::read_next(&mut json, &self.defaults, path, &mut faults)?;
             let index = part.count;
             self.take_in(&mut part, index, contact, path, &mut faults);
             if json.is_at_end() {
@@ -202,7 +202,7 @@ impl<C: Calculation> Batch<C> {
             let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT).and_until(cancel);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
-                let contact = contacts.read(index, C::STATED, &self.defaults, path, &mut faults);
+                let contact = contacts.read(index, &self.defaults, path, &mut faults);
                 self.take_in(&mut part, index, contact, path, &mut faults);
             }
             parts.insert(chunk, part);
@@ -231,7 +231,7 @@ impl<C: Calculation> Batch<C> {
         faults: &mut Faults,
     ) -> Result<(), Faulted> {
         let BatchContact { contact, parameters } = contact;
-        let step_over = parameters.step_over(C::STATED, &path, faults)?;
+        let step_over = parameters.step_over(&path, faults)?;
         let member = self.calculation.step_over_member(&parameters);
         // The fault points to the contact as a whole: any of its parameters, defaults included, may be the cause.
         let mut fail =

@@ -48,14 +48,13 @@ impl<'a> Contacts<'a> {
     pub(super) fn read(
         &self,
         index: usize,
-        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
         match self {
-            Self::Rows(rows) => BatchContact::read(rows[index], stated, defaults, path, faults),
-            Self::Columns(columns) => columns.contact(index, stated, defaults, path, faults),
+            Self::Rows(rows) => BatchContact::read(rows[index], defaults, path, faults),
+            Self::Columns(columns) => columns.contact(index, defaults, path, faults),
         }
     }
 }

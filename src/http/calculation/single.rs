@@ -104,7 +104,7 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let parameters = ContactParameters::read(object, C::STATED, faults);
     let members = C::Members::read(object, faults);
     let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
-    let step_over = parameters.step_over(C::STATED, &path, faults);
+    let step_over = parameters.step_over(&path, faults);
     let (shared, contact) = (shared?, contact?);
     let fault = |cause, step_over_member| no_answer(cause, &path, contact, &parameters, step_over_member);
     let pass = evaluate(&shared, contact, &parameters)?;

@@ -67,19 +67,18 @@ impl ContactColumns {
     pub(crate) fn contact(
         &self,
         index: usize,
-        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
         let contact = if self.has_parameters {
-            self.row(index).and_then(|slots| BatchContact::accept(&slots, stated, defaults))
+            self.row(index).and_then(|slots| BatchContact::accept(&slots, defaults))
         } else {
             self.stated_contact(index).map(|contact| BatchContact { contact, parameters: *defaults })
         };
         match contact {
-            Some(contact) => contact.complete(stated, path, faults),
-            None => BatchContact::read_faulty(JsonText::known(&self.text(index)), stated, defaults, path, faults),
+            Some(contact) => contact.complete(path, faults),
+            None => BatchContact::read_faulty(JsonText::known(&self.text(index)), defaults, path, faults),
         }
     }
 
