@@ -152,11 +152,10 @@ struct Part {
 impl<C: Calculation> Batch<C> {
     /// Reads the parts of a request beside its contacts.
     fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> ReadBatch<C> {
-        let path = object.path();
         let shared = SharedParameters::read(object, faults);
         let defaults = ContactParameters::read(object, C::STATED, faults);
         let members = C::Members::read(object, faults);
-        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
+        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), faults);
         ReadBatch { shared, defaults, calculation, selection: Selection::read::<C>(object, faults) }
     }
 

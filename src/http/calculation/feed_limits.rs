@@ -73,7 +73,6 @@ impl FeedLimits {
         per_tooth: Result<Option<Length>, Faulted>,
         rate_mm_min: Result<Option<f64>, Faulted>,
         shared: Result<&SharedParameters, Faulted>,
-        path: &JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
         let mut complete = Ok(());
@@ -83,10 +82,10 @@ impl FeedLimits {
                 complete = Err(faults.add(path, RequestFault::MissingField, detail));
             };
             if spindle_speed_rpm == Ok(None) {
-                need(&path.member(SPINDLE_SPEED.name), "a spindle speed");
+                need(&JsonPath::Root.member(SPINDLE_SPEED.name), "a spindle speed");
             }
             if shared.is_ok_and(|shared| shared.tool.teeth.is_none()) {
-                need(&path.member(CUTTER.name).member(TEETH.name), "a number of teeth");
+                need(&JsonPath::Root.member(CUTTER.name).member(TEETH.name), "a number of teeth");
             }
         }
         complete?;

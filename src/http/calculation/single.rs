@@ -1,6 +1,6 @@
 //! Requests with one contact, as JSON or as a query, and their answers.
 
-use super::Calculation;
+use super::{Calculation, Inputs};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
@@ -103,7 +103,7 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let contact = object.required(&CONTACT, faults);
     let parameters = ContactParameters::read(object, C::STATED, faults);
     let members = C::Members::read(object, faults);
-    let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
+    let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), faults);
     let step_over = parameters.step_over(&path, faults);
     let (shared, contact) = (shared?, contact?);
     let fault = |cause, step_over_member| no_answer(cause, &path, contact, &parameters, step_over_member);
@@ -149,7 +149,7 @@ pub(super) fn compute<C: Calculation>(
     let feed_per_tooth = parameters.feed_per_tooth()?;
     let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
     Ok(match along {
-        Ok(along) => calculation.compute(shared, pass, along, feed_per_tooth, heights),
+        Ok(step_over) => calculation.compute(&Inputs { shared, pass, step_over, feed_per_tooth, heights }),
         Err(cause) => Err(cause),
     })
 }
