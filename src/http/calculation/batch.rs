@@ -177,7 +177,7 @@ impl<C: Calculation> Batch<C> {
     fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
         let mut json = PlainJson::new(run);
         let mut part = self.part(run.len() / USUAL_CONTACT);
-        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT).and_until(cancel);
+        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT, cancel);
         while !cancel.is_cancelled() {
             let path = JsonPath::Root;
             let contact = BatchContact::read_next(&mut json, &self.defaults, path, &mut faults)?;
@@ -198,7 +198,7 @@ impl<C: Calculation> Batch<C> {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT).and_until(cancel);
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT, cancel);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, &self.defaults, path, &mut faults);

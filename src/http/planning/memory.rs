@@ -1,5 +1,6 @@
 //! The memory of a recommendation, which is reserved in the budget before the calculation.
 
+use crate::cancellation::CancelFlag;
 use crate::http::wire::ReceivedSurface;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
@@ -151,7 +152,7 @@ fn bytes_of_patch(json: &[u8]) -> usize {
 
 /// The most memory in bytes of a surface's facets while they are read.
 fn bytes_of_most_facets() -> usize {
-    usize::try_from(ReceivedSurface::new().bytes_to_take_package()).unwrap_or(usize::MAX)
+    usize::try_from(ReceivedSurface::until(&CancelFlag::default()).bytes_to_take_package()).unwrap_or(usize::MAX)
 }
 
 #[cfg(test)]

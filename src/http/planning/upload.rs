@@ -351,7 +351,7 @@ mod tests {
 
     /// The shape of a surface in text that arrives in chunks and blocks of these sizes.
     fn shape(text: &[u8], piece: usize, pieces: usize) -> String {
-        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::until(&CancelFlag::default()));
         let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();
         for pieces in all.chunks(pieces) {
             Block { pieces: pieces.to_vec() }.read(&mut reader, &mut surface).unwrap();
@@ -373,7 +373,7 @@ mod tests {
     #[test]
     fn a_fault_in_a_text_block_has_its_line_in_the_file() {
         let text = "1.5,2,3\n".repeat(100_000) + "1.5,2\n" + &"1.5,2,3\n".repeat(100_000);
-        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::until(&CancelFlag::default()));
         let block = Block { pieces: vec![Bytes::from(text)] };
         let fault = block.read(&mut reader, &mut surface).unwrap_err();
         assert_eq!(fault.location(), read::FileLocation::Line(100_001));

@@ -2,7 +2,6 @@
 
 use super::object::describe;
 use super::{Faulted, Faults, JsonPath};
-use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonText, Unread};
 
@@ -13,8 +12,8 @@ pub(crate) fn each_raw<'a>(
     faults: &mut Faults,
     mut take: impl FnMut(JsonText<'a>, &mut Faults),
 ) -> Result<(), Faulted> {
-    let cancel = faults.cancel_flag();
-    let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
+    let cancel = faults.cancel_flag().clone();
+    let stop = || cancel.is_cancelled();
     raw.items(&stop, |item| take(item, faults)).map_err(|unread| match unread {
         // The faults of a cancelled reading are discarded.
         Unread::Cancelled => Faulted,

@@ -19,7 +19,7 @@ pub(super) fn each_point(
     let mut in_bounds = true;
     let read = read_triples(
         raw.get(),
-        faults.cancel_flag().as_ref(),
+        faults.cancel_flag(),
         |points| points,
         |points: Vec<[f64; 3]>| {
             for point in points {
@@ -42,7 +42,7 @@ pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut Received
         }
         (points.into_iter().all(is_in_bounds), part)
     };
-    let read = read_triples(json, faults.cancel_flag().as_ref(), part, |(is_fine, part)| {
+    let read = read_triples(json, faults.cancel_flag(), part, |(is_fine, part)| {
         in_bounds &= is_fine;
         surface.append(part);
     });

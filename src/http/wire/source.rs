@@ -62,14 +62,9 @@ pub(crate) type ReceivedSurface = Received<MeshBuilder>;
 pub(crate) type ReceivedPart = Received<MeshPart>;
 
 impl ReceivedSurface {
-    pub(crate) fn new() -> Self {
-        Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS) }
-    }
-
-    /// A surface with a cancel flag: once `cancel` is set, receiving ends early, and the surface must be discarded.
+    /// An empty surface. Once `cancel` is set, receiving ends early, and the surface must be discarded.
     pub(crate) fn until(cancel: &CancelFlag) -> Self {
-        let Self { sampled, mesh } = Self::new();
-        Self { sampled, mesh: mesh.with_cancel_flag(cancel) }
+        Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS).with_cancel_flag(cancel) }
     }
 
     /// The memory of the facets, in bytes.

@@ -2,7 +2,6 @@
 
 use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
 use super::source::{ReceivedSurface, Source, SurfaceWithSource};
-use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
     AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
@@ -50,7 +49,7 @@ impl Kind for StatedSurface {
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         // Nearly all large bodies have only points. They are read without a first pass that finds the members.
-        let mut surface = received(faults);
+        let mut surface = ReceivedSurface::until(faults.cancel_flag());
         if let Some(points) = sole_member(raw.get(), POINTS.name)
             && receive_points(points, faults, &mut surface).is_some()
         {
@@ -96,15 +95,10 @@ impl Kind for StatedSurface {
     }
 }
 
-/// An empty surface for the body that `faults` belongs to.
-fn received(faults: &Faults) -> ReceivedSurface {
-    faults.cancel_flag().map_or_else(ReceivedSurface::new, |cancel| ReceivedSurface::until(&cancel))
-}
-
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
-    let mut surface = received(faults);
+    let mut surface = ReceivedSurface::until(faults.cancel_flag());
     if receive_points(raw.get(), faults, &mut surface).is_none() {
         find_faults(raw, path.member(POINTS.name), faults)?;
     }
@@ -122,9 +116,8 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
-    let cancel = faults.cancel_flag();
-    let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
-    let mesh = patch.tessellate_until(samples, received(faults).mesh, &stop);
+    let stop = || faults.is_cancelled();
+    let mesh = patch.tessellate_until(samples, ReceivedSurface::until(faults.cancel_flag()).mesh, &stop);
     let surface =
         patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
             faults.add(
@@ -162,7 +155,8 @@ impl Kind for GridKind {
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = object.path();
-    let mut grid = Grid::into_sink(rows, columns, received(faults)).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
+    let mut grid = Grid::into_sink(rows, columns, ReceivedSurface::until(faults.cancel_flag()))
+        .map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let Some(raw) = object.take(GRID_POINTS.name, faults) else {
         return object.required(&GRID_POINTS, faults).and(Err(Faulted));
     };
@@ -209,11 +203,10 @@ const TRIANGLES_AT_ONCE: usize = 4096;
 
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = path.member(TRIANGLES.name);
-    let mut surface = received(faults);
+    let mut surface = ReceivedSurface::until(faults.cancel_flag());
     let mut result = Ok(());
-    let cancel = faults.cancel_flag();
     for (number, triangle) in triangles.iter().enumerate() {
-        if number.is_multiple_of(TRIANGLES_AT_ONCE) && cancel.as_ref().is_some_and(CancelFlag::is_cancelled) {
+        if number.is_multiple_of(TRIANGLES_AT_ONCE) && faults.is_cancelled() {
             break;
         }
         let at = |corner: usize| points.get(triangle[corner] as usize).copied().ok_or(corner);
@@ -249,8 +242,7 @@ impl Kind for Triangles {
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let mut triangles = Vec::with_capacity(most_items(raw));
-        let cancel = faults.cancel_flag();
-        if read_triples(raw.get(), cancel.as_ref(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
+        if read_triples(raw.get(), faults.cancel_flag(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
             return Ok(triangles);
         }
         // The pass above stopped at the first fault, without its location. This pass finds all faults, and accepts
