@@ -52,29 +52,23 @@ pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut Received
 /// Finds all faults of an array of points that is known to have one.
 pub(super) fn find_faults(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
     let mut result = Ok(());
-    let mut index = 0;
-    each_raw(raw, path, faults, |item, faults| {
+    each_raw(raw, path, faults, |index, item, faults| {
         result = result.and(point(item, path.item(index), faults).map(|_| ()));
-        index += 1;
     })?;
     result.and_then(|()| Err(faults.add(&path, RequestFault::WrongType, "expected an array of points")))
 }
 
 /// One point.
 pub(super) fn point(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
-    let (mut coordinates, mut count) = ([Ok(0.0); 3], 0);
-    each_raw(raw, path, faults, |item, faults| {
-        if let Some(coordinate) = coordinates.get_mut(count) {
-            *coordinate = bounded(item, path.item(count), faults);
+    let mut coordinates = [Ok(0.0); 3];
+    let count = each_raw(raw, path, faults, |index, item, faults| {
+        if let Some(coordinate) = coordinates.get_mut(index) {
+            *coordinate = bounded(item, path.item(index), faults);
         }
-        count += 1;
     })?;
     if count != 3 {
-        return Err(faults.add(
-            &path,
-            RequestFault::WrongType,
-            format_args!("expected the three coordinates of a point, found {count} items"),
-        ));
+        let detail = format_args!("expected the three coordinates of a point, found {count} items");
+        return Err(faults.add(&path, RequestFault::WrongType, detail));
     }
     let [x, y, z] = coordinates;
     Ok([x?, y?, z?])

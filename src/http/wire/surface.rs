@@ -248,12 +248,10 @@ impl Kind for Triangles {
         // The pass above stopped at the first fault, without its location. This pass finds all faults, and accepts
         // whole numbers written as 1.0 or 1e3.
         triangles.clear();
-        let mut index = 0;
-        each_raw(raw, path, faults, |item, faults| {
+        each_raw(raw, path, faults, |index, item, faults| {
             // A default replaces a triangle with a fault, so that the indices of the others are checked too. A request
             // with a fault is not planned.
             triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
-            index += 1;
         })?;
         Ok(triangles)
     }
@@ -304,14 +302,7 @@ impl Kind for Net {
     type Value = Vec<Vec<[f64; 3]>>;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
-        let (mut rows, mut index) = (Vec::new(), 0);
-        each_raw(raw, path, faults, |item, faults| {
-            if rows.len() < MOST_KEPT {
-                rows.push(row(item, path.item(index), faults));
-            }
-            index += 1;
-        })?;
-        rows.into_iter().collect()
+        first_items(raw, path, faults, |row, path, faults| first_items(row, path, faults, point))
     }
 
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
@@ -321,13 +312,18 @@ impl Kind for Net {
     }
 }
 
-fn row(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<[f64; 3]>, Faulted> {
-    let (mut points, mut index) = (Vec::new(), 0);
-    each_raw(raw, path, faults, |item, faults| {
-        if points.len() < MOST_KEPT {
-            points.push(point(item, path.item(index), faults));
+/// Reads the items of the array `raw` with `read`; those beyond [`MOST_KEPT`] are left out.
+fn first_items<T>(
+    raw: JsonText<'_>,
+    path: JsonPath<'_>,
+    faults: &mut Faults,
+    read: impl Fn(JsonText<'_>, JsonPath<'_>, &mut Faults) -> Result<T, Faulted>,
+) -> Result<Vec<T>, Faulted> {
+    let mut items = Vec::new();
+    each_raw(raw, path, faults, |index, item, faults| {
+        if index < MOST_KEPT {
+            items.push(read(item, path.item(index), faults));
         }
-        index += 1;
     })?;
-    points.into_iter().collect()
+    items.into_iter().collect()
 }
