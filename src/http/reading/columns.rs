@@ -28,20 +28,11 @@ pub(crate) trait PlainColumn: Default {
     /// Compares the number of rows of this column, `name`, with that of earlier columns.
     fn check_rows(&self, name: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
-    /// The value of a row.
-    fn get(&self, index: usize) -> Cell<Self::Plain>;
+    /// The value of a row, if it has one; an error for a value of another type.
+    fn get(&self, index: usize) -> Result<Option<Self::Plain>, Unusual>;
 
     /// Writes the value of a row, valid or not, as the member `name` of an object.
     fn write(&self, index: usize, name: &'static str, row: &mut RowText);
-}
-
-/// A row's value in a column.
-pub(crate) enum Cell<P> {
-    /// No value: null, or no column.
-    Absent,
-    Value(P),
-    /// A value of another type.
-    Faulty,
 }
 
 /// The number of rows, which is the same for all columns.
@@ -186,11 +177,10 @@ impl<P: CellValue> PlainColumn for Cells<P> {
         rows.check(name, self.values.len(), &path, faults);
     }
 
-    fn get(&self, index: usize) -> Cell<P> {
+    fn get(&self, index: usize) -> Result<Option<P>, Unusual> {
         match self.value(index) {
-            Some(value) => Cell::Value(value),
-            None if self.faulty.is_empty() || self.faulty.binary_search_by_key(&index, |(row, _)| *row).is_err() => Cell::Absent,
-            None => Cell::Faulty,
+            None if self.faulty.binary_search_by_key(&index, |(row, _)| *row).is_ok() => Err(Unusual),
+            value => Ok(value),
         }
     }
 

@@ -104,7 +104,7 @@ macro_rules! members {
 
         const _: () = {
             use $crate::http::reading::{
-                Cell, Columns, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, PlainJson, PlainMembers, PlainValue,
+                Columns, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, PlainJson, PlainMembers, PlainValue,
                 RowText, Rows, Slots, Unusual,
             };
 
@@ -166,12 +166,11 @@ macro_rules! members {
                     )+
                 }
 
-                fn row(&self, index: usize) -> Option<$slots> {
-                    Some($slots {
-                        $( $field: match self.$field.as_ref().map(|column| PlainColumn::get(column, index)) {
-                            Some(Cell::Value(value)) => Some(value),
-                            Some(Cell::Absent) | None => None,
-                            Some(Cell::Faulty) => return None,
+                fn row(&self, index: usize) -> Result<$slots, Unusual> {
+                    Ok($slots {
+                        $( $field: match &self.$field {
+                            Some(column) => PlainColumn::get(column, index)?,
+                            None => None,
                         }, )+
                     })
                 }

@@ -19,7 +19,7 @@ mod slots;
 mod triples;
 
 pub(crate) use array::{each_raw, items};
-pub(crate) use columns::{Cell, CellValue, Cells, PlainColumn, RowText, Rows};
+pub(crate) use columns::{CellValue, Cells, PlainColumn, RowText, Rows};
 pub(crate) use cut_out::{CutOut, Large, PlainColumns};
 pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use json_path::JsonPath;

@@ -1,8 +1,6 @@
 //! The values of several members in one pass, and columns of such values. Two sets of members of one object are a pair.
 
-use super::{
-    Cell, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, PlainJson, PlainValue, RowText, Rows, Unusual,
-};
+use super::{Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, PlainJson, PlainValue, RowText, Rows, Unusual};
 use crate::json_text::JsonText;
 
 /// The values of members, each absent until it is read.
@@ -41,8 +39,8 @@ pub(crate) trait Columns: Default {
     /// Compares the number of rows of all columns of the object at `path`.
     fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
-    /// The values of a row; `None` if one is of another type.
-    fn row(&self, index: usize) -> Option<Self::Row>;
+    /// The values of a row; an error if one is of another type.
+    fn row(&self, index: usize) -> Result<Self::Row, Unusual>;
 
     /// Writes a row as members of an object.
     fn write_row(&self, index: usize, row: &mut RowText);
@@ -85,8 +83,8 @@ impl<A: Columns, B: Columns> Columns for (A, B) {
     }
 
     #[inline]
-    fn row(&self, index: usize) -> Option<Self::Row> {
-        Some((self.0.row(index)?, self.1.row(index)?))
+    fn row(&self, index: usize) -> Result<Self::Row, Unusual> {
+        Ok((self.0.row(index)?, self.1.row(index)?))
     }
 
     fn write_row(&self, index: usize, row: &mut RowText) {
@@ -119,12 +117,9 @@ impl<C: Columns> PlainColumn for C {
         Columns::check_rows(self, &path, rows, faults);
     }
 
-    fn get(&self, index: usize) -> Cell<C::Row> {
-        match self.row(index) {
-            None => Cell::Faulty,
-            Some(row) if row.are_absent() => Cell::Absent,
-            Some(row) => Cell::Value(row),
-        }
+    fn get(&self, index: usize) -> Result<Option<C::Row>, Unusual> {
+        let row = self.row(index)?;
+        Ok((!row.are_absent()).then_some(row))
     }
 
     fn write(&self, index: usize, name: &'static str, row: &mut RowText) {

@@ -88,7 +88,7 @@ impl ContactColumns {
     }
 
     fn row(&self, index: usize) -> Option<ContactSlots> {
-        Some((self.form(index)?, self.columns.1.row(index)?))
+        Some((self.form(index)?, self.columns.1.row(index).ok()?))
     }
 
     /// The contact of a row without parameters of its own; `None` if there is a fault.
@@ -100,8 +100,8 @@ impl ContactColumns {
     #[inline]
     fn form(&self, index: usize) -> Option<(AngleSlots, VectorSlots)> {
         let (angles, vectors) = &self.columns.0;
-        let vectors = if self.has_vectors { vectors.row(index)? } else { VectorSlots::default() };
-        Some((angles.row(index)?, vectors))
+        let vectors = if self.has_vectors { vectors.row(index).ok()? } else { VectorSlots::default() };
+        Some((angles.row(index).ok()?, vectors))
     }
 
     /// The row as the JSON of a contact, for the reader that collects faults.
