@@ -205,7 +205,7 @@ pub(crate) fn read_text<T>(
             Object::open_body(marked.text(), &mut faults).map_err(|error| malformed(&error))?
         }
     };
-    match read_object(object, &mut faults, read) {
+    match object.and_then(|object| object.read(&mut faults, read)) {
         Ok(result) if faults.is_empty() => Ok(result),
         _ => Err(Problem::faulty_request(faults)),
     }
@@ -214,16 +214,4 @@ pub(crate) fn read_text<T>(
 /// The problem of a text that is not JSON.
 pub(crate) fn malformed(error: &JsonError) -> Problem {
     Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}"))
-}
-
-/// Reads a whole object with `read`; members that `read` does not take are faults.
-pub(crate) fn read_object<'a, T>(
-    object: Result<Object<'a, '_>, Faulted>,
-    faults: &mut Faults,
-    read: impl FnOnce(&mut Object<'a, '_>, &mut Faults) -> Result<T, Faulted>,
-) -> Result<T, Faulted> {
-    let mut object = object?;
-    let result = read(&mut object, faults);
-    object.close(faults)?;
-    result
 }

@@ -2,7 +2,7 @@
 //! with the names of nested members joined. A query is converted to that JSON and read by the same readers; faults
 //! point to the query's parameters.
 
-use super::body::{malformed, read_object};
+use super::body::malformed;
 use super::codes::RequestFault;
 use super::problem::Problem;
 use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark};
@@ -102,7 +102,7 @@ impl Query {
         }
         let (json, mut of_json) = (json_of(&given), Faults::default());
         let object = Object::open_body(json.as_bytes(), &mut of_json).map_err(|error| malformed(&error))?;
-        let result = read_object(object, &mut of_json, read);
+        let result = object.and_then(|object| object.read(&mut of_json, read));
         let is_empty = |pointer: &str| given.iter().any(|(member, value)| value.is_empty() && format!("/{}", member.name) == pointer);
         // The fault of an empty parameter has been recorded already.
         faults.take_in(of_json, |pointer| Some(self.pointer(pointer, &given)).filter(|pointer| !is_empty(pointer)));

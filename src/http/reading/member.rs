@@ -64,11 +64,10 @@ impl<T: WireObject> Kind for T {
     type Value = T::Value;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T::Value, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let members = T::Members::read(&mut object, faults);
-        let value = T::build(members, &path, faults);
-        object.close(faults)?;
-        value
+        Object::open(raw, path, faults)?.read(faults, |object, faults| {
+            let members = T::Members::read(object, faults);
+            T::build(members, &path, faults)
+        })
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {

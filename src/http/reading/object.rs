@@ -107,6 +107,17 @@ impl<'a, 'p> Object<'a, 'p> {
         }
     }
 
+    /// Reads the whole object with `read`; members that `read` does not take are faults.
+    pub(crate) fn read<T>(
+        mut self,
+        faults: &mut Faults,
+        read: impl FnOnce(&mut Self, &mut Faults) -> Result<T, Faulted>,
+    ) -> Result<T, Faulted> {
+        let result = read(&mut self, faults);
+        self.close(faults)?;
+        result
+    }
+
     /// Ends the reading: members that were not taken are unknown.
     pub(crate) fn close(self, faults: &mut Faults) -> Result<(), Faulted> {
         let mut result = Ok(());

@@ -107,10 +107,7 @@ impl<C: Columns> PlainColumn for C {
     type Plain = C::Row;
 
     fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let columns = Self::take(&mut object, most, faults);
-        object.close(faults)?;
-        Ok(columns)
+        Object::open(raw, path, faults)?.read(faults, |object, faults| Ok(Self::take(object, most, faults)))
     }
 
     fn check_rows(&self, _: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {

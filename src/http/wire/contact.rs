@@ -76,10 +76,7 @@ impl Kind for ContactKind {
     type Value = StatedContact;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let contact = read(&mut object, faults);
-        object.close(faults)?;
-        contact
+        Object::open(raw, path, faults)?.read(faults, read)
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {

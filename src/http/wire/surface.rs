@@ -135,14 +135,12 @@ impl Kind for GridKind {
     type Value = ReceivedSurface;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let (rows, columns) = (object.required(&ROWS, faults), object.required(&COLUMNS, faults));
-        let surface = match (rows, columns) {
-            (Ok(rows), Ok(columns)) => grid(&mut object, rows as usize, columns as usize, faults),
-            _ => object.required(&GRID_POINTS, faults).and(Err(Faulted)),
-        };
-        object.close(faults)?;
-        surface
+        Object::open(raw, path, faults)?.read(faults, |object, faults| {
+            match (object.required(&ROWS, faults), object.required(&COLUMNS, faults)) {
+                (Ok(rows), Ok(columns)) => grid(object, rows as usize, columns as usize, faults),
+                _ => object.required(&GRID_POINTS, faults).and(Err(Faulted)),
+            }
+        })
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
