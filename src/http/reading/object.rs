@@ -49,6 +49,11 @@ impl<'a, 'p> Object<'a, 'p> {
         self.members.iter().any(|(key, _)| key == name)
     }
 
+    /// Whether one of the members `M` is present and not taken yet.
+    pub(crate) fn has_any_of<M: Members>(&self) -> bool {
+        M::NAMES.iter().any(|name| self.has(name))
+    }
+
     /// Takes the member `name` unparsed. A repeated name is a fault.
     pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<JsonText<'a>> {
         self.known.push(name);
@@ -89,8 +94,7 @@ impl<'a, 'p> Object<'a, 'p> {
     /// Reads the members of one of two forms of an object. `forms` is the text of the fault if none or both are
     /// present.
     pub(crate) fn one_of<A: Members, B: Members>(&mut self, forms: &str, faults: &mut Faults) -> Result<Form<A, B>, Faulted> {
-        let [first, second] = [A::NAMES, B::NAMES].map(|names| names.iter().any(|name| self.has(name)));
-        match (first, second) {
+        match (self.has_any_of::<A>(), self.has_any_of::<B>()) {
             (true, false) => Ok(Form::First(A::read(self, faults))),
             (false, true) => Ok(Form::Second(B::read(self, faults))),
             (true, true) => {
