@@ -48,7 +48,6 @@ pub struct Routes(Vec<(RouteClass, Addition)>);
 
 enum Addition {
     Documented(UtoipaMethodRouter<AppState>),
-    Undocumented(String, MethodRouter<AppState>),
     Nested(Router<AppState>),
 }
 
@@ -75,7 +74,7 @@ impl Routes {
     /// Adds a path that the OpenAPI document leaves out.
     #[must_use]
     pub fn undocumented(self, class: RouteClass, path: &str, methods: MethodRouter<AppState>) -> Self {
-        self.add(class, Addition::Undocumented(path.to_owned(), methods))
+        self.nested(class, Router::new().route(path, methods))
     }
 
     /// Adds a library's router, all of whose routes have one class.
@@ -93,11 +92,7 @@ impl Routes {
 
     /// The same set without the operations of one path.
     pub(crate) fn without(mut self, path: &str) -> Self {
-        self.0.retain(|(_, addition)| match addition {
-            Addition::Documented((_, paths, _)) => !paths.paths.contains_key(path),
-            Addition::Undocumented(added, _) => added != path,
-            Addition::Nested(_) => true,
-        });
+        self.0.retain(|(_, addition)| !matches!(addition, Addition::Documented((_, paths, _)) if paths.paths.contains_key(path)));
         self
     }
 
@@ -110,7 +105,7 @@ impl Routes {
     pub(crate) fn openapi(self, document: OpenApi) -> OpenApi {
         let add = |router: OpenApiRouter<AppState>, (_, addition)| match addition {
             Addition::Documented(operations) => router.routes(operations),
-            Addition::Undocumented(..) | Addition::Nested(_) => router,
+            Addition::Nested(_) => router,
         };
         self.0.into_iter().fold(OpenApiRouter::with_openapi(document), add).into_openapi()
     }
@@ -120,7 +115,6 @@ impl Routes {
         self.0.into_iter().fold(Router::new(), |all, (class, addition)| {
             let router = match addition {
                 Addition::Documented(operations) => OpenApiRouter::new().routes(operations).into(),
-                Addition::Undocumented(path, methods) => Router::new().route(&path, methods),
                 Addition::Nested(router) => router,
             };
             all.merge(surround(class, router))
