@@ -15,7 +15,7 @@ use crate::http::reading::{
 };
 use crate::http::wire::{
     BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, Heights, MODEL, SharedMembers,
-    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer,
+    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
@@ -381,7 +381,7 @@ impl Part {
         let extremes = ColumnExtremes(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
         let outside_analytic_range = batch.is_compared.then_some(self.outside_range);
         let mut table = Table::default();
-        table.value("model", &model_name(shared.model));
+        table.value("model", &MODEL.kind.word(&shared.model));
         table.value("summary", &Summary { count, failures: self.failed, outside_analytic_range, extremes });
         for (figure, column) in selection.figures.iter().zip(self.columns) {
             if selection.is_stated || figure.is_required_column() {

@@ -7,8 +7,7 @@ use crate::http::problem::Problem;
 use crate::http::query::Query;
 use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    CONTACT, Check, ContactParameters, Figures, Heights, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, model_name,
-    no_answer,
+    CONTACT, Check, ContactParameters, Figures, Heights, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass, StepOver};
@@ -31,7 +30,7 @@ struct Answer<C> {
 impl<C: Calculation> Serialize for Answer<C> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("model", model_name(self.model))?;
+        map.serialize_entry("model", MODEL.kind.word(&self.model))?;
         for figure in C::figures() {
             let value = figure.value(&self.figures);
             if value.is_some() || figure.is_required() {

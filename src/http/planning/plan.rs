@@ -13,7 +13,7 @@ use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning, model_name};
+use crate::http::wire::{MODEL, NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning};
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
@@ -119,7 +119,7 @@ impl Task {
         let critical = self.published().map(|published| published.plan);
         Ok(RecommendationAnswer {
             method: self.parameters.method,
-            model: model_name(by),
+            model: MODEL.kind.word(&by),
             recommended: first.into(),
             candidates,
             not_ranked,
@@ -181,7 +181,7 @@ impl Task {
         let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, resources, stop)?;
         Ok(RecommendationAnswer {
             method: self.parameters.method,
-            model: model_name(self.parameters.model()),
+            model: MODEL.kind.word(&self.parameters.model()),
             recommended: first.into(),
             not_ranked,
             surface: SurfaceAnswer::new(&self.shape, self.source, workpiece),

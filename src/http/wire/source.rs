@@ -1,7 +1,7 @@
 //! A received surface with its format, its unit, and the warnings of its reader.
 
 use super::Warning;
-use super::unit::unit_name;
+use super::unit::UNIT;
 use crate::cancellation::CancelFlag;
 use crate::http::codes::{FileFault, RequestFault, WarningCode, same_names};
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -143,13 +143,13 @@ impl SurfaceWithSource {
         let Some(own) = self.unit else { return Ok(requested.unwrap_or_default()) };
         match requested {
             Some(requested) if requested != own && self.source == Source::ThreeMf => {
-                let detail = format_args!("the 3MF file states its unit, {}; omit `unit` or state the same", unit_name(own));
-                Err(faults.add(&JsonPath::Root.member("unit"), RequestFault::ConflictingFields, detail))
+                let detail = format_args!("the 3MF file states its unit, {}; omit `unit` or state the same", UNIT.kind.word(&own));
+                Err(faults.add(&JsonPath::Root.member(UNIT.name), RequestFault::ConflictingFields, detail))
             }
             Some(requested) => Ok(requested),
             None if self.source == Source::ThreeMf || own == Unit::default() => Ok(own),
             None => {
-                let (header, default) = (unit_name(own), unit_name(Unit::default()));
+                let (header, default) = (UNIT.kind.word(&own), UNIT.kind.word(&Unit::default()));
                 let detail = format_args!(
                     "the header gives the coordinates in {header}, and without `unit` they are read in {default}; state unit \"{header}\" or \"{default}\""
                 );
