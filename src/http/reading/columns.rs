@@ -61,7 +61,7 @@ impl Rows {
 }
 
 /// The items of a column.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(crate) struct Cells<P> {
     values: Vec<P>,
     /// The rows with a value of another type in ascending order, the first ones with their text.

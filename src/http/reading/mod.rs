@@ -26,7 +26,7 @@ pub(crate) use json_path::JsonPath;
 pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;
 pub(crate) use member::{Kind, Member, PlainKind, WireObject};
-pub(crate) use members::{Form, Members, PlainMembers, members};
+pub(crate) use members::{Form, Members, members};
 pub(crate) use not_finite::{mark, mark_not_finite};
 pub(crate) use object::{Object, describe};
 pub(crate) use plain::{PlainJson, PlainValue, Unusual};

@@ -4,23 +4,20 @@ use super::{Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainC
 use crate::json_text::JsonText;
 
 /// The values of members, each absent until it is read.
-pub(crate) trait Slots: Default + Copy {
+pub(crate) trait Slots: Default + Copy + PartialEq {
     /// Reads the value of `name` into its slot. Returns false if no member has this name, and an error for a value of
     /// another type or a repeated name.
     fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual>;
 
     /// Whether no slot is filled.
-    fn are_absent(&self) -> bool;
-
-    /// Reads the values of an object that has no other members.
     #[inline]
-    fn fill_all(&mut self, json: &mut PlainJson<'_>) -> Result<(), Unusual> {
-        json.object(|name, json| self.fill(name, json))
+    fn are_absent(&self) -> bool {
+        *self == Self::default()
     }
 }
 
 /// Columns of the values of members.
-pub(crate) trait Columns: Default {
+pub(crate) trait Columns: Default + PartialEq {
     /// The values of a row.
     type Row: Slots;
 
@@ -34,7 +31,9 @@ pub(crate) trait Columns: Default {
     fn describe(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_>;
 
     /// Whether there are no columns.
-    fn are_absent(&self) -> bool;
+    fn are_absent(&self) -> bool {
+        *self == Self::default()
+    }
 
     /// Compares the number of rows of all columns of the object at `path`.
     fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
@@ -50,11 +49,6 @@ impl<A: Slots, B: Slots> Slots for (A, B) {
     #[inline]
     fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual> {
         Ok(self.0.fill(name, json)? || self.1.fill(name, json)?)
-    }
-
-    #[inline]
-    fn are_absent(&self) -> bool {
-        self.0.are_absent() && self.1.are_absent()
     }
 }
 
@@ -73,10 +67,6 @@ impl<A: Columns, B: Columns> Columns for (A, B) {
         B::describe(A::describe(schema, most), most)
     }
 
-    fn are_absent(&self) -> bool {
-        self.0.are_absent() && self.1.are_absent()
-    }
-
     fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
         self.0.check_rows(path, rows, faults);
         self.1.check_rows(path, rows, faults);
@@ -93,11 +83,12 @@ impl<A: Columns, B: Columns> Columns for (A, B) {
     }
 }
 
-/// An object as the value of a member.
+/// The values of an object that has no other members.
 impl<S: Slots> PlainValue for S {
+    #[inline]
     fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
         let mut slots = Self::default();
-        slots.fill_all(json)?;
+        json.object(|name, json| slots.fill(name, json))?;
         Ok(slots)
     }
 }

@@ -3,7 +3,7 @@
 
 use super::contact::{self, AngleSlots, StatedContact, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainJson, Slots, Unusual};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainJson, PlainValue, Unusual};
 use crate::json_text::JsonText;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -67,9 +67,7 @@ impl BatchContact {
     /// The contact, or `None` if it cannot be read in one pass.
     #[inline]
     fn read_plain(json: &mut PlainJson<'_>, defaults: &ContactParameters) -> Option<Self> {
-        let mut slots = ContactSlots::default();
-        slots.fill_all(json).ok()?;
-        Self::accept(&slots, defaults)
+        Self::accept(&ContactSlots::read(json).ok()?, defaults)
     }
 
     /// The contact from its values, with `defaults` for the parameters that it does not state; `None` if there is a

@@ -2,8 +2,7 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Columns, Components, Faulted, Faults, Form, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainKind, PlainMembers, Quantity,
-    Slots, members,
+    Columns, Components, Faulted, Faults, Form, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainKind, Quantity, Slots, members,
 };
 use crate::json_text::JsonText;
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
@@ -140,8 +139,8 @@ impl PlainKind for CurvatureKind {
     fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {
         let (components, principal) = plain;
         let curvature = match (components.are_absent(), principal.are_absent()) {
-            (_, true) => ComponentMembers::accept(components)?.curvature(),
-            (true, false) => PrincipalMembers::accept(principal)?.curvature(),
+            (_, true) => components.accept()?.curvature(),
+            (true, false) => principal.accept()?.curvature(),
             (false, false) => return None,
         };
         curvature.ok()?.ok()

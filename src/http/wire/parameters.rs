@@ -7,7 +7,7 @@ use super::model::MODEL;
 use super::runout::{RUNOUT, RunoutObject};
 use super::step_over::{self, StepOverColumns, StepOverMembers, StepOverSlots};
 use crate::http::reading::{
-    Choice, Columns, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, PlainMembers, Quantity, Slots, members,
+    Choice, Columns, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, Quantity, Slots, members,
 };
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
@@ -94,9 +94,9 @@ impl ContactParameters {
         }
         Some(Self {
             stated,
-            step_over: StepOverMembers::accept(step_over)?.stated()?,
-            feed_per_tooth: FeedMembers::accept(feed)?.feed_per_tooth,
-            curvature: CurvatureMembers::accept(curvature)?.stated()?,
+            step_over: step_over.accept()?.stated()?,
+            feed_per_tooth: feed.accept()?.feed_per_tooth,
+            curvature: curvature.accept()?.stated()?,
         })
     }
 
