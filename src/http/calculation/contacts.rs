@@ -22,10 +22,7 @@ impl<'a> Contacts<'a> {
         if !raw.get().starts_with('{') {
             return items(raw, MOST_CONTACTS, path, faults).map(Self::Rows);
         }
-        // Columns are read even if another part of the request has faults.
-        let mut of_columns = Faults::until(faults.cancel_flag());
-        let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, &mut of_columns);
-        faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
+        let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, faults);
         columns.map(|columns| Self::Columns(Box::new(columns)))
     }
 

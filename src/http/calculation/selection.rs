@@ -74,7 +74,11 @@ pub(super) struct Selection {
     pub(super) figures: Vec<&'static Figure>,
     /// Whether the request names the columns.
     pub(super) is_stated: bool,
-    pub(super) significant_digits: Option<u32>,
+    significant_digits: Option<u32>,
+    /// The heights that the columns need.
+    pub(super) heights: Heights,
+    /// Whether a selected column needs the comparison with the cutter's exact shape.
+    pub(super) is_compared: bool,
 }
 
 impl Selection {
@@ -82,9 +86,12 @@ impl Selection {
     pub(super) fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let stated = object.optional(&columns::<C>(), faults);
         let significant_digits = object.optional(&SIGNIFICANT_DIGITS, faults);
-        let stated = stated?;
+        let (stated, significant_digits) = (stated?, significant_digits?);
         let is_stated = stated.is_some();
-        Ok(Self { figures: stated.unwrap_or_else(|| C::figures().collect()), is_stated, significant_digits: significant_digits? })
+        let figures = stated.unwrap_or_else(|| C::figures().collect());
+        let heights = figures.iter().map(|figure| figure.heights).max().unwrap_or(Heights::Unused);
+        let is_compared = figures.iter().any(|figure| CHECK_FIGURES.iter().any(|check| check.name == figure.name));
+        Ok(Self { figures, is_stated, significant_digits, heights, is_compared })
     }
 
     pub(super) fn describe<C: Calculation>(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
@@ -101,15 +108,5 @@ impl Selection {
             }
             _ => number,
         }
-    }
-
-    /// The heights that the columns need.
-    pub(super) fn heights(&self) -> Heights {
-        self.figures.iter().map(|figure| figure.heights).max().unwrap_or(Heights::Unused)
-    }
-
-    /// Whether a selected column needs the comparison with the cutter's exact shape.
-    pub(super) fn is_compared(&self) -> bool {
-        self.figures.iter().any(|figure| CHECK_FIGURES.iter().any(|check| check.name == figure.name))
     }
 }
