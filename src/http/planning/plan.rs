@@ -1,6 +1,6 @@
 //! The calculation of a recommendation from surface and parameters, by either method.
 
-use super::answer::{RankedCandidate, RecommendationAnswer};
+use super::answer::{RankedCandidate, RecommendationAnswer, RecommendedCutter};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::library;
@@ -19,7 +19,7 @@ use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
 use crate::planning::memory::RankingSize;
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
-use crate::planning::{Confidence, Evidence, Job, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
+use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::mesh::MeshSize;
 use crate::surface::{Shape, ShapeError};
@@ -116,22 +116,9 @@ impl Task {
         resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
         let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, resources, stop)? } else { None };
         let map = if has_map { MapAnswer::new(workpiece, &simulation, stop) } else { None };
-        let critical = self.published().map(|published| published.plan);
-        Ok(RecommendationAnswer {
-            method: self.parameters.method,
-            model: MODEL.kind.word(&by),
-            recommended: first.into(),
-            candidates,
-            not_ranked,
-            surface: SurfaceAnswer::new(&self.shape, self.source, Some(workpiece)),
-            critical_slope_deg: critical.map(|plan| plan.critical_slope.angle().degrees()),
-            always_faster: critical.and_then(|plan| always_faster(plan.critical_slope)),
-            critical_form_factor: critical.map(|plan| plan.critical_form_factor.form_factor().ratio()),
-            map,
-            passes,
-            confidence: confidence.into(),
-            warnings: self.warnings,
-        })
+        let (recommended, published) = (first.into(), self.published().map(|published| published.plan));
+        let answer = self.answered(recommended, candidates, not_ranked, Some(workpiece), published, confidence.into());
+        Ok(RecommendationAnswer { map, passes, ..answer })
     }
 
     /// The passes of the fastest plan, unless they have too many points or take more memory than one request may use.
@@ -176,24 +163,37 @@ impl Task {
         self.warnings.extend(unused.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| {
             Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
         }));
-        let published = self.published();
-        let critical = published.as_ref().map(|published| published.plan);
+        let (recommended, published) = (first.into(), self.published());
+        let compared = published.as_ref().map(|published| published.plan);
         let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, resources, stop)?;
-        Ok(RecommendationAnswer {
+        Ok(self.answered(recommended, candidates, not_ranked, workpiece, compared, confidence))
+    }
+
+    /// The answer without map and passes.
+    fn answered(
+        self,
+        recommended: RecommendedCutter,
+        candidates: Vec<RankedCandidate>,
+        not_ranked: Vec<NotRanked>,
+        workpiece: Option<&Workpiece>,
+        published: Option<Plan>,
+        confidence: ConfidenceAnswer,
+    ) -> RecommendationAnswer {
+        RecommendationAnswer {
             method: self.parameters.method,
             model: MODEL.kind.word(&self.parameters.model()),
-            recommended: first.into(),
+            recommended,
+            candidates,
             not_ranked,
             surface: SurfaceAnswer::new(&self.shape, self.source, workpiece),
-            critical_slope_deg: critical.map(|plan| plan.critical_slope.angle().degrees()),
-            always_faster: critical.and_then(|plan| always_faster(plan.critical_slope)),
-            critical_form_factor: critical.map(|plan| plan.critical_form_factor.form_factor().ratio()),
-            candidates,
+            critical_slope_deg: published.map(|plan| plan.critical_slope.angle().degrees()),
+            always_faster: published.and_then(|plan| always_faster(plan.critical_slope)),
+            critical_form_factor: published.map(|plan| plan.critical_form_factor.form_factor().ratio()),
             map: None,
             passes: None,
             confidence,
             warnings: self.warnings,
-        })
+        }
     }
 
     /// The confidence in plans on the rectangle: the published weaknesses, then those found on the facets and in the
