@@ -95,6 +95,11 @@ impl Libraries {
         (self.0.into_iter().flatten().flat_map(ToolLibrary::into_tools).map(NamedCandidate::from).collect(), faulty)
     }
 
+    /// Whether a library has a finishing cutter.
+    pub(super) fn have_cutters(&self) -> bool {
+        self.read().any(|library| !library.tools().is_empty())
+    }
+
     fn read(&self) -> impl Iterator<Item = &ToolLibrary> {
         self.0.iter().flatten()
     }
