@@ -1,12 +1,10 @@
 //! Columns of values, which batches parse directly into numbers. A column is an array with an item for each contact,
 //! null for a contact without a value.
 
-use super::number_array::read_numbers;
 use super::object::describe;
-use super::plain::{PlainJson, PlainValue, Unusual};
 use super::{Faulted, Faults, JsonPath};
 use crate::http::codes::RequestFault;
-use crate::json_text::JsonText;
+use crate::json_text::{JsonText, PlainJson, PlainValue, Unusual, read_numbers};
 use serde::Serialize;
 use std::fmt::Write;
 

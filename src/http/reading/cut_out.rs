@@ -3,8 +3,7 @@
 //! Finding where the contacts end takes no pass over them: they are divided at places that look like borders between
 //! items. Each piece is then read strictly, and the general reader takes over if a piece is not what it looked like.
 
-use super::plain::{PlainJson, Unusual};
-use crate::json_text::JsonText;
+use crate::json_text::{JsonText, PlainJson, Unusual};
 use memchr::{memchr, memchr2_iter, memmem};
 
 /// The bytes of rows that one thread reads and computes at a time: about 1000 contacts, some tenths of a millisecond.

@@ -10,13 +10,9 @@ mod kinds;
 mod list;
 mod member;
 mod members;
-mod not_finite;
-mod number_array;
 mod object;
-mod plain;
 mod schema;
 mod slots;
-mod triples;
 
 pub(crate) use array::{each_raw, items};
 pub(crate) use columns::{CellValue, Cells, PlainColumn, RowText, Rows};
@@ -27,9 +23,6 @@ pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, te
 pub(crate) use list::List;
 pub(crate) use member::{Kind, Member, PlainKind, WireObject};
 pub(crate) use members::{Form, Members, members};
-pub(crate) use not_finite::{mark, mark_not_finite};
 pub(crate) use object::{Object, describe};
-pub(crate) use plain::{PlainJson, PlainValue, Unusual};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};
 pub(crate) use slots::{Columns, Slots};
-pub(crate) use triples::read_triples;

@@ -3,8 +3,8 @@
 
 use super::source::{ReceivedPart, ReceivedSurface};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each_raw, number, read_triples};
-use crate::json_text::JsonText;
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each_raw, number};
+use crate::json_text::{JsonText, read_triples};
 use crate::surface::{LARGEST_COORDINATE, PartedSink, Sink};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};

@@ -5,9 +5,8 @@ use super::source::{ReceivedSurface, Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
     AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
-    read_triples,
 };
-use crate::json_text::JsonText;
+use crate::json_text::{JsonText, read_triples};
 use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, Sink};
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 use utoipa::openapi::{RefOr, Schema};

@@ -1,6 +1,6 @@
-//! NaN and Infinity in requests. They are not JSON, but Python and other languages write them. A body that cannot be
-//! parsed is scanned for them, and each is replaced by a string that the readers of numbers recognize, so that the
-//! fault has a location and affects only one contact.
+//! NaN and Infinity in JSON texts. They are not JSON, but Python and other languages write them. A text that cannot be
+//! parsed is scanned for them, and each is replaced by a string that readers of numbers recognize, so that the fault
+//! has a location and affects only one value.
 
 use crate::cancellation::CancelFlag;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
@@ -10,7 +10,7 @@ use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 const MARKS: [(&str, &str); 3] = [("NaN", r#""\u0000NaN""#), ("-Infinity", r#""\u0000-Infinity""#), ("Infinity", r#""\u0000Infinity""#)];
 
 /// The token that the JSON value `value` replaced.
-pub(super) fn token(value: &str) -> Option<&'static str> {
+pub(crate) fn token(value: &str) -> Option<&'static str> {
     MARKS.iter().find(|(_, mark)| *mark == value).map(|(token, _)| *token)
 }
 
@@ -19,7 +19,7 @@ pub(crate) fn mark(token: &str) -> Option<&'static str> {
     MARKS.iter().find(|(known, _)| *known == token).map(|(_, mark)| *mark)
 }
 
-/// A body with its tokens replaced, and its memory reservation.
+/// A text with its tokens replaced, and its memory reservation.
 pub(crate) struct Marked {
     text: Vec<u8>,
     _memory: Reservation,
