@@ -1,13 +1,12 @@
 //! The memory of a recommendation, which is reserved in the budget before the calculation.
 
 use crate::cancellation::CancelFlag;
-use crate::http::wire::ReceivedSurface;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
 use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, bytes_to_rank, fitting};
 use crate::planning::zigzag::PlanRoom;
-use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
+use crate::surface::{MeshBuilder, ReceivedSurface};
 use std::time::Duration;
 
 /// The resources of a recommendation: its memory, and what it may use of threads and room for plans.

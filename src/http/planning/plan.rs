@@ -13,7 +13,7 @@ use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{MODEL, NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning};
+use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSource, Warning};
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
@@ -22,7 +22,7 @@ use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
 use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::mesh::MeshSize;
-use crate::surface::{Shape, ShapeError};
+use crate::surface::{ReceivedSurface, Shape, ShapeError};
 
 /// A recommendation to compute: a surface and the parameters.
 pub(super) struct Task {

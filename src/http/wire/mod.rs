@@ -37,7 +37,7 @@ pub(crate) use no_answer::no_answer;
 pub(crate) use not_ranked::NotRanked;
 pub(crate) use parameters::{ContactParameters, SharedMembers, SharedParameters, StatedParameters, TOLERANCE};
 pub(crate) use selection::{PIECES_NAME, SELECT, SelectKind};
-pub(crate) use source::{ReceivedSurface, Source, SurfaceWithSource};
+pub(crate) use source::{Source, SurfaceWithSource};
 pub(crate) use summary::{Check, ColumnExtremes, Extreme, Extremes, Failure, Summary};
 pub(crate) use surface::SURFACE;
 pub(crate) use unit::UNIT;

@@ -1,11 +1,10 @@
 //! Arrays of points in a JSON body. They are read point by point, so that a body of a million points is never stored as
 //! a JSON tree.
 
-use super::source::{ReceivedPart, ReceivedSurface};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each_raw, number};
 use crate::json_text::{JsonText, read_triples};
-use crate::surface::{LARGEST_COORDINATE, PartedSink, Sink};
+use crate::surface::{LARGEST_COORDINATE, PartedSink, ReceivedPart, ReceivedSurface, Sink};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 

@@ -2,11 +2,10 @@
 
 use super::Warning;
 use super::unit::UNIT;
-use crate::cancellation::CancelFlag;
 use crate::http::codes::{FileFault, RequestFault, WarningCode, same_names};
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::surface::read::{Format, MostOfPush, Notes, Summary};
-use crate::surface::{Basis, MeshBuilder, MeshPart, PartedSink, SampledSurface, Shape, Sink, Unit};
+use crate::surface::read::{Format, Notes, Summary};
+use crate::surface::{Basis, ReceivedSurface, Shape, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -44,74 +43,6 @@ pub(crate) enum Source {
 }
 
 same_names!(Format => Source: Text, StlAscii, StlBinary, Obj, PlyAscii, PlyLittleEndian, PlyBigEndian, Pcd, ThreeMf);
-
-/// The largest number of facets of a surface; more are merged on a raster.
-const MOST_FACETS: usize = 500_000;
-
-/// A surface or a part of one that is being received: the sums for its shape, and its facets in `M`.
-#[derive(Debug, Default)]
-pub(crate) struct Received<M> {
-    pub(crate) sampled: SampledSurface,
-    pub(crate) mesh: M,
-}
-
-/// A whole surface.
-pub(crate) type ReceivedSurface = Received<MeshBuilder>;
-
-/// A part of a surface, which one thread fills.
-pub(crate) type ReceivedPart = Received<MeshPart>;
-
-impl ReceivedSurface {
-    /// An empty surface. Once `cancel` is set, receiving ends early, and the surface must be discarded.
-    pub(crate) fn until(cancel: &CancelFlag) -> Self {
-        Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS).with_cancel_flag(cancel) }
-    }
-
-    /// The memory of the facets, in bytes.
-    pub(crate) fn held_bytes(&self) -> u64 {
-        self.mesh.held_bytes() as u64
-    }
-
-    /// The additional memory in bytes to read at most `push` of a file whose reader stores `vertices` vertices.
-    pub(crate) fn bytes_to_take(&self, push: MostOfPush, vertices: usize) -> u64 {
-        (self.mesh.bytes_to_take(push.facets, push.corners + vertices) + push.held) as u64
-    }
-
-    /// The additional memory in bytes to read a 3MF package, whatever it contains.
-    pub(crate) fn bytes_to_take_package(&self) -> u64 {
-        self.mesh.bytes_to_take(MOST_FACETS, 3 * MOST_FACETS) as u64
-    }
-}
-
-impl<M: Sink> Sink for Received<M> {
-    fn point(&mut self, point: [f64; 3]) {
-        self.sampled.point(point);
-        self.mesh.point(point);
-    }
-
-    fn facet(&mut self, corners: [[f64; 3]; 3]) {
-        self.sampled.facet(corners);
-        self.mesh.facet(corners);
-    }
-
-    fn turn_over(&mut self) {
-        self.sampled.turn_over();
-        self.mesh.turn_over();
-    }
-}
-
-impl PartedSink for ReceivedSurface {
-    type Part = ReceivedPart;
-
-    fn part(&self) -> ReceivedPart {
-        ReceivedPart { sampled: SampledSurface::new(), mesh: self.mesh.part() }
-    }
-
-    fn append(&mut self, part: ReceivedPart) {
-        self.sampled.merge(&part.sampled);
-        self.mesh.append(part.mesh);
-    }
-}
 
 /// A surface with its source.
 #[derive(Debug)]

@@ -1,13 +1,13 @@
 //! Surfaces in JSON: points, a grid, a mesh, or a Bezier patch.
 
 use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
-use super::source::{ReceivedSurface, Source, SurfaceWithSource};
+use super::source::{Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
     AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
 };
 use crate::json_text::{JsonText, read_triples};
-use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, Sink};
+use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, ReceivedSurface, Sink};
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 use utoipa::openapi::{RefOr, Schema};
 
