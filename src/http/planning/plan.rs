@@ -9,7 +9,7 @@ use super::memory::{BYTES_OF_A_MAP, Resources};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
-use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
+use super::simulation::{Simulation, report};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -18,6 +18,7 @@ use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
 use crate::planning::memory::RankingSize;
+use crate::planning::workpiece::{Stop, Workpiece};
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
 use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
@@ -48,14 +49,12 @@ impl Task {
         let shape = shape.map_err(|error| faults.add(path, shape_code(error), error))?;
         let mut warnings = sourced.warnings(&shape);
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
-        let workpiece = match parameters.method {
-            Method::Surface => Some(Workpiece::new(mesh, unit, &parameters, stop).map_err(|fault| fault.report(path, faults))?),
+        let Parameters { facing, ref selection, max_slope, method, .. } = parameters;
+        let workpiece = match Workpiece::new(mesh, unit, facing, selection, max_slope, stop) {
+            Ok(workpiece) => Some(workpiece),
             // Without facets, method `rectangle` has an answer, but with less evidence.
-            Method::Rectangle => match Workpiece::new(mesh, unit, &parameters, stop) {
-                Ok(workpiece) => Some(workpiece),
-                Err(fault) if fault.is_sound() => None,
-                Err(fault) => return Err(fault.report(path, faults)),
-            },
+            Err(reason) if method == Method::Rectangle && reason.is_sound() => None,
+            Err(reason) => return Err(report(reason, path, faults)),
         };
         if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
             let detail = format!(
@@ -63,7 +62,7 @@ impl Task {
             );
             warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
         }
-        if parameters.method == Method::Rectangle {
+        if method == Method::Rectangle {
             // The sides of the rectangle do not depend on the cutter.
             let first = parameters.candidates.first().map(|named| on_rectangle(named, &parameters, &shape));
             if let Some(Err(bounds)) = first {
@@ -83,7 +82,7 @@ impl Task {
     pub(super) fn size(&self) -> (MeshSize, RankingSize) {
         let candidates: Vec<_> = self.parameters.candidates.iter().map(|named| named.candidate).collect();
         let none = (MeshSize { facets: 0, points: 0 }, RankingSize { facets: 0, candidates: candidates.len(), diameters: 0 });
-        self.workpiece.as_ref().map_or(none, |workpiece| (workpiece.mesh.size(), ranking_size(&workpiece.mesh, &candidates)))
+        self.workpiece.as_ref().map_or(none, |workpiece| (workpiece.mesh.size(), RankingSize::of(&workpiece.mesh, &candidates)))
     }
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer must be discarded.
@@ -99,7 +98,7 @@ impl Task {
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, resources, stop)? else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
-        resources.keep_one_plan(workpiece.mesh.size(), ranking_size(&workpiece.mesh, &simulation.candidates));
+        resources.keep_one_plan(workpiece.mesh.size(), RankingSize::of(&workpiece.mesh, &simulation.candidates));
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
         let mut not_ranked: Vec<NotRanked> =

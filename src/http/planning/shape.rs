@@ -1,8 +1,8 @@
 //! Wire object of the surface in an answer: its shape and facets.
 
 use super::candidates::line_degrees;
-use super::simulation::Workpiece;
 use crate::http::wire::Source;
+use crate::planning::workpiece::Workpiece;
 use crate::quantity::{Angle, Area};
 use crate::surface::{Basis, Bounds, Shape};
 use serde::Serialize;
