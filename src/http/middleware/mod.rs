@@ -70,12 +70,9 @@ impl<'a> Stack<'a> {
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
         let AppState { metrics, readiness, workers, budget } = self.state.clone();
         let rules = Arc::new(BodyRules::new(class, self.settings));
-        let observe = Observe { class, metrics, readiness, pace: rules.pace, budget: budget.clone() };
-        let admit = Admit {
-            in_flight: class.is_shed().then(|| self.in_flight.clone()),
-            work: class.uses_workers().then(|| Work::new(workers, budget.clone())),
-            rules: Arc::clone(&rules),
-        };
+        let work = class.uses_workers().then(|| Work::new(workers, budget.clone(), metrics.clone()));
+        let observe = Observe { class, metrics, readiness, pace: rules.pace, budget };
+        let admit = Admit { in_flight: class.is_shed().then(|| self.in_flight.clone()), work, rules: Arc::clone(&rules) };
         let compression =
             CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(MIN_COMPRESSED_BYTES))));
         // Layer 8 replaces the framework's own body limit of 2 MB.

@@ -6,13 +6,13 @@ use crate::http::codes::RequestFault;
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{PIECES_NAME, SELECT};
-use crate::http::worker_pool::Work;
 use crate::milling::Model;
 use crate::planning::memory::RankingSize;
 use crate::planning::reach::{ReachMap, Uncut};
 use crate::planning::workpiece::{NoWorkpiece, Stop, Workpiece, with_reach};
 use crate::planning::zigzag::{CandidateCutter, NoRanking, Ranking, ZigzagSettings, rank_within};
 use crate::surface::{MeshError, Shape};
+use crate::worker_pool::WorkerPool;
 use axum::http::StatusCode;
 
 /// Records the fault of the surface at `path`.
@@ -79,7 +79,7 @@ impl Simulation {
 
 /// Runs `work` on this many threads. A failure to start them is logged.
 pub(super) fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> Result<T, Problem> {
-    Work::on_threads(count, work).map_err(|error| {
+    WorkerPool::on_threads(count, work).map_err(|error| {
         tracing::error!(%error, "no threads for a recommendation");
         Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
     })
