@@ -14,8 +14,6 @@ pub mod overload;
 mod pages;
 mod planning;
 mod problem;
-#[cfg(target_os = "linux")]
-mod process_metrics;
 mod query;
 pub mod readiness;
 mod reading;

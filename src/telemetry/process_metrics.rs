@@ -12,7 +12,7 @@ use prometheus_client::registry::Unit;
 
 /// The collector of this process's metrics.
 #[derive(Debug)]
-pub(super) struct ProcessMetrics;
+pub(crate) struct ProcessMetrics;
 
 /// The values that Linux reports for the process.
 #[derive(Debug)]
