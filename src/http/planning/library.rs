@@ -3,7 +3,7 @@
 use crate::http::codes::{FileFault, NotRankedCode, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{NamedCandidate, NotRanked, Warning};
-use crate::tooling::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults, ToolLibrary};
+use crate::tooling::{FaultyTool, LibraryFault, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
 
 /// The name of the form's parts with libraries.
@@ -125,17 +125,5 @@ pub(super) fn not_ranked(tool: &FaultyTool, cutter: usize) -> NotRanked {
         uncut_share: None,
         uncut_height_mm: None,
         uncut_height_error_mm: None,
-    }
-}
-
-impl From<LibraryFaultKind> for FileFault {
-    fn from(kind: LibraryFaultKind) -> Self {
-        match kind {
-            LibraryFaultKind::UnknownFormat => Self::UnknownFormat,
-            LibraryFaultKind::Malformed => Self::MalformedFile,
-            LibraryFaultKind::OutOfRange => Self::OutOfRange,
-            LibraryFaultKind::TooLarge => Self::FileTooLarge,
-            LibraryFaultKind::Empty => Self::EmptyFile,
-        }
     }
 }

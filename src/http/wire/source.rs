@@ -84,7 +84,7 @@ impl SurfaceWithSource {
                 let detail = format_args!(
                     "the header gives the coordinates in {header}, and without `unit` they are read in {default}; state unit \"{header}\" or \"{default}\""
                 );
-                Err(faults.add(path, FileFault::AmbiguousFile, detail))
+                Err(faults.add(path, FileFault::Ambiguous, detail))
             }
         }
     }
