@@ -203,7 +203,7 @@ pub(crate) fn read_text<T>(
         Ok(object) => object,
         Err(error) => {
             marked = mark_not_finite(json, budget, cancel)?.ok_or_else(|| malformed(&error))?;
-            Object::open_body(marked.text(), &mut faults).map_err(|error| malformed(&error))?
+            Object::open_body(marked.as_ref(), &mut faults).map_err(|error| malformed(&error))?
         }
     };
     match object.and_then(|object| object.read(&mut faults, read)) {

@@ -10,7 +10,7 @@ use http_body::{Frame, SizeHint};
 
 use super::fault::BodyFault;
 use super::progress::BodyProgress;
-use crate::memory_budget::Reservation;
+use crate::memory_budget::Reserved;
 
 /// A decompressed body of at most `max_bytes`.
 pub(super) struct LimitedBody {
@@ -22,18 +22,6 @@ pub(super) struct LimitedBody {
 impl LimitedBody {
     pub(super) fn new(body: Body, max_bytes: u64, progress: Arc<BodyProgress>) -> Self {
         Self { body, max_bytes, progress }
-    }
-}
-
-/// Bytes with their reservation. The budget gets it back when the last reference to the bytes is dropped.
-struct ReservedBytes {
-    bytes: Bytes,
-    _reservation: Reservation,
-}
-
-impl AsRef<[u8]> for ReservedBytes {
-    fn as_ref(&self) -> &[u8] {
-        &self.bytes
     }
 }
 
@@ -52,9 +40,7 @@ impl HttpBody for LimitedBody {
             return Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::TooLarge { max_bytes: self.max_bytes }))));
         }
         match self.progress.budget().reserve(length) {
-            Ok(reservation) => {
-                Poll::Ready(Some(Ok(frame.map_data(|bytes| Bytes::from_owner(ReservedBytes { bytes, _reservation: reservation })))))
-            }
+            Ok(reservation) => Poll::Ready(Some(Ok(frame.map_data(|bytes| Bytes::from_owner(Reserved { bytes, reservation }))))),
             Err(exceeded) => Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::Memory(exceeded))))),
         }
     }
