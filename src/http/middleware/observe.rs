@@ -156,7 +156,9 @@ impl HttpBody for RecordedAnswer {
 
     fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
         let polled = Pin::new(&mut self.body).poll_frame(context);
-        self.record.response_bytes += length(&polled);
+        if let Poll::Ready(Some(Ok(frame))) = &polled {
+            self.record.response_bytes += frame.data_ref().map_or(0, |data| data.len() as u64);
+        }
         polled
     }
 
@@ -166,12 +168,5 @@ impl HttpBody for RecordedAnswer {
 
     fn size_hint(&self) -> SizeHint {
         self.body.size_hint()
-    }
-}
-
-fn length(polled: &Poll<Option<Result<Frame<Bytes>, axum::Error>>>) -> u64 {
-    match polled {
-        Poll::Ready(Some(Ok(frame))) => frame.data_ref().map_or(0, |data| data.len() as u64),
-        _ => 0,
     }
 }

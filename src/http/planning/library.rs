@@ -117,13 +117,5 @@ fn add(faults: &mut Faults, index: usize, fault: &LibraryFault) -> Faulted {
 
 /// A faulty tool among the cutters that are not ranked, at this position after all candidates.
 pub(super) fn not_ranked(tool: &FaultyTool, cutter: usize) -> NotRanked {
-    NotRanked {
-        cutter,
-        name: Some(tool.name().to_owned()),
-        code: NotRankedCode::FaultyTool,
-        detail: tool.to_string(),
-        uncut_share: None,
-        uncut_height_mm: None,
-        uncut_height_error_mm: None,
-    }
+    NotRanked::new(cutter, Some(tool.name().to_owned()), NotRankedCode::FaultyTool, tool.to_string())
 }

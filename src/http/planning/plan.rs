@@ -10,7 +10,7 @@ use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
 use super::simulation::{Simulation, report};
-use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
+use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSource, Warning};
@@ -248,14 +248,12 @@ impl Task {
 
     fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {
         let reach = if let NotRankedReason::CannotReach(reach) = reason { Some(reach) } else { None };
+        let name = self.parameters.candidates[cutter].name.clone();
         NotRanked {
-            cutter,
-            name: self.parameters.candidates[cutter].name.clone(),
-            code: NotRankedCode::from(reason),
-            detail: reason.to_string(),
             uncut_share: reach.map(|reach| reach.uncut_share),
             uncut_height_mm: reach.map(|reach| reach.uncut_height.mm()),
             uncut_height_error_mm: reach.map(|reach| reach.uncut_height_error.mm()),
+            ..NotRanked::new(cutter, name, reason.into(), reason.to_string())
         }
     }
 }

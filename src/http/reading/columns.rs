@@ -59,26 +59,18 @@ impl Rows {
 }
 
 /// The items of a column.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub(crate) struct Cells<P> {
     values: Vec<P>,
     /// The rows with a value of another type in ascending order, the first ones with their text.
     faulty: Vec<(usize, Option<Box<str>>)>,
 }
 
-impl<P> Default for Cells<P> {
-    fn default() -> Self {
-        Self { values: Vec::new(), faulty: Vec::new() }
-    }
-}
-
-impl<P> Cells<P> {
-    /// An answer lists at most this many failures; the texts of further items are not needed.
-    const MOST_FAULTY_TEXTS: usize = 1000;
-}
+/// An answer lists at most this many failures; the texts of further items are not needed.
+const MOST_FAULTY_TEXTS: usize = 1000;
 
 /// A value that a column holds for a row.
-pub(crate) trait CellValue: PlainValue + Serialize {
+pub(crate) trait CellValue: PlainValue + Default + Serialize {
     /// The value that stands for null. No value in JSON equals it.
     const ABSENT: Self;
 
@@ -118,7 +110,7 @@ impl CellValue for f64 {
 
 impl<const N: usize> CellValue for [f64; N]
 where
-    Self: Serialize,
+    Self: Default + Serialize,
 {
     const ABSENT: Self = [f64::NAN; N];
 
@@ -152,7 +144,7 @@ impl<P: CellValue> PlainColumn for Cells<P> {
             }
             let value = P::read_item(&mut PlainJson::new(item.get().as_bytes()));
             if value.is_err() {
-                let text = (cells.faulty.len() < Self::MOST_FAULTY_TEXTS).then(|| item.get().into());
+                let text = (cells.faulty.len() < MOST_FAULTY_TEXTS).then(|| item.get().into());
                 cells.faulty.push((count - 1, text));
             }
             cells.values.push(value.unwrap_or(P::ABSENT));
