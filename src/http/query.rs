@@ -25,19 +25,10 @@ struct QueryMember {
     name: String,
     /// The names of the member and of the objects around it, outermost first.
     path: Vec<String>,
-    kind: MemberKind,
     is_required: bool,
     about: Option<String>,
     /// The schema without references and description.
     schema: Value,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum MemberKind {
-    Number,
-    Word,
-    /// Numbers separated by commas, or the name repeated for each number.
-    Numbers,
 }
 
 impl Query {
@@ -60,11 +51,8 @@ impl Query {
                 .required(if member.is_required { Required::True } else { Required::False })
                 .description(member.about.clone())
                 .schema(Some(schema));
-            match member.kind {
-                MemberKind::Numbers => parameter.style(Some(ParameterStyle::Form)).explode(Some(false)),
-                MemberKind::Number | MemberKind::Word => parameter,
-            }
-            .build()
+            let parameter = if member.is_list() { parameter.style(Some(ParameterStyle::Form)).explode(Some(false)) } else { parameter };
+            parameter.build()
         };
         self.members.iter().map(describe).collect()
     }
@@ -91,7 +79,7 @@ impl Query {
             match given.iter_mut().find(|(known, _)| known.name == member.name) {
                 None => given.push((member, value)),
                 // Generated clients repeat the name for each number, even if the document states another form.
-                Some((_, numbers)) if member.kind == MemberKind::Numbers => {
+                Some((_, numbers)) if member.is_list() => {
                     let numbers = numbers.to_mut();
                     numbers.push(',');
                     numbers.push_str(&value);
@@ -134,6 +122,11 @@ impl Query {
 }
 
 impl QueryMember {
+    /// Whether its value is numbers separated by commas, or the name repeated for each number.
+    fn is_list(&self) -> bool {
+        self.schema["type"] == "array"
+    }
+
     fn pointer(&self) -> String {
         format!("/{}", self.path.join("/"))
     }
@@ -191,18 +184,13 @@ fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) 
             members.extend(inner.into_iter().map(|inner| QueryMember { is_required: is_required && inner.is_required, ..inner }));
             continue;
         }
-        let kind = match target["type"].as_str() {
-            Some("array") => MemberKind::Numbers,
-            Some("string") => MemberKind::Word,
-            _ => MemberKind::Number,
-        };
         let about = property["description"].as_str().or(target["description"].as_str()).map(str::to_owned);
         let mut schema = target.clone();
         if let Some(schema) = schema.as_object_mut() {
             schema.remove("description");
         }
         let name = name_of(&path.iter().map(String::as_str).collect::<Vec<_>>());
-        members.push(QueryMember { name, path, kind, is_required, about, schema });
+        members.push(QueryMember { name, path, is_required, about, schema });
     }
     members
 }
@@ -222,10 +210,10 @@ fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
     let mut objects: BTreeMap<&str, String> = BTreeMap::from([("cutter", String::new()), ("contact", String::new())]);
     let mut json = String::new();
     for (member, value) in given {
-        let value = match member.kind {
-            MemberKind::Word => quoted(value),
-            MemberKind::Number => number(value),
-            MemberKind::Numbers => format!("[{}]", value.split(',').map(number).collect::<Vec<_>>().join(",")),
+        let value = match member.schema["type"].as_str() {
+            Some("string") => quoted(value),
+            Some("array") => format!("[{}]", value.split(',').map(number).collect::<Vec<_>>().join(",")),
+            _ => number(value),
         };
         match member.path.as_slice() {
             [name] => _ = write!(json, "{}:{value},", quoted(name)),

@@ -153,12 +153,12 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
     .from(Heights::Parts),
     Figure {
         maximum: Some(1.0),
+        heights: Heights::Parts,
         presence: Presence::Absent("if the height is 0"),
         ..Figure::number("feed_share", "the share of the feed height in the scallop height", |figures| {
             figures.parts.and_then(ScallopHeight::feed_share)
         })
-    }
-    .from(Heights::Parts),
+    },
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
         figures.effective_radius.map(Length::mm)
     })
@@ -182,14 +182,14 @@ pub(crate) const CHECK_FIGURES: &[Figure] = &[
     .only("if columns names it"),
     Figure {
         minimum: -1.0,
+        heights: Heights::Total,
+        presence: Presence::Only("if columns names it"),
         ..Figure::number(
             "deviation",
             "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
             |figures| figures.check.and_then(|check| check.deviation),
         )
-    }
-    .from(Heights::Total)
-    .only("if columns names it"),
+    },
 ];
 
 impl Figure {
