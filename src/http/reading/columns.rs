@@ -36,7 +36,8 @@ pub(crate) trait PlainColumn: Default {
 /// The number of rows, which is the same for all columns.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
-    first: Option<(&'static str, usize)>,
+    /// The name of the first column and the number of rows; `None` if there are no columns.
+    pub(crate) first: Option<(&'static str, usize)>,
 }
 
 impl Rows {
@@ -50,11 +51,6 @@ impl Rows {
             }
             Some(_) => {}
         }
-    }
-
-    /// The name of the first column and the number of rows; `None` if there are no columns.
-    pub(crate) fn first(&self) -> Option<(&'static str, usize)> {
-        self.first
     }
 }
 

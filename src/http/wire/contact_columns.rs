@@ -1,8 +1,8 @@
 //! The contacts of a batch as an object of columns, which is parsed directly into numbers.
 
-use super::batch_contact::{BatchContact, ContactSlots};
-use super::contact::{self, AngleColumns, AngleSlots, StatedContact, VectorColumns, VectorSlots};
-use super::parameters::{ContactParameters, ParameterColumns, StatedParameters};
+use super::batch_contact::BatchContact;
+use super::contact::{AngleColumns, VectorColumns, VectorSlots};
+use super::parameters::{ContactParameters, ParameterColumns, ParameterSlots, StatedParameters};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Columns, Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumns, RowText, Rows};
 use crate::json_text::JsonText;
@@ -42,7 +42,7 @@ impl ContactColumns {
         if faults.count() > faults_before {
             return Err(Faulted);
         }
-        let Some((first_column, count)) = rows.first() else {
+        let Some((first_column, count)) = rows.first else {
             let detail = "give the columns slope_deg and feed_angle_deg, or normal and feed";
             return Err(faults.add(&path, RequestFault::MissingField, detail));
         };
@@ -55,7 +55,7 @@ impl ContactColumns {
         let columns = (FormColumns::take_plain(&mut given, most)?, stated.take_plain_columns(&mut given, most)?);
         let (mut rows, mut faults) = (Rows::default(), Faults::default());
         columns.check_rows(&JsonPath::Root, &mut rows, &mut faults);
-        let (first_column, count) = rows.first()?;
+        let (first_column, count) = rows.first?;
         (given.is_empty() && faults.is_empty()).then(|| Self::of_rows(columns, first_column, count))
     }
 
@@ -73,12 +73,7 @@ impl ContactColumns {
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
-        let contact = if self.has_parameters {
-            self.row(index).and_then(|slots| BatchContact::accept(&slots, defaults))
-        } else {
-            self.stated_contact(index).map(|contact| BatchContact { contact, parameters: *defaults })
-        };
-        match contact {
+        match self.accept(index, defaults) {
             Some(contact) => contact.complete(path, faults),
             None => BatchContact::read_faulty(JsonText::known(&self.text(index)), defaults, path, faults),
         }
@@ -89,21 +84,14 @@ impl ContactColumns {
         JsonPath::Row(path, self.first_column, index)
     }
 
-    fn row(&self, index: usize) -> Option<ContactSlots> {
-        Some((self.form(index)?, self.columns.1.row(index).ok()?))
-    }
-
-    /// The contact of a row without parameters of its own; `None` if there is a fault.
-    fn stated_contact(&self, index: usize) -> Option<StatedContact> {
-        contact::accept(self.form(index)?)
-    }
-
-    /// The angles and vectors of a row.
+    /// The contact in a row; `None` if there is a fault.
     #[inline]
-    fn form(&self, index: usize) -> Option<(AngleSlots, VectorSlots)> {
-        let (angles, vectors) = &self.columns.0;
+    fn accept(&self, index: usize, defaults: &ContactParameters) -> Option<BatchContact> {
+        let ((angles, vectors), parameters) = &self.columns;
+        let angles = angles.row(index).ok()?;
         let vectors = if self.has_vectors { vectors.row(index).ok()? } else { VectorSlots::default() };
-        Some((angles.row(index).ok()?, vectors))
+        let parameters = if self.has_parameters { parameters.row(index).ok()? } else { ParameterSlots::default() };
+        BatchContact::accept(&((angles, vectors), parameters), defaults)
     }
 
     /// The row as the JSON of a contact, for the reader that collects faults.
