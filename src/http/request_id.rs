@@ -43,6 +43,11 @@ impl RequestId {
         // Both constructors ensure visible ASCII.
         self.0.to_str().unwrap_or_default()
     }
+
+    /// Adds the id to an answer.
+    pub(super) fn mark(&self, response: &mut Response) {
+        response.headers_mut().insert(HEADER, self.0.clone());
+    }
 }
 
 /// Adds the id to the request, as an extension and as the header.
@@ -51,13 +56,6 @@ pub(super) fn take_or_create(request: &mut Request) -> RequestId {
     request.headers_mut().insert(HEADER, id.0.clone());
     request.extensions_mut().insert(id.clone());
     id
-}
-
-impl RequestId {
-    /// Adds the id to an answer.
-    pub(super) fn mark(&self, response: &mut Response) {
-        response.headers_mut().insert(HEADER, self.0.clone());
-    }
 }
 
 #[cfg(test)]

@@ -51,12 +51,6 @@ enum Addition {
     Nested(Router<AppState>),
 }
 
-impl std::fmt::Debug for Routes {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Routes").field("additions", &self.0.len()).finish()
-    }
-}
-
 impl Routes {
     /// An empty set.
     #[must_use]

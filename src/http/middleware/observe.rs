@@ -42,10 +42,9 @@ impl Observe {
         let has_body = !request.body().is_end_stream();
         let progress = Arc::new(BodyProgress::begin(has_body, self.budget.clone()));
         request.extensions_mut().insert(Arc::clone(&progress));
-        if !has_body {
-            return (request, progress);
+        if has_body {
+            request = request.map(|body| Body::new(WireBody::new(body, self.pace, Arc::clone(&progress))));
         }
-        let request = request.map(|body| Body::new(WireBody::new(body, self.pace, Arc::clone(&progress))));
         (request, progress)
     }
 }
