@@ -4,6 +4,7 @@
 mod error;
 pub(crate) mod not_finite;
 mod number_array;
+mod path;
 mod plain;
 mod scanner;
 #[cfg(test)]
@@ -12,6 +13,7 @@ mod triples;
 
 pub(crate) use error::JsonError;
 pub(crate) use number_array::read_numbers;
+pub(crate) use path::JsonPath;
 pub(crate) use plain::{PlainJson, PlainValue, Unusual};
 pub(crate) use triples::read_triples;
 

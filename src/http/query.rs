@@ -5,9 +5,9 @@
 use super::body::malformed;
 use super::codes::RequestFault;
 use super::problem::Problem;
-use super::reading::{Components, Faulted, Faults, JsonPath, Object};
-use crate::json_text::JsonText;
+use super::reading::{Components, Faulted, Faults, Object};
 use crate::json_text::not_finite::mark;
+use crate::json_text::{JsonPath, JsonText};
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -10,13 +10,13 @@ use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::{FaultCode, RequestFault};
 use crate::http::problem::Problem;
-use crate::http::reading::{Components, CutOut, Fault, Faulted, Faults, JsonPath, Kind, Large, Members, Object, ObjectSchema};
+use crate::http::reading::{Components, CutOut, Fault, Faulted, Faults, Kind, Large, Members, Object, ObjectSchema};
 use crate::http::wire::{
     BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, MODEL, SharedMembers,
     SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, no_answer,
 };
 use crate::http::worker_pool::Work;
-use crate::json_text::{PlainJson, Unusual};
+use crate::json_text::{JsonPath, PlainJson, Unusual};
 use crate::milling::{EvaluatedPass, NoAnswer};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use std::collections::BTreeMap;

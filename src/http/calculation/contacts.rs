@@ -1,8 +1,8 @@
 //! The contacts of a batch as rows or as columns, in a body whose syntax has been checked.
 
-use crate::http::reading::{Faulted, Faults, JsonPath, items};
+use crate::http::reading::{Faulted, Faults, items};
 use crate::http::wire::{BatchContact, ContactColumns, ContactParameters, StatedParameters};
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 
 /// The largest number of contacts in a request. Without this limit, a body of the largest size could hold some ten
 /// million. With it, an answer stays below about 100 MB.

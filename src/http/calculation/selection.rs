@@ -2,9 +2,9 @@
 
 use super::Calculation;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, items, text};
+use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Object, ObjectSchema, Whole, items, text};
 use crate::http::wire::{CHECK_FIGURES, Figure, Heights};
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 

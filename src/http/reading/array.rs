@@ -1,9 +1,9 @@
 //! Reads JSON arrays item by item, without building a tree of values.
 
 use super::object::describe;
-use super::{Faulted, Faults, JsonPath};
+use super::{Faulted, Faults};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonText, Unread};
+use crate::json_text::{JsonPath, JsonText, Unread};
 
 /// Passes every item of the array `raw` to `take` in order, with its index and without parsing it. Returns their number.
 pub(crate) fn each_raw<'a>(

@@ -2,9 +2,9 @@
 //! null for a contact without a value.
 
 use super::object::describe;
-use super::{Faulted, Faults, JsonPath};
+use super::{Faulted, Faults};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonText, PlainJson, PlainValue, Unusual, read_numbers};
+use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual, read_numbers};
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -1,8 +1,8 @@
 //! The faults of a request, each with its code and location.
 
-use super::JsonPath;
 use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, ProblemFigure, RequestFault};
+use crate::json_text::JsonPath;
 use serde::Serialize;
 use std::fmt;
 use utoipa::ToSchema;

@@ -1,7 +1,7 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
-use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, PlainColumn};
-use crate::json_text::{JsonText, PlainValue};
+use super::{Components, Faulted, Faults, Members, Object, ObjectSchema, PlainColumn};
+use crate::json_text::{JsonPath, JsonText, PlainValue};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 

@@ -93,10 +93,10 @@ macro_rules! members {
 
         const _: () = {
             use $crate::http::reading::{
-                Columns, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns,
+                Columns, Faults, Object, ObjectSchema, PlainColumn, PlainColumns,
                 RowText, Rows, Slots,
             };
-            use $crate::json_text::{PlainJson, PlainValue, Unusual};
+            use $crate::json_text::{JsonPath, PlainJson, PlainValue, Unusual};
 
             impl $slots {
                 /// The members; `None` if a required one is missing or a value is out of bounds.

@@ -1,8 +1,8 @@
 //! The reader of JSON objects. Callers take the members one by one; all faults are recorded.
 
-use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members, PlainColumn};
+use super::{Faulted, Faults, Form, Kind, Member, Members, PlainColumn};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonError, JsonMembers, JsonText, Unread, not_finite};
+use crate::json_text::{JsonError, JsonMembers, JsonPath, JsonText, Unread, not_finite};
 use std::borrow::Cow;
 
 /// A JSON object whose members are taken one by one. The members left at the end are unknown fields.

@@ -1,7 +1,7 @@
 //! The values of several members in one pass, and columns of such values. Two sets of members of one object are a pair.
 
-use super::{Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, RowText, Rows};
-use crate::json_text::{JsonText, PlainJson, PlainValue, Unusual};
+use super::{Faulted, Faults, Object, ObjectSchema, PlainColumn, PlainColumns, RowText, Rows};
+use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual};
 
 /// The values of members, each absent until it is read.
 pub(crate) trait Slots: Default + Copy + PartialEq {

@@ -3,8 +3,8 @@
 
 use super::contact::{self, AngleSlots, StatedContact, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object};
-use crate::json_text::{JsonText, PlainJson, PlainValue, Unusual};
+use crate::http::reading::{Components, Faulted, Faults, Object};
+use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual};
 use utoipa::openapi::{RefOr, Schema};
 
 /// A contact and its own parameters.

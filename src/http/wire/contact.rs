@@ -2,9 +2,9 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Components, Faulted, Faults, Form, JsonPath, Kind, Member, Number, Object, ObjectSchema, Quantity, Slots, Vector, members,
+    Components, Faulted, Faults, Form, Kind, Member, Number, Object, ObjectSchema, Quantity, Slots, Vector, members,
 };
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{Contact, ContactError};
 use crate::quantity::OutOfRange;
 use std::sync::LazyLock;

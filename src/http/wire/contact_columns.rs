@@ -4,8 +4,8 @@ use super::batch_contact::BatchContact;
 use super::contact::{AngleColumns, VectorColumns, VectorSlots};
 use super::parameters::{ContactParameters, ParameterColumns, ParameterSlots, StatedParameters};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Columns, Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumns, RowText, Rows};
-use crate::json_text::JsonText;
+use crate::http::reading::{Columns, Components, Faulted, Faults, Object, ObjectSchema, PlainColumns, RowText, Rows};
+use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::{RefOr, Schema};
 
 /// Columns of the two forms of a contact.

@@ -2,9 +2,9 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Columns, Components, Faulted, Faults, Form, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainKind, Quantity, Slots, members,
+    Columns, Components, Faulted, Faults, Form, Kind, Members, Object, ObjectSchema, Pair, PlainKind, Quantity, Slots, members,
 };
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
 use utoipa::openapi::schema::OneOfBuilder;

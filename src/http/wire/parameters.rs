@@ -7,8 +7,9 @@ use super::model::MODEL;
 use super::runout::{RUNOUT, RunoutObject};
 use super::step_over::{self, StepOverColumns, StepOverMembers, StepOverSlots};
 use crate::http::reading::{
-    Choice, Columns, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, Quantity, Slots, members,
+    Choice, Columns, Faulted, Faults, Member, Members, Object, ObjectSchema, PlainColumns, Quantity, Slots, members,
 };
+use crate::json_text::JsonPath;
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
 

@@ -2,8 +2,8 @@
 //! a JSON tree.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each_raw, number};
-use crate::json_text::{JsonText, read_triples};
+use crate::http::reading::{Components, Faulted, Faults, Kind, describe, each_raw, number};
+use crate::json_text::{JsonPath, JsonText, read_triples};
 use crate::surface::{LARGEST_COORDINATE, PartedSink, ReceivedPart, ReceivedSurface, Sink};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};

@@ -4,9 +4,9 @@ use super::points::{Points, each_point, find_faults, point, point_schema, receiv
 use super::source::{Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
+    AddMembers, Components, Faulted, Faults, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
 };
-use crate::json_text::{JsonText, read_triples};
+use crate::json_text::{JsonPath, JsonText, read_triples};
 use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, ReceivedSurface, Sink};
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 use utoipa::openapi::{RefOr, Schema};
