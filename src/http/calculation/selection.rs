@@ -5,6 +5,7 @@ use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Object, ObjectSchema, Whole, items, text};
 use crate::http::wire::{CHECK_FIGURES, Figure, Heights};
 use crate::json_text::{JsonPath, JsonText};
+use crate::numerics::rounding::to_digits;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -100,13 +101,6 @@ impl Selection {
 
     /// The number, rounded to the significant digits.
     pub(super) fn rounded(&self, number: f64) -> f64 {
-        match self.significant_digits {
-            // A double has at most 17 digits.
-            Some(digits) if digits < 17 => {
-                let text = format!("{number:.*e}", digits.saturating_sub(1) as usize);
-                text.parse().unwrap_or_else(|_| unreachable!("a number that was written can be read"))
-            }
-            _ => number,
-        }
+        self.significant_digits.map_or(number, |digits| to_digits(number, digits))
     }
 }
