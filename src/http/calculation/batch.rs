@@ -90,7 +90,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
 fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Result<WrittenJson, Problem>> {
     let cut = CutOut::of(body, CONTACTS)?;
     let mut faults = Faults::until(cancel);
-    let mut object = Object::open_body(cut.rest(), &mut faults).ok()?.ok()?;
+    let mut object = Object::open_body(&cut.rest, &mut faults).ok()?.ok()?;
     let batch = Batch::<C>::read(&mut object, &mut faults).1.ok()?;
     let is_contacts = object.take(CONTACTS, &mut faults).is_some_and(|place| cut.is_place(place));
     object.close(&mut faults).ok()?;

@@ -1,8 +1,8 @@
 //! The tool libraries of an upload: their cutters, faults and warnings.
 
-use crate::http::codes::{FileFault, NotRankedCode, WarningCode};
+use crate::http::codes::{FileFault, WarningCode};
 use crate::http::reading::{Faulted, Faults};
-use crate::http::wire::{NamedCandidate, NotRanked, Warning};
+use crate::http::wire::{NamedCandidate, Warning};
 use crate::json_text::JsonPath;
 use crate::tooling::{FaultyTool, LibraryFault, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
@@ -114,9 +114,4 @@ impl Libraries {
 fn add(faults: &mut Faults, index: usize, fault: &LibraryFault) -> Faulted {
     let root = JsonPath::Root;
     faults.add(&root.member(LIBRARY).item(index), FileFault::from(fault.kind()), fault)
-}
-
-/// A faulty tool among the cutters that are not ranked, at this position after all candidates.
-pub(super) fn not_ranked(tool: &FaultyTool, cutter: usize) -> NotRanked {
-    NotRanked::new(cutter, Some(tool.name().to_owned()), NotRankedCode::FaultyTool, tool.to_string())
 }

@@ -3,14 +3,13 @@
 use super::answer::{RankedCandidate, RecommendationAnswer, RecommendedCutter};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
-use super::library;
 use super::map::MapAnswer;
 use super::memory::{BYTES_OF_A_MAP, Resources};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
 use super::simulation::{Simulation, report};
-use crate::http::codes::{RequestFault, WarningCode};
+use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults};
 use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSource, Warning};
@@ -33,7 +32,7 @@ pub(super) struct Task {
     /// The facets; a surface for method `rectangle` may have none.
     workpiece: Option<Workpiece>,
     source: Source,
-    warnings: Vec<Warning>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 impl Task {
@@ -72,11 +71,6 @@ impl Task {
             }
         }
         Ok(Self { parameters, shape, workpiece, source, warnings })
-    }
-
-    /// Adds warnings to those of the surface.
-    pub(super) fn warn(&mut self, warnings: impl IntoIterator<Item = Warning>) {
-        self.warnings.extend(warnings);
     }
 
     /// The size of the mesh and of the ranking on it.
@@ -244,7 +238,10 @@ impl Task {
     /// The faulty tools of the libraries, whose positions follow those of the candidates.
     fn faulty_tools(&self) -> impl Iterator<Item = NotRanked> {
         let first = self.parameters.candidates.len();
-        self.parameters.faulty_tools.iter().enumerate().map(move |(index, tool)| library::not_ranked(tool, first + index))
+        let tools = self.parameters.faulty_tools.iter().enumerate();
+        tools.map(move |(index, tool)| {
+            NotRanked::new(first + index, Some(tool.name().to_owned()), NotRankedCode::FaultyTool, tool.to_string())
+        })
     }
 
     fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {
@@ -276,11 +273,8 @@ fn limited_speeds(candidates: &[NamedCandidate], machine: &Machine) -> Vec<Warni
     let warning = |(place, named): (usize, &NamedCandidate)| {
         let stated = named.candidate.drive.map(|drive| drive.spindle_speed).filter(|speed| speed.rpm() > limit.rpm())?;
         let cutter = named.name.clone().unwrap_or_else(|| format!("cutter {place}"));
-        let detail = format!(
-            "the spindle speed of {cutter}, {} rpm, is over the machine's largest, {} rpm, which is used",
-            stated.rpm(),
-            limit.rpm()
-        );
+        let (stated, limit) = (stated.rpm(), limit.rpm());
+        let detail = format!("the spindle speed of {cutter}, {stated} rpm, is over the machine's largest, {limit} rpm, which is used");
         Some(Warning::new(WarningCode::SpindleSpeedLimited, detail))
     };
     candidates.iter().enumerate().filter_map(warning).collect()

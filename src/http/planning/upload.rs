@@ -173,7 +173,7 @@ impl Received {
             let parameters = Parameters::read(object, libraries, faults);
             let surface = self.surface(faults);
             let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
-            task.warn(warnings);
+            task.warnings.extend(warnings);
             Ok(task)
         })?;
         drop(self.surface_memory.take());

@@ -21,7 +21,8 @@ const MOST_COLUMNS: usize = 16;
 /// A body of which a large member is cut out.
 #[derive(Debug)]
 pub(crate) struct CutOut<'a> {
-    rest: Vec<u8>,
+    /// The body with an empty array or object in place of the member.
+    pub(crate) rest: Vec<u8>,
     position: usize,
     large: Large<'a>,
 }
@@ -74,11 +75,6 @@ impl<'a> CutOut<'a> {
         }
         let rest = [&json[..position], empty, &json[end..]].concat();
         Some(Self { rest, position, large })
-    }
-
-    /// The body with an empty array or object in place of the member.
-    pub(crate) fn rest(&self) -> &[u8] {
-        &self.rest
     }
 
     /// Whether `value`, a part of the rest, is at the place from which the member was cut out.
@@ -178,7 +174,7 @@ mod tests {
         let json = r#"{"cutter":{"contacts":[{"x":1}]},"contacts":[]}"#;
         let cut = CutOut::of(json.as_bytes(), "contacts").unwrap();
         let never = || false;
-        let rest = JsonText::check(cut.rest(), &never).unwrap().members(5, &never).unwrap().kept;
+        let rest = JsonText::check(&cut.rest, &never).unwrap().members(5, &never).unwrap().kept;
         assert_eq!((&*rest[0].0, &*rest[1].0), ("cutter", "contacts"));
         assert!(!cut.is_place(rest[1].1));
         assert!(cut.is_place(rest[0].1.members(5, &never).unwrap().kept[0].1));
