@@ -47,7 +47,7 @@ impl RouteClass {
 pub struct Routes(Vec<(RouteClass, Addition)>);
 
 enum Addition {
-    Documented(UtoipaMethodRouter<AppState>),
+    Documented(Box<UtoipaMethodRouter<AppState>>),
     Nested(Router<AppState>),
 }
 
@@ -62,7 +62,7 @@ impl Routes {
     /// document.
     #[must_use]
     pub fn documented(self, class: RouteClass, operations: UtoipaMethodRouter<AppState>) -> Self {
-        self.add(class, Addition::Documented(operations))
+        self.add(class, Addition::Documented(Box::new(operations)))
     }
 
     /// Adds a path that the OpenAPI document leaves out.
@@ -86,7 +86,7 @@ impl Routes {
 
     /// The same set without the operations of one path.
     pub(crate) fn without(mut self, path: &str) -> Self {
-        self.0.retain(|(_, addition)| !matches!(addition, Addition::Documented((_, paths, _)) if paths.paths.contains_key(path)));
+        self.0.retain(|(_, addition)| !matches!(addition, Addition::Documented(operations) if operations.1.paths.contains_key(path)));
         self
     }
 
@@ -98,7 +98,7 @@ impl Routes {
     /// `document` with the operations of these routes.
     pub(crate) fn openapi(self, document: OpenApi) -> OpenApi {
         let add = |router: OpenApiRouter<AppState>, (_, addition)| match addition {
-            Addition::Documented(operations) => router.routes(operations),
+            Addition::Documented(operations) => router.routes(*operations),
             Addition::Nested(_) => router,
         };
         self.0.into_iter().fold(OpenApiRouter::with_openapi(document), add).into_openapi()
@@ -108,7 +108,7 @@ impl Routes {
     pub(crate) fn into_router(self, surround: impl Fn(RouteClass, Router<AppState>) -> Router<AppState>) -> Router<AppState> {
         self.0.into_iter().fold(Router::new(), |all, (class, addition)| {
             let router = match addition {
-                Addition::Documented(operations) => OpenApiRouter::new().routes(operations).into(),
+                Addition::Documented(operations) => OpenApiRouter::new().routes(*operations).into(),
                 Addition::Nested(router) => router,
             };
             all.merge(surround(class, router))
