@@ -1,11 +1,21 @@
-//! JSON texts. Their syntax is checked in steps, so that the check of a long text can be cancelled.
+//! JSON texts. Their syntax is checked in steps, so that the check of a long text can be cancelled. Plain values and
+//! arrays of numbers have fast readers, which need no check before or use all cores.
 
 mod error;
+pub(crate) mod not_finite;
+mod number_array;
+mod path;
+mod plain;
 mod scanner;
 #[cfg(test)]
 mod tests;
+mod triples;
 
 pub(crate) use error::JsonError;
+pub(crate) use number_array::read_numbers;
+pub(crate) use path::JsonPath;
+pub(crate) use plain::{PlainJson, PlainValue, Unusual};
+pub(crate) use triples::read_triples;
 
 use memchr::memchr;
 use scanner::Scanner;

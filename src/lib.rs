@@ -108,3 +108,4 @@ pub mod settings;
 pub mod surface;
 pub mod telemetry;
 pub mod tooling;
+pub mod worker_pool;

@@ -156,6 +156,19 @@ impl MemoryBudget {
     }
 }
 
+/// Bytes in memory with their reservation.
+#[derive(Debug)]
+pub struct Reserved<B> {
+    pub(crate) bytes: B,
+    pub(crate) reservation: Reservation,
+}
+
+impl<B: AsRef<[u8]>> AsRef<[u8]> for Reserved<B> {
+    fn as_ref(&self) -> &[u8] {
+        self.bytes.as_ref()
+    }
+}
+
 /// Bytes of a budget, which return to it when this is dropped.
 #[derive(Debug)]
 #[must_use = "dropped, it returns its bytes"]

@@ -2,9 +2,9 @@
 
 use super::metrics::Metrics;
 use super::readiness::Readiness;
-use super::worker_pool::WorkerPool;
 use crate::memory_budget::MemoryBudget;
 use crate::settings::HttpSettings;
+use crate::worker_pool::WorkerPool;
 
 /// Handles shared by all requests; clones refer to the same objects.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ impl AppState {
     pub fn start(settings: &HttpSettings) -> std::io::Result<Self> {
         let budget = MemoryBudget::new(settings.memory_budget_bytes);
         let metrics = Metrics::new(&budget);
-        let workers = WorkerPool::start(settings.max_concurrent_work, &metrics)?;
+        let workers = WorkerPool::start(settings.max_concurrent_work)?;
         Ok(Self { metrics, readiness: Readiness::default(), workers, budget })
     }
 }

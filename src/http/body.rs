@@ -4,9 +4,10 @@ use super::codes::ServiceProblem;
 use super::collected_body::collect;
 use super::middleware::memory_budget;
 use super::problem::Problem;
-use super::reading::{Faulted, Faults, Object, mark_not_finite};
+use super::reading::{Faulted, Faults, Object};
 use crate::cancellation::CancelFlag;
 use crate::json_text::JsonError;
+use crate::json_text::not_finite::mark_not_finite;
 use crate::memory_budget::{MemoryBudget, Reservation};
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
@@ -202,10 +203,10 @@ pub(crate) fn read_text<T>(
         Ok(object) => object,
         Err(error) => {
             marked = mark_not_finite(json, budget, cancel)?.ok_or_else(|| malformed(&error))?;
-            Object::open_body(marked.text(), &mut faults).map_err(|error| malformed(&error))?
+            Object::open_body(marked.as_ref(), &mut faults).map_err(|error| malformed(&error))?
         }
     };
-    match read_object(object, &mut faults, read) {
+    match object.and_then(|object| object.read(&mut faults, read)) {
         Ok(result) if faults.is_empty() => Ok(result),
         _ => Err(Problem::faulty_request(faults)),
     }
@@ -214,16 +215,4 @@ pub(crate) fn read_text<T>(
 /// The problem of a text that is not JSON.
 pub(crate) fn malformed(error: &JsonError) -> Problem {
     Problem::new(ServiceProblem::MalformedJson, format!("the JSON cannot be read: {error}"))
-}
-
-/// Reads a whole object with `read`; members that `read` does not take are faults.
-pub(crate) fn read_object<'a, T>(
-    object: Result<Object<'a, '_>, Faulted>,
-    faults: &mut Faults,
-    read: impl FnOnce(&mut Object<'a, '_>, &mut Faults) -> Result<T, Faulted>,
-) -> Result<T, Faulted> {
-    let mut object = object?;
-    let result = read(&mut object, faults);
-    object.close(faults)?;
-    result
 }

@@ -5,7 +5,7 @@ use http_body_util::BodyExt;
 
 use super::codes::ServiceProblem;
 use super::problem::Problem;
-use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
+use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reserved};
 
 /// The initial capacity for a body in several pieces.
 const FIRST_CAPACITY: usize = 64 * 1024;
@@ -19,12 +19,12 @@ pub(super) async fn collect(mut body: Body, budget: &MemoryBudget) -> Result<Byt
     if body.is_end_stream() {
         return Ok(first);
     }
-    let mut collected = Collected { bytes: Vec::new(), reservation: budget.open() };
+    let mut collected = Reserved { bytes: Vec::new(), reservation: budget.open() };
     let mut piece = Some(first);
     let mut turn = 0;
     while let Some(data) = piece {
         turn += data.len();
-        collected.append(&data, body.size_hint().exact())?;
+        append(&mut collected, &data, body.size_hint().exact())?;
         drop(data);
         if turn >= TURN {
             // Decompression returns data without waiting, so this yields to other tasks.
@@ -49,42 +49,28 @@ pub(super) async fn next_data(body: &mut Body) -> Result<Option<Bytes>, Problem>
     Ok(None)
 }
 
-/// The bytes so far.
-struct Collected {
-    bytes: Vec<u8>,
-    reservation: Reservation,
+/// Appends `data`; `to_come` is the number of bytes that follow, if known.
+fn append(collected: &mut Reserved<Vec<u8>>, data: &[u8], to_come: Option<u64>) -> Result<(), BudgetExceeded> {
+    let length = collected.bytes.len() + data.len();
+    if length > collected.bytes.capacity() {
+        // The stated length limits the growth, but is not reserved at once: the client may send less.
+        let known = to_come.and_then(|to_come| usize::try_from(to_come).ok()).map(|to_come| length.saturating_add(to_come));
+        let doubled = (2 * length).max(FIRST_CAPACITY);
+        move_to(collected, known.map_or(doubled, |known| known.min(doubled)))?;
+    }
+    collected.bytes.extend_from_slice(data);
+    Ok(())
 }
 
-impl Collected {
-    /// Appends `data`; `to_come` is the number of bytes that follow, if known.
-    fn append(&mut self, data: &[u8], to_come: Option<u64>) -> Result<(), BudgetExceeded> {
-        let length = self.bytes.len() + data.len();
-        if length > self.bytes.capacity() {
-            // The stated length limits the growth, but is not reserved at once: the client may send less.
-            let known = to_come.and_then(|to_come| usize::try_from(to_come).ok()).map(|to_come| length.saturating_add(to_come));
-            let doubled = (2 * length).max(FIRST_CAPACITY);
-            self.move_to(known.map_or(doubled, |known| known.min(doubled)))?;
-        }
-        self.bytes.extend_from_slice(data);
-        Ok(())
-    }
-
-    /// Moves the bytes to a buffer of this capacity; both buffers are reserved meanwhile.
-    fn move_to(&mut self, capacity: usize) -> Result<(), BudgetExceeded> {
-        let before = self.reservation.bytes();
-        self.reservation.grow(capacity as u64)?;
-        let mut bytes = Vec::with_capacity(capacity);
-        bytes.extend_from_slice(&self.bytes);
-        self.bytes = bytes;
-        self.reservation.shrink_to(self.reservation.bytes() - before);
-        Ok(())
-    }
-}
-
-impl AsRef<[u8]> for Collected {
-    fn as_ref(&self) -> &[u8] {
-        &self.bytes
-    }
+/// Moves the bytes to a buffer of this capacity; both buffers are reserved meanwhile.
+fn move_to(collected: &mut Reserved<Vec<u8>>, capacity: usize) -> Result<(), BudgetExceeded> {
+    let before = collected.reservation.bytes();
+    collected.reservation.grow(capacity as u64)?;
+    let mut bytes = Vec::with_capacity(capacity);
+    bytes.extend_from_slice(&collected.bytes);
+    collected.bytes = bytes;
+    collected.reservation.shrink_to(collected.reservation.bytes() - before);
+    Ok(())
 }
 
 #[cfg(test)]

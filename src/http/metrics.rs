@@ -91,7 +91,7 @@ impl Metrics {
         );
         registry.register_collector(Box::new(BudgetMetrics(budget.clone())));
         #[cfg(target_os = "linux")]
-        registry.register_collector(Box::new(super::process_metrics::ProcessMetrics));
+        registry.register_collector(Box::new(crate::telemetry::process_metrics::ProcessMetrics));
         Self(Arc::new(Counters { registry, requests, durations, in_flight, shed, upload_bytes, upload_facets }))
     }
 

@@ -14,8 +14,6 @@ pub mod overload;
 mod pages;
 mod planning;
 mod problem;
-#[cfg(target_os = "linux")]
-mod process_metrics;
 mod query;
 pub mod readiness;
 mod reading;
@@ -108,8 +106,7 @@ pub fn refusals(state: &AppState) -> Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + 
 
 /// The service: `routes` inside the middleware.
 pub fn service(routes: Routes, settings: &HttpSettings, state: &AppState) -> Router {
-    let AppState { metrics, readiness, workers, budget } = state.clone();
-    let stack = middleware::Stack::new(middleware::Shared { settings, metrics, readiness, workers, budget });
+    let stack = middleware::Stack::new(settings, state);
     let surround = |class, router| stack.surround(class, router);
     let no_such_path = surround(RouteClass::Single, Router::new().fallback(async || StatusCode::NOT_FOUND));
     routes.into_router(surround).merge(no_such_path).with_state(state.clone())

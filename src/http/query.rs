@@ -2,11 +2,12 @@
 //! with the names of nested members joined. A query is converted to that JSON and read by the same readers; faults
 //! point to the query's parameters.
 
-use super::body::{malformed, read_object};
+use super::body::malformed;
 use super::codes::RequestFault;
 use super::problem::Problem;
-use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark};
-use crate::json_text::JsonText;
+use super::reading::{Components, Faulted, Faults, Object};
+use crate::json_text::not_finite::mark;
+use crate::json_text::{JsonPath, JsonText};
 use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -24,19 +25,10 @@ struct QueryMember {
     name: String,
     /// The names of the member and of the objects around it, outermost first.
     path: Vec<String>,
-    kind: MemberKind,
     is_required: bool,
     about: Option<String>,
     /// The schema without references and description.
     schema: Value,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum MemberKind {
-    Number,
-    Word,
-    /// Numbers separated by commas, or the name repeated for each number.
-    Numbers,
 }
 
 impl Query {
@@ -59,11 +51,8 @@ impl Query {
                 .required(if member.is_required { Required::True } else { Required::False })
                 .description(member.about.clone())
                 .schema(Some(schema));
-            match member.kind {
-                MemberKind::Numbers => parameter.style(Some(ParameterStyle::Form)).explode(Some(false)),
-                MemberKind::Number | MemberKind::Word => parameter,
-            }
-            .build()
+            let parameter = if member.is_list() { parameter.style(Some(ParameterStyle::Form)).explode(Some(false)) } else { parameter };
+            parameter.build()
         };
         self.members.iter().map(describe).collect()
     }
@@ -90,7 +79,7 @@ impl Query {
             match given.iter_mut().find(|(known, _)| known.name == member.name) {
                 None => given.push((member, value)),
                 // Generated clients repeat the name for each number, even if the document states another form.
-                Some((_, numbers)) if member.kind == MemberKind::Numbers => {
+                Some((_, numbers)) if member.is_list() => {
                     let numbers = numbers.to_mut();
                     numbers.push(',');
                     numbers.push_str(&value);
@@ -102,7 +91,7 @@ impl Query {
         }
         let (json, mut of_json) = (json_of(&given), Faults::default());
         let object = Object::open_body(json.as_bytes(), &mut of_json).map_err(|error| malformed(&error))?;
-        let result = read_object(object, &mut of_json, read);
+        let result = object.and_then(|object| object.read(&mut of_json, read));
         let is_empty = |pointer: &str| given.iter().any(|(member, value)| value.is_empty() && format!("/{}", member.name) == pointer);
         // The fault of an empty parameter has been recorded already.
         faults.take_in(of_json, |pointer| Some(self.pointer(pointer, &given)).filter(|pointer| !is_empty(pointer)));
@@ -133,6 +122,11 @@ impl Query {
 }
 
 impl QueryMember {
+    /// Whether its value is numbers separated by commas, or the name repeated for each number.
+    fn is_list(&self) -> bool {
+        self.schema["type"] == "array"
+    }
+
     fn pointer(&self) -> String {
         format!("/{}", self.path.join("/"))
     }
@@ -190,18 +184,13 @@ fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) 
             members.extend(inner.into_iter().map(|inner| QueryMember { is_required: is_required && inner.is_required, ..inner }));
             continue;
         }
-        let kind = match target["type"].as_str() {
-            Some("array") => MemberKind::Numbers,
-            Some("string") => MemberKind::Word,
-            _ => MemberKind::Number,
-        };
         let about = property["description"].as_str().or(target["description"].as_str()).map(str::to_owned);
         let mut schema = target.clone();
         if let Some(schema) = schema.as_object_mut() {
             schema.remove("description");
         }
         let name = name_of(&path.iter().map(String::as_str).collect::<Vec<_>>());
-        members.push(QueryMember { name, path, kind, is_required, about, schema });
+        members.push(QueryMember { name, path, is_required, about, schema });
     }
     members
 }
@@ -221,10 +210,10 @@ fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
     let mut objects: BTreeMap<&str, String> = BTreeMap::from([("cutter", String::new()), ("contact", String::new())]);
     let mut json = String::new();
     for (member, value) in given {
-        let value = match member.kind {
-            MemberKind::Word => quoted(value),
-            MemberKind::Number => number(value),
-            MemberKind::Numbers => format!("[{}]", value.split(',').map(number).collect::<Vec<_>>().join(",")),
+        let value = match member.schema["type"].as_str() {
+            Some("string") => quoted(value),
+            Some("array") => format!("[{}]", value.split(',').map(number).collect::<Vec<_>>().join(",")),
+            _ => number(value),
         };
         match member.path.as_slice() {
             [name] => _ = write!(json, "{}:{value},", quoted(name)),

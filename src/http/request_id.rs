@@ -7,12 +7,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
 use axum::response::Response;
-use bytes::{BufMut, BytesMut};
 
 /// The header of the id, in requests and answers.
 pub(super) const HEADER: HeaderName = HeaderName::from_static("x-request-id");
-
-const HEXADECIMAL: [u8; 16] = *b"0123456789abcdef";
 
 /// The longest id that is accepted, because every log line contains it.
 const LONGEST: usize = 128;
@@ -36,12 +33,8 @@ impl RequestId {
         static PREFIX: LazyLock<String> = LazyLock::new(|| format!("{:016x}-", RandomState::new().hash_one(std::process::id())));
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let mut id = BytesMut::with_capacity(PREFIX.len() + 16);
-        id.put_slice(PREFIX.as_bytes());
-        // At least eight digits.
-        let digits = (16 - count.leading_zeros() / 4).max(8);
-        id.extend((0..digits).rev().map(|digit| HEXADECIMAL[(count >> (4 * digit) & 0xf) as usize]));
-        Self(HeaderValue::from_maybe_shared(id.freeze()).unwrap_or_else(|_| unreachable!("hexadecimal digits make a header")))
+        let id = format!("{}{count:08x}", *PREFIX);
+        Self(HeaderValue::try_from(id).unwrap_or_else(|_| unreachable!("hexadecimal digits make a header")))
     }
 
     /// The id.
@@ -49,6 +42,11 @@ impl RequestId {
     pub(crate) fn as_str(&self) -> &str {
         // Both constructors ensure visible ASCII.
         self.0.to_str().unwrap_or_default()
+    }
+
+    /// Adds the id to an answer.
+    pub(super) fn mark(&self, response: &mut Response) {
+        response.headers_mut().insert(HEADER, self.0.clone());
     }
 }
 
@@ -58,13 +56,6 @@ pub(super) fn take_or_create(request: &mut Request) -> RequestId {
     request.headers_mut().insert(HEADER, id.0.clone());
     request.extensions_mut().insert(id.clone());
     id
-}
-
-impl RequestId {
-    /// Adds the id to an answer.
-    pub(super) fn mark(&self, response: &mut Response) {
-        response.headers_mut().insert(HEADER, self.0.clone());
-    }
 }
 
 #[cfg(test)]

@@ -47,15 +47,8 @@ impl RouteClass {
 pub struct Routes(Vec<(RouteClass, Addition)>);
 
 enum Addition {
-    Documented(UtoipaMethodRouter<AppState>),
-    Undocumented(String, MethodRouter<AppState>),
+    Documented(Box<UtoipaMethodRouter<AppState>>),
     Nested(Router<AppState>),
-}
-
-impl std::fmt::Debug for Routes {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Routes").field("additions", &self.0.len()).finish()
-    }
 }
 
 impl Routes {
@@ -69,13 +62,13 @@ impl Routes {
     /// document.
     #[must_use]
     pub fn documented(self, class: RouteClass, operations: UtoipaMethodRouter<AppState>) -> Self {
-        self.add(class, Addition::Documented(operations))
+        self.add(class, Addition::Documented(Box::new(operations)))
     }
 
     /// Adds a path that the OpenAPI document leaves out.
     #[must_use]
     pub fn undocumented(self, class: RouteClass, path: &str, methods: MethodRouter<AppState>) -> Self {
-        self.add(class, Addition::Undocumented(path.to_owned(), methods))
+        self.nested(class, Router::new().route(path, methods))
     }
 
     /// Adds a library's router, all of whose routes have one class.
@@ -93,11 +86,7 @@ impl Routes {
 
     /// The same set without the operations of one path.
     pub(crate) fn without(mut self, path: &str) -> Self {
-        self.0.retain(|(_, addition)| match addition {
-            Addition::Documented((_, paths, _)) => !paths.paths.contains_key(path),
-            Addition::Undocumented(added, _) => added != path,
-            Addition::Nested(_) => true,
-        });
+        self.0.retain(|(_, addition)| !matches!(addition, Addition::Documented(operations) if operations.1.paths.contains_key(path)));
         self
     }
 
@@ -109,8 +98,8 @@ impl Routes {
     /// `document` with the operations of these routes.
     pub(crate) fn openapi(self, document: OpenApi) -> OpenApi {
         let add = |router: OpenApiRouter<AppState>, (_, addition)| match addition {
-            Addition::Documented(operations) => router.routes(operations),
-            Addition::Undocumented(..) | Addition::Nested(_) => router,
+            Addition::Documented(operations) => router.routes(*operations),
+            Addition::Nested(_) => router,
         };
         self.0.into_iter().fold(OpenApiRouter::with_openapi(document), add).into_openapi()
     }
@@ -119,8 +108,7 @@ impl Routes {
     pub(crate) fn into_router(self, surround: impl Fn(RouteClass, Router<AppState>) -> Router<AppState>) -> Router<AppState> {
         self.0.into_iter().fold(Router::new(), |all, (class, addition)| {
             let router = match addition {
-                Addition::Documented(operations) => OpenApiRouter::new().routes(operations).into(),
-                Addition::Undocumented(path, methods) => Router::new().route(&path, methods),
+                Addition::Documented(operations) => OpenApiRouter::new().routes(*operations).into(),
                 Addition::Nested(router) => router,
             };
             all.merge(surround(class, router))

@@ -1,4 +1,5 @@
-//! Rounding to whole numbers. The standard library's functions are slow calls unless SSE4.1 is assumed.
+//! Rounding to whole numbers and to significant digits. The standard library's functions for whole numbers are slow
+//! calls unless SSE4.1 is assumed.
 
 /// The smallest whole number that is not below `value`. A value beyond the bounds of the type becomes the nearest bound.
 #[inline]
@@ -12,6 +13,15 @@ pub(crate) fn ceil(value: f64) -> i64 {
 #[inline]
 pub(crate) fn floor(value: f64) -> i64 {
     ceil(-value).saturating_neg()
+}
+
+/// `value` rounded to `digits` significant digits. A double has at most 17.
+pub(crate) fn to_digits(value: f64, digits: u32) -> f64 {
+    if digits >= 17 {
+        return value;
+    }
+    let text = format!("{value:.*e}", digits.saturating_sub(1) as usize);
+    text.parse().unwrap_or_else(|_| unreachable!("a number that was written can be read"))
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The memory that planning takes, computed in advance so that a caller can reserve it. `cargo bench --bench memory`
 //! measures it.
 
-use super::zigzag::PlanRoom;
-use crate::surface::FinishFacet;
+use super::zigzag::{CandidateCutter, PlanRoom};
 use crate::surface::mesh::MeshSize;
+use crate::surface::{Bounds, FinishFacet, Mesh};
 
 /// Bytes for each facet and point of a mesh: corner indices and coordinates.
 const MESH_FACET: usize = 12;
@@ -66,6 +66,19 @@ pub struct RankingSize {
     pub candidates: usize,
     /// The longest extent of the surface, in diameters of the smallest candidate.
     pub diameters: usize,
+}
+
+impl RankingSize {
+    /// The size of a ranking of candidates on a mesh.
+    pub(crate) fn of(mesh: &Mesh, candidates: &[CandidateCutter]) -> Self {
+        let Bounds { min, max } = mesh.bounds();
+        let longest = (max[0] - min[0]).hypot(max[1] - min[1]);
+        let diameters = candidates.iter().map(|candidate| 2.0 * candidate.cutter.outer_radius().mm());
+        let smallest = diameters.fold(f64::INFINITY, f64::min);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a larger quotient counts as the largest number")]
+        let diameters = (longest / smallest).ceil() as usize;
+        Self { facets: mesh.size().facets, candidates: candidates.len(), diameters }
+    }
 }
 
 /// The use of threads by a ranking.

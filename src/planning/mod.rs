@@ -8,6 +8,7 @@ mod confidence;
 pub mod memory;
 pub mod reach;
 pub mod rectangle;
+pub(crate) mod workpiece;
 pub mod zigzag;
 
 pub use confidence::{Confidence, Level, Reason};

@@ -1,9 +1,12 @@
-//! Set-up of log lines and traces: their destinations and formats. Events are logged by the modules that raise them.
+//! Set-up of log lines and traces: their destinations and formats, and the metrics of the process. Events are logged by
+//! the modules that raise them.
 
 mod json;
 mod lines;
 #[cfg(feature = "otlp")]
 mod otlp;
+#[cfg(target_os = "linux")]
+pub(crate) mod process_metrics;
 
 use std::io::{self, IsTerminal};
 use std::thread::JoinHandle;

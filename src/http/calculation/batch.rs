@@ -10,14 +10,13 @@ use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::{FaultCode, RequestFault};
 use crate::http::problem::Problem;
-use crate::http::reading::{
-    Components, CutOut, Fault, Faulted, Faults, JsonPath, Kind, Large, Members, Object, ObjectSchema, PlainJson, Unusual,
-};
+use crate::http::reading::{Components, CutOut, Fault, Faulted, Faults, Kind, Large, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, Heights, MODEL, SharedMembers,
-    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, model_name, no_answer,
+    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, MODEL, SharedMembers,
+    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, no_answer,
 };
 use crate::http::worker_pool::Work;
+use crate::json_text::{JsonPath, PlainJson, Unusual};
 use crate::milling::{EvaluatedPass, NoAnswer};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use std::collections::BTreeMap;
@@ -68,7 +67,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
     }
     body.read_until(cancel, |object, faults| {
         let path = object.path();
-        let batch = Batch::<C>::read(object, faults);
+        let (defaults, batch) = Batch::<C>::read(object, faults);
         let path = path.member(CONTACTS);
         let Some(contacts) = object.take(CONTACTS, faults) else {
             return Err(faults.add(&path, RequestFault::MissingField, "the field is missing: the contacts to compute"));
@@ -77,13 +76,12 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
         if !faults.is_empty() {
             // Nothing is computed, but the contacts are still checked, so that the answer lists their faults too.
             for index in (0..contacts.count()).take_while(|_| !cancel.is_cancelled()) {
-                let _recorded = contacts.read(index, C::STATED, &batch.defaults, contacts.path(index, &path), faults);
+                let _recorded = contacts.read(index, &defaults, contacts.path(index, &path), faults);
             }
             return Err(Faulted);
         }
-        let batch = batch.without_faults()?;
-        let whole = batch.compute_contacts(&contacts, path, cancel);
-        whole.answer(&batch, contacts.count(), cancel, faults)
+        let batch = batch?;
+        batch.compute_contacts(&contacts, path, cancel).answer(&batch, cancel, faults)
     })
 }
 
@@ -92,8 +90,8 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
 fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Result<WrittenJson, Problem>> {
     let cut = CutOut::of(body, CONTACTS)?;
     let mut faults = Faults::until(cancel);
-    let mut object = Object::open_body(cut.rest(), &mut faults).ok()?.ok()?;
-    let batch = Batch::<C>::read(&mut object, &mut faults).without_faults().ok()?;
+    let mut object = Object::open_body(&cut.rest, &mut faults).ok()?.ok()?;
+    let batch = Batch::<C>::read(&mut object, &mut faults).1.ok()?;
     let is_contacts = object.take(CONTACTS, &mut faults).is_some_and(|place| cut.is_place(place));
     object.close(&mut faults).ok()?;
     if !is_contacts || !faults.is_empty() {
@@ -101,40 +99,22 @@ fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Res
     }
     let root = JsonPath::Root;
     let path = root.member(CONTACTS);
-    let (whole, count) = match cut.large() {
+    let whole = match cut.large() {
         Large::Rows(runs) => batch.compute_runs(&runs, path, cancel)?,
         Large::Columns(columns) => {
             let columns = ContactColumns::read_plain(columns, C::STATED, MOST_CONTACTS)?;
-            let contacts = Contacts::Columns(Box::new(columns));
-            (batch.compute_contacts(&contacts, path, cancel), contacts.count())
+            batch.compute_contacts(&Contacts::Columns(Box::new(columns)), path, cancel)
         }
     };
-    Some(whole.answer(&batch, count, cancel, &mut faults).map_err(|Faulted| Problem::faulty_request(faults)))
+    Some(whole.answer(&batch, cancel, &mut faults).map_err(|Faulted| Problem::faulty_request(faults)))
 }
 
-/// The parts of a request beside its contacts, with proofs of the faults that are recorded.
-struct ReadBatch<C> {
-    shared: Result<SharedParameters, Faulted>,
-    defaults: ContactParameters,
-    calculation: Result<C, Faulted>,
-    selection: Result<Selection, Faulted>,
-}
-
-impl<C: Calculation> ReadBatch<C> {
-    fn without_faults(self) -> Result<Batch<C>, Faulted> {
-        let selection = self.selection?;
-        let (heights, is_compared) = (selection.heights(), selection.is_compared());
-        Ok(Batch { shared: self.shared?, defaults: self.defaults, calculation: self.calculation?, selection, heights, is_compared })
-    }
-}
-
+/// The parts of a request beside its contacts.
 struct Batch<C> {
     shared: SharedParameters,
     defaults: ContactParameters,
     calculation: C,
     selection: Selection,
-    heights: Heights,
-    is_compared: bool,
 }
 
 /// The results of a chunk of consecutive contacts.
@@ -150,19 +130,21 @@ struct Part {
 }
 
 impl<C: Calculation> Batch<C> {
-    /// Reads the parts of a request beside its contacts.
-    fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> ReadBatch<C> {
-        let path = object.path();
+    /// Reads the parts of a request beside its contacts. The parameters of contacts are returned even if other parts have
+    /// faults.
+    fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> (ContactParameters, Result<Self, Faulted>) {
         let shared = SharedParameters::read(object, faults);
         let defaults = ContactParameters::read(object, C::STATED, faults);
         let members = C::Members::read(object, faults);
-        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
-        ReadBatch { shared, defaults, calculation, selection: Selection::read::<C>(object, faults) }
+        let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), faults);
+        let selection = Selection::read::<C>(object, faults);
+        let batch = || Ok(Self { shared: shared?, defaults, calculation: calculation?, selection: selection? });
+        (defaults, batch())
     }
 
     /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` if the general reader has
     /// to read them.
-    fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<(Part, usize)> {
+    fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<Part> {
         let (parts, count) = (Parts::default(), AtomicUsize::new(0));
         let compute = |(index, run): (usize, &&[u8])| {
             let part = self.compute_run(run, cancel)?;
@@ -171,17 +153,17 @@ impl<C: Calculation> Batch<C> {
             if too_many { Err(Unusual) } else { Ok(()) }
         };
         runs.par_iter().enumerate().try_for_each(compute).ok()?;
-        Some((self.joined(parts, Some(path)), count.into_inner()))
+        Some(self.joined(parts, Some(path)))
     }
 
     /// Reads a run of contacts and computes them. Indices and paths are those in the run.
     fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
         let mut json = PlainJson::new(run);
         let mut part = self.part(run.len() / USUAL_CONTACT);
-        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT).and_until(cancel);
+        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT, cancel);
         while !cancel.is_cancelled() {
             let path = JsonPath::Root;
-            let contact = BatchContact::read_next(&mut json, C::STATED, &self.defaults, path, &mut faults)?;
+            let contact = BatchContact::read_next(&mut json, &self.defaults, path, &mut faults)?;
             let index = part.count;
             self.take_in(&mut part, index, contact, path, &mut faults);
             if json.is_at_end() {
@@ -199,10 +181,10 @@ impl<C: Calculation> Batch<C> {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT).and_until(cancel);
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT, cancel);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
-                let contact = contacts.read(index, C::STATED, &self.defaults, path, &mut faults);
+                let contact = contacts.read(index, &self.defaults, path, &mut faults);
                 self.take_in(&mut part, index, contact, path, &mut faults);
             }
             parts.insert(chunk, part);
@@ -231,7 +213,7 @@ impl<C: Calculation> Batch<C> {
         faults: &mut Faults,
     ) -> Result<(), Faulted> {
         let BatchContact { contact, parameters } = contact;
-        let step_over = parameters.step_over(C::STATED, &path, faults)?;
+        let step_over = parameters.step_over(&path, faults)?;
         let member = self.calculation.step_over_member(&parameters);
         // The fault points to the contact as a whole: any of its parameters, defaults included, may be the cause.
         let mut fail =
@@ -243,13 +225,13 @@ impl<C: Calculation> Batch<C> {
             Ok(Err(cause)) => return Err(fail(*cause)),
             Err(faulted) => return Err(*faulted),
         };
-        let mut computed = single::compute(&self.calculation, &self.shared, pass, step_over, &parameters, self.heights);
+        let mut computed = single::compute(&self.calculation, &self.shared, pass, step_over, &parameters, self.selection.heights);
         let figures = match &mut computed {
             Ok(Ok(figures)) => figures,
             Ok(Err(cause)) => return Err(fail(*cause)),
             Err(faulted) => return Err(*faulted),
         };
-        if self.is_compared {
+        if self.selection.is_compared {
             let check = single::compare(pass, figures);
             part.outside_range += usize::from(single::is_outside_range(&check));
             figures.check = check.ok();
@@ -352,15 +334,15 @@ impl Part {
     }
 
     /// The answer, or the faults if no contact has one.
-    fn answer<C>(self, batch: &Batch<C>, count: usize, cancel: &CancelFlag, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
+    fn answer<C>(self, batch: &Batch<C>, cancel: &CancelFlag, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
         if cancel.is_cancelled() {
             // The answer of a cancelled batch is discarded.
             return Err(Faulted);
         }
-        if count == 0 || self.failed < count {
-            return Ok(self.written(batch, count));
+        if self.count == 0 || self.failed < self.count {
+            return Ok(self.written(batch));
         }
-        let mut left_out = count;
+        let mut left_out = self.count;
         let mut listed = 0;
         for (_, of_contact) in self.failures {
             listed += of_contact.len();
@@ -376,14 +358,14 @@ impl Part {
         Err(Faulted)
     }
 
-    fn written<C>(self, batch: &Batch<C>, count: usize) -> WrittenJson {
+    fn written<C>(self, batch: &Batch<C>) -> WrittenJson {
         let Batch { shared, selection, .. } = batch;
         let named = || selection.figures.iter().zip(&self.columns);
         let extremes = ColumnExtremes(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
-        let outside_analytic_range = batch.is_compared.then_some(self.outside_range);
+        let outside_analytic_range = selection.is_compared.then_some(self.outside_range);
         let mut table = Table::default();
-        table.value("model", &model_name(shared.model));
-        table.value("summary", &Summary { count, failures: self.failed, outside_analytic_range, extremes });
+        table.value("model", &MODEL.kind.word(&shared.model));
+        table.value("summary", &Summary { count: self.count, failures: self.failed, outside_analytic_range, extremes });
         for (figure, column) in selection.figures.iter().zip(self.columns) {
             if selection.is_stated || figure.is_required_column() {
                 table.column(figure.name, column);

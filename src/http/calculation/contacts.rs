@@ -1,8 +1,8 @@
 //! The contacts of a batch as rows or as columns, in a body whose syntax has been checked.
 
-use crate::http::reading::{Faulted, Faults, JsonPath, items};
+use crate::http::reading::{Faulted, Faults, items};
 use crate::http::wire::{BatchContact, ContactColumns, ContactParameters, StatedParameters};
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 
 /// The largest number of contacts in a request. Without this limit, a body of the largest size could hold some ten
 /// million. With it, an answer stays below about 100 MB.
@@ -22,10 +22,7 @@ impl<'a> Contacts<'a> {
         if !raw.get().starts_with('{') {
             return items(raw, MOST_CONTACTS, path, faults).map(Self::Rows);
         }
-        // Columns are read even if another part of the request has faults.
-        let mut of_columns = faults.cancel_flag().map_or_else(Faults::default, |cancel| Faults::until(&cancel));
-        let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, &mut of_columns);
-        faults.take_in(of_columns, |pointer| Some(pointer.to_owned()));
+        let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, faults);
         columns.map(|columns| Self::Columns(Box::new(columns)))
     }
 
@@ -48,14 +45,13 @@ impl<'a> Contacts<'a> {
     pub(super) fn read(
         &self,
         index: usize,
-        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
         match self {
-            Self::Rows(rows) => BatchContact::read(rows[index], stated, defaults, path, faults),
-            Self::Columns(columns) => columns.contact(index, stated, defaults, path, faults),
+            Self::Rows(rows) => BatchContact::read(rows[index], defaults, path, faults),
+            Self::Columns(columns) => columns.contact(index, defaults, path, faults),
         }
     }
 }

@@ -2,11 +2,12 @@
 //! time within a tolerance.
 
 use super::feed_limits::{BINDING_LIMIT, FEED_PER_TOOTH, FEED_RATE, FeedLimits, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::{Calculation, Texts};
+use super::{Calculation, Inputs, Texts};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::reading::{Faulted, Faults, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
-use crate::milling::{CuttingLimits, EvaluatedPass, LimitedBy, NoAnswer};
+use crate::json_text::JsonPath;
+use crate::milling::{CuttingLimits, LimitedBy, NoAnswer};
 use crate::quantity::Length;
 
 members! {
@@ -82,18 +83,13 @@ impl Calculation for FastestParameters {
     type Members = CuttingParametersMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
 
-    fn new(
-        members: CuttingParametersMembers,
-        shared: Result<&SharedParameters, Faulted>,
-        path: &JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Self, Faulted> {
+    fn new(members: CuttingParametersMembers, shared: Result<&SharedParameters, Faulted>, faults: &mut Faults) -> Result<Self, Faulted> {
         let CuttingParametersMembers { tolerance, spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, min_step_over, max_step_over } =
             members;
-        let feed = FeedLimits::new(spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, shared, path, faults);
+        let feed = FeedLimits::new(spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, shared, faults);
         let (min_step_over, max_step_over) = (min_step_over?, max_step_over?);
         CuttingLimits::new(None, min_step_over, max_step_over)
-            .map_err(|error| faults.add(&path.member(MIN_STEP_OVER.name), RequestFault::OutOfRange, error))?;
+            .map_err(|error| faults.add(&JsonPath::Root.member(MIN_STEP_OVER.name), RequestFault::OutOfRange, error))?;
         Ok(Self { tolerance: tolerance?, feed: feed?, min_step_over, max_step_over })
     }
 
@@ -101,14 +97,7 @@ impl Calculation for FastestParameters {
         if self.min_step_over.is_some() { MIN_STEP_OVER.name } else { TOLERANCE.name }
     }
 
-    fn compute(
-        &self,
-        shared: &SharedParameters,
-        pass: &EvaluatedPass,
-        _: Option<Length>,
-        _: Option<Length>,
-        _: Heights,
-    ) -> Result<Figures, NoAnswer> {
+    fn compute(&self, &Inputs { shared, pass, .. }: &Inputs<'_>) -> Result<Figures, NoAnswer> {
         let (per_tooth, by_machine) = (self.feed.per_tooth, self.feed.by_machine(shared));
         let feed_limit = per_tooth.into_iter().chain(by_machine).reduce(|a, b| if b < a { b } else { a });
         let limits = CuttingLimits::new(feed_limit, self.min_step_over, self.max_step_over);

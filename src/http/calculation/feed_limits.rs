@@ -1,8 +1,9 @@
 //! The limits of cutter and machine on the feed, and the conversion between feed per tooth and feed rate.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Member, Quantity};
+use crate::http::reading::{Choice, Faulted, Faults, Member, Quantity};
 use crate::http::wire::{CUTTER, Figure, SharedParameters, TEETH};
+use crate::json_text::JsonPath;
 use crate::quantity::{Length, OutOfRange};
 
 pub(super) const SPINDLE_SPEED: Member<Quantity<f64>> = Member {
@@ -73,7 +74,6 @@ impl FeedLimits {
         per_tooth: Result<Option<Length>, Faulted>,
         rate_mm_min: Result<Option<f64>, Faulted>,
         shared: Result<&SharedParameters, Faulted>,
-        path: &JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
         let mut complete = Ok(());
@@ -83,10 +83,10 @@ impl FeedLimits {
                 complete = Err(faults.add(path, RequestFault::MissingField, detail));
             };
             if spindle_speed_rpm == Ok(None) {
-                need(&path.member(SPINDLE_SPEED.name), "a spindle speed");
+                need(&JsonPath::Root.member(SPINDLE_SPEED.name), "a spindle speed");
             }
             if shared.is_ok_and(|shared| shared.tool.teeth.is_none()) {
-                need(&path.member(CUTTER.name).member(TEETH.name), "a number of teeth");
+                need(&JsonPath::Root.member(CUTTER.name).member(TEETH.name), "a number of teeth");
             }
         }
         complete?;

@@ -2,10 +2,10 @@
 //! tolerance.
 
 use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, LIMITED_BY, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
-use super::{Calculation, Texts};
-use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
-use crate::milling::{EvaluatedPass, NoAnswer};
+use super::{Calculation, Inputs, Texts};
+use crate::http::reading::{Faulted, Faults, Kind, Quantity, members};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, SharedParameters, StatedParameters, TOLERANCE};
+use crate::milling::NoAnswer;
 use crate::quantity::Length;
 
 members! {
@@ -47,26 +47,15 @@ impl Calculation for MaxFeed {
     type Members = MaxFeedMembers;
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
 
-    fn new(
-        members: MaxFeedMembers,
-        shared: Result<&SharedParameters, Faulted>,
-        path: &JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Self, Faulted> {
+    fn new(members: MaxFeedMembers, shared: Result<&SharedParameters, Faulted>, faults: &mut Faults) -> Result<Self, Faulted> {
         let MaxFeedMembers { tolerance, spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min } = members;
-        let limits = FeedLimits::new(spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, shared, path, faults);
+        let limits = FeedLimits::new(spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, shared, faults);
         Ok(Self { tolerance: tolerance?, limits: limits? })
     }
 
-    fn compute(
-        &self,
-        shared: &SharedParameters,
-        pass: &EvaluatedPass,
-        step_over: Option<Length>,
-        _: Option<Length>,
-        heights: Heights,
-    ) -> Result<Figures, NoAnswer> {
-        let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
+    fn compute(&self, inputs: &Inputs<'_>) -> Result<Figures, NoAnswer> {
+        let &Inputs { shared, pass, heights, .. } = inputs;
+        let step_over = inputs.stated_step_over();
         let by_machine = self.limits.by_machine(shared);
         let stated = [(self.limits.per_tooth, Limit::MaxFeedPerTooth), (by_machine, Limit::MaxFeedRate)];
         let stated = stated.into_iter().filter_map(|(limit, by)| Some((limit?, by))).reduce(|a, b| if b.0 < a.0 { b } else { a });

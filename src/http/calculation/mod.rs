@@ -16,10 +16,28 @@ pub(crate) mod step_over;
 
 use operations::Texts;
 
-use super::reading::{Faulted, Faults, JsonPath, Members};
+use super::reading::{Faulted, Faults, Members};
 use super::wire::{ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters};
 use crate::milling::{EvaluatedPass, NoAnswer};
 use crate::quantity::Length;
+
+/// The inputs of a calculation at a contact.
+pub(crate) struct Inputs<'a> {
+    shared: &'a SharedParameters,
+    pass: &'a EvaluatedPass,
+    /// The step-over along the surface; `None` if the request states none.
+    step_over: Option<Length>,
+    feed_per_tooth: Option<Length>,
+    /// The heights that the figures must have at least.
+    heights: Heights,
+}
+
+impl Inputs<'_> {
+    /// The step-over of a calculation whose requests state one.
+    fn stated_step_over(&self) -> Length {
+        self.step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"))
+    }
+}
 
 /// A calculation at a contact: its members, its figures and its formula.
 pub(crate) trait Calculation: Sized + Send + Sync {
@@ -34,24 +52,11 @@ pub(crate) trait Calculation: Sized + Send + Sync {
     /// The figures of an answer, in their order.
     const FIGURES: &'static [&'static [Figure]];
 
-    /// The calculation that a request at `path` describes.
-    fn new(
-        members: Self::Members,
-        shared: Result<&SharedParameters, Faulted>,
-        path: &JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Self, Faulted>;
+    /// The calculation that the members of a request describe.
+    fn new(members: Self::Members, shared: Result<&SharedParameters, Faulted>, faults: &mut Faults) -> Result<Self, Faulted>;
 
-    /// The figures at a contact, with at least `heights`. `step_over` is along the surface; it is `None` if `STATED`
-    /// does not require one.
-    fn compute(
-        &self,
-        shared: &SharedParameters,
-        pass: &EvaluatedPass,
-        step_over: Option<Length>,
-        feed_per_tooth: Option<Length>,
-        heights: Heights,
-    ) -> Result<Figures, NoAnswer>;
+    /// The figures at a contact.
+    fn compute(&self, inputs: &Inputs<'_>) -> Result<Figures, NoAnswer>;
 
     /// The member that determines the step-over. Faults of the step-over point to it.
     fn step_over_member(&self, stated: &ContactParameters) -> &'static str {

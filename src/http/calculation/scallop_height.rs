@@ -1,10 +1,9 @@
 //! `/v1/scallop-height`, by `POST` and `GET`, and its batch: the height left by a step-over and a feed.
 
-use super::{Calculation, Texts};
-use crate::http::reading::{Faulted, Faults, JsonPath, members};
+use super::{Calculation, Inputs, Texts};
+use crate::http::reading::{Faulted, Faults, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Heights, SharedParameters, StatedParameters};
-use crate::milling::{EvaluatedPass, NoAnswer};
-use crate::quantity::Length;
+use crate::milling::NoAnswer;
 
 members! {
     /// This calculation has only the members that all calculations share.
@@ -27,20 +26,13 @@ impl Calculation for ScallopHeight {
     type Members = NoMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
 
-    fn new(_: NoMembers, _: Result<&SharedParameters, Faulted>, _: &JsonPath<'_>, _: &mut Faults) -> Result<Self, Faulted> {
+    fn new(_: NoMembers, _: Result<&SharedParameters, Faulted>, _: &mut Faults) -> Result<Self, Faulted> {
         Ok(Self)
     }
 
-    fn compute(
-        &self,
-        _: &SharedParameters,
-        pass: &EvaluatedPass,
-        step_over: Option<Length>,
-        feed: Option<Length>,
-        heights: Heights,
-    ) -> Result<Figures, NoAnswer> {
-        let step_over = step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
+    fn compute(&self, inputs: &Inputs<'_>) -> Result<Figures, NoAnswer> {
         // A contact without a height has no answer, whichever figures are named.
-        Figures::at(pass, step_over, feed, heights.max(Heights::Total), None)
+        let heights = inputs.heights.max(Heights::Total);
+        Figures::at(inputs.pass, inputs.stated_step_over(), inputs.feed_per_tooth, heights, None)
     }
 }

@@ -2,9 +2,10 @@
 
 use super::Calculation;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, items, text};
+use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Object, ObjectSchema, Whole, items, text};
 use crate::http::wire::{CHECK_FIGURES, Figure, Heights};
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
+use crate::numerics::rounding::to_digits;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -74,7 +75,11 @@ pub(super) struct Selection {
     pub(super) figures: Vec<&'static Figure>,
     /// Whether the request names the columns.
     pub(super) is_stated: bool,
-    pub(super) significant_digits: Option<u32>,
+    significant_digits: Option<u32>,
+    /// The heights that the columns need.
+    pub(super) heights: Heights,
+    /// Whether a selected column needs the comparison with the cutter's exact shape.
+    pub(super) is_compared: bool,
 }
 
 impl Selection {
@@ -82,9 +87,12 @@ impl Selection {
     pub(super) fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let stated = object.optional(&columns::<C>(), faults);
         let significant_digits = object.optional(&SIGNIFICANT_DIGITS, faults);
-        let stated = stated?;
+        let (stated, significant_digits) = (stated?, significant_digits?);
         let is_stated = stated.is_some();
-        Ok(Self { figures: stated.unwrap_or_else(|| C::figures().collect()), is_stated, significant_digits: significant_digits? })
+        let figures = stated.unwrap_or_else(|| C::figures().collect());
+        let heights = figures.iter().map(|figure| figure.heights).max().unwrap_or(Heights::Unused);
+        let is_compared = figures.iter().any(|figure| CHECK_FIGURES.iter().any(|check| check.name == figure.name));
+        Ok(Self { figures, is_stated, significant_digits, heights, is_compared })
     }
 
     pub(super) fn describe<C: Calculation>(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
@@ -93,23 +101,6 @@ impl Selection {
 
     /// The number, rounded to the significant digits.
     pub(super) fn rounded(&self, number: f64) -> f64 {
-        match self.significant_digits {
-            // A double has at most 17 digits.
-            Some(digits) if digits < 17 => {
-                let text = format!("{number:.*e}", digits.saturating_sub(1) as usize);
-                text.parse().unwrap_or_else(|_| unreachable!("a number that was written can be read"))
-            }
-            _ => number,
-        }
-    }
-
-    /// The heights that the columns need.
-    pub(super) fn heights(&self) -> Heights {
-        self.figures.iter().map(|figure| figure.heights).max().unwrap_or(Heights::Unused)
-    }
-
-    /// Whether a selected column needs the comparison with the cutter's exact shape.
-    pub(super) fn is_compared(&self) -> bool {
-        self.figures.iter().any(|figure| CHECK_FIGURES.iter().any(|check| check.name == figure.name))
+        self.significant_digits.map_or(number, |digits| to_digits(number, digits))
     }
 }

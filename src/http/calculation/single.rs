@@ -1,14 +1,13 @@
 //! Requests with one contact, as JSON or as a query, and their answers.
 
-use super::Calculation;
+use super::{Calculation, Inputs};
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::WarningCode;
 use crate::http::problem::Problem;
 use crate::http::query::Query;
 use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    CONTACT, Check, ContactParameters, Figures, Heights, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, model_name,
-    no_answer,
+    CONTACT, Check, ContactParameters, Figures, Heights, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass, StepOver};
@@ -31,7 +30,7 @@ struct Answer<C> {
 impl<C: Calculation> Serialize for Answer<C> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("model", model_name(self.model))?;
+        map.serialize_entry("model", MODEL.kind.word(&self.model))?;
         for figure in C::figures() {
             let value = figure.value(&self.figures);
             if value.is_some() || figure.is_required() {
@@ -103,8 +102,8 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let contact = object.required(&CONTACT, faults);
     let parameters = ContactParameters::read(object, C::STATED, faults);
     let members = C::Members::read(object, faults);
-    let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), &path, faults);
-    let step_over = parameters.step_over(C::STATED, &path, faults);
+    let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), faults);
+    let step_over = parameters.step_over(&path, faults);
     let (shared, contact) = (shared?, contact?);
     let fault = |cause, step_over_member| no_answer(cause, &path, contact, &parameters, step_over_member);
     let pass = evaluate(&shared, contact, &parameters)?;
@@ -149,7 +148,7 @@ pub(super) fn compute<C: Calculation>(
     let feed_per_tooth = parameters.feed_per_tooth()?;
     let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
     Ok(match along {
-        Ok(along) => calculation.compute(shared, pass, along, feed_per_tooth, heights),
+        Ok(step_over) => calculation.compute(&Inputs { shared, pass, step_over, feed_per_tooth, heights }),
         Err(cause) => Err(cause),
     })
 }

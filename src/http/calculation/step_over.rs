@@ -1,10 +1,10 @@
 //! `/v1/step-over`, by `POST` and `GET`, and its batch: the largest step-over that keeps the scallop height within a
 //! tolerance.
 
-use super::{Calculation, Texts};
-use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Heights, SharedParameters, StatedParameters, TOLERANCE};
-use crate::milling::{EvaluatedPass, NoAnswer};
+use super::{Calculation, Inputs, Texts};
+use crate::http::reading::{Faulted, Faults, Quantity, members};
+use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, StatedParameters, TOLERANCE};
+use crate::milling::NoAnswer;
 use crate::quantity::Length;
 
 members! {
@@ -32,18 +32,13 @@ impl Calculation for MaxStepOver {
     type Members = ToleranceMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
 
-    fn new(members: ToleranceMembers, _: Result<&SharedParameters, Faulted>, _: &JsonPath<'_>, _: &mut Faults) -> Result<Self, Faulted> {
+    fn new(members: ToleranceMembers, _: Result<&SharedParameters, Faulted>, _: &mut Faults) -> Result<Self, Faulted> {
         Ok(Self { tolerance: members.tolerance? })
     }
 
-    fn compute(
-        &self,
-        _: &SharedParameters,
-        pass: &EvaluatedPass,
-        _: Option<Length>,
-        feed: Option<Length>,
-        heights: Heights,
-    ) -> Result<Figures, NoAnswer> {
-        Figures::at(pass, pass.max_step_over(self.tolerance, feed)?, feed, heights, None)
+    fn compute(&self, inputs: &Inputs<'_>) -> Result<Figures, NoAnswer> {
+        let &Inputs { pass, feed_per_tooth, heights, .. } = inputs;
+        let step_over = pass.max_step_over(self.tolerance, feed_per_tooth)?;
+        Figures::at(pass, step_over, feed_per_tooth, heights, None)
     }
 }

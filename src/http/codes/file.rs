@@ -1,19 +1,20 @@
 //! The codes of faults of an uploaded file. Each is also the type of a problem.
 
-use super::codes;
+use super::{codes, same_names};
 use crate::surface::read::FaultKind;
+use crate::tooling::LibraryFaultKind;
 use axum::http::StatusCode;
 
 codes! {
     /// A fault of an uploaded file.
     FileFault {
         UnknownFormat = "unknown-format": "The file's format is not supported", "Send points in text or PCD, STL, OBJ, PLY or 3MF, and tool libraries of Fusion or FreeCAD or in CSV; give the file's name or media type.";
-        MalformedFile = "malformed-file": "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
-        TruncatedFile = "truncated-file": "The file is cut off", "Send the whole file.";
-        FileTooLarge = "file-too-large": "The file exceeds a limit of its reader", "Reduce what the detail names.";
-        AmbiguousFile = "ambiguous-file": "The file can be read in two ways", "Write the file so that only one of the readings named in the detail fits.";
+        Malformed = "malformed-file": "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
+        Truncated = "truncated-file": "The file is cut off", "Send the whole file.";
+        TooLarge = "file-too-large": "The file exceeds a limit of its reader", "Reduce what the detail names.";
+        Ambiguous = "ambiguous-file": "The file can be read in two ways", "Write the file so that only one of the readings named in the detail fits.";
         OutOfRange = "out-of-range": "A number in the file is out of range", "Check the line or byte that the detail names, and the unit.";
-        EmptyFile = "empty-file": "The file contains no surface or tool", "Export the surface or the library again; check that it is selected.";
+        Empty = "empty-file": "The file contains no surface or tool", "Export the surface or the library again; check that it is selected.";
     }
 }
 
@@ -22,23 +23,12 @@ impl FileFault {
     pub(crate) fn status(self) -> StatusCode {
         match self {
             Self::UnknownFormat => StatusCode::UNSUPPORTED_MEDIA_TYPE,
-            Self::MalformedFile | Self::TruncatedFile => StatusCode::BAD_REQUEST,
-            Self::FileTooLarge => StatusCode::PAYLOAD_TOO_LARGE,
-            Self::AmbiguousFile | Self::OutOfRange | Self::EmptyFile => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::Malformed | Self::Truncated => StatusCode::BAD_REQUEST,
+            Self::TooLarge => StatusCode::PAYLOAD_TOO_LARGE,
+            Self::Ambiguous | Self::OutOfRange | Self::Empty => StatusCode::UNPROCESSABLE_ENTITY,
         }
     }
 }
 
-impl From<FaultKind> for FileFault {
-    fn from(kind: FaultKind) -> Self {
-        match kind {
-            FaultKind::UnknownFormat => Self::UnknownFormat,
-            FaultKind::Malformed => Self::MalformedFile,
-            FaultKind::Truncated => Self::TruncatedFile,
-            FaultKind::TooLarge => Self::FileTooLarge,
-            FaultKind::Ambiguous => Self::AmbiguousFile,
-            FaultKind::OutOfRange => Self::OutOfRange,
-            FaultKind::Empty => Self::EmptyFile,
-        }
-    }
-}
+same_names!(FaultKind => FileFault: UnknownFormat, Malformed, Truncated, TooLarge, Ambiguous, OutOfRange, Empty);
+same_names!(LibraryFaultKind => FileFault: UnknownFormat, Malformed, OutOfRange, TooLarge, Empty);

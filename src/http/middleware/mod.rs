@@ -1,6 +1,5 @@
 //! The middleware around every route: request ids, logs and metrics, panics, load shedding, time-outs, body limits,
-//! compression, and headers for browsers. This file sets their order. They depend on `Shared`, not on the application
-//! state.
+//! compression, and headers for browsers. This file sets their order.
 
 mod body;
 mod browser;
@@ -22,12 +21,11 @@ use tower_http::compression::predicate::{DefaultPredicate, Predicate, SizeAbove}
 use tower_http::decompression::RequestDecompressionLayer;
 use tower_http::map_request_body::MapRequestBodyLayer;
 
+use super::app_state::AppState;
 use super::codes::ServiceProblem;
-use super::metrics::Metrics;
 use super::problem::Problem;
-use super::readiness::Readiness;
 use super::routes::RouteClass;
-use super::worker_pool::{Work, WorkerPool};
+use super::worker_pool::Work;
 use crate::memory_budget::MemoryBudget;
 use crate::settings::HttpSettings;
 use body::{BodyProgress, BodyRules};
@@ -43,26 +41,16 @@ pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
     BodyProgress::of(request).budget().clone()
 }
 
-/// The parts of the service that all middleware share.
-#[derive(Debug, Clone)]
-pub(super) struct Shared<'a> {
-    pub(super) settings: &'a HttpSettings,
-    pub(super) metrics: Metrics,
-    pub(super) readiness: Readiness,
-    pub(super) workers: WorkerPool,
-    pub(super) budget: MemoryBudget,
-}
-
 /// The middleware of one service.
 pub(super) struct Stack<'a> {
-    shared: Shared<'a>,
+    settings: &'a HttpSettings,
+    state: &'a AppState,
     in_flight: InFlight,
 }
 
 impl<'a> Stack<'a> {
-    pub(super) fn new(shared: Shared<'a>) -> Self {
-        let in_flight = InFlight::new(shared.settings.max_in_flight, shared.metrics.clone());
-        Self { shared, in_flight }
+    pub(super) fn new(settings: &'a HttpSettings, state: &'a AppState) -> Self {
+        Self { settings, state, in_flight: InFlight::new(settings.max_in_flight, state.metrics.clone()) }
     }
 
     /// Wraps `router`, whose routes are all of `class`, in the middleware. From the outermost to the innermost:
@@ -80,20 +68,17 @@ impl<'a> Stack<'a> {
     /// All layers are added as one service: the router would box each separate layer, and clone it with all inner
     /// layers for every request.
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
-        let Shared { settings, metrics, readiness, workers, budget } = self.shared.clone();
-        let rules = Arc::new(BodyRules::new(class, settings));
-        let observe = Observe { class, metrics, readiness, pace: rules.pace, budget: budget.clone() };
-        let admit = Admit {
-            in_flight: class.is_shed().then(|| self.in_flight.clone()),
-            work: class.uses_workers().then(|| Work::new(workers, budget.clone())),
-            rules: Arc::clone(&rules),
-        };
+        let AppState { metrics, readiness, workers, budget } = self.state.clone();
+        let rules = Arc::new(BodyRules::new(class, self.settings));
+        let work = class.uses_workers().then(|| Work::new(workers, budget.clone(), metrics.clone()));
+        let observe = Observe { class, metrics, readiness, pace: rules.pace, budget };
+        let admit = Admit { in_flight: class.is_shed().then(|| self.in_flight.clone()), work, rules: Arc::clone(&rules) };
         let compression =
             CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(MIN_COMPRESSED_BYTES))));
         // Layer 8 replaces the framework's own body limit of 2 MB.
         let all = ServiceBuilder::new()
             .layer(MiddlewareLayer(observe))
-            .option_layer(browser::cors(&settings.cors_origins))
+            .option_layer(browser::cors(&self.settings.cors_origins))
             .map_response(browser::secure)
             .layer(compression)
             .layer(CatchPanicLayer::custom(describe_panic))

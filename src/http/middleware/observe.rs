@@ -42,10 +42,9 @@ impl Observe {
         let has_body = !request.body().is_end_stream();
         let progress = Arc::new(BodyProgress::begin(has_body, self.budget.clone()));
         request.extensions_mut().insert(Arc::clone(&progress));
-        if !has_body {
-            return (request, progress);
+        if has_body {
+            request = request.map(|body| Body::new(WireBody::new(body, self.pace, Arc::clone(&progress))));
         }
-        let request = request.map(|body| Body::new(WireBody::new(body, self.pace, Arc::clone(&progress))));
         (request, progress)
     }
 }
@@ -156,7 +155,9 @@ impl HttpBody for RecordedAnswer {
 
     fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
         let polled = Pin::new(&mut self.body).poll_frame(context);
-        self.record.response_bytes += length(&polled);
+        if let Poll::Ready(Some(Ok(frame))) = &polled {
+            self.record.response_bytes += frame.data_ref().map_or(0, |data| data.len() as u64);
+        }
         polled
     }
 
@@ -166,12 +167,5 @@ impl HttpBody for RecordedAnswer {
 
     fn size_hint(&self) -> SizeHint {
         self.body.size_hint()
-    }
-}
-
-fn length(polled: &Poll<Option<Result<Frame<Bytes>, axum::Error>>>) -> u64 {
-    match polled {
-        Poll::Ready(Some(Ok(frame))) => frame.data_ref().map_or(0, |data| data.len() as u64),
-        _ => 0,
     }
 }

@@ -10,7 +10,7 @@ use crate::http::codes::same_names;
 use crate::http::wire::{NamedCandidate, NotRanked, Warning};
 use crate::milling::CutterKind;
 use crate::planning::RectanglePlan;
-use crate::planning::zigzag::{SpacingFigures, ZigzagPlan};
+use crate::planning::zigzag::ZigzagPlan;
 use crate::quantity::{Angle, Length, Speed, Time};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -247,12 +247,6 @@ struct OnRectangle {
     machining_time_s: f64,
 }
 
-impl From<SpacingFigures> for SpacingAnswer {
-    fn from(figures: SpacingFigures) -> Self {
-        Self { min: figures.min.mm(), median: figures.median.mm(), max: figures.max.mm() }
-    }
-}
-
 same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd);
 
 impl RankedCandidate {
@@ -261,7 +255,7 @@ impl RankedCandidate {
         let named = &candidates[plan.candidate];
         let (directions, times): (Vec<_>, Vec<_>) =
             plan.by_direction.iter().filter_map(|(direction, time)| Some((line_degrees(*direction), (*time)?.seconds()))).unzip();
-        let scallop = plan.scallop_height;
+        let (spacing, scallop) = (plan.step_over, plan.scallop_height);
         #[expect(clippy::cast_precision_loss, reason = "at most 50,000")]
         let passes = plan.planes as f64;
         Self {
@@ -273,7 +267,7 @@ impl RankedCandidate {
             machining_time_s: plan.time.seconds(),
             passes,
             path_length_mm: plan.path_length().mm(),
-            step_over_xy_mm: plan.step_over.into(),
+            step_over_xy_mm: SpacingAnswer { min: spacing.min.mm(), median: spacing.median.mm(), max: spacing.max.mm() },
             feed_rate_mm_min: plan.feed_rate.mm_min(),
             feed_per_tooth_mm: plan.feed_per_tooth.map(Length::mm),
             simulated: Some(SimulatedFigures {

@@ -1,7 +1,7 @@
 //! Wire objects of the two candidates that the published method compares, and of the faster one.
 
 use crate::http::codes::same_names;
-use crate::planning::{Candidate, CriticalSlope, CutterChoice, Plan};
+use crate::planning::{Candidate, CriticalSlope, CutterChoice};
 use crate::quantity::Angle;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -86,11 +86,6 @@ impl From<&Candidate> for CandidateAnswer {
 pub(super) fn line_degrees(line: Angle) -> f64 {
     let degrees = (line.degrees() * 1e9).round() / 1e9;
     if degrees < 180.0 { degrees } else { 0.0 }
-}
-
-/// Both candidates, the toroidal cutter first.
-pub(super) fn candidates(plan: &Plan) -> Vec<CandidateAnswer> {
-    vec![(&plan.toroidal).into(), (&plan.ball_end).into()]
 }
 
 /// The cutter that is faster on every slope; `None` if there is a critical slope.

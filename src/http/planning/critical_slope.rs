@@ -1,6 +1,6 @@
 //! `POST /v1/critical-slope`: the slope of an inclined rectangle at which both cutters take the same time.
 
-use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster, candidates};
+use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster};
 use super::job::{self, JobMembers};
 use crate::http::body::JsonBody;
 use crate::http::codes::{RequestFault, WarningCode};
@@ -86,7 +86,7 @@ impl CriticalSlopeAnswer {
         Self {
             critical_form_factor: Some(plan.critical_form_factor.form_factor().ratio()),
             recommended: Some(plan.recommended().into()),
-            candidates: Some(candidates(plan)),
+            candidates: Some(vec![(&plan.toroidal).into(), (&plan.ball_end).into()]),
             warnings: wide_step_over(plan, job).into_iter().collect(),
             ..Self::without_slope(plan.critical_slope)
         }

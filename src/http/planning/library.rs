@@ -1,9 +1,10 @@
 //! The tool libraries of an upload: their cutters, faults and warnings.
 
-use crate::http::codes::{FileFault, NotRankedCode, WarningCode};
-use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{NamedCandidate, NotRanked, Warning};
-use crate::tooling::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults, ToolLibrary};
+use crate::http::codes::{FileFault, WarningCode};
+use crate::http::reading::{Faulted, Faults};
+use crate::http::wire::{NamedCandidate, Warning};
+use crate::json_text::JsonPath;
+use crate::tooling::{FaultyTool, LibraryFault, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
 
 /// The name of the form's parts with libraries.
@@ -95,6 +96,11 @@ impl Libraries {
         (self.0.into_iter().flatten().flat_map(ToolLibrary::into_tools).map(NamedCandidate::from).collect(), faulty)
     }
 
+    /// Whether a library has a finishing cutter.
+    pub(super) fn have_cutters(&self) -> bool {
+        self.read().any(|library| !library.tools().is_empty())
+    }
+
     fn read(&self) -> impl Iterator<Item = &ToolLibrary> {
         self.0.iter().flatten()
     }
@@ -108,29 +114,4 @@ impl Libraries {
 fn add(faults: &mut Faults, index: usize, fault: &LibraryFault) -> Faulted {
     let root = JsonPath::Root;
     faults.add(&root.member(LIBRARY).item(index), FileFault::from(fault.kind()), fault)
-}
-
-/// A faulty tool among the cutters that are not ranked, at this position after all candidates.
-pub(super) fn not_ranked(tool: &FaultyTool, cutter: usize) -> NotRanked {
-    NotRanked {
-        cutter,
-        name: Some(tool.name().to_owned()),
-        code: NotRankedCode::FaultyTool,
-        detail: tool.to_string(),
-        uncut_share: None,
-        uncut_height_mm: None,
-        uncut_height_error_mm: None,
-    }
-}
-
-impl From<LibraryFaultKind> for FileFault {
-    fn from(kind: LibraryFaultKind) -> Self {
-        match kind {
-            LibraryFaultKind::UnknownFormat => Self::UnknownFormat,
-            LibraryFaultKind::Malformed => Self::MalformedFile,
-            LibraryFaultKind::OutOfRange => Self::OutOfRange,
-            LibraryFaultKind::TooLarge => Self::FileTooLarge,
-            LibraryFaultKind::Empty => Self::EmptyFile,
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! The surface of an answer as a raster, for drawing.
 
-use super::simulation::{Simulation, Stop, Workpiece};
+use super::simulation::Simulation;
+use crate::planning::workpiece::{Stop, Workpiece};
 use crate::planning::zigzag::heights;
 use crate::quantity::Length;
 use serde::Serialize;

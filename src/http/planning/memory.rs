@@ -1,12 +1,12 @@
 //! The memory of a recommendation, which is reserved in the budget before the calculation.
 
-use crate::http::wire::ReceivedSurface;
+use crate::cancellation::CancelFlag;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
 use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, bytes_to_rank, fitting};
 use crate::planning::zigzag::PlanRoom;
-use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
+use crate::surface::{MeshBuilder, ReceivedSurface};
 use std::time::Duration;
 
 /// The resources of a recommendation: its memory, and what it may use of threads and room for plans.
@@ -151,7 +151,7 @@ fn bytes_of_patch(json: &[u8]) -> usize {
 
 /// The most memory in bytes of a surface's facets while they are read.
 fn bytes_of_most_facets() -> usize {
-    usize::try_from(ReceivedSurface::new().bytes_to_take_package()).unwrap_or(usize::MAX)
+    usize::try_from(ReceivedSurface::until(&CancelFlag::default()).bytes_to_take_package()).unwrap_or(usize::MAX)
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 
 use super::library::Libraries;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
+use crate::http::reading::{Choice, Faulted, Faults, List, Members, Object, Quantity, members};
 use crate::http::wire::{CUTTERS, CandidateKind, MACHINE, MODEL, MOST_CUTTERS, Machine, NamedCandidate, SELECT, SelectKind, UNIT};
+use crate::json_text::JsonPath;
 use crate::milling::Model;
 use crate::motion;
 use crate::planning::zigzag::{Directions, Pattern, ZigzagSettings};
@@ -161,28 +162,19 @@ fn all_candidates(
     path: &JsonPath<'_>,
     faults: &mut Faults,
 ) -> Result<(Vec<NamedCandidate>, Vec<FaultyTool>), Faulted> {
-    let mut of_tools = Faults::default();
-    let (left_out, is_faulty) = (libraries.left_out(), libraries.report_faulty(&mut of_tools));
+    if own.is_empty() && !libraries.have_cutters() {
+        // If there are only faulty tools, their faults are the reason.
+        libraries.report_faulty(faults)?;
+        return Err(match libraries.left_out() {
+            Some(left_out) => faults.add(path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}")),
+            None => faults.add(path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about)),
+        });
+    }
     let (of_libraries, faulty_tools) = libraries.into_candidates();
     let candidates: Vec<_> = own.into_iter().chain(of_libraries).collect();
-    match candidates.len() {
-        0 => {
-            // If there are only faulty tools, their faults are the reason.
-            if let Err(faulted) = is_faulty {
-                faults.take_in(of_tools, |pointer| Some(pointer.to_owned()));
-                return Err(faulted);
-            }
-            Err(match left_out {
-                Some(left_out) => {
-                    faults.add(path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}"))
-                }
-                None => faults.add(path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about)),
-            })
-        }
-        1..=MOST_CUTTERS => Ok((candidates, faulty_tools)),
-        count => {
-            let detail = format_args!("at most {MOST_CUTTERS} cutters, those of libraries included; there are {count}");
-            Err(faults.add(path, RequestFault::TooManyItems, detail))
-        }
+    if candidates.len() > MOST_CUTTERS {
+        let detail = format_args!("at most {MOST_CUTTERS} cutters, those of libraries included; there are {}", candidates.len());
+        return Err(faults.add(path, RequestFault::TooManyItems, detail));
     }
+    Ok((candidates, faulty_tools))
 }

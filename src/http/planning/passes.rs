@@ -1,7 +1,8 @@
 //! The passes of an answer, point by point.
 
-use super::simulation::{Simulation, Stop, Workpiece};
+use super::simulation::Simulation;
 use crate::planning::reach::RestingHeights;
+use crate::planning::workpiece::{Stop, Workpiece};
 use crate::planning::zigzag::{self, TooManyPoints};
 use crate::quantity::Length;
 use serde::Serialize;

@@ -1,28 +1,29 @@
 //! The calculation of a recommendation from surface and parameters, by either method.
 
-use super::answer::{RankedCandidate, RecommendationAnswer};
+use super::answer::{RankedCandidate, RecommendationAnswer, RecommendedCutter};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
-use super::library;
 use super::map::MapAnswer;
 use super::memory::{BYTES_OF_A_MAP, Resources};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
-use super::simulation::{Simulation, Stop, Workpiece, ranking_size};
+use super::simulation::{Simulation, report};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
-use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{NamedCandidate, NotRanked, ReceivedSurface, Source, SurfaceWithSource, Warning, model_name};
+use crate::http::reading::{Faulted, Faults};
+use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSource, Warning};
+use crate::json_text::JsonPath;
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
 use crate::planning::memory::RankingSize;
+use crate::planning::workpiece::{Stop, Workpiece};
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
-use crate::planning::{Confidence, Evidence, Job, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
+use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::mesh::MeshSize;
-use crate::surface::{Shape, ShapeError};
+use crate::surface::{ReceivedSurface, Shape, ShapeError};
 
 /// A recommendation to compute: a surface and the parameters.
 pub(super) struct Task {
@@ -31,7 +32,7 @@ pub(super) struct Task {
     /// The facets; a surface for method `rectangle` may have none.
     workpiece: Option<Workpiece>,
     source: Source,
-    warnings: Vec<Warning>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 impl Task {
@@ -48,14 +49,12 @@ impl Task {
         let shape = shape.map_err(|error| faults.add(path, shape_code(error), error))?;
         let mut warnings = sourced.warnings(&shape);
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
-        let workpiece = match parameters.method {
-            Method::Surface => Some(Workpiece::new(mesh, unit, &parameters, stop).map_err(|fault| fault.report(path, faults))?),
+        let Parameters { facing, ref selection, max_slope, method, .. } = parameters;
+        let workpiece = match Workpiece::new(mesh, unit, facing, selection, max_slope, stop) {
+            Ok(workpiece) => Some(workpiece),
             // Without facets, method `rectangle` has an answer, but with less evidence.
-            Method::Rectangle => match Workpiece::new(mesh, unit, &parameters, stop) {
-                Ok(workpiece) => Some(workpiece),
-                Err(fault) if fault.is_sound() => None,
-                Err(fault) => return Err(fault.report(path, faults)),
-            },
+            Err(reason) if method == Method::Rectangle && reason.is_sound() => None,
+            Err(reason) => return Err(report(reason, path, faults)),
         };
         if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
             let detail = format!(
@@ -63,7 +62,7 @@ impl Task {
             );
             warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
         }
-        if parameters.method == Method::Rectangle {
+        if method == Method::Rectangle {
             // The sides of the rectangle do not depend on the cutter.
             let first = parameters.candidates.first().map(|named| on_rectangle(named, &parameters, &shape));
             if let Some(Err(bounds)) = first {
@@ -74,16 +73,11 @@ impl Task {
         Ok(Self { parameters, shape, workpiece, source, warnings })
     }
 
-    /// Adds warnings to those of the surface.
-    pub(super) fn warn(&mut self, warnings: impl IntoIterator<Item = Warning>) {
-        self.warnings.extend(warnings);
-    }
-
     /// The size of the mesh and of the ranking on it.
     pub(super) fn size(&self) -> (MeshSize, RankingSize) {
         let candidates: Vec<_> = self.parameters.candidates.iter().map(|named| named.candidate).collect();
         let none = (MeshSize { facets: 0, points: 0 }, RankingSize { facets: 0, candidates: candidates.len(), diameters: 0 });
-        self.workpiece.as_ref().map_or(none, |workpiece| (workpiece.mesh.size(), ranking_size(&workpiece.mesh, &candidates)))
+        self.workpiece.as_ref().map_or(none, |workpiece| (workpiece.mesh.size(), RankingSize::of(&workpiece.mesh, &candidates)))
     }
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer must be discarded.
@@ -99,7 +93,7 @@ impl Task {
         let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, resources, stop)? else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
-        resources.keep_one_plan(workpiece.mesh.size(), ranking_size(&workpiece.mesh, &simulation.candidates));
+        resources.keep_one_plan(workpiece.mesh.size(), RankingSize::of(&workpiece.mesh, &simulation.candidates));
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
         let mut not_ranked: Vec<NotRanked> =
@@ -116,22 +110,9 @@ impl Task {
         resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
         let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, resources, stop)? } else { None };
         let map = if has_map { MapAnswer::new(workpiece, &simulation, stop) } else { None };
-        let critical = self.published().map(|published| published.plan);
-        Ok(RecommendationAnswer {
-            method: self.parameters.method,
-            model: model_name(by),
-            recommended: first.into(),
-            candidates,
-            not_ranked,
-            surface: SurfaceAnswer::new(&self.shape, self.source, Some(workpiece)),
-            critical_slope_deg: critical.map(|plan| plan.critical_slope.angle().degrees()),
-            always_faster: critical.and_then(|plan| always_faster(plan.critical_slope)),
-            critical_form_factor: critical.map(|plan| plan.critical_form_factor.form_factor().ratio()),
-            map,
-            passes,
-            confidence: confidence.into(),
-            warnings: self.warnings,
-        })
+        let (recommended, published) = (first.into(), self.published().map(|published| published.plan));
+        let answer = self.answered(recommended, candidates, not_ranked, Some(workpiece), published, confidence.into());
+        Ok(RecommendationAnswer { map, passes, ..answer })
     }
 
     /// The passes of the fastest plan, unless they have too many points or take more memory than one request may use.
@@ -176,24 +157,37 @@ impl Task {
         self.warnings.extend(unused.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| {
             Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
         }));
-        let published = self.published();
-        let critical = published.as_ref().map(|published| published.plan);
+        let (recommended, published) = (first.into(), self.published());
+        let compared = published.as_ref().map(|published| published.plan);
         let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, resources, stop)?;
-        Ok(RecommendationAnswer {
+        Ok(self.answered(recommended, candidates, not_ranked, workpiece, compared, confidence))
+    }
+
+    /// The answer without map and passes.
+    fn answered(
+        self,
+        recommended: RecommendedCutter,
+        candidates: Vec<RankedCandidate>,
+        not_ranked: Vec<NotRanked>,
+        workpiece: Option<&Workpiece>,
+        published: Option<Plan>,
+        confidence: ConfidenceAnswer,
+    ) -> RecommendationAnswer {
+        RecommendationAnswer {
             method: self.parameters.method,
-            model: model_name(self.parameters.model()),
-            recommended: first.into(),
+            model: MODEL.kind.word(&self.parameters.model()),
+            recommended,
+            candidates,
             not_ranked,
             surface: SurfaceAnswer::new(&self.shape, self.source, workpiece),
-            critical_slope_deg: critical.map(|plan| plan.critical_slope.angle().degrees()),
-            always_faster: critical.and_then(|plan| always_faster(plan.critical_slope)),
-            critical_form_factor: critical.map(|plan| plan.critical_form_factor.form_factor().ratio()),
-            candidates,
+            critical_slope_deg: published.map(|plan| plan.critical_slope.angle().degrees()),
+            always_faster: published.and_then(|plan| always_faster(plan.critical_slope)),
+            critical_form_factor: published.map(|plan| plan.critical_form_factor.form_factor().ratio()),
             map: None,
             passes: None,
             confidence,
             warnings: self.warnings,
-        })
+        }
     }
 
     /// The confidence in plans on the rectangle: the published weaknesses, then those found on the facets and in the
@@ -244,19 +238,20 @@ impl Task {
     /// The faulty tools of the libraries, whose positions follow those of the candidates.
     fn faulty_tools(&self) -> impl Iterator<Item = NotRanked> {
         let first = self.parameters.candidates.len();
-        self.parameters.faulty_tools.iter().enumerate().map(move |(index, tool)| library::not_ranked(tool, first + index))
+        let tools = self.parameters.faulty_tools.iter().enumerate();
+        tools.map(move |(index, tool)| {
+            NotRanked::new(first + index, Some(tool.name().to_owned()), NotRankedCode::FaultyTool, tool.to_string())
+        })
     }
 
     fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {
         let reach = if let NotRankedReason::CannotReach(reach) = reason { Some(reach) } else { None };
+        let name = self.parameters.candidates[cutter].name.clone();
         NotRanked {
-            cutter,
-            name: self.parameters.candidates[cutter].name.clone(),
-            code: NotRankedCode::from(reason),
-            detail: reason.to_string(),
             uncut_share: reach.map(|reach| reach.uncut_share),
             uncut_height_mm: reach.map(|reach| reach.uncut_height.mm()),
             uncut_height_error_mm: reach.map(|reach| reach.uncut_height_error.mm()),
+            ..NotRanked::new(cutter, name, reason.into(), reason.to_string())
         }
     }
 }
@@ -278,11 +273,8 @@ fn limited_speeds(candidates: &[NamedCandidate], machine: &Machine) -> Vec<Warni
     let warning = |(place, named): (usize, &NamedCandidate)| {
         let stated = named.candidate.drive.map(|drive| drive.spindle_speed).filter(|speed| speed.rpm() > limit.rpm())?;
         let cutter = named.name.clone().unwrap_or_else(|| format!("cutter {place}"));
-        let detail = format!(
-            "the spindle speed of {cutter}, {} rpm, is over the machine's largest, {} rpm, which is used",
-            stated.rpm(),
-            limit.rpm()
-        );
+        let (stated, limit) = (stated.rpm(), limit.rpm());
+        let detail = format!("the spindle speed of {cutter}, {stated} rpm, is over the machine's largest, {limit} rpm, which is used");
         Some(Warning::new(WarningCode::SpindleSpeedLimited, detail))
     };
     candidates.iter().enumerate().filter_map(warning).collect()

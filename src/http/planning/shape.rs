@@ -1,10 +1,10 @@
 //! Wire object of the surface in an answer: its shape and facets.
 
 use super::candidates::line_degrees;
-use super::simulation::Workpiece;
 use crate::http::wire::Source;
+use crate::planning::workpiece::Workpiece;
 use crate::quantity::{Angle, Area};
-use crate::surface::{Basis, Bounds, Shape};
+use crate::surface::{Basis, Shape};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -107,17 +107,11 @@ impl SurfaceAnswer {
             flatness: shape.flatness,
             eigenvalues_mm2: shape.eigenvalues.map(Area::mm2),
             centroid_mm: shape.centroid,
-            bounds_mm: shape.bounds.into(),
+            bounds_mm: BoundsAnswer { min: shape.bounds.min, max: shape.bounds.max },
             area_mm2: shape.area.map(Area::mm2).or(workpiece.map(|workpiece| workpiece.visibility.area())),
             visible_area_share: workpiece.map(Workpiece::visible_area_share),
             steep_area_share: workpiece.map(|workpiece| workpiece.visibility.shares().steep),
             pieces: workpiece.map(|workpiece| workpiece.pieces),
         }
-    }
-}
-
-impl From<Bounds> for BoundsAnswer {
-    fn from(bounds: Bounds) -> Self {
-        Self { min: bounds.min, max: bounds.max }
     }
 }

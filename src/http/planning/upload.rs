@@ -15,11 +15,13 @@ use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
 use crate::http::metrics::Metrics;
 use crate::http::problem::{Problem, UploadProblems};
-use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
-use crate::http::wire::{MOST_CUTTERS, ReceivedSurface, SURFACE, SurfaceWithSource};
+use crate::http::reading::{Components, Fault, Faulted, Faults, ObjectSchema};
+use crate::http::wire::{MOST_CUTTERS, SURFACE, SurfaceWithSource};
 use crate::http::worker_pool::Work;
+use crate::json_text::JsonPath;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 use crate::planning::memory::RankingSize;
+use crate::surface::ReceivedSurface;
 use crate::surface::read::{self, Format, FormatHint, Reader};
 use crate::tooling::ToolLibrary;
 use axum::body::Bytes;
@@ -171,7 +173,7 @@ impl Received {
             let parameters = Parameters::read(object, libraries, faults);
             let surface = self.surface(faults);
             let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
-            task.warn(warnings);
+            task.warnings.extend(warnings);
             Ok(task)
         })?;
         drop(self.surface_memory.take());
@@ -351,7 +353,7 @@ mod tests {
 
     /// The shape of a surface in text that arrives in chunks and blocks of these sizes.
     fn shape(text: &[u8], piece: usize, pieces: usize) -> String {
-        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::until(&CancelFlag::default()));
         let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();
         for pieces in all.chunks(pieces) {
             Block { pieces: pieces.to_vec() }.read(&mut reader, &mut surface).unwrap();
@@ -373,7 +375,7 @@ mod tests {
     #[test]
     fn a_fault_in_a_text_block_has_its_line_in_the_file() {
         let text = "1.5,2,3\n".repeat(100_000) + "1.5,2\n" + &"1.5,2,3\n".repeat(100_000);
-        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::new());
+        let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::until(&CancelFlag::default()));
         let block = Block { pieces: vec![Bytes::from(text)] };
         let fault = block.read(&mut reader, &mut surface).unwrap_err();
         assert_eq!(fault.location(), read::FileLocation::Line(100_001));

@@ -1,21 +1,25 @@
 //! Reads JSON arrays item by item, without building a tree of values.
 
 use super::object::describe;
-use super::{Faulted, Faults, JsonPath};
-use crate::cancellation::CancelFlag;
+use super::{Faulted, Faults};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonText, Unread};
+use crate::json_text::{JsonPath, JsonText, Unread};
 
-/// Passes every item of the array `raw` to `take` in order, without parsing it.
+/// Passes every item of the array `raw` to `take` in order, with its index and without parsing it. Returns their number.
 pub(crate) fn each_raw<'a>(
     raw: JsonText<'a>,
     path: JsonPath<'_>,
     faults: &mut Faults,
-    mut take: impl FnMut(JsonText<'a>, &mut Faults),
-) -> Result<(), Faulted> {
-    let cancel = faults.cancel_flag();
-    let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
-    raw.items(&stop, |item| take(item, faults)).map_err(|unread| match unread {
+    mut take: impl FnMut(usize, JsonText<'a>, &mut Faults),
+) -> Result<usize, Faulted> {
+    let mut count = 0;
+    let cancel = faults.cancel_flag().clone();
+    let stop = || cancel.is_cancelled();
+    let take_next = |item| {
+        take(count, item, faults);
+        count += 1;
+    };
+    raw.items(&stop, take_next).map(|()| count).map_err(|unread| match unread {
         // The faults of a cancelled reading are discarded.
         Unread::Cancelled => Faulted,
         _ => faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))),
@@ -24,10 +28,9 @@ pub(crate) fn each_raw<'a>(
 
 /// The unparsed items of the array `raw`. More than `most` items are a fault; further items are counted, not stored.
 pub(crate) fn items<'a>(raw: JsonText<'a>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<JsonText<'a>>, Faulted> {
-    let (mut count, mut items) = (0, Vec::new());
-    each_raw(raw, path, faults, |item, _| {
-        count += 1;
-        if count <= most {
+    let mut items = Vec::new();
+    let count = each_raw(raw, path, faults, |index, item, _| {
+        if index < most {
             items.push(item);
         }
     })?;

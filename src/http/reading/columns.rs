@@ -1,12 +1,10 @@
 //! Columns of values, which batches parse directly into numbers. A column is an array with an item for each contact,
 //! null for a contact without a value.
 
-use super::number_array::read_numbers;
 use super::object::describe;
-use super::plain::{PlainJson, PlainValue, Unusual};
-use super::{Faulted, Faults, JsonPath};
+use super::{Faulted, Faults};
 use crate::http::codes::RequestFault;
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual, read_numbers};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -28,26 +26,18 @@ pub(crate) trait PlainColumn: Default {
     /// Compares the number of rows of this column, `name`, with that of earlier columns.
     fn check_rows(&self, name: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
-    /// The value of a row.
-    fn get(&self, index: usize) -> Cell<Self::Plain>;
+    /// The value of a row, if it has one; an error for a value of another type.
+    fn get(&self, index: usize) -> Result<Option<Self::Plain>, Unusual>;
 
     /// Writes the value of a row, valid or not, as the member `name` of an object.
     fn write(&self, index: usize, name: &'static str, row: &mut RowText);
 }
 
-/// A row's value in a column.
-pub(crate) enum Cell<P> {
-    /// No value: null, or no column.
-    Absent,
-    Value(P),
-    /// A value of another type.
-    Faulty,
-}
-
 /// The number of rows, which is the same for all columns.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
-    first: Option<(&'static str, usize)>,
+    /// The name of the first column and the number of rows; `None` if there are no columns.
+    pub(crate) first: Option<(&'static str, usize)>,
 }
 
 impl Rows {
@@ -62,34 +52,21 @@ impl Rows {
             Some(_) => {}
         }
     }
-
-    /// The name of the first column and the number of rows; `None` if there are no columns.
-    pub(crate) fn first(&self) -> Option<(&'static str, usize)> {
-        self.first
-    }
 }
 
 /// The items of a column.
-#[derive(Debug)]
+#[derive(Debug, Default, PartialEq)]
 pub(crate) struct Cells<P> {
     values: Vec<P>,
     /// The rows with a value of another type in ascending order, the first ones with their text.
     faulty: Vec<(usize, Option<Box<str>>)>,
 }
 
-impl<P> Default for Cells<P> {
-    fn default() -> Self {
-        Self { values: Vec::new(), faulty: Vec::new() }
-    }
-}
-
-impl<P> Cells<P> {
-    /// An answer lists at most this many failures; the texts of further items are not needed.
-    const MOST_FAULTY_TEXTS: usize = 1000;
-}
+/// An answer lists at most this many failures; the texts of further items are not needed.
+const MOST_FAULTY_TEXTS: usize = 1000;
 
 /// A value that a column holds for a row.
-pub(crate) trait CellValue: PlainValue + Serialize {
+pub(crate) trait CellValue: PlainValue + Default + Serialize {
     /// The value that stands for null. No value in JSON equals it.
     const ABSENT: Self;
 
@@ -129,7 +106,7 @@ impl CellValue for f64 {
 
 impl<const N: usize> CellValue for [f64; N]
 where
-    Self: Serialize,
+    Self: Default + Serialize,
 {
     const ABSENT: Self = [f64::NAN; N];
 
@@ -163,7 +140,7 @@ impl<P: CellValue> PlainColumn for Cells<P> {
             }
             let value = P::read_item(&mut PlainJson::new(item.get().as_bytes()));
             if value.is_err() {
-                let text = (cells.faulty.len() < Self::MOST_FAULTY_TEXTS).then(|| item.get().into());
+                let text = (cells.faulty.len() < MOST_FAULTY_TEXTS).then(|| item.get().into());
                 cells.faulty.push((count - 1, text));
             }
             cells.values.push(value.unwrap_or(P::ABSENT));
@@ -186,11 +163,10 @@ impl<P: CellValue> PlainColumn for Cells<P> {
         rows.check(name, self.values.len(), &path, faults);
     }
 
-    fn get(&self, index: usize) -> Cell<P> {
+    fn get(&self, index: usize) -> Result<Option<P>, Unusual> {
         match self.value(index) {
-            Some(value) => Cell::Value(value),
-            None if self.faulty.is_empty() || self.faulty.binary_search_by_key(&index, |(row, _)| *row).is_err() => Cell::Absent,
-            None => Cell::Faulty,
+            None if self.faulty.binary_search_by_key(&index, |(row, _)| *row).is_ok() => Err(Unusual),
+            value => Ok(value),
         }
     }
 

@@ -3,8 +3,7 @@
 //! Finding where the contacts end takes no pass over them: they are divided at places that look like borders between
 //! items. Each piece is then read strictly, and the general reader takes over if a piece is not what it looked like.
 
-use super::plain::{PlainJson, Unusual};
-use crate::json_text::JsonText;
+use crate::json_text::{JsonText, PlainJson, Unusual};
 use memchr::{memchr, memchr2_iter, memmem};
 
 /// The bytes of rows that one thread reads and computes at a time: about 1000 contacts, some tenths of a millisecond.
@@ -22,7 +21,8 @@ const MOST_COLUMNS: usize = 16;
 /// A body of which a large member is cut out.
 #[derive(Debug)]
 pub(crate) struct CutOut<'a> {
-    rest: Vec<u8>,
+    /// The body with an empty array or object in place of the member.
+    pub(crate) rest: Vec<u8>,
     position: usize,
     large: Large<'a>,
 }
@@ -75,11 +75,6 @@ impl<'a> CutOut<'a> {
         }
         let rest = [&json[..position], empty, &json[end..]].concat();
         Some(Self { rest, position, large })
-    }
-
-    /// The body with an empty array or object in place of the member.
-    pub(crate) fn rest(&self) -> &[u8] {
-        &self.rest
     }
 
     /// Whether `value`, a part of the rest, is at the place from which the member was cut out.
@@ -179,7 +174,7 @@ mod tests {
         let json = r#"{"cutter":{"contacts":[{"x":1}]},"contacts":[]}"#;
         let cut = CutOut::of(json.as_bytes(), "contacts").unwrap();
         let never = || false;
-        let rest = JsonText::check(cut.rest(), &never).unwrap().members(5, &never).unwrap().kept;
+        let rest = JsonText::check(&cut.rest, &never).unwrap().members(5, &never).unwrap().kept;
         assert_eq!((&*rest[0].0, &*rest[1].0), ("cutter", "contacts"));
         assert!(!cut.is_place(rest[1].1));
         assert!(cut.is_place(rest[0].1.members(5, &never).unwrap().kept[0].1));

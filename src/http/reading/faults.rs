@@ -1,8 +1,8 @@
 //! The faults of a request, each with its code and location.
 
-use super::JsonPath;
 use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, ProblemFigure, RequestFault};
+use crate::json_text::JsonPath;
 use serde::Serialize;
 use std::fmt;
 use utoipa::ToSchema;
@@ -39,12 +39,12 @@ pub(crate) struct Faults {
     unlisted: usize,
     left_out: usize,
     /// Stops the reading when it is set.
-    cancel: Option<CancelFlag>,
+    cancel: CancelFlag,
 }
 
 impl Default for Faults {
     fn default() -> Self {
-        Self::at_most(Self::MOST_LISTED)
+        Self::until(&CancelFlag::default())
     }
 }
 
@@ -52,29 +52,24 @@ impl Faults {
     /// The largest number of listed faults; further ones are counted. A request can have a fault every few bytes.
     const MOST_LISTED: usize = 1000;
 
-    /// An empty list. Faults beyond `most_listed` are counted, not listed.
-    pub(crate) fn at_most(most_listed: usize) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, cancel: None }
-    }
-
     /// An empty list for a body whose reading stops when `cancel` is set.
     pub(crate) fn until(cancel: &CancelFlag) -> Self {
-        Self::default().and_until(cancel)
+        Self::at_most(Self::MOST_LISTED, cancel)
     }
 
-    /// The same list, for a reading that stops when `cancel` is set.
-    pub(crate) fn and_until(self, cancel: &CancelFlag) -> Self {
-        Self { cancel: Some(cancel.clone()), ..self }
+    /// The same, with another largest number of listed faults.
+    pub(crate) fn at_most(most_listed: usize, cancel: &CancelFlag) -> Self {
+        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, cancel: cancel.clone() }
     }
 
     /// The flag that stops the reading.
-    pub(crate) fn cancel_flag(&self) -> Option<CancelFlag> {
-        self.cancel.clone()
+    pub(crate) fn cancel_flag(&self) -> &CancelFlag {
+        &self.cancel
     }
 
     /// Whether the reading has been cancelled.
     pub(crate) fn is_cancelled(&self) -> bool {
-        self.cancel.as_ref().is_some_and(CancelFlag::is_cancelled)
+        self.cancel.is_cancelled()
     }
 
     /// Records a fault and returns the proof of it.
@@ -99,7 +94,7 @@ impl Faults {
 
     /// Takes all faults out of the list.
     pub(crate) fn take(&mut self) -> Self {
-        let empty = Self { cancel: self.cancel.clone(), ..Self::at_most(self.most_listed) };
+        let empty = Self::at_most(self.most_listed, &self.cancel);
         std::mem::replace(self, empty)
     }
 

@@ -2,9 +2,9 @@
 
 use super::array::items;
 use super::object::describe;
-use super::{CellValue, Cells, Components, Faulted, Faults, JsonPath, Kind, PlainKind, not_finite};
+use super::{CellValue, Cells, Components, Faulted, Faults, Kind, PlainKind};
 use crate::http::codes::RequestFault;
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText, not_finite};
 use crate::quantity::{Angle, Length, OutOfRange};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};

@@ -1,9 +1,9 @@
 //! Members that are arrays of values of one kind.
 
 use super::array::items;
-use super::{Components, Faulted, Faults, JsonPath, Kind};
+use super::{Components, Faulted, Faults, Kind};
 use crate::http::codes::RequestFault;
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::schema::ArrayBuilder;
 use utoipa::openapi::{RefOr, Schema};
 

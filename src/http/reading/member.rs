@@ -1,7 +1,7 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
-use super::{Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, PlainColumn, PlainValue};
-use crate::json_text::JsonText;
+use super::{Components, Faulted, Faults, Members, Object, ObjectSchema, PlainColumn};
+use crate::json_text::{JsonPath, JsonText, PlainValue};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -64,11 +64,10 @@ impl<T: WireObject> Kind for T {
     type Value = T::Value;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T::Value, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let members = T::Members::read(&mut object, faults);
-        let value = T::build(members, &path, faults);
-        object.close(faults)?;
-        value
+        Object::open(raw, path, faults)?.read(faults, |object, faults| {
+            let members = T::Members::read(object, faults);
+            T::build(members, &path, faults)
+        })
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {

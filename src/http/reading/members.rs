@@ -1,7 +1,7 @@
 //! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
 //! of batches.
 
-use super::{Columns, Faults, Object, ObjectSchema, Slots};
+use super::{Faults, Object, ObjectSchema};
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
@@ -19,17 +19,6 @@ pub(crate) trait Members: Sized {
 
     /// Adds the members to a schema in which they are one of several forms, so that none is required.
     fn describe_form(schema: ObjectSchema<'_>) -> ObjectSchema<'_>;
-}
-
-/// Members of a contact in a batch, which are read in one pass as long as there is no fault.
-pub(crate) trait PlainMembers: Members {
-    /// The values of the members.
-    type Slots: Slots;
-    /// A column of values for each member.
-    type Columns: Columns<Row = Self::Slots>;
-
-    /// The members; `None` if a required one is missing or a value is out of bounds.
-    fn accept(slots: Self::Slots) -> Option<Self>;
 }
 
 /// An object in one of two forms.
@@ -91,29 +80,28 @@ macro_rules! members {
         }
 
         #[doc = concat!("The values of [`", stringify!($name), "`] in one pass.")]
-        #[derive(Debug, Clone, Copy, Default)]
+        #[derive(Debug, Clone, Copy, Default, PartialEq)]
         $vis struct $slots {
             $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Plain>, )+
         }
 
         #[doc = concat!("Columns of the values of [`", stringify!($name), "`].")]
-        #[derive(Debug, Default)]
+        #[derive(Debug, Default, PartialEq)]
         $vis struct $columns {
             $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Column>, )+
         }
 
         const _: () = {
             use $crate::http::reading::{
-                Cell, Columns, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, PlainJson, PlainMembers, PlainValue,
-                RowText, Rows, Slots, Unusual,
+                Columns, Faults, Object, ObjectSchema, PlainColumn, PlainColumns,
+                RowText, Rows, Slots,
             };
+            use $crate::json_text::{JsonPath, PlainJson, PlainValue, Unusual};
 
-            impl PlainMembers for $name {
-                type Slots = $slots;
-                type Columns = $columns;
-
-                fn accept(slots: $slots) -> Option<Self> {
-                    Some(Self { $( $field: $crate::http::reading::members!(@accept $presence $member slots.$field), )+ })
+            impl $slots {
+                /// The members; `None` if a required one is missing or a value is out of bounds.
+                $vis fn accept(self) -> Option<$name> {
+                    Some($name { $( $field: $crate::http::reading::members!(@accept $presence $member self.$field), )+ })
                 }
             }
 
@@ -127,10 +115,6 @@ macro_rules! members {
                         }
                     )+
                     Ok(false)
-                }
-
-                fn are_absent(&self) -> bool {
-                    $( self.$field.is_none() )&&+
                 }
             }
 
@@ -154,10 +138,6 @@ macro_rules! members {
                     schema$( .column(&$member, most) )+
                 }
 
-                fn are_absent(&self) -> bool {
-                    $( self.$field.is_none() )&&+
-                }
-
                 fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
                     $(
                         if let Some(column) = &self.$field {
@@ -166,12 +146,11 @@ macro_rules! members {
                     )+
                 }
 
-                fn row(&self, index: usize) -> Option<$slots> {
-                    Some($slots {
-                        $( $field: match self.$field.as_ref().map(|column| PlainColumn::get(column, index)) {
-                            Some(Cell::Value(value)) => Some(value),
-                            Some(Cell::Absent) | None => None,
-                            Some(Cell::Faulty) => return None,
+                fn row(&self, index: usize) -> Result<$slots, Unusual> {
+                    Ok($slots {
+                        $( $field: match &self.$field {
+                            Some(column) => PlainColumn::get(column, index)?,
+                            None => None,
                         }, )+
                     })
                 }

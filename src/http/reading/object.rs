@@ -1,8 +1,8 @@
 //! The reader of JSON objects. Callers take the members one by one; all faults are recorded.
 
-use super::{Faulted, Faults, Form, JsonPath, Kind, Member, Members, PlainColumn, not_finite};
+use super::{Faulted, Faults, Form, Kind, Member, Members, PlainColumn};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonError, JsonMembers, JsonText, Unread};
+use crate::json_text::{JsonError, JsonMembers, JsonPath, JsonText, Unread, not_finite};
 use std::borrow::Cow;
 
 /// A JSON object whose members are taken one by one. The members left at the end are unknown fields.
@@ -49,6 +49,11 @@ impl<'a, 'p> Object<'a, 'p> {
         self.members.iter().any(|(key, _)| key == name)
     }
 
+    /// Whether one of the members `M` is present and not taken yet.
+    pub(crate) fn has_any_of<M: Members>(&self) -> bool {
+        M::NAMES.iter().any(|name| self.has(name))
+    }
+
     /// Takes the member `name` unparsed. A repeated name is a fault.
     pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<JsonText<'a>> {
         self.known.push(name);
@@ -89,8 +94,7 @@ impl<'a, 'p> Object<'a, 'p> {
     /// Reads the members of one of two forms of an object. `forms` is the text of the fault if none or both are
     /// present.
     pub(crate) fn one_of<A: Members, B: Members>(&mut self, forms: &str, faults: &mut Faults) -> Result<Form<A, B>, Faulted> {
-        let [first, second] = [A::NAMES, B::NAMES].map(|names| names.iter().any(|name| self.has(name)));
-        match (first, second) {
+        match (self.has_any_of::<A>(), self.has_any_of::<B>()) {
             (true, false) => Ok(Form::First(A::read(self, faults))),
             (false, true) => Ok(Form::Second(B::read(self, faults))),
             (true, true) => {
@@ -105,6 +109,17 @@ impl<'a, 'p> Object<'a, 'p> {
                 Err(faults.add(&self.path, RequestFault::MissingField, forms))
             }
         }
+    }
+
+    /// Reads the whole object with `read`; members that `read` does not take are faults.
+    pub(crate) fn read<T>(
+        mut self,
+        faults: &mut Faults,
+        read: impl FnOnce(&mut Self, &mut Faults) -> Result<T, Faulted>,
+    ) -> Result<T, Faulted> {
+        let result = read(&mut self, faults);
+        self.close(faults)?;
+        result
     }
 
     /// Ends the reading: members that were not taken are unknown.

@@ -1,28 +1,23 @@
 //! The values of several members in one pass, and columns of such values. Two sets of members of one object are a pair.
 
-use super::{
-    Cell, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumn, PlainColumns, PlainJson, PlainValue, RowText, Rows, Unusual,
-};
-use crate::json_text::JsonText;
+use super::{Faulted, Faults, Object, ObjectSchema, PlainColumn, PlainColumns, RowText, Rows};
+use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual};
 
 /// The values of members, each absent until it is read.
-pub(crate) trait Slots: Default + Copy {
+pub(crate) trait Slots: Default + Copy + PartialEq {
     /// Reads the value of `name` into its slot. Returns false if no member has this name, and an error for a value of
     /// another type or a repeated name.
     fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual>;
 
     /// Whether no slot is filled.
-    fn are_absent(&self) -> bool;
-
-    /// Reads the values of an object that has no other members.
     #[inline]
-    fn fill_all(&mut self, json: &mut PlainJson<'_>) -> Result<(), Unusual> {
-        json.object(|name, json| self.fill(name, json))
+    fn are_absent(&self) -> bool {
+        *self == Self::default()
     }
 }
 
 /// Columns of the values of members.
-pub(crate) trait Columns: Default {
+pub(crate) trait Columns: Default + PartialEq {
     /// The values of a row.
     type Row: Slots;
 
@@ -36,13 +31,15 @@ pub(crate) trait Columns: Default {
     fn describe(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_>;
 
     /// Whether there are no columns.
-    fn are_absent(&self) -> bool;
+    fn are_absent(&self) -> bool {
+        *self == Self::default()
+    }
 
     /// Compares the number of rows of all columns of the object at `path`.
     fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults);
 
-    /// The values of a row; `None` if one is of another type.
-    fn row(&self, index: usize) -> Option<Self::Row>;
+    /// The values of a row; an error if one is of another type.
+    fn row(&self, index: usize) -> Result<Self::Row, Unusual>;
 
     /// Writes a row as members of an object.
     fn write_row(&self, index: usize, row: &mut RowText);
@@ -52,11 +49,6 @@ impl<A: Slots, B: Slots> Slots for (A, B) {
     #[inline]
     fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual> {
         Ok(self.0.fill(name, json)? || self.1.fill(name, json)?)
-    }
-
-    #[inline]
-    fn are_absent(&self) -> bool {
-        self.0.are_absent() && self.1.are_absent()
     }
 }
 
@@ -75,18 +67,14 @@ impl<A: Columns, B: Columns> Columns for (A, B) {
         B::describe(A::describe(schema, most), most)
     }
 
-    fn are_absent(&self) -> bool {
-        self.0.are_absent() && self.1.are_absent()
-    }
-
     fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
         self.0.check_rows(path, rows, faults);
         self.1.check_rows(path, rows, faults);
     }
 
     #[inline]
-    fn row(&self, index: usize) -> Option<Self::Row> {
-        Some((self.0.row(index)?, self.1.row(index)?))
+    fn row(&self, index: usize) -> Result<Self::Row, Unusual> {
+        Ok((self.0.row(index)?, self.1.row(index)?))
     }
 
     fn write_row(&self, index: usize, row: &mut RowText) {
@@ -95,11 +83,12 @@ impl<A: Columns, B: Columns> Columns for (A, B) {
     }
 }
 
-/// An object as the value of a member.
+/// The values of an object that has no other members.
 impl<S: Slots> PlainValue for S {
+    #[inline]
     fn read(json: &mut PlainJson<'_>) -> Result<Self, Unusual> {
         let mut slots = Self::default();
-        slots.fill_all(json)?;
+        json.object(|name, json| slots.fill(name, json))?;
         Ok(slots)
     }
 }
@@ -109,22 +98,16 @@ impl<C: Columns> PlainColumn for C {
     type Plain = C::Row;
 
     fn read(raw: JsonText<'_>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let columns = Self::take(&mut object, most, faults);
-        object.close(faults)?;
-        Ok(columns)
+        Object::open(raw, path, faults)?.read(faults, |object, faults| Ok(Self::take(object, most, faults)))
     }
 
     fn check_rows(&self, _: &'static str, path: JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
         Columns::check_rows(self, &path, rows, faults);
     }
 
-    fn get(&self, index: usize) -> Cell<C::Row> {
-        match self.row(index) {
-            None => Cell::Faulty,
-            Some(row) if row.are_absent() => Cell::Absent,
-            Some(row) => Cell::Value(row),
-        }
+    fn get(&self, index: usize) -> Result<Option<C::Row>, Unusual> {
+        let row = self.row(index)?;
+        Ok((!row.are_absent()).then_some(row))
     }
 
     fn write(&self, index: usize, name: &'static str, row: &mut RowText) {

@@ -3,8 +3,8 @@
 
 use super::contact::{self, AngleSlots, StatedContact, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Object, PlainJson, Slots, Unusual};
-use crate::json_text::JsonText;
+use crate::http::reading::{Components, Faulted, Faults, Object};
+use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual};
 use utoipa::openapi::{RefOr, Schema};
 
 /// A contact and its own parameters.
@@ -16,16 +16,10 @@ pub(crate) struct BatchContact {
 
 impl BatchContact {
     /// Reads a contact whose own parameters override `defaults`.
-    pub(crate) fn read(
-        raw: JsonText<'_>,
-        stated: StatedParameters,
-        defaults: &ContactParameters,
-        path: JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Self, Faulted> {
-        match Self::read_plain(raw, stated, defaults) {
-            Some(plain) => plain.complete(stated, path, faults),
-            None => Self::read_faulty(raw, stated, defaults, path, faults),
+    pub(crate) fn read(raw: JsonText<'_>, defaults: &ContactParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        match Self::read_plain(&mut PlainJson::new(raw.get().as_bytes()), defaults) {
+            Some(plain) => plain.complete(path, faults),
+            None => Self::read_faulty(raw, defaults, path, faults),
         }
     }
 
@@ -34,73 +28,54 @@ impl BatchContact {
     #[inline]
     pub(crate) fn read_next(
         json: &mut PlainJson<'_>,
-        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Result<Self, Faulted>, Unusual> {
         json.skip_blank();
         let first = json.position();
-        let mut slots = ContactSlots::default();
-        if slots.fill_all(json).is_ok()
-            && let Some(plain) = Self::accept(&slots, stated, defaults)
-        {
-            return Ok(plain.complete(stated, path, faults));
+        if let Some(plain) = Self::read_plain(json, defaults) {
+            return Ok(plain.complete(path, faults));
         }
         json.seek(first);
-        Ok(Self::read_faulty(json.value(&|| faults.is_cancelled())?, stated, defaults, path, faults))
+        Ok(Self::read_faulty(json.value(&|| faults.is_cancelled())?, defaults, path, faults))
     }
 
     /// The contact, unless it lacks a step-over that it needs.
     #[inline]
-    pub(super) fn complete(self, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        self.parameters.step_over(stated, &path, faults).map(|_| self)
+    pub(super) fn complete(self, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+        self.parameters.step_over(&path, faults).map(|_| self)
     }
 
-    /// Reads a contact that cannot be read in one pass.
+    /// Reads a contact that cannot be read in one pass, and records all its faults.
     pub(super) fn read_faulty(
         raw: JsonText<'_>,
-        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
-        let (contact, parameters) = Self::read_with_faults(raw, stated, path, faults)?;
-        let parameters = parameters.or(defaults);
-        parameters.step_over(stated, &path, faults)?;
+        let mut object = Object::open(raw, path, faults)?;
+        let contact = contact::read(&mut object, faults);
+        let parameters = ContactParameters::read(&mut object, defaults.stated, faults).or(defaults);
+        object.close(faults)?;
+        parameters.step_over(&path, faults)?;
         // The faults of the defaults are recorded with the request. A contact fails because of them only if it uses
         // them.
         if faults.is_empty() { Ok(Self { contact: contact?, parameters }) } else { Err(Faulted) }
     }
 
     /// The contact, or `None` if it cannot be read in one pass.
-    fn read_plain(raw: JsonText<'_>, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
-        let mut slots = ContactSlots::default();
-        slots.fill_all(&mut PlainJson::new(raw.get().as_bytes())).ok()?;
-        Self::accept(&slots, stated, defaults)
+    #[inline]
+    fn read_plain(json: &mut PlainJson<'_>, defaults: &ContactParameters) -> Option<Self> {
+        Self::accept(&ContactSlots::read(json).ok()?, defaults)
     }
 
     /// The contact from its values, with `defaults` for the parameters that it does not state; `None` if there is a
     /// fault.
     #[inline]
-    pub(super) fn accept(slots: &ContactSlots, stated: StatedParameters, defaults: &ContactParameters) -> Option<Self> {
-        let (contact, parameters) = slots;
+    pub(super) fn accept((contact, parameters): &ContactSlots, defaults: &ContactParameters) -> Option<Self> {
         let contact = contact::accept(*contact)?;
-        Some(Self { contact, parameters: ContactParameters::accept(parameters, stated, defaults)? })
-    }
-
-    /// The contact and its parameters with all their faults.
-    fn read_with_faults(
-        raw: JsonText<'_>,
-        stated: StatedParameters,
-        path: JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<(Result<StatedContact, Faulted>, ContactParameters), Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let contact = contact::read(&mut object, faults);
-        let parameters = ContactParameters::read(&mut object, stated, faults);
-        object.close(faults)?;
-        Ok((contact, parameters))
+        Some(Self { contact, parameters: ContactParameters::accept(parameters, defaults)? })
     }
 }
 
@@ -128,11 +103,9 @@ mod tests {
     /// The results of the two readers, in one pass and with faults; `None` if there are faults.
     fn both(text: &str, stated: StatedParameters) -> [Option<String>; 2] {
         let raw = JsonText::known(text);
-        let mut faults = Faults::default();
-        let slow = BatchContact::read_with_faults(raw, stated, JsonPath::Root, &mut faults);
-        let slow = slow.and_then(|(contact, parameters)| Ok(BatchContact { contact: contact?, parameters }));
-        let slow = slow.ok().filter(|_| faults.is_empty());
-        let plain = BatchContact::read_plain(raw, stated, &ContactParameters::NONE);
+        let defaults = ContactParameters::with_step_over(stated);
+        let slow = BatchContact::read_faulty(raw, &defaults, JsonPath::Root, &mut Faults::default()).ok();
+        let plain = BatchContact::read_plain(&mut PlainJson::new(text.as_bytes()), &defaults);
         [plain, slow].map(|read| read.map(|read| format!("{read:?}")))
     }
 

@@ -2,10 +2,8 @@
 
 use super::cutter::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{
-    Components, Faulted, Faults, JsonPath, Kind, List, Member, Members, Object, Quantity, Whole, describe, members, text,
-};
-use crate::json_text::JsonText;
+use crate::http::reading::{Components, Faulted, Faults, Kind, List, Member, Members, Object, Quantity, Whole, describe, members, text};
+use crate::json_text::{JsonPath, JsonText};
 use crate::planning::zigzag::{CandidateCutter, Drive};
 use crate::quantity::{Length, SpindleSpeed};
 use crate::tooling::LibraryTool;

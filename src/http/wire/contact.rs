@@ -2,9 +2,9 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Components, Faulted, Faults, Form, JsonPath, Kind, Member, Number, Object, ObjectSchema, PlainMembers, Quantity, Slots, Vector, members,
+    Components, Faulted, Faults, Form, Kind, Member, Number, Object, ObjectSchema, Quantity, Slots, Vector, members,
 };
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{Contact, ContactError};
 use crate::quantity::OutOfRange;
 use std::sync::LazyLock;
@@ -76,10 +76,7 @@ impl Kind for ContactKind {
     type Value = StatedContact;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let contact = read(&mut object, faults);
-        object.close(faults)?;
-        contact
+        Object::open(raw, path, faults)?.read(faults, read)
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
@@ -110,8 +107,8 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
 /// The contact from values read in one pass; `None` if there is a fault.
 pub(super) fn accept((angles, vectors): (AngleSlots, VectorSlots)) -> Option<StatedContact> {
     let contact = match (angles.are_absent(), vectors.are_absent()) {
-        (false, true) => AngleMembers::accept(angles)?.contact(),
-        (true, false) => VectorMembers::accept(vectors)?.contact(),
+        (false, true) => angles.accept()?.contact(),
+        (true, false) => vectors.accept()?.contact(),
         (true, true) | (false, false) => return None,
     };
     contact.ok()?.ok()

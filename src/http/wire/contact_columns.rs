@@ -1,11 +1,11 @@
 //! The contacts of a batch as an object of columns, which is parsed directly into numbers.
 
-use super::batch_contact::{BatchContact, ContactSlots};
-use super::contact::{self, AngleColumns, AngleSlots, StatedContact, VectorColumns, VectorSlots};
-use super::parameters::{ContactParameters, ParameterColumns, StatedParameters};
+use super::batch_contact::BatchContact;
+use super::contact::{AngleColumns, VectorColumns, VectorSlots};
+use super::parameters::{ContactParameters, ParameterColumns, ParameterSlots, StatedParameters};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Columns, Components, Faulted, Faults, JsonPath, Object, ObjectSchema, PlainColumns, RowText, Rows};
-use crate::json_text::JsonText;
+use crate::http::reading::{Columns, Components, Faulted, Faults, Object, ObjectSchema, PlainColumns, RowText, Rows};
+use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::{RefOr, Schema};
 
 /// Columns of the two forms of a contact.
@@ -32,15 +32,17 @@ impl ContactColumns {
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<Self, Faulted> {
+        // Columns are read even if another part of the request has faults.
+        let faults_before = faults.count();
         let mut object = Object::open(raw, path, faults)?;
         let columns = (FormColumns::take(&mut object, most, faults), stated.take_columns(&mut object, most, faults));
         object.close(faults)?;
         let mut rows = Rows::default();
         columns.check_rows(&path, &mut rows, faults);
-        if !faults.is_empty() {
+        if faults.count() > faults_before {
             return Err(Faulted);
         }
-        let Some((first_column, count)) = rows.first() else {
+        let Some((first_column, count)) = rows.first else {
             let detail = "give the columns slope_deg and feed_angle_deg, or normal and feed";
             return Err(faults.add(&path, RequestFault::MissingField, detail));
         };
@@ -53,7 +55,7 @@ impl ContactColumns {
         let columns = (FormColumns::take_plain(&mut given, most)?, stated.take_plain_columns(&mut given, most)?);
         let (mut rows, mut faults) = (Rows::default(), Faults::default());
         columns.check_rows(&JsonPath::Root, &mut rows, &mut faults);
-        let (first_column, count) = rows.first()?;
+        let (first_column, count) = rows.first?;
         (given.is_empty() && faults.is_empty()).then(|| Self::of_rows(columns, first_column, count))
     }
 
@@ -67,19 +69,13 @@ impl ContactColumns {
     pub(crate) fn contact(
         &self,
         index: usize,
-        stated: StatedParameters,
         defaults: &ContactParameters,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
-        let contact = if self.has_parameters {
-            self.row(index).and_then(|slots| BatchContact::accept(&slots, stated, defaults))
-        } else {
-            self.stated_contact(index).map(|contact| BatchContact { contact, parameters: *defaults })
-        };
-        match contact {
-            Some(contact) => contact.complete(stated, path, faults),
-            None => BatchContact::read_faulty(JsonText::known(&self.text(index)), stated, defaults, path, faults),
+        match self.accept(index, defaults) {
+            Some(contact) => contact.complete(path, faults),
+            None => BatchContact::read_faulty(JsonText::known(&self.text(index)), defaults, path, faults),
         }
     }
 
@@ -88,21 +84,14 @@ impl ContactColumns {
         JsonPath::Row(path, self.first_column, index)
     }
 
-    fn row(&self, index: usize) -> Option<ContactSlots> {
-        Some((self.form(index)?, self.columns.1.row(index)?))
-    }
-
-    /// The contact of a row without parameters of its own; `None` if there is a fault.
-    fn stated_contact(&self, index: usize) -> Option<StatedContact> {
-        contact::accept(self.form(index)?)
-    }
-
-    /// The angles and vectors of a row.
+    /// The contact in a row; `None` if there is a fault.
     #[inline]
-    fn form(&self, index: usize) -> Option<(AngleSlots, VectorSlots)> {
-        let (angles, vectors) = &self.columns.0;
-        let vectors = if self.has_vectors { vectors.row(index)? } else { VectorSlots::default() };
-        Some((angles.row(index)?, vectors))
+    fn accept(&self, index: usize, defaults: &ContactParameters) -> Option<BatchContact> {
+        let ((angles, vectors), parameters) = &self.columns;
+        let angles = angles.row(index).ok()?;
+        let vectors = if self.has_vectors { vectors.row(index).ok()? } else { VectorSlots::default() };
+        let parameters = if self.has_parameters { parameters.row(index).ok()? } else { ParameterSlots::default() };
+        BatchContact::accept(&((angles, vectors), parameters), defaults)
     }
 
     /// The row as the JSON of a contact, for the reader that collects faults.

@@ -2,10 +2,9 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Columns, Components, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema, Pair, PlainKind, PlainMembers, Quantity, Slots,
-    members,
+    Columns, Components, Faulted, Faults, Form, Kind, Members, Object, ObjectSchema, Pair, PlainKind, Quantity, Slots, members,
 };
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
 use utoipa::openapi::schema::OneOfBuilder;
@@ -96,21 +95,17 @@ impl Kind for CurvatureKind {
     type Value = SurfaceCurvature;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceCurvature, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let [principal, components] =
-            [PrincipalMembers::NAMES, ComponentMembers::NAMES].map(|names| names.iter().any(|name| object.has(name)));
-        let curvature = match (principal, components) {
-            (true, true) => {
-                PrincipalMembers::check(&mut object, faults);
-                ComponentMembers::check(&mut object, faults);
-                let detail = "give along_per_mm, across_per_mm and twist_per_mm, or principal_per_mm and angle_deg, not both";
-                Err(faults.add(&path, RequestFault::ConflictingFields, detail))
+        let curvature = Object::open(raw, path, faults)?.read(faults, |object, faults| {
+            if !object.has_any_of::<PrincipalMembers>() {
+                return ComponentMembers::read(object, faults).curvature();
             }
-            (true, false) => PrincipalMembers::read(&mut object, faults).curvature(),
-            (false, _) => ComponentMembers::read(&mut object, faults).curvature(),
-        };
-        object.close(faults)?;
-        curvature?.map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))
+            let forms = "give along_per_mm, across_per_mm and twist_per_mm, or principal_per_mm and angle_deg";
+            match object.one_of::<PrincipalMembers, ComponentMembers>(forms, faults)? {
+                Form::First(principal) => principal.curvature(),
+                Form::Second(components) => components.curvature(),
+            }
+        })?;
+        curvature.map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
@@ -144,8 +139,8 @@ impl PlainKind for CurvatureKind {
     fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {
         let (components, principal) = plain;
         let curvature = match (components.are_absent(), principal.are_absent()) {
-            (_, true) => ComponentMembers::accept(components)?.curvature(),
-            (true, false) => PrincipalMembers::accept(principal)?.curvature(),
+            (_, true) => components.accept()?.curvature(),
+            (true, false) => principal.accept()?.curvature(),
             (false, false) => return None,
         };
         curvature.ok()?.ok()

@@ -2,10 +2,9 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Choice, Components, Faulted, Faults, JsonPath, Kind, Member, Members, Object, ObjectSchema, Quantity, Whole, WireObject,
-    members,
+    AddMembers, Choice, Components, Faulted, Faults, Kind, Member, Members, Object, ObjectSchema, Quantity, Whole, WireObject, members,
 };
-use crate::json_text::JsonText;
+use crate::json_text::{JsonPath, JsonText};
 use crate::milling::Cutter;
 use crate::quantity::Length;
 use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Type as SchemaKind};

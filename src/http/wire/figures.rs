@@ -151,12 +151,14 @@ pub(crate) const COMMON_FIGURES: &[Figure] = &[
         figures.parts.map(|height| height.feed.mm())
     })
     .from(Heights::Parts),
-    Figure::number("feed_share", "the share of the feed height in the scallop height", |figures| {
-        figures.parts.and_then(ScallopHeight::feed_share)
-    })
-    .at_most(1.0)
-    .from(Heights::Parts)
-    .or_absent("if the height is 0"),
+    Figure {
+        maximum: Some(1.0),
+        heights: Heights::Parts,
+        presence: Presence::Absent("if the height is 0"),
+        ..Figure::number("feed_share", "the share of the feed height in the scallop height", |figures| {
+            figures.parts.and_then(ScallopHeight::feed_share)
+        })
+    },
     Figure::number("effective_radius_mm", "R_eff, the groove's radius of curvature across the feed, radial runout included", |figures| {
         figures.effective_radius.map(Length::mm)
     })
@@ -178,14 +180,16 @@ pub(crate) const CHECK_FIGURES: &[Figure] = &[
     })
     .from(Heights::Total)
     .only("if columns names it"),
-    Figure::number(
-        "deviation",
-        "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
-        |figures| figures.check.and_then(|check| check.deviation),
-    )
-    .at_least(-1.0)
-    .from(Heights::Total)
-    .only("if columns names it"),
+    Figure {
+        minimum: -1.0,
+        heights: Heights::Total,
+        presence: Presence::Only("if columns names it"),
+        ..Figure::number(
+            "deviation",
+            "(height - envelope) / envelope: negative if the model's height is less than the cutter leaves",
+            |figures| figures.check.and_then(|check| check.deviation),
+        )
+    },
 ];
 
 impl Figure {
@@ -199,16 +203,6 @@ impl Figure {
         Self::new(name, about, Get::Number(get))
     }
 
-    /// The same number with another lower bound.
-    const fn at_least(self, minimum: f64) -> Self {
-        Self { minimum, ..self }
-    }
-
-    /// The same number with an upper bound.
-    const fn at_most(self, maximum: f64) -> Self {
-        Self { maximum: Some(maximum), ..self }
-    }
-
     /// The same figure, taken from `heights`.
     const fn from(self, heights: Heights) -> Self {
         Self { heights, ..self }
@@ -217,11 +211,6 @@ impl Figure {
     /// The same figure, which may be null in a single answer.
     const fn or_null(self, place: &'static str) -> Self {
         Self { presence: Presence::Null(place), ..self }
-    }
-
-    /// The same figure, which may be absent from a single answer.
-    const fn or_absent(self, place: &'static str) -> Self {
-        Self { presence: Presence::Absent(place), ..self }
     }
 
     /// The same figure, which may be absent from a single answer and whose column may be absent.

@@ -2,8 +2,8 @@
 //! spindle speed and clearance are optional.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, WireObject, members, text};
-use crate::json_text::JsonText;
+use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Quantity, WireObject, members, text};
+use crate::json_text::{JsonPath, JsonText};
 use crate::motion::{self, MachineLimits, PRESETS, Preset};
 use crate::quantity::{Acceleration, Jerk, Length, Speed, SpindleSpeed};
 use utoipa::openapi::schema::{ObjectBuilder, Type};

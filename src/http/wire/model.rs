@@ -9,8 +9,3 @@ pub(crate) const MODEL: Member<Choice<Model>> = Member {
     about: "analytic (default): the published closed formulas, with a circle in place of the cutter; envelope: an upper bound by the cutter's exact shape, at every slope",
     kind: Choice { name: Some("Model"), words: &[("analytic", Model::Analytic), ("envelope", Model::Envelope)] },
 };
-
-/// The name of a model on the wire.
-pub(crate) fn model_name(model: Model) -> &'static str {
-    MODEL.kind.word(&model)
-}

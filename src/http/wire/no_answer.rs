@@ -6,7 +6,8 @@ use super::feed::FEED_PER_TOOTH;
 use super::parameters::{ContactParameters, TOLERANCE};
 use super::runout::RUNOUT;
 use crate::http::codes::NoAnswerCode;
-use crate::http::reading::{Fault, JsonPath};
+use crate::http::reading::Fault;
+use crate::json_text::JsonPath;
 use crate::milling::NoAnswer;
 
 /// The fault for `cause` in the request at `path`. It points to the member by which contact or parameters were stated;

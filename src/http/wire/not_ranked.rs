@@ -30,3 +30,9 @@ pub(crate) struct NotRanked {
     #[schema(nullable = false, minimum = 0)]
     pub(crate) uncut_height_error_mm: Option<f64>,
 }
+
+impl NotRanked {
+    pub(crate) fn new(cutter: usize, name: Option<String>, code: NotRankedCode, detail: String) -> Self {
+        Self { cutter, name, code, detail, uncut_share: None, uncut_height_mm: None, uncut_height_error_mm: None }
+    }
+}

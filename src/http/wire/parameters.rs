@@ -7,8 +7,9 @@ use super::model::MODEL;
 use super::runout::{RUNOUT, RunoutObject};
 use super::step_over::{self, StepOverColumns, StepOverMembers, StepOverSlots};
 use crate::http::reading::{
-    Choice, Columns, Faulted, Faults, JsonPath, Member, Members, Object, ObjectSchema, PlainColumns, PlainMembers, Quantity, Slots, members,
+    Choice, Columns, Faulted, Faults, Member, Members, Object, ObjectSchema, PlainColumns, Quantity, Slots, members,
 };
+use crate::json_text::JsonPath;
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
 
@@ -50,22 +51,26 @@ pub(crate) struct StatedParameters {
 /// The parameters of a contact that one object of a request states. The faults of each are already recorded.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactParameters {
+    pub(super) stated: StatedParameters,
     step_over: Result<Option<StepOver>, Faulted>,
     feed_per_tooth: Result<Option<Feed>, Faulted>,
     curvature: Result<Option<StatedCurvature>, Faulted>,
 }
 
 impl ContactParameters {
-    /// No parameters.
+    /// A step-over of 1 mm.
     #[cfg(test)]
-    pub(super) const NONE: Self = Self { step_over: Ok(None), feed_per_tooth: Ok(None), curvature: Ok(None) };
+    pub(super) fn with_step_over(stated: StatedParameters) -> Self {
+        let step_over = Ok(Some(StepOver::AlongSurface(Length::computed(1.0))));
+        Self { stated, step_over, feed_per_tooth: Ok(None), curvature: Ok(None) }
+    }
 
-    /// Reads from `object` the parameters that `stated` allows, all of them optional.
+    /// Reads from `object` the parameters that `stated` allows, all of them optional there.
     pub(crate) fn read(object: &mut Object<'_, '_>, stated: StatedParameters, faults: &mut Faults) -> Self {
         let path = object.path();
         let step_over = if stated.step_over { StepOverMembers::read(object, faults).build(&path, faults) } else { Ok(None) };
         let feed_per_tooth = if stated.feed_per_tooth { FeedMembers::read(object, faults).feed_per_tooth } else { Ok(None) };
-        Self { step_over, feed_per_tooth, curvature: CurvatureMembers::read(object, faults).build(&path, faults) }
+        Self { stated, step_over, feed_per_tooth, curvature: CurvatureMembers::read(object, faults).build(&path, faults) }
     }
 
     pub(crate) fn describe(schema: ObjectSchema<'_>, stated: StatedParameters) -> ObjectSchema<'_> {
@@ -77,9 +82,9 @@ impl ContactParameters {
     /// The parameters from values that were read in one pass, with those of `defaults` in place of absent ones; `None`
     /// if there is a fault.
     #[inline]
-    pub(super) fn accept(slots: &ParameterSlots, stated: StatedParameters, defaults: &Self) -> Option<Self> {
+    pub(super) fn accept(slots: &ParameterSlots, defaults: &Self) -> Option<Self> {
         // Nearly all contacts state no parameters.
-        if slots.are_absent() { Some(*defaults) } else { Some(Self::accept_stated(*slots, stated)?.or(defaults)) }
+        if slots.are_absent() { Some(*defaults) } else { Some(Self::accept_stated(*slots, defaults.stated)?.or(defaults)) }
     }
 
     fn accept_stated(slots: ParameterSlots, stated: StatedParameters) -> Option<Self> {
@@ -89,30 +94,27 @@ impl ContactParameters {
             return None;
         }
         Some(Self {
-            step_over: StepOverMembers::accept(step_over)?.stated()?,
-            feed_per_tooth: FeedMembers::accept(feed)?.feed_per_tooth,
-            curvature: CurvatureMembers::accept(curvature)?.stated()?,
+            stated,
+            step_over: step_over.accept()?.stated()?,
+            feed_per_tooth: feed.accept()?.feed_per_tooth,
+            curvature: curvature.accept()?.stated()?,
         })
     }
 
     /// These parameters, with those of `others` in place of absent ones.
     pub(crate) fn or(self, others: &Self) -> Self {
         Self {
+            stated: self.stated,
             step_over: self.step_over.and_then(|own| own.map_or(others.step_over, |s| Ok(Some(s)))),
             feed_per_tooth: self.feed_per_tooth.and_then(|own| own.map_or(others.feed_per_tooth, |f| Ok(Some(f)))),
             curvature: self.curvature.and_then(|own| own.map_or(others.curvature, |c| Ok(Some(c)))),
         }
     }
 
-    /// The step-over; a missing one is a fault if `stated` requires it.
-    pub(crate) fn step_over(
-        &self,
-        stated: StatedParameters,
-        path: &JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Option<StepOver>, Faulted> {
+    /// The step-over; a missing one is a fault if the request must state it.
+    pub(crate) fn step_over(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
         match self.step_over? {
-            None if stated.step_over => Err(step_over::missing(path, faults)),
+            None if self.stated.step_over => Err(step_over::missing(path, faults)),
             step_over => Ok(step_over),
         }
     }

@@ -1,11 +1,10 @@
 //! Arrays of points in a JSON body. They are read point by point, so that a body of a million points is never stored as
 //! a JSON tree.
 
-use super::source::{ReceivedPart, ReceivedSurface};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each_raw, number, read_triples};
-use crate::json_text::JsonText;
-use crate::surface::{LARGEST_COORDINATE, PartedSink, Sink};
+use crate::http::reading::{Components, Faulted, Faults, Kind, describe, each_raw, number};
+use crate::json_text::{JsonPath, JsonText, read_triples};
+use crate::surface::{LARGEST_COORDINATE, PartedSink, ReceivedPart, ReceivedSurface, Sink};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -19,7 +18,7 @@ pub(super) fn each_point(
     let mut in_bounds = true;
     let read = read_triples(
         raw.get(),
-        faults.cancel_flag().as_ref(),
+        faults.cancel_flag(),
         |points| points,
         |points: Vec<[f64; 3]>| {
             for point in points {
@@ -42,7 +41,7 @@ pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut Received
         }
         (points.into_iter().all(is_in_bounds), part)
     };
-    let read = read_triples(json, faults.cancel_flag().as_ref(), part, |(is_fine, part)| {
+    let read = read_triples(json, faults.cancel_flag(), part, |(is_fine, part)| {
         in_bounds &= is_fine;
         surface.append(part);
     });
@@ -52,29 +51,23 @@ pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut Received
 /// Finds all faults of an array of points that is known to have one.
 pub(super) fn find_faults(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
     let mut result = Ok(());
-    let mut index = 0;
-    each_raw(raw, path, faults, |item, faults| {
+    each_raw(raw, path, faults, |index, item, faults| {
         result = result.and(point(item, path.item(index), faults).map(|_| ()));
-        index += 1;
     })?;
     result.and_then(|()| Err(faults.add(&path, RequestFault::WrongType, "expected an array of points")))
 }
 
 /// One point.
 pub(super) fn point(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
-    let (mut coordinates, mut count) = ([Ok(0.0); 3], 0);
-    each_raw(raw, path, faults, |item, faults| {
-        if let Some(coordinate) = coordinates.get_mut(count) {
-            *coordinate = bounded(item, path.item(count), faults);
+    let mut coordinates = [Ok(0.0); 3];
+    let count = each_raw(raw, path, faults, |index, item, faults| {
+        if let Some(coordinate) = coordinates.get_mut(index) {
+            *coordinate = bounded(item, path.item(index), faults);
         }
-        count += 1;
     })?;
     if count != 3 {
-        return Err(faults.add(
-            &path,
-            RequestFault::WrongType,
-            format_args!("expected the three coordinates of a point, found {count} items"),
-        ));
+        let detail = format_args!("expected the three coordinates of a point, found {count} items");
+        return Err(faults.add(&path, RequestFault::WrongType, detail));
     }
     let [x, y, z] = coordinates;
     Ok([x?, y?, z?])

@@ -1,7 +1,8 @@
 //! The runout of the cutter: the deviation of its teeth from their common circle.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, JsonPath, Member, Quantity, WireObject, members};
+use crate::http::reading::{Faulted, Faults, Member, Quantity, WireObject, members};
+use crate::json_text::JsonPath;
 use crate::milling::Runout;
 
 /// The member `runout` of the calculations.

@@ -2,8 +2,8 @@
 
 use super::points::{point, point_schema};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, List, Member, Quantity, Whole, WireObject, members};
-use crate::json_text::JsonText;
+use crate::http::reading::{Components, Faulted, Faults, Kind, List, Member, Quantity, Whole, WireObject, members};
+use crate::json_text::{JsonPath, JsonText};
 use crate::quantity::Angle;
 use crate::surface::mesh::{Selection, SelectionError};
 use utoipa::openapi::{RefOr, Schema};

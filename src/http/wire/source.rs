@@ -1,12 +1,12 @@
 //! A received surface with its format, its unit, and the warnings of its reader.
 
 use super::Warning;
-use super::unit::unit_name;
-use crate::cancellation::CancelFlag;
+use super::unit::UNIT;
 use crate::http::codes::{FileFault, RequestFault, WarningCode, same_names};
-use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::surface::read::{Format, MostOfPush, Notes, Summary};
-use crate::surface::{Basis, MeshBuilder, MeshPart, PartedSink, SampledSurface, Shape, Sink, Unit};
+use crate::http::reading::{Faulted, Faults};
+use crate::json_text::JsonPath;
+use crate::surface::read::{Format, Notes, Summary};
+use crate::surface::{Basis, ReceivedSurface, Shape, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -45,79 +45,6 @@ pub(crate) enum Source {
 
 same_names!(Format => Source: Text, StlAscii, StlBinary, Obj, PlyAscii, PlyLittleEndian, PlyBigEndian, Pcd, ThreeMf);
 
-/// The largest number of facets of a surface; more are merged on a raster.
-const MOST_FACETS: usize = 500_000;
-
-/// A surface or a part of one that is being received: the sums for its shape, and its facets in `M`.
-#[derive(Debug, Default)]
-pub(crate) struct Received<M> {
-    pub(crate) sampled: SampledSurface,
-    pub(crate) mesh: M,
-}
-
-/// A whole surface.
-pub(crate) type ReceivedSurface = Received<MeshBuilder>;
-
-/// A part of a surface, which one thread fills.
-pub(crate) type ReceivedPart = Received<MeshPart>;
-
-impl ReceivedSurface {
-    pub(crate) fn new() -> Self {
-        Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS) }
-    }
-
-    /// A surface with a cancel flag: once `cancel` is set, receiving ends early, and the surface must be discarded.
-    pub(crate) fn until(cancel: &CancelFlag) -> Self {
-        let Self { sampled, mesh } = Self::new();
-        Self { sampled, mesh: mesh.with_cancel_flag(cancel) }
-    }
-
-    /// The memory of the facets, in bytes.
-    pub(crate) fn held_bytes(&self) -> u64 {
-        self.mesh.held_bytes() as u64
-    }
-
-    /// The additional memory in bytes to read at most `push` of a file whose reader stores `vertices` vertices.
-    pub(crate) fn bytes_to_take(&self, push: MostOfPush, vertices: usize) -> u64 {
-        (self.mesh.bytes_to_take(push.facets, push.corners + vertices) + push.held) as u64
-    }
-
-    /// The additional memory in bytes to read a 3MF package, whatever it contains.
-    pub(crate) fn bytes_to_take_package(&self) -> u64 {
-        self.mesh.bytes_to_take(MOST_FACETS, 3 * MOST_FACETS) as u64
-    }
-}
-
-impl<M: Sink> Sink for Received<M> {
-    fn point(&mut self, point: [f64; 3]) {
-        self.sampled.point(point);
-        self.mesh.point(point);
-    }
-
-    fn facet(&mut self, corners: [[f64; 3]; 3]) {
-        self.sampled.facet(corners);
-        self.mesh.facet(corners);
-    }
-
-    fn turn_over(&mut self) {
-        self.sampled.turn_over();
-        self.mesh.turn_over();
-    }
-}
-
-impl PartedSink for ReceivedSurface {
-    type Part = ReceivedPart;
-
-    fn part(&self) -> ReceivedPart {
-        ReceivedPart { sampled: SampledSurface::new(), mesh: self.mesh.part() }
-    }
-
-    fn append(&mut self, part: ReceivedPart) {
-        self.sampled.merge(&part.sampled);
-        self.mesh.append(part.mesh);
-    }
-}
-
 /// A surface with its source.
 #[derive(Debug)]
 pub(crate) struct SurfaceWithSource {
@@ -148,17 +75,17 @@ impl SurfaceWithSource {
         let Some(own) = self.unit else { return Ok(requested.unwrap_or_default()) };
         match requested {
             Some(requested) if requested != own && self.source == Source::ThreeMf => {
-                let detail = format_args!("the 3MF file states its unit, {}; omit `unit` or state the same", unit_name(own));
-                Err(faults.add(&JsonPath::Root.member("unit"), RequestFault::ConflictingFields, detail))
+                let detail = format_args!("the 3MF file states its unit, {}; omit `unit` or state the same", UNIT.kind.word(&own));
+                Err(faults.add(&JsonPath::Root.member(UNIT.name), RequestFault::ConflictingFields, detail))
             }
             Some(requested) => Ok(requested),
             None if self.source == Source::ThreeMf || own == Unit::default() => Ok(own),
             None => {
-                let (header, default) = (unit_name(own), unit_name(Unit::default()));
+                let (header, default) = (UNIT.kind.word(&own), UNIT.kind.word(&Unit::default()));
                 let detail = format_args!(
                     "the header gives the coordinates in {header}, and without `unit` they are read in {default}; state unit \"{header}\" or \"{default}\""
                 );
-                Err(faults.add(path, FileFault::AmbiguousFile, detail))
+                Err(faults.add(path, FileFault::Ambiguous, detail))
             }
         }
     }

@@ -1,7 +1,8 @@
 //! The step-over of a request: along the surface, or seen from above.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
+use crate::http::reading::{Faulted, Faults, Quantity, members};
+use crate::json_text::JsonPath;
 use crate::milling::StepOver;
 use crate::quantity::Length;
 

@@ -1,15 +1,13 @@
 //! Surfaces in JSON: points, a grid, a mesh, or a Bezier patch.
 
 use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
-use super::source::{ReceivedSurface, Source, SurfaceWithSource};
-use crate::cancellation::CancelFlag;
+use super::source::{Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
-    read_triples,
+    AddMembers, Components, Faulted, Faults, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
 };
-use crate::json_text::JsonText;
-use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, Sink};
+use crate::json_text::{JsonPath, JsonText, read_triples};
+use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, ReceivedSurface, Sink};
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -50,7 +48,7 @@ impl Kind for StatedSurface {
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         // Nearly all large bodies have only points. They are read without a first pass that finds the members.
-        let mut surface = received(faults);
+        let mut surface = ReceivedSurface::until(faults.cancel_flag());
         if let Some(points) = sole_member(raw.get(), POINTS.name)
             && receive_points(points, faults, &mut surface).is_some()
         {
@@ -96,15 +94,10 @@ impl Kind for StatedSurface {
     }
 }
 
-/// An empty surface for the body that `faults` belongs to.
-fn received(faults: &Faults) -> ReceivedSurface {
-    faults.cancel_flag().map_or_else(ReceivedSurface::new, |cancel| ReceivedSurface::until(&cancel))
-}
-
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let path = object.path();
     let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
-    let mut surface = received(faults);
+    let mut surface = ReceivedSurface::until(faults.cancel_flag());
     if receive_points(raw.get(), faults, &mut surface).is_none() {
         find_faults(raw, path.member(POINTS.name), faults)?;
     }
@@ -122,9 +115,8 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
-    let cancel = faults.cancel_flag();
-    let stop = || cancel.as_ref().is_some_and(CancelFlag::is_cancelled);
-    let mesh = patch.tessellate_until(samples, received(faults).mesh, &stop);
+    let stop = || faults.is_cancelled();
+    let mesh = patch.tessellate_until(samples, ReceivedSurface::until(faults.cancel_flag()).mesh, &stop);
     let surface =
         patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
             faults.add(
@@ -142,14 +134,12 @@ impl Kind for GridKind {
     type Value = ReceivedSurface;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
-        let mut object = Object::open(raw, path, faults)?;
-        let (rows, columns) = (object.required(&ROWS, faults), object.required(&COLUMNS, faults));
-        let surface = match (rows, columns) {
-            (Ok(rows), Ok(columns)) => grid(&mut object, rows as usize, columns as usize, faults),
-            _ => object.required(&GRID_POINTS, faults).and(Err(Faulted)),
-        };
-        object.close(faults)?;
-        surface
+        Object::open(raw, path, faults)?.read(faults, |object, faults| {
+            match (object.required(&ROWS, faults), object.required(&COLUMNS, faults)) {
+                (Ok(rows), Ok(columns)) => grid(object, rows as usize, columns as usize, faults),
+                _ => object.required(&GRID_POINTS, faults).and(Err(Faulted)),
+            }
+        })
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
@@ -162,7 +152,8 @@ impl Kind for GridKind {
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = object.path();
-    let mut grid = Grid::into_sink(rows, columns, received(faults)).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
+    let mut grid = Grid::into_sink(rows, columns, ReceivedSurface::until(faults.cancel_flag()))
+        .map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let Some(raw) = object.take(GRID_POINTS.name, faults) else {
         return object.required(&GRID_POINTS, faults).and(Err(Faulted));
     };
@@ -209,11 +200,10 @@ const TRIANGLES_AT_ONCE: usize = 4096;
 
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = path.member(TRIANGLES.name);
-    let mut surface = received(faults);
+    let mut surface = ReceivedSurface::until(faults.cancel_flag());
     let mut result = Ok(());
-    let cancel = faults.cancel_flag();
     for (number, triangle) in triangles.iter().enumerate() {
-        if number.is_multiple_of(TRIANGLES_AT_ONCE) && cancel.as_ref().is_some_and(CancelFlag::is_cancelled) {
+        if number.is_multiple_of(TRIANGLES_AT_ONCE) && faults.is_cancelled() {
             break;
         }
         let at = |corner: usize| points.get(triangle[corner] as usize).copied().ok_or(corner);
@@ -249,19 +239,16 @@ impl Kind for Triangles {
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let mut triangles = Vec::with_capacity(most_items(raw));
-        let cancel = faults.cancel_flag();
-        if read_triples(raw.get(), cancel.as_ref(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
+        if read_triples(raw.get(), faults.cancel_flag(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
             return Ok(triangles);
         }
         // The pass above stopped at the first fault, without its location. This pass finds all faults, and accepts
         // whole numbers written as 1.0 or 1e3.
         triangles.clear();
-        let mut index = 0;
-        each_raw(raw, path, faults, |item, faults| {
+        each_raw(raw, path, faults, |index, item, faults| {
             // A default replaces a triangle with a fault, so that the indices of the others are checked too. A request
             // with a fault is not planned.
             triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
-            index += 1;
         })?;
         Ok(triangles)
     }
@@ -312,14 +299,7 @@ impl Kind for Net {
     type Value = Vec<Vec<[f64; 3]>>;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
-        let (mut rows, mut index) = (Vec::new(), 0);
-        each_raw(raw, path, faults, |item, faults| {
-            if rows.len() < MOST_KEPT {
-                rows.push(row(item, path.item(index), faults));
-            }
-            index += 1;
-        })?;
-        rows.into_iter().collect()
+        first_items(raw, path, faults, |row, path, faults| first_items(row, path, faults, point))
     }
 
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
@@ -329,13 +309,18 @@ impl Kind for Net {
     }
 }
 
-fn row(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<[f64; 3]>, Faulted> {
-    let (mut points, mut index) = (Vec::new(), 0);
-    each_raw(raw, path, faults, |item, faults| {
-        if points.len() < MOST_KEPT {
-            points.push(point(item, path.item(index), faults));
+/// Reads the items of the array `raw` with `read`; those beyond [`MOST_KEPT`] are left out.
+fn first_items<T>(
+    raw: JsonText<'_>,
+    path: JsonPath<'_>,
+    faults: &mut Faults,
+    read: impl Fn(JsonText<'_>, JsonPath<'_>, &mut Faults) -> Result<T, Faulted>,
+) -> Result<Vec<T>, Faulted> {
+    let mut items = Vec::new();
+    each_raw(raw, path, faults, |index, item, faults| {
+        if index < MOST_KEPT {
+            items.push(read(item, path.item(index), faults));
         }
-        index += 1;
     })?;
-    points.into_iter().collect()
+    items.into_iter().collect()
 }

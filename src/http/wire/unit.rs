@@ -19,8 +19,3 @@ pub(crate) const UNIT: Member<Choice<Unit>> = Member {
         ],
     },
 };
-
-/// The name of a unit on the wire.
-pub(super) fn unit_name(unit: Unit) -> &'static str {
-    UNIT.kind.word(&unit)
-}

@@ -10,31 +10,13 @@ use http_body::{Frame, SizeHint};
 
 use super::fault::BodyFault;
 use super::progress::BodyProgress;
-use crate::memory_budget::Reservation;
+use crate::memory_budget::Reserved;
 
 /// A decompressed body of at most `max_bytes`.
 pub(super) struct LimitedBody {
-    body: Body,
-    max_bytes: u64,
-    progress: Arc<BodyProgress>,
-}
-
-impl LimitedBody {
-    pub(super) fn new(body: Body, max_bytes: u64, progress: Arc<BodyProgress>) -> Self {
-        Self { body, max_bytes, progress }
-    }
-}
-
-/// Bytes with their reservation. The budget gets it back when the last reference to the bytes is dropped.
-struct ReservedBytes {
-    bytes: Bytes,
-    _reservation: Reservation,
-}
-
-impl AsRef<[u8]> for ReservedBytes {
-    fn as_ref(&self) -> &[u8] {
-        &self.bytes
-    }
+    pub(super) body: Body,
+    pub(super) max_bytes: u64,
+    pub(super) progress: Arc<BodyProgress>,
 }
 
 impl HttpBody for LimitedBody {
@@ -52,9 +34,7 @@ impl HttpBody for LimitedBody {
             return Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::TooLarge { max_bytes: self.max_bytes }))));
         }
         match self.progress.budget().reserve(length) {
-            Ok(reservation) => {
-                Poll::Ready(Some(Ok(frame.map_data(|bytes| Bytes::from_owner(ReservedBytes { bytes, _reservation: reservation })))))
-            }
+            Ok(reservation) => Poll::Ready(Some(Ok(frame.map_data(|bytes| Bytes::from_owner(Reserved { bytes, reservation }))))),
             Err(exceeded) => Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::Memory(exceeded))))),
         }
     }
@@ -77,7 +57,7 @@ mod tests {
 
     async fn read(bytes: usize, max_bytes: u64) -> (Result<usize, String>, Option<BodyFault>) {
         let progress = Arc::new(BodyProgress::begin(true, MemoryBudget::new(150)));
-        let body = LimitedBody::new(Body::from(vec![b'x'; bytes]), max_bytes, Arc::clone(&progress));
+        let body = LimitedBody { body: Body::from(vec![b'x'; bytes]), max_bytes, progress: Arc::clone(&progress) };
         let read = body.collect().await.map(|whole| whole.to_bytes().len()).map_err(|fault| fault.to_string());
         (read, progress.fault().cloned())
     }
@@ -101,7 +81,7 @@ mod tests {
     async fn bytes_are_reserved_as_long_as_a_part_of_them_is_held() {
         let budget = MemoryBudget::new(150);
         let progress = Arc::new(BodyProgress::begin(true, budget.clone()));
-        let mut body = LimitedBody::new(Body::from(vec![b'x'; 100]), 100, progress);
+        let mut body = LimitedBody { body: Body::from(vec![b'x'; 100]), max_bytes: 100, progress };
         let mut held = body.frame().await.unwrap().unwrap().into_data().unwrap();
         assert_eq!(budget.reserved(), 100);
         drop(held.split_to(99));

@@ -21,6 +21,7 @@ use crate::http::problem::Problem;
 use crate::http::routes::RouteClass;
 use crate::settings::HttpSettings;
 use fault::BodyFault;
+use limit::LimitedBody;
 pub(super) use progress::BodyProgress;
 pub(super) use wire::{Pace, WireBody};
 
@@ -57,7 +58,7 @@ impl BodyRules {
     /// Limits the size of the decompressed body.
     pub(super) fn limit(&self, request: Request) -> Request {
         let progress = BodyProgress::of(&request);
-        request.map(|body| Body::new(limit::LimitedBody::new(body, self.max_bytes, progress)))
+        request.map(|body| Body::new(LimitedBody { body, max_bytes: self.max_bytes, progress }))
     }
 }
 

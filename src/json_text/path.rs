@@ -1,4 +1,4 @@
-//! Paths to the values of a request.
+//! Paths to the values of a JSON text.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use std::fmt;
 /// for a fault.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum JsonPath<'p> {
-    /// The whole body.
+    /// The whole text.
     Root,
     /// A member of an object.
     Member(&'p JsonPath<'p>, &'p str),
@@ -63,7 +63,7 @@ impl fmt::Display for JsonPath<'_> {
     }
 }
 
-/// The name, shortened if it is longer than any known name, because an answer must not repeat megabytes of its request.
+/// The name, shortened if it is longer than any known name, because a message must not repeat megabytes of the text.
 fn shown(name: &str) -> &str {
     const LONGEST: usize = 200;
     name.char_indices().nth(LONGEST).map_or(name, |(end, _)| &name[..end])

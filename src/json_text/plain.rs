@@ -1,7 +1,7 @@
 //! The fast reader of plain values in JSON text whose syntax has not been checked: objects of known members, numbers
 //! and arrays of numbers. It refuses everything else, valid or not, so that the general reader can find the faults.
 
-use crate::json_text::JsonText;
+use super::JsonText;
 
 /// A JSON text and the position up to which it has been read.
 #[derive(Debug, Clone)]

@@ -18,13 +18,13 @@ const BATCH: usize = 16;
 /// `N`, or once `cancel` is set; `take` may have been called before.
 pub(crate) fn read_triples<N: PlainValue + Default + Send, T: Send>(
     json: &str,
-    cancel: Option<&CancelFlag>,
+    cancel: &CancelFlag,
     each: impl Fn(Vec<[N; 3]>) -> T + Sync,
     mut take: impl FnMut(T),
 ) -> Option<()> {
     let mut rest = json.trim_ascii().strip_prefix('[')?.strip_suffix(']')?.trim_ascii();
     while !rest.is_empty() {
-        if cancel.is_some_and(CancelFlag::is_cancelled) {
+        if cancel.is_cancelled() {
             return None;
         }
         let mut blocks = Vec::with_capacity(BATCH);
@@ -69,7 +69,7 @@ mod tests {
 
     fn read<N: PlainValue + Default + Send>(json: &str) -> Option<Vec<[N; 3]>> {
         let mut all = Vec::new();
-        read_triples(json, None, |triples| triples, |triples| all.extend(triples)).map(|()| all)
+        read_triples(json, &CancelFlag::default(), |triples| triples, |triples| all.extend(triples)).map(|()| all)
     }
 
     #[test]
@@ -110,7 +110,7 @@ mod tests {
     fn a_cancelled_array_is_not_read() {
         let cancel = CancelFlag::default();
         cancel.cancel();
-        assert_eq!(read_triples("[[1,2,3]]", Some(&cancel), |triples: Vec<[f64; 3]>| triples.len(), |_| ()), None);
+        assert_eq!(read_triples("[[1,2,3]]", &cancel, |triples: Vec<[f64; 3]>| triples.len(), |_| ()), None);
     }
 
     proptest! {

@@ -1,6 +1,5 @@
 //! The fast reader of arrays of numbers and nulls. It uses all cores; the syntax need not have been checked.
 
-use super::columns::CellValue;
 use super::plain::{PlainJson, Unusual};
 use memchr::{memchr, memchr_iter};
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
@@ -11,12 +10,12 @@ const BLOCK: usize = 32 * 1024;
 /// The items of an array, given as the text between its brackets, with NaN for null. `None` if there are more than
 /// `most`, an item is neither null nor a finite double, or the text is no list of items; the general reader then finds
 /// the faults.
-pub(super) fn read_numbers(items: &[u8], most: usize) -> Option<Vec<f64>> {
+pub(crate) fn read_numbers(items: &[u8], most: usize) -> Option<Vec<f64>> {
     if items.trim_ascii().is_empty() {
         return Some(Vec::new());
     }
     let blocks = blocks(items);
-    // Items without brackets and quotation marks contain no commas; `read_item` refuses all others.
+    // Items without brackets and quotation marks contain no commas; `number_or_null` refuses all others.
     let counts: Vec<usize> = blocks.iter().map(|block| memchr_iter(b',', block).count() + 1).collect();
     let count = counts.iter().sum();
     if count > most {
@@ -50,11 +49,16 @@ fn read_block(block: &[u8], place: &mut [f64]) -> Result<(), Unusual> {
     let mut json = PlainJson::new(block);
     let (last, others) = place.split_last_mut().ok_or(Unusual)?;
     for value in others {
-        *value = f64::read_item(&mut json)?;
+        *value = number_or_null(&mut json)?;
         json.expect(b',')?;
     }
-    *last = f64::read_item(&mut json)?;
+    *last = number_or_null(&mut json)?;
     if json.is_at_end() { Ok(()) } else { Err(Unusual) }
+}
+
+#[inline]
+fn number_or_null(json: &mut PlainJson<'_>) -> Result<f64, Unusual> {
+    if json.takes_null() { Ok(f64::NAN) } else { json.number() }
 }
 
 #[cfg(test)]

@@ -1,16 +1,16 @@
-//! NaN and Infinity in requests. They are not JSON, but Python and other languages write them. A body that cannot be
-//! parsed is scanned for them, and each is replaced by a string that the readers of numbers recognize, so that the
-//! fault has a location and affects only one contact.
+//! NaN and Infinity in JSON texts. They are not JSON, but Python and other languages write them. A text that cannot be
+//! parsed is scanned for them, and each is replaced by a string that readers of numbers recognize, so that the fault
+//! has a location and affects only one value.
 
 use crate::cancellation::CancelFlag;
-use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
+use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reserved};
 
 /// The tokens and the JSON strings that replace them. A control character distinguishes the strings from those of
 /// callers.
 const MARKS: [(&str, &str); 3] = [("NaN", r#""\u0000NaN""#), ("-Infinity", r#""\u0000-Infinity""#), ("Infinity", r#""\u0000Infinity""#)];
 
 /// The token that the JSON value `value` replaced.
-pub(super) fn token(value: &str) -> Option<&'static str> {
+pub(crate) fn token(value: &str) -> Option<&'static str> {
     MARKS.iter().find(|(_, mark)| *mark == value).map(|(token, _)| *token)
 }
 
@@ -19,27 +19,19 @@ pub(crate) fn mark(token: &str) -> Option<&'static str> {
     MARKS.iter().find(|(known, _)| *known == token).map(|(_, mark)| *mark)
 }
 
-/// A body with its tokens replaced, and its memory reservation.
-pub(crate) struct Marked {
-    text: Vec<u8>,
-    _memory: Reservation,
-}
-
-impl Marked {
-    pub(crate) fn text(&self) -> &[u8] {
-        &self.text
-    }
-}
-
 /// Replaces the tokens outside strings; `None` if there are none. A cancelled scan ends early, and its result is
 /// discarded.
-pub(crate) fn mark_not_finite(json: &[u8], budget: &MemoryBudget, cancel: &CancelFlag) -> Result<Option<Marked>, BudgetExceeded> {
+pub(crate) fn mark_not_finite(
+    json: &[u8],
+    budget: &MemoryBudget,
+    cancel: &CancelFlag,
+) -> Result<Option<Reserved<Vec<u8>>>, BudgetExceeded> {
     let growth: usize = Tokens::new(json, cancel).map(|(_, token, mark)| mark.len() - token.len()).sum();
     if growth == 0 {
         return Ok(None);
     }
     let length = json.len() + growth;
-    let memory = budget.reserve(length as u64)?;
+    let reservation = budget.reserve(length as u64)?;
     let (mut text, mut copied) = (Vec::with_capacity(length), 0);
     for (at, token, mark) in Tokens::new(json, cancel) {
         text.extend_from_slice(&json[copied..at]);
@@ -47,7 +39,7 @@ pub(crate) fn mark_not_finite(json: &[u8], budget: &MemoryBudget, cancel: &Cance
         copied = at + token.len();
     }
     text.extend_from_slice(&json[copied..]);
-    Ok(Some(Marked { text, _memory: memory }))
+    Ok(Some(Reserved { bytes: text, reservation }))
 }
 
 /// An iterator over the tokens outside strings, each with its position and its mark. It ends when the scan is
@@ -103,14 +95,14 @@ impl Iterator for Tokens<'_> {
 mod tests {
     use super::*;
 
-    fn marked(json: &[u8]) -> Option<Marked> {
+    fn marked(json: &[u8]) -> Option<Reserved<Vec<u8>>> {
         mark_not_finite(json, &MemoryBudget::new(1000), &CancelFlag::default()).unwrap()
     }
 
     #[test]
     fn tokens_are_marked_outside_strings_only() {
         let text = marked(br#"{"NaN": [NaN, -Infinity, 1], "b": "a\"NaN", "c":Infinity}"#).unwrap();
-        let value: serde_json::Value = serde_json::from_slice(text.text()).unwrap();
+        let value: serde_json::Value = serde_json::from_slice(text.as_ref()).unwrap();
         assert_eq!(value, serde_json::json!({"NaN": ["\0NaN", "\0-Infinity", 1], "b": "a\"NaN", "c": "\0Infinity"}));
         assert_eq!(token(r#""\u0000-Infinity""#), Some("-Infinity"));
         assert_eq!(token("\"NaN\""), None);

@@ -1,0 +1,153 @@
+//! The facets of a surface with those that are machined, and the reach of cutters on them.
+
+use super::memory::TRIAL_SIDE;
+use super::reach::ReachMap;
+use super::zigzag::{CandidateCutter, SurfaceEvidence};
+use crate::quantity::{Angle, Length};
+use crate::surface::mesh::{FacetClass, Selection, SelectionError, ViewFromAbove, Visibility};
+use crate::surface::{Facing, FinishFacet, Mesh, MeshBuilder, MeshError, Unit};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+
+/// Whether the work is cancelled.
+pub(crate) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// The cells along each side of the raster for the reach of cutters and for maps.
+const SIDE: usize = TRIAL_SIDE;
+
+/// The facets of a surface, with those that are machined.
+pub(crate) struct Workpiece {
+    pub(crate) mesh: Mesh,
+    pub(crate) visibility: Visibility,
+    pub(crate) pieces: u32,
+    /// The number of pieces with a machined facet.
+    pub(crate) machined_pieces: usize,
+    /// Whether each facet of the mesh is selected and not too steep.
+    machined: Vec<bool>,
+    /// The facets to plan for.
+    pub(crate) facets: Vec<FinishFacet>,
+    /// For each facet of the mesh, its index among the planned facets; `None` if it is not planned.
+    places: Vec<Option<u32>>,
+    pub(crate) view: ViewFromAbove,
+}
+
+/// The reason why a surface has no facets to machine.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum NoWorkpiece {
+    Mesh(MeshError),
+    Selection(SelectionError),
+    NothingToMachine,
+}
+
+impl NoWorkpiece {
+    /// Whether the surface is valid and only has no facets that are visible from above.
+    pub(crate) fn is_sound(self) -> bool {
+        match self {
+            Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. })
+            | Self::NothingToMachine => true,
+            Self::Mesh(_) | Self::Selection(_) => false,
+        }
+    }
+}
+
+impl Workpiece {
+    /// Prepares the facets of a surface.
+    ///
+    /// Once `stop` returns true, work ends early, and the result must be discarded.
+    pub(crate) fn new(
+        mesh: MeshBuilder,
+        unit: Unit,
+        facing: Facing,
+        selection: &Selection,
+        max_slope: Angle,
+        stop: Stop,
+    ) -> Result<Self, NoWorkpiece> {
+        let go_on = || if stop() { Err(NoWorkpiece::NothingToMachine) } else { Ok(()) };
+        let mesh = mesh.finish_until(unit, facing, stop).map_err(NoWorkpiece::Mesh)?;
+        go_on()?;
+        let pieces = mesh.pieces_until(stop);
+        go_on()?;
+        let selected = mesh.selected(selection, &pieces).map_err(NoWorkpiece::Selection)?;
+        go_on()?;
+        let visibility = mesh.visibility_until(max_slope, stop);
+        go_on()?;
+        let facets = mesh.facets_for_finishing_until(&visibility, &selected, stop);
+        go_on()?;
+        let mut next = 0;
+        let mut machined = Vec::with_capacity(selected.len());
+        let mut places = Vec::with_capacity(selected.len());
+        for (class, selected) in visibility.classes().iter().zip(&selected) {
+            machined.push(*selected && *class == FacetClass::Machined);
+            let is_planned = *selected && matches!(class, FacetClass::Machined | FacetClass::Steep { wall: false });
+            places.push(is_planned.then_some(next));
+            next += u32::from(is_planned);
+        }
+        if !machined.contains(&true) {
+            return Err(NoWorkpiece::NothingToMachine);
+        }
+        let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
+        let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
+        let view = mesh.seen_from_above_until(SIDE, stop);
+        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
+    }
+
+    /// The index of a cell's facet among the planned facets.
+    pub(crate) fn facet_of_cell(&self, cell: usize) -> Option<u32> {
+        self.view.facet(cell).and_then(|facet| self.places[facet])
+    }
+
+    /// The share of the visible area whose facets have the opposite orientation: up to a half.
+    fn turned_area_share(&self) -> f64 {
+        let seen = self.visible_area_share() * self.visibility.area();
+        let from_behind = if seen > 0.0 { (self.visibility.area_from_behind() / seen).min(1.0) } else { 0.0 };
+        from_behind.min(1.0 - from_behind)
+    }
+
+    /// The figures of the surface on which the confidence in a ranking depends.
+    pub(crate) fn evidence(&self) -> SurfaceEvidence {
+        SurfaceEvidence {
+            visible_area_share: self.visible_area_share(),
+            pieces: self.machined_pieces,
+            turned_area_share: self.turned_area_share(),
+        }
+    }
+
+    /// The raster for the reach of cutters.
+    pub(crate) fn reach(&self) -> ReachMap {
+        ReachMap::new(&self.mesh, &self.view, &self.machined)
+    }
+
+    /// The share of the whole area that is seen from above.
+    pub(crate) fn visible_area_share(&self) -> f64 {
+        let shares = self.visibility.shares();
+        (1.0 - shares.hidden - shares.overhanging).clamp(0.0, 1.0)
+    }
+}
+
+/// The number of cutters between two checks for cancellation.
+const MOST_AT_ONCE: usize = 8;
+
+/// The candidates, each with the material that it cannot reach. `None` once `stop` returns true.
+pub(crate) fn with_reach(
+    reach: &ReachMap,
+    candidates: &[CandidateCutter],
+    scallop_height: Length,
+    stop: Stop,
+) -> Option<Vec<CandidateCutter>> {
+    let mut tried = Vec::with_capacity(candidates.len());
+    for some in candidates.chunks(MOST_AT_ONCE) {
+        if stop() {
+            return None;
+        }
+        // The map of a cutter takes half a MB, so only the figures are kept.
+        let with_reach = some.par_iter().map(|&candidate| {
+            if stop() {
+                return candidate;
+            }
+            let reach = Some((&reach.uncut_until(candidate.cutter, scallop_height, stop)).into());
+            CandidateCutter { reach, ..candidate }
+        });
+        tried.extend(with_reach.collect::<Vec<_>>());
+    }
+    (!stop()).then_some(tried)
+}
