@@ -3,8 +3,8 @@
 
 use super::contact::{self, AngleSlots, StatedContact, VectorSlots};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
-use crate::http::reading::{Components, Faulted, Faults, Object};
-use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual};
+use crate::http::reading::{Components, Faulted, Faults, Object, Slots};
+use crate::json_text::{JsonPath, JsonText, PlainJson, Unusual};
 use utoipa::openapi::{RefOr, Schema};
 
 /// A contact and its own parameters.
@@ -67,7 +67,10 @@ impl BatchContact {
     /// The contact, or `None` if it cannot be read in one pass.
     #[inline]
     fn read_plain(json: &mut PlainJson<'_>, defaults: &ContactParameters) -> Option<Self> {
-        Self::accept(&ContactSlots::read(json).ok()?, defaults)
+        let mut slots = ContactSlots::default();
+        // Filled in place: the slots are large, and a result would copy them.
+        json.object(|name, json| slots.fill(name, json)).ok()?;
+        Self::accept(&slots, defaults)
     }
 
     /// The contact from its values, with `defaults` for the parameters that it does not state; `None` if there is a
