@@ -6,8 +6,11 @@
 //! cargo run --release --example curved_contacts
 //! ```
 
+#[path = "../tests/simulation/random.rs"]
+mod random;
 mod thread_time;
 
+use random::Random;
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::{Angle, Length};
 use std::hint::black_box;
@@ -33,14 +36,14 @@ struct Input {
 
 impl Input {
     /// A contact whose step-over alone leaves half of the tolerance on the curved surface; `None` if the cutter gouges it.
-    fn draw(within: &mut impl FnMut(f64, f64) -> f64, signs: [f64; 2]) -> Option<Self> {
-        let outer = within(2.0, 10.0);
-        let cutter = Cutter::toroidal(mm(2.0 * outer), mm(within(0.1, 0.7) * outer)).expect("a corner under the radius");
-        let contact = Contact::from_degrees(within(5.0, 85.0), within(0.0, 360.0)).expect("a contact");
-        let principal = signs.map(|sign| sign / within(20.0, 220.0));
-        let turn = Angle::from_degrees(within(0.0, 180.0)).expect("an angle");
+    fn draw(random: &mut Random, signs: [f64; 2]) -> Option<Self> {
+        let outer = random.within(2.0, 10.0);
+        let cutter = Cutter::toroidal(mm(2.0 * outer), mm(random.within(0.1, 0.7) * outer)).expect("a corner under the radius");
+        let contact = Contact::from_degrees(random.within(5.0, 85.0), random.within(0.0, 360.0)).expect("a contact");
+        let principal = signs.map(|sign| sign / random.within(20.0, 220.0));
+        let turn = Angle::from_degrees(random.within(0.0, 180.0)).expect("an angle");
         let curvature = SurfaceCurvature::from_principal_per_mm(principal, turn).expect("curvatures in their bounds");
-        let (feed, half) = (mm(within(0.05, 0.3)), within(0.002, 0.025) / 2.0);
+        let (feed, half) = (mm(random.within(0.05, 0.3)), random.within(0.002, 0.025) / 2.0);
         let plane = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
         let evaluated = EvaluatedPass::new(Model::Envelope, Pass { surface: curvature, ..plane }).ok()?;
         let step_over = evaluated.max_step_over(mm(half), None).ok()?;
@@ -73,18 +76,12 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn main() {
-    let mut state = 7_u64;
-    let mut within = move |low: f64, high: f64| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        #[expect(clippy::cast_precision_loss, reason = "53 bits fit")]
-        let unit = (state >> 11) as f64 / (1_u64 << 53) as f64;
-        low + (high - low) * unit
-    };
+    let mut random = Random(7);
     println!("medians over {CONTACTS} contacts, processor time in us\n");
     println!("| surface | calculation | on a plane | curved | of the plane's |");
     println!("|---|---|---|---|---|");
     for (surface, signs) in [("convex", [1.0, 1.0]), ("saddle", [1.0, -1.0]), ("concave", [-1.0, -1.0])] {
-        let inputs: Vec<_> = std::iter::from_fn(|| Some(Input::draw(&mut within, signs))).flatten().take(CONTACTS).collect();
+        let inputs: Vec<_> = std::iter::from_fn(|| Some(Input::draw(&mut random, signs))).flatten().take(CONTACTS).collect();
         for (name, calculate) in CALCULATIONS {
             let time = |pass: fn(&Input) -> Pass| median(inputs.iter().map(|input| time_us(calculate, pass(input), input)).collect());
             // The first round warms caches and the processor.

@@ -8,32 +8,18 @@
 //!
 //! The optional second argument is the seed. Inputs without an answer count too, because a refusal must also be fast.
 
+#[path = "../tests/simulation/random.rs"]
+mod random;
 mod thread_time;
 
+use random::Random;
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::{Angle, Length};
 use std::hint::black_box;
 use std::num::NonZeroU32;
 use thread_time::now_us;
 
-/// The pseudo-random generator Splitmix64, with a fixed seed.
-struct Random(u64);
-
 impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        #[expect(clippy::cast_precision_loss, reason = "53 bits fit")]
-        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-        unit
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
     fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.unit())
     }

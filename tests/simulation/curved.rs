@@ -1,7 +1,8 @@
 //! Curved surfaces and runout: the model's height compared with a simulation of the cutter's solid on the quadric
 //! surface. The tool axis is fixed, and every tooth mark is placed by the surface's own normal there.
 
-use super::{Random, mm, wanted};
+use super::random::Random;
+use super::{mm, wanted};
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use std::num::NonZeroU32;
 

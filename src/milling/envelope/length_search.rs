@@ -101,7 +101,7 @@ pub(super) fn by_secants(p: f64, guess: f64, height: impl Fn(f64) -> Option<f64>
         if last.1.abs() <= CONFIRMED / 2.0 {
             return Some(last.0.exp());
         }
-        if !(step.abs() <= FIRST_REACH) {
+        if step.is_nan() || step.abs() > FIRST_REACH {
             return None;
         }
         let at = last.0 + step;
