@@ -84,47 +84,40 @@ impl Setup {
         along
     }
 
-    /// The largest height that two neighbouring passes leave between them, over a grid of points and phases; the teeth
-    /// of the second pass lag by every share of the pattern.
-    fn highest(&self, along: u16, across: u16) -> f64 {
-        let count = u16::try_from(self.teeth.len()).expect("a few teeth");
-        let length = self.feed * f64::from(count);
-        let places = along * count;
-        let mut highest = 0.0_f64;
-        for row in 0..=across {
-            // The stated contact is half-way between the passes, where the slope is the mean of theirs.
-            let y = self.step_over * (f64::from(row) / f64::from(across) - 0.5);
-            let mut left = [Vec::new(), Vec::new()];
-            for (pass, at) in [(0, -0.5 * self.step_over), (1, 0.5 * self.step_over)] {
-                let mut deepest = 0_i32;
-                left[pass] = (0..places)
-                    .map(|cell| {
-                        let x = length * (f64::from(cell) / f64::from(places) - 0.5);
-                        let (place, normal) = (self.surface(x, y), self.normal(x, y));
-                        let height = |tooth: i32| {
-                            let solid = self.teeth[usize::try_from(tooth.rem_euclid(i32::from(count))).expect("a tooth")];
-                            Self::entry(solid, self.centre(f64::from(tooth) * self.feed, at), place, normal)
-                        };
-                        let window = i32::from(count) + 1;
-                        loop {
-                            let best =
-                                (deepest - window..=deepest + window).min_by(|a, b| height(*a).total_cmp(&height(*b))).expect("teeth");
-                            if best == deepest || !height(best).is_finite() {
-                                return height(deepest);
-                            }
-                            deepest = best;
-                        }
-                    })
-                    .collect();
-            }
-            for lag in 0..places {
-                for cell in 0..places {
-                    let (first, second) = (left[0][usize::from(cell)], left[1][usize::from((cell + lag) % places)]);
-                    highest = highest.max(first.min(second));
+    /// The largest height that two neighbouring passes leave between them, abreast of the stated contact. The teeth of
+    /// each pass are moved along the feed through every phase of their pattern, those of the two passes independently.
+    ///
+    /// Places before and behind the stated contact have slopes of their own, and are contacts of their own: half a feed
+    /// further on, in a bowl with radii of 49 and 70 mm at 11 deg, a height is 5 % larger.
+    fn highest(&self, phases: u16, across: u16) -> f64 {
+        let offsets = (0..=across).map(|row| self.step_over * (f64::from(row) / f64::from(across) - 0.5));
+        // The stated contact is half-way between the passes, where the slope is the mean of theirs.
+        let left = |aside: f64| [-0.5, 0.5].map(|pass| self.left_by(pass * self.step_over, aside, phases));
+        offsets.map(left).fold(0.0, |highest, [first, second]| highest.max(first.min(second)))
+    }
+
+    /// The largest height over the surface that the pass at the offset `pass` leaves at the offset `aside`.
+    fn left_by(&self, pass: f64, aside: f64, phases: u16) -> f64 {
+        let (place, normal) = (self.surface(0.0, aside), self.normal(0.0, aside));
+        let count = i32::try_from(self.teeth.len()).expect("a few teeth");
+        let window = count + 1;
+        let mut deepest = 0;
+        (0..phases * u16::try_from(count).expect("a few teeth"))
+            .map(|phase| {
+                let ahead = f64::from(phase) / f64::from(phases);
+                let height = |tooth: i32| {
+                    let solid = self.teeth[usize::try_from(tooth.rem_euclid(count)).expect("a tooth")];
+                    Self::entry(solid, self.centre((f64::from(tooth) + ahead) * self.feed, pass), place, normal)
+                };
+                loop {
+                    let best = (deepest - window..=deepest + window).min_by(|a, b| height(*a).total_cmp(&height(*b))).expect("teeth");
+                    if best == deepest || !height(best).is_finite() {
+                        return height(deepest);
+                    }
+                    deepest = best;
                 }
-            }
-        }
-        highest
+            })
+            .fold(0.0, f64::max)
     }
 }
 
@@ -145,13 +138,31 @@ struct Outcome {
     share: f64,
 }
 
-fn simulate(random: &mut Random, curved: bool, harsh: bool) -> Result<Outcome, NoAnswer> {
+/// The configurations of a test.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    /// Radii of curvature from 20 mm or 3 times the largest effective radius on.
+    Curved,
+    /// Radii of curvature from 12 mm on.
+    Harsh,
+    /// Planes, with runout of 2 to 6 teeth.
+    RunoutOnPlanes,
+    /// Radii as in `Curved`, with the same runout.
+    RunoutOnCurved,
+}
+
+fn simulate(random: &mut Random, kind: Kind) -> Result<Outcome, NoAnswer> {
+    let (curved, runs_out) = match kind {
+        Kind::Curved | Kind::Harsh => (true, false),
+        Kind::RunoutOnPlanes => (false, true),
+        Kind::RunoutOnCurved => (true, true),
+    };
     let outer = random.within(2.0, 10.0);
     let corner = outer * random.within(0.1, 0.7);
     let (slope_deg, alpha_deg) = (random.within(5.0, 85.0), random.within(-180.0, 180.0));
     let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();
     let largest = (outer - corner) / slope_deg.to_radians().sin() + corner;
-    let smallest_radius = if harsh { 12.0 } else { (3.0 * largest).max(20.0) };
+    let smallest_radius = if matches!(kind, Kind::Harsh) { 12.0 } else { (3.0 * largest).max(20.0) };
     let mut principal = || if random.unit() < 0.5 { 1.0 } else { -1.0 } * random.unit() / smallest_radius;
     let principal = [principal(), principal()];
     let turn = random.within(0.0, 180.0);
@@ -161,8 +172,8 @@ fn simulate(random: &mut Random, curved: bool, harsh: bool) -> Result<Outcome, N
         SurfaceCurvature::PLANE
     };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 2 to 6")]
-    let count = if curved { 1 } else { 2 + (random.unit() * 5.0) as u32 };
-    let (radial, axial) = if curved { (0.0, 0.0) } else { (random.within(0.0, 0.008), random.within(-0.008, 0.008)) };
+    let count = if runs_out { 2 + (random.unit() * 5.0) as u32 } else { 1 };
+    let (radial, axial) = if runs_out { (random.within(0.0, 0.008), random.within(-0.008, 0.008)) } else { (0.0, 0.0) };
     let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
     let cutter = Cutter::toroidal(mm(2.0 * outer), mm(corner)).unwrap();
     let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout, teeth: NonZeroU32::new(count) })?;
@@ -179,17 +190,17 @@ fn simulate(random: &mut Random, curved: bool, harsh: bool) -> Result<Outcome, N
         .collect();
     let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
     let setup = Setup { teeth, frame: frame(contact), curvature, feed, step_over: step_over.mm() };
-    let (along, across) = if curved { (16, 64) } else { (8, 32) };
+    let (along, across) = if runs_out { (8, 32) } else { (16, 64) };
     let share = setup.highest(along, across) / height;
     let turn = evaluated.largest_turn(step_over, Some(mm(feed)));
     Ok(Outcome { slope_deg, corner_ratio: corner / outer, lambda: evaluated.relative_curvature(), turn, share })
 }
 
-fn outcomes(seed: u64, count: usize, curved: bool, harsh: bool) -> Vec<Outcome> {
+fn outcomes(seed: u64, count: usize, kind: Kind) -> Vec<Outcome> {
     let mut random = Random(seed);
     let mut outcomes = Vec::new();
     while outcomes.len() < count {
-        outcomes.extend(simulate(&mut random, curved, harsh));
+        outcomes.extend(simulate(&mut random, kind));
     }
     outcomes
 }
@@ -226,40 +237,51 @@ fn print_by_warning(name: &str, outcomes: &[Outcome]) {
     }
 }
 
+/// The share of a height that the simulation's rounding may reach.
+const REACHED: f64 = 1.001;
+
+/// The same on curved surfaces with runout, where the turning of the normal changes a height in the ratio of that for
+/// marks of equal depth, which is an approximation.
+const REACHED_WITH_RUNOUT: f64 = 1.01;
+
 #[test]
 fn heights_on_curved_surfaces_are_not_exceeded_and_are_reached() {
-    let outcomes = outcomes(11 + seed(), wanted(200), true, false);
+    let outcomes = outcomes(11 + seed(), wanted(200), Kind::Curved);
     print_by_warning("curved", &outcomes);
-    // With and without a warning.
+    // With and without a warning, at all slopes.
     for outcome in &outcomes {
-        assert!(outcome.share <= if outcome.slope_deg >= 10.0 { 1.01 } else { 1.04 }, "{outcome:?}");
+        assert!(outcome.share <= REACHED, "{outcome:?}");
     }
     let warned = outcomes.iter().filter(|outcome| outcome.slope_deg >= 10.0 && outcome.turn > SMALL_TURN).count();
     assert!(10 * warned <= outcomes.len(), "warnings about large turns on {warned} of {}", outcomes.len());
-    // The grid of 16 places along a mark and 64 across misses a percent or two of the peak.
+    // The grid of 16 phases and 64 places across misses a percent or two of the peak.
     let median = print("curved", &outcomes.iter().collect::<Vec<_>>());
     assert!(median >= 0.97, "median {median}");
 }
 
 #[test]
-fn heights_of_close_fits_without_a_warning_are_not_exceeded() {
-    let (near, fair): (Vec<_>, Vec<_>) =
-        outcomes(12 + seed(), wanted(40), true, true).into_iter().partition(|outcome| outcome.lambda <= 0.6);
-    print_by_warning("harsh, lambda over 0.6", &fair);
-    let (least, little) = near.iter().partition::<Vec<_>, _>(|outcome| outcome.lambda < 0.25);
-    print("harsh, lambda 0.25 to 0.6", &little);
-    print("harsh, lambda under 0.25", &least);
-    for outcome in fair.iter().filter(|outcome| outcome.turn <= SMALL_TURN) {
-        assert!(outcome.share <= if outcome.slope_deg >= 10.0 { 1.01 } else { 1.04 }, "{outcome:?}");
+fn heights_of_close_fits_are_not_exceeded_from_a_quarter_of_the_curvature_on() {
+    let outcomes = outcomes(12 + seed(), wanted(150), Kind::Harsh);
+    let within = |low: f64, high: f64| outcomes.iter().filter(move |outcome| outcome.lambda > low && outcome.lambda <= high);
+    print("harsh, lambda over 0.6", &within(0.6, f64::INFINITY).collect::<Vec<_>>());
+    print("harsh, lambda 0.25 to 0.6", &within(0.25, 0.6).collect::<Vec<_>>());
+    print("harsh, lambda under 0.25", &within(0.0, 0.25).collect::<Vec<_>>());
+    for outcome in within(0.25, f64::INFINITY) {
+        assert!(outcome.share <= REACHED, "{outcome:?}");
     }
 }
 
 #[test]
 fn heights_with_runout_are_not_exceeded() {
-    let outcomes = outcomes(13 + seed(), wanted(40), false, false);
-    print("runout, 2 to 6 teeth", &outcomes.iter().collect::<Vec<_>>());
-    for outcome in &outcomes {
-        assert!(outcome.share <= 1.01, "{outcome:?}");
+    for (name, seed_of_kind, kind, largest) in [
+        ("runout on planes", 13, Kind::RunoutOnPlanes, REACHED),
+        ("runout on curved surfaces", 14, Kind::RunoutOnCurved, REACHED_WITH_RUNOUT),
+    ] {
+        let outcomes = outcomes(seed_of_kind + seed(), wanted(150), kind);
+        print(name, &outcomes.iter().collect::<Vec<_>>());
+        for outcome in &outcomes {
+            assert!(outcome.share <= largest, "{name}: {outcome:?}");
+        }
     }
 }
 
@@ -288,7 +310,7 @@ fn two_shallow_teeth_in_a_row_exceed_the_height_for_alternating_teeth() {
 /// tolerance of 10 um.
 #[test]
 fn computed_step_overs_keep_the_tolerance_on_cylinders_and_spheres() {
-    let mut worst = [0.0_f64; 2];
+    let mut worst = 0.0_f64;
     for (outer, corner) in [(6.0, 1.0), (5.0, 2.0)] {
         for slope_deg in [5.0, 8.0, 10.0, 20.0, 40.0, 60.0, 80.0] {
             for alpha_deg in [0.0, 30.0, 60.0, 90.0] {
@@ -311,20 +333,13 @@ fn computed_step_overs_keep_the_tolerance_on_cylinders_and_spheres() {
                         let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
                         let setup = Setup { teeth, frame: frame(contact), curvature, feed, step_over: step_over.mm() };
                         let share = setup.highest(8, 48) / 0.01;
-                        let turn = evaluated.largest_turn(step_over, Some(mm(feed)));
-                        let steep = slope_deg >= 10.0;
-                        if share > if steep { 1.01 } else { 1.04 } {
-                            println!(
-                                "R {outer} r {corner} slope {slope_deg} alpha {alpha_deg} {principal:?} at {from_steepest} bend {bend:.4}: {share:.4}, turn {turn:.3}, lambda {:.2}",
-                                evaluated.relative_curvature()
-                            );
-                        }
-                        worst[usize::from(steep)] = worst[usize::from(steep)].max(share);
+                        worst = worst.max(share);
+                        assert!(share <= REACHED, "R {outer} r {corner} slope {slope_deg} alpha {alpha_deg} {surface:?}: {share}");
                     }
                 }
             }
         }
     }
-    println!("under 10 deg {:.4}, from 10 deg {:.4}", worst[0], worst[1]);
-    assert!(worst[0] <= 1.04 && worst[1] <= 1.01, "{worst:?}");
+    println!("cylinders and spheres: the largest {worst:.4}");
+    assert!(worst >= 0.97, "{worst}");
 }
