@@ -165,7 +165,8 @@ proptest! {
     /// two lobes, and a search may find either, so that heights differ by up to 3 % (one in some 5,000 inputs).
     ///
     /// With the feed along a level line, a height can fall by up to 3 % where another ridge becomes the one that is found
-    /// (one in some 35,000 inputs). The inverse is then a larger length with the same height.
+    /// (one in some 35,000 inputs), and more where no ridge of turned marks is found, of which a warning tells. The inverse
+    /// is then a larger length with the same height.
     #[test]
     fn the_inverses_leave_the_tolerance(
         cutter in cutters(), slope in 10.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.02..0.2_f64,
@@ -182,8 +183,11 @@ proptest! {
         prop_assume!(found.feed.mm() > 1e-3 * found.total().mm() && found.step_over.mm() > 1e-3 * found.total().mm());
         let (step_over, feed) = (evaluated.max_step_over(found.total(), Some(mm(f))), evaluated.max_feed_per_tooth(found.total(), mm(s)));
         let height_of = |s: f64, f: f64| height(&evaluated, s, f).unwrap();
-        prop_assert!(comes_back(step_over.unwrap().mm(), s, |s| height_of(s, f)), "{step_over:?} {s}");
-        prop_assert!(comes_back(feed.unwrap().mm(), f, |f| height_of(s, f)), "{feed:?} {f}");
+        let (step_over, feed) = (step_over.unwrap().mm(), feed.unwrap().mm());
+        let keeps = |height: f64| height <= found.total().mm() * (1.0 + 1e-9);
+        let warned = [(step_over, f), (s, feed)].map(|(s, f)| !is_settled(&evaluated, s, f) && keeps(height_of(s, f)));
+        prop_assert!(warned[0] || comes_back(step_over, s, |s| height_of(s, f)), "{step_over} {s}");
+        prop_assert!(warned[1] || comes_back(feed, f, |f| height_of(s, f)), "{feed} {f}");
     }
 
     /// Circles of the radius R placed on a sphere, s apart and f apart, meet over the middle of the rectangle between

@@ -14,7 +14,7 @@
 //! - `closed_form`: plane floors and walls, ball-end cutters, sharp edges on planes
 //! - `newton`: the fast search on all unknowns at once, with a proof of the result; `proved`: the same, with `local` where
 //!   it does not converge; `clearing` and `runout`: with runout; `sharp_edge`: sharp edges on curved surfaces
-//! - `section`: the general search; `chord`: the search along the feed, which the other searches use
+//! - `nested` and `section`: the general searches; `chord`: the search along the feed, which the other searches use
 //! - `concave`, `outline` and `local`: surfaces on which the section need not be convex
 //! - `body`: the cutter's solid over the surface
 //! - `turning_marks`: marks that have normals of their own on a curved surface; `turned_ridge`: the ridge between them;
@@ -29,6 +29,7 @@ mod inverses;
 mod length_search;
 mod local;
 mod nearby;
+mod nested;
 mod newton;
 mod outline;
 mod proved;
@@ -254,7 +255,7 @@ impl Envelope {
         self.cutter.corner_radius().mm() + contact.slope().sin() * (core + furthest) + drop
     }
 
-    /// h by the general search, or on a concave surface by the outline, which checks what the fast search found.
+    /// h by the general searches, or on a concave surface by the outline, which checks what the fast search found.
     fn searched_level(&self, s: f64, pattern: Pattern, quick: Option<QuickLevel>) -> Option<f64> {
         if self.body.is_concave() {
             return self.level_on_concave(s, pattern, quick);
@@ -262,7 +263,8 @@ impl Envelope {
         // Most ridges of a sharp edge without marks lie between points of the edge.
         let is_sharp = pattern.spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd;
         let guess = if is_sharp { sharp_edge::level(&self.body, s) } else { None }.unwrap_or_else(|| self.guess(s, pattern));
-        let level = Section::new(&self.body, pattern, 2.0 * s).level(s, guess, self.ceiling(s, &pattern));
+        let section = || Section::new(&self.body, pattern, 2.0 * s).level(s, guess, self.ceiling(s, &pattern));
+        let level = self.nested_level(s, &pattern, guess).unwrap_or_else(section);
         Some(level).filter(|level| *level <= Length::LARGEST)
     }
 

@@ -51,6 +51,9 @@ impl Sought {
 /// more from others.
 const MOST_STEPS: usize = 24;
 
+/// The same for a step-over on a convex section, whose edges take hardly longer to search than further steps.
+const MOST_STEPS_STEP_OVER: usize = 12;
+
 /// The number of first steps for which the chords are searched roughly. If these do not suffice, the parabola of a
 /// chord is misleading because it crosses an edge of the body, and chords are searched accurately.
 const ROUGH_STEPS: usize = 8;
@@ -118,7 +121,12 @@ pub(super) fn solve_from(
     // If edges of the body meet there, the position of a chord's end is only as accurate as its search.
     let mut is_close = false;
     let mut small_steps = 0;
-    for step in 0..if end == End::Nearby { MOST_STEPS_NEARBY } else { MOST_STEPS } {
+    let most_steps = match sought {
+        _ if end == End::Nearby => MOST_STEPS_NEARBY,
+        Sought::StepOver if !body.is_concave() => MOST_STEPS_STEP_OVER,
+        Sought::Level | Sought::StepOver | Sought::MarkSpacing => MOST_STEPS,
+    };
+    for step in 0..most_steps {
         let s = lengths.step_over;
         let f = lengths.mark_spacing;
         let (p, reach) = (lengths.level, s + f);

@@ -7,12 +7,12 @@ use super::{local, newton};
 
 /// The ridge on the body, whose sought length is a guess in `lengths`; `None` unless the result is proved.
 ///
-/// If the searches of chords do not converge on a convex section, the steps of [`local`] do, from the contact or, near
-/// the floor, from under the axis. Convexity proves these results, too: a ridge near the start is the only one.
+/// If the searches of chords find no height or feed on a convex section, the steps of [`local`] may, from the contact or,
+/// near the floor, from under the axis. Convexity proves these results, too: a ridge near the start is the only one.
 pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths, marks: [Clearing; 2]) -> Option<Ridge> {
     let place = Place::start(body, lengths.step_over, marks, lengths.mark_spacing);
     let found = newton::solve_from(body, sought, lengths, place, marks, End::AtRidge);
-    if found.is_some() || body.is_concave() {
+    if found.is_some() || body.is_concave() || matches!(sought, Sought::StepOver) {
         return found;
     }
     let under_axis = || {

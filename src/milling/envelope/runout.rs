@@ -7,6 +7,7 @@
 //! proved as without runout.
 
 use super::clearing::{Clearing, Row};
+use super::nested::Nested;
 use super::newton::{self, End, Lengths, Place, Ridge, Sought};
 use super::proved;
 use super::section::Pattern;
@@ -16,6 +17,9 @@ use crate::quantity::Length;
 /// The depth, as a share of the height, at which a point counts as cleared by the other marks too: some hundred
 /// rounding errors.
 const INSIDE: f64 = 1e-13;
+
+/// The share of the lengths by which passes or marks overlap so little that rounding decides the height.
+const HARDLY: f64 = 1e-9;
 
 /// A ridge between marks of one kind.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +34,39 @@ impl Envelope {
         let drop = self.drop;
         let alternating = if pattern.shallow_pairs { Clearing::Even { feeds: 1.0, drop } } else { Clearing::Mixed { drop } };
         [alternating, Clearing::Even { feeds: pattern.deep_spacing / pattern.spacing, drop: 0.0 }]
+    }
+
+    /// The height by nested searches, from a guess; `None` where they do not settle, or where passes or marks overlap so
+    /// little that rounding decides the height.
+    pub(super) fn nested_level(&self, s: f64, pattern: &Pattern, guess: f64) -> Option<f64> {
+        let nested = Nested::Level { feed: pattern.spacing, guess };
+        let overlap_clearly = |s: f64, f: f64| self.overlap((1.0 + HARDLY) * s, (1.0 + HARDLY) * f);
+        if !overlap_clearly(s, pattern.spacing) {
+            return None;
+        }
+        if pattern.is_even() {
+            return nested.solve(&self.body, s, &[Clearing::EVEN], None);
+        }
+        let [alternating, deep] = self.kinds(pattern);
+        if overlap_clearly(s, pattern.deep_spacing) {
+            return nested.solve(&self.body, s, &[alternating, deep], None);
+        }
+        if self.overlap(s, pattern.deep_spacing) {
+            return None;
+        }
+        // Deep marks that meet clear a part of the step-over.
+        nested.solve(&self.body, s, &[alternating], self.overlap(0.0, pattern.deep_spacing).then_some(deep))
+    }
+
+    /// The largest feed per tooth, clearly less than `largest`, by nested searches from a guess; `None` where there is none
+    /// or they do not settle.
+    pub(super) fn nested_feed(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
+        let nested = Nested::Feed { level: p, guess };
+        let pattern = self.pattern(guess);
+        let [alternating, deep] = if pattern.is_even() { [Clearing::EVEN; 2] } else { self.kinds(&pattern) };
+        // Shallow teeth do not reach depths under delta.
+        let kinds = if pattern.is_even() || p <= self.drop { &[deep][..] } else { &[alternating, deep] };
+        nested.solve(&self.body, s, kinds, None).filter(|feed| (Length::SMALLEST..(1.0 - HARDLY) * largest).contains(feed))
     }
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {

@@ -91,7 +91,7 @@ pub(super) struct Section<'a> {
 const CONCAVE_BUDGET: u32 = 1000;
 
 /// No offset beyond this one is searched, in mm: twice the largest accepted length.
-const FURTHEST: f64 = 2.0 * Length::LARGEST;
+pub(super) const FURTHEST: f64 = 2.0 * Length::LARGEST;
 
 /// The largest number of steps: bracketing and bisection take about 60 at most, Newton's method 3 to 6.
 const MOST_STEPS: usize = 80;

@@ -81,7 +81,31 @@ proptest! {
         approx::assert_relative_eq!(closed, searched(&envelope, s, f), max_relative = 1e-11, epsilon = 1e-14 * (outer + s + f));
     }
 
-    /// The general search has no special case for ridges between marks of two kinds: it intersects and joins intervals.
+    /// Nested searches find the same heights and feeds as the search of the section's edges.
+    #[test]
+    fn the_nested_and_the_section_search_agree(
+        cutter in cutters(), slope in 0.1..89.9_f64, alpha in quarter_turn(), bends in [0.0..0.3_f64, 0.0..0.3_f64], turn in 0.0..180.0_f64,
+        s in -3.0..-0.1_f64, feed in -2.5..-0.4_f64, runs_out in -5.0..-2.0_f64, teeth in 1..6_u32,
+    ) {
+        let outer = cutter.outer_radius().mm();
+        let surface = SurfaceCurvature::from_principal_per_mm(bends.map(|bend| bend / outer), Angle::from_degrees(turn).unwrap()).unwrap();
+        let runout = Runout::NONE.with_radial_mm(if teeth == 1 { 0.0 } else { 10_f64.powf(runs_out) * outer }).unwrap();
+        let envelope = Envelope::new(Pass { surface, runout, teeth: NonZeroU32::new(teeth), ..pass(cutter, slope, alpha) }).unwrap();
+        let [s, feed] = [s, feed].map(|log| 10_f64.powf(log) * outer);
+        let pattern = envelope.pattern(feed);
+        prop_assume!(envelope.overlap(1.01 * s, 1.01 * feed));
+        let guess = envelope.guess(s, pattern);
+        let Some(nested) = envelope.nested_level(s, &pattern, guess) else { return Ok(()) };
+        let section = Section::new(&envelope.body, pattern, 2.0 * s).level(s, guess, f64::INFINITY);
+        approx::assert_relative_eq!(nested, section, max_relative = 1e-8);
+        // The feed at the height that it leaves, unless the height does not depend on it.
+        let Some(found) = envelope.nested_feed(nested, s, 0.9 * feed, envelope.largest_feed(s)) else { return Ok(()) };
+        let height = envelope.nested_level(s, &envelope.pattern(found), nested);
+        prop_assert!(found >= feed * (1.0 - 1e-6) && height.is_none_or(|height| (height / nested - 1.0).abs() < 1e-7), "{found} {feed}");
+    }
+
+    /// The search of the section's edges has no special case for ridges between marks of two kinds: it intersects and joins
+    /// intervals.
     #[test]
     fn with_runout_the_quick_and_the_general_search_agree(
         cutter in cutters(), slope in 0.01..89.99_f64, theta in quarter_turn(), share in 0.001..0.9_f64, marks in 0.001..0.4_f64, radial in 0.0..0.005_f64, axial in -0.005..0.005_f64, teeth in 2_u32..6, bend in prop_oneof![2 => Just([0.0; 2]), 1 => [0.0..0.3_f64, 0.0..0.3_f64]],
