@@ -247,9 +247,7 @@ impl Envelope {
         if !self.is_convex_up_to(p) {
             return quick.or_else(|| self.feed_on_concave(p, s, largest));
         }
-        // A section that is convex up to p can be another one above it, on which nested searches do not settle.
-        let nested = || if self.body.is_concave() { None } else { self.nested_feed(p, s, guess, largest) };
-        quick.or_else(nested).or_else(|| self.feed_held(p, s, guess, largest))
+        quick.or_else(|| self.feed_held(p, s, guess, largest))
     }
 
     /// An approximation of the largest feed per tooth near a plane floor, if the tolerance p exceeds the height of the

@@ -1,10 +1,9 @@
-//! Heights and largest feeds on convex sections by nested searches, for contacts at which the fast search proves nothing.
+//! Heights on convex sections by nested searches, for contacts at which the fast search proves nothing.
 //!
 //! At an offset t from a pass, the height M(t) that its marks leave is the root of the distance c(t, p), a convex
 //! function that falls with p. M is convex too, so that the height for a step-over s, the least of max(M(t), M(t - s)),
-//! is bounded by tangents on both sides. The largest feed at a height is the greatest of min(L(t), L(t - s)), with L(t),
-//! concave, the longest distance of marks that clear t. Every search is of one convex function of one unknown, which
-//! takes a bounded number of steps from any start.
+//! is bounded by tangents on both sides. Every search is of one convex function of one unknown, which takes a bounded
+//! number of steps from any start.
 //!
 //! With runout a pass clears what either kind of marks clears (`runout`). Each kind has an interval of offsets, which
 //! grows with the height. As soon as both meet, the pass clears their union, whose edges can be of different kinds.
@@ -21,39 +20,39 @@ const MOST_STEPS: usize = 80;
 /// The relative error at which a search ends: some roundings.
 const CLOSE: f64 = 1e-14;
 
-/// The size of the last step of Newton's method, as a share of the value: the step squares the error.
+/// The size of the last step of Newton's method, as a share of the height: the step squares the error.
 const LAST_STEP: f64 = 1e-10;
 
-/// The relative gap between a value and its lower bound up to which a search that cannot go on has an answer.
+/// The relative gap between a height and its lower bound up to which a search that cannot go on has an answer.
 const SETTLED: f64 = 1e-10;
 
-/// The size of a step, as a share of the value, under which a step that does not shrink is a rounding error.
+/// The size of a step, as a share of the height, under which a step that does not shrink is a rounding error.
 const NOISE: f64 = 1e-6;
 
-/// The factor by which a value shrinks at most in a step.
+/// The factor by which a height shrinks at most in a step.
 const SHRINKING: f64 = 1.0 / 64.0;
 
-/// The value of a pass at a lateral offset: a convex function of the offset.
+/// What a pass leaves at a lateral offset: a convex function of the offset.
 #[derive(Debug, Clone, Copy)]
 enum Left {
-    /// The value and its slope.
-    At { value: f64, by_side: f64 },
+    /// The height and its slope.
+    At { height: f64, by_side: f64 },
     /// The pass does not clear this offset at any height; 1 on its right side, -1 on its left side.
     Beyond(f64),
 }
 
-/// The least of the greater of two convex functions, and the offset at which it is.
+/// The least height that two passes leave, and the offset at which they do.
 #[derive(Debug, Clone, Copy)]
 struct Least {
-    value: f64,
+    height: f64,
     t: f64,
 }
 
-/// A tangent of the greater of two convex functions.
+/// A tangent of a height over the offset.
 #[derive(Debug, Clone, Copy)]
 struct Tangent {
     t: f64,
-    value: f64,
+    height: f64,
     slope: f64,
 }
 
@@ -61,44 +60,44 @@ impl Tangent {
     /// Where this tangent, which falls, meets one that rises.
     fn meets(&self, rising: &Self) -> Self {
         let steepening = rising.slope - self.slope;
-        let t = (rising.slope * rising.t - self.slope * self.t - rising.value + self.value) / steepening;
-        Self { t, value: self.value + self.slope * (t - self.t), slope: 0.0 }
+        let t = (rising.slope * rising.t - self.slope * self.t - rising.height + self.height) / steepening;
+        Self { t, height: self.height + self.slope * (t - self.t), slope: 0.0 }
     }
 }
 
-/// What is searched, with what is given.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Nested {
-    /// The height of marks with a feed per tooth, from a guess.
-    Level { feed: f64, guess: f64 },
-    /// The feed per tooth at a height, from a guess.
-    Feed { level: f64, guess: f64 },
+/// The search at one contact.
+#[derive(Debug)]
+pub(super) struct Nested<'a> {
+    pub(super) body: &'a Body,
+    /// The feed per tooth.
+    pub(super) feed: f64,
+    /// A guess of the height.
+    pub(super) guess: f64,
 }
 
-impl Nested {
-    /// The height, or the largest feed per tooth, for passes s apart, of which marks of each kind in `alone` have one and
-    /// marks of the kind `other` clear at least a part; `None` where a search does not settle, because passes or marks
-    /// hardly overlap.
-    pub(super) fn solve(self, body: &Body, s: f64, alone: &[Clearing], other: Option<Clearing>) -> Option<f64> {
+impl Nested<'_> {
+    /// The height for passes s apart, of which marks of each kind in `alone` have one and marks of the kind `other` clear
+    /// at least a part; `None` where a search does not settle, because passes or marks hardly overlap.
+    pub(super) fn height(&self, s: f64, alone: &[Clearing], other: Option<Clearing>) -> Option<f64> {
         let mut best = None::<(Least, &Clearing)>;
         for marks in alone {
-            let least = self.least(body, s, [marks; 2])?;
-            if best.is_none_or(|(best, _)| least.value < best.value) {
+            let least = self.least(s, [marks; 2])?;
+            if best.is_none_or(|(best, _)| least.height < best.height) {
                 best = Some((least, marks));
             }
         }
         let best = best?;
-        let mut value = best.0.value;
+        let mut height = best.0.height;
         for other in alone.iter().chain(&other).filter(|other| *other != best.1) {
-            value = value.min(self.least_with(body, s, best, other)?);
+            height = height.min(self.least_with(s, best, other)?);
         }
-        Some(if matches!(self, Self::Feed { .. }) { -value } else { value })
+        Some(height)
     }
 
     /// The least of passes of which one edge is cleared by `marks`, whose own least is `best`, and one by `other`; infinite
     /// if `other` clears neither edge.
-    fn least_with(self, body: &Body, s: f64, (best, marks): (Least, &Clearing), other: &Clearing) -> Option<f64> {
-        let is_less = |t: f64| matches!(self.left(body, other, t, &mut self.start()), Left::At { value, .. } if value < best.value);
+    fn least_with(&self, s: f64, (best, marks): (Least, &Clearing), other: &Clearing) -> Option<f64> {
+        let is_less = |t: f64| matches!(self.left(other, t, &mut self.start()), Left::At { height, .. } if height < best.height);
         let pair = if is_less(best.t) {
             [other, marks]
         } else if is_less(best.t - s) {
@@ -107,13 +106,13 @@ impl Nested {
             return Some(f64::INFINITY);
         };
         // The two intervals meet from this value on.
-        let meeting = self.least(body, 0.0, pair)?;
-        Some(self.least(body, s, pair)?.value.max(meeting.value))
+        let meeting = self.least(0.0, pair)?;
+        Some(self.least(s, pair)?.height.max(meeting.height))
     }
 
     /// The least of the greater of what two passes s apart have at one place, the near one at the offset t and the far one
     /// at t - s.
-    fn least(self, body: &Body, s: f64, marks: [&Clearing; 2]) -> Option<Least> {
+    fn least(&self, s: f64, marks: [&Clearing; 2]) -> Option<Least> {
         let (mut near, mut far) = (self.start(), self.start());
         let mut reach = s + near.x[0];
         let mut t = s / 2.0;
@@ -123,29 +122,29 @@ impl Nested {
         let mut bound = f64::NEG_INFINITY;
         let mut gaps = [f64::INFINITY; 3];
         for _ in 0..MOST_STEPS {
-            let sides = [self.left(body, marks[0], t, &mut near), self.left(body, marks[1], t - s, &mut far)];
+            let sides = [self.left(marks[0], t, &mut near), self.left(marks[1], t - s, &mut far)];
             let mut next = f64::NAN;
             match sides {
-                [Left::At { value: near, by_side: near_slope }, Left::At { value: far, by_side: far_slope }] => {
-                    let (value, slope) = if near >= far { (near, near_slope) } else { (far, far_slope) };
-                    if best.is_none_or(|best| value < best.value) {
-                        best = Some(Least { value, t });
+                [Left::At { height: near, by_side: near_slope }, Left::At { height: far, by_side: far_slope }] => {
+                    let (height, slope) = if near >= far { (near, near_slope) } else { (far, far_slope) };
+                    if best.is_none_or(|best| height < best.height) {
+                        best = Some(Least { height, t });
                     }
-                    let tangent = Tangent { t, value, slope };
+                    let tangent = Tangent { t, height, slope };
                     if slope > 0.0 {
                         (high, rising) = (t, Some(tangent));
                     } else if slope < 0.0 {
                         (low, falling) = (t, Some(tangent));
                     } else {
-                        return Some(Least { value, t });
+                        return Some(Least { height, t });
                     }
                     if near_slope > 0.0 && far_slope < 0.0 {
-                        let near = Tangent { t, value: near, slope: near_slope };
-                        let meeting = Tangent { t, value: far, slope: far_slope }.meets(&near);
-                        bound = bound.max(meeting.value);
-                        // Beyond a line where the round begins a value grows with the square of the step, which Newton's
+                        let near = Tangent { t, height: near, slope: near_slope };
+                        let meeting = Tangent { t, height: far, slope: far_slope }.meets(&near);
+                        bound = bound.max(meeting.height);
+                        // Beyond a line where the round begins a height grows with the square of the step, which Newton's
                         // step only halves.
-                        let gap = value - meeting.value;
+                        let gap = height - meeting.height;
                         let halves = gap > 0.2 * gaps[2] && gap < 0.3 * gaps[2];
                         next = if halves { t + 2.0 * (meeting.t - t) } else { meeting.t };
                         gaps = [gaps[1], gaps[2], gap];
@@ -162,12 +161,12 @@ impl Nested {
             }
             if let (Some(falling), Some(rising)) = (falling, rising) {
                 let meeting = falling.meets(&rising);
-                bound = bound.max(meeting.value);
+                bound = bound.max(meeting.height);
                 if !(next > low && next < high) {
                     next = meeting.t;
                 }
             }
-            if best.is_some_and(|best| best.value - bound <= CLOSE * best.value.abs()) {
+            if best.is_some_and(|best| best.height - bound <= CLOSE * best.height.abs()) {
                 return best;
             }
             let is_open = low == f64::NEG_INFINITY || high == f64::INFINITY;
@@ -191,98 +190,56 @@ impl Nested {
                 break;
             }
         }
-        best.filter(|best| best.value - bound <= SETTLED * best.value.abs())
+        best.filter(|best| best.height - bound <= SETTLED * best.height.abs())
     }
 
     /// The start of the first search at an offset.
-    fn start(self) -> Start {
-        match self {
-            Self::Level { feed, guess } => Start { value: guess, x: [feed / 2.0; 2] },
-            Self::Feed { guess, .. } => Start { value: guess, x: [guess / 2.0; 2] },
-        }
+    fn start(&self) -> Start {
+        Start { height: self.guess, x: [self.feed / 2.0; 2] }
     }
 
-    /// The value that marks have at an offset.
-    fn left(self, body: &Body, marks: &Clearing, t: f64, start: &mut Start) -> Left {
-        match self {
-            Self::Level { feed, .. } => level(body, marks, t, feed, start),
-            Self::Feed { level, .. } => length(body, marks, t, level, start),
+    /// The height that marks leave at the offset t.
+    ///
+    /// The distance is convex and falls with the height, so that Newton's method rises to its root from below.
+    fn left(&self, marks: &Clearing, t: f64, start: &mut Start) -> Left {
+        let Self { body, feed, .. } = *self;
+        let least = f64::EPSILON.powi(2) * body.reach();
+        let mut p = start.height.max(least);
+        let mut x = start.x;
+        let mut last = f64::INFINITY;
+        let mut is_below = false;
+        let mut side = 1.0_f64.copysign(t);
+        for _ in 0..MOST_STEPS {
+            let chord = marks.search(body, &mut x, Row { t, p, feed }, Accuracy::full(p), t.abs() + marks.spacing(feed) + p).chord;
+            if chord.by_height >= 0.0 {
+                // The section shrinks again over the axis beside a wall.
+                if is_below || p <= least {
+                    break;
+                }
+                p = (SHRINKING * p).max(least);
+                continue;
+            }
+            side = chord.by_side.signum();
+            let rise = -chord.value / chord.by_height;
+            let is_rounding = rise.abs() <= LAST_STEP * p || rise.abs() <= NOISE * p && rise.abs() >= 0.5 * last;
+            if is_rounding || p <= least && rise <= 0.0 {
+                *start = Start { height: p, x };
+                return Left::At { height: (p + rise).max(0.0), by_side: -chord.by_side / chord.by_height };
+            }
+            if p + rise > 2.0 * Length::LARGEST {
+                break;
+            }
+            is_below |= rise > 0.0;
+            last = rise.abs();
+            p = (p + rise).max(SHRINKING * p).max(least);
         }
+        Left::Beyond(side)
     }
 }
 
-/// The value, and the front ends of the chords, from which the next search at an offset begins: those of the last one.
+/// The height, and the front ends of the chords, from which the next search at an offset begins: those of the last one.
 #[derive(Debug, Clone, Copy)]
 struct Start {
-    value: f64,
+    height: f64,
     x: [f64; 2],
-}
-
-/// The height that marks with a feed per tooth leave at the offset t.
-///
-/// The distance is convex and falls with the height, so that Newton's method rises to its root from below.
-fn level(body: &Body, marks: &Clearing, t: f64, feed: f64, start: &mut Start) -> Left {
-    let least = f64::EPSILON.powi(2) * body.reach();
-    let mut p = start.value.max(least);
-    let mut x = start.x;
-    let mut last = f64::INFINITY;
-    let mut is_below = false;
-    let mut side = 1.0_f64.copysign(t);
-    for _ in 0..MOST_STEPS {
-        let chord = marks.search(body, &mut x, Row { t, p, feed }, Accuracy::full(p), t.abs() + marks.spacing(feed) + p).chord;
-        if chord.by_height >= 0.0 {
-            // The section shrinks again over the axis beside a wall.
-            if is_below || p <= least {
-                break;
-            }
-            p = (SHRINKING * p).max(least);
-            continue;
-        }
-        side = chord.by_side.signum();
-        let rise = -chord.value / chord.by_height;
-        let is_rounding = rise.abs() <= LAST_STEP * p || rise.abs() <= NOISE * p && rise.abs() >= 0.5 * last;
-        if is_rounding || p <= least && rise <= 0.0 {
-            *start = Start { value: p, x };
-            return Left::At { value: (p + rise).max(0.0), by_side: -chord.by_side / chord.by_height };
-        }
-        if p + rise > 2.0 * Length::LARGEST {
-            break;
-        }
-        is_below |= rise > 0.0;
-        last = rise.abs();
-        p = (p + rise).max(SHRINKING * p).max(least);
-    }
-    Left::Beyond(side)
-}
-
-/// The longest feed per tooth of marks that clear the offset t down to the height p, with its sign changed.
-///
-/// The distance is convex and rises with the feed, so that Newton's method falls to its root from above.
-fn length(body: &Body, marks: &Clearing, t: f64, p: f64, start: &mut Start) -> Left {
-    let mut feed = start.value.max(Length::SMALLEST);
-    let mut x = start.x;
-    let mut last = f64::INFINITY;
-    let mut side = 1.0_f64.copysign(t);
-    for _ in 0..MOST_STEPS {
-        let chord = marks.search(body, &mut x, Row { t, p, feed }, Accuracy::full(p), t.abs() + marks.spacing(feed)).chord;
-        side = chord.by_side.signum();
-        if chord.by_spacing <= 0.0 {
-            if chord.value > 0.0 || feed > FURTHEST {
-                break;
-            }
-            feed *= 4.0;
-            continue;
-        }
-        let longer = -chord.value / chord.by_spacing;
-        if longer.abs() <= LAST_STEP * feed || longer.abs() <= NOISE * feed && longer.abs() >= 0.5 * last {
-            *start = Start { value: feed, x };
-            return Left::At { value: -(feed + longer), by_side: chord.by_side / chord.by_spacing };
-        }
-        if feed <= 0.5 * Length::SMALLEST && longer < 0.0 {
-            break;
-        }
-        last = longer.abs();
-        feed = (feed + longer).clamp(SHRINKING * feed, 4.0 * feed);
-    }
-    Left::Beyond(side)
 }

@@ -39,34 +39,23 @@ impl Envelope {
     /// The height by nested searches, from a guess; `None` where they do not settle, or where passes or marks overlap so
     /// little that rounding decides the height.
     pub(super) fn nested_level(&self, s: f64, pattern: &Pattern, guess: f64) -> Option<f64> {
-        let nested = Nested::Level { feed: pattern.spacing, guess };
+        let nested = Nested { body: &self.body, feed: pattern.spacing, guess };
         let overlap_clearly = |s: f64, f: f64| self.overlap((1.0 + HARDLY) * s, (1.0 + HARDLY) * f);
         if !overlap_clearly(s, pattern.spacing) {
             return None;
         }
         if pattern.is_even() {
-            return nested.solve(&self.body, s, &[Clearing::EVEN], None);
+            return nested.height(s, &[Clearing::EVEN], None);
         }
         let [alternating, deep] = self.kinds(pattern);
         if overlap_clearly(s, pattern.deep_spacing) {
-            return nested.solve(&self.body, s, &[alternating, deep], None);
+            return nested.height(s, &[alternating, deep], None);
         }
         if self.overlap(s, pattern.deep_spacing) {
             return None;
         }
         // Deep marks that meet clear a part of the step-over.
-        nested.solve(&self.body, s, &[alternating], self.overlap(0.0, pattern.deep_spacing).then_some(deep))
-    }
-
-    /// The largest feed per tooth, clearly less than `largest`, by nested searches from a guess; `None` where there is none
-    /// or they do not settle.
-    pub(super) fn nested_feed(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
-        let nested = Nested::Feed { level: p, guess };
-        let pattern = self.pattern(guess);
-        let [alternating, deep] = if pattern.is_even() { [Clearing::EVEN; 2] } else { self.kinds(&pattern) };
-        // Shallow teeth do not reach depths under delta.
-        let kinds = if pattern.is_even() || p <= self.drop { &[deep][..] } else { &[alternating, deep] };
-        nested.solve(&self.body, s, kinds, None).filter(|feed| (Length::SMALLEST..(1.0 - HARDLY) * largest).contains(feed))
+        nested.height(s, &[alternating], self.overlap(0.0, pattern.deep_spacing).then_some(deep))
     }
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {
