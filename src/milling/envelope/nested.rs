@@ -105,13 +105,16 @@ impl Nested<'_> {
         } else {
             return Some(f64::INFINITY);
         };
-        // The two intervals meet from this value on.
+        // The two intervals meet from this height on.
         let meeting = self.least(0.0, pair)?;
         Some(self.least(s, pair)?.height.max(meeting.height))
     }
 
-    /// The least of the greater of what two passes s apart have at one place, the near one at the offset t and the far one
+    /// The least of the greater of what two passes s apart leave at one place, the near one at the offset t and the far one
     /// at t - s.
+    ///
+    /// The tangents of both passes at one place, and those at both ends of the bracket, meet at a lower bound. The search
+    /// goes on where they meet, and ends when the bound is reached.
     fn least(&self, s: f64, marks: [&Clearing; 2]) -> Option<Least> {
         let (mut near, mut far) = (self.start(), self.start());
         let mut reach = s + near.x[0];
@@ -166,7 +169,7 @@ impl Nested<'_> {
                     next = meeting.t;
                 }
             }
-            if best.is_some_and(|best| best.height - bound <= CLOSE * best.height.abs()) {
+            if best.is_some_and(|best| best.height - bound <= CLOSE * best.height) {
                 return best;
             }
             let is_open = low == f64::NEG_INFINITY || high == f64::INFINITY;
@@ -190,7 +193,7 @@ impl Nested<'_> {
                 break;
             }
         }
-        best.filter(|best| best.height - bound <= SETTLED * best.height.abs())
+        best.filter(|best| best.height - bound <= SETTLED * best.height)
     }
 
     /// The start of the first search at an offset.
