@@ -8,12 +8,14 @@ use scallopd::quantity::Angle;
 
 /// Asserts that the height at a largest feed or step-over is the tolerance. With runout, the height jumps at the point
 /// where the deep marks alone cease to suffice. It can then be below the tolerance, if `more`, the height at an input
-/// larger by 1e-9, is above it. Beside concave walls one of some 1,000 lengths is not the largest, because the height
-/// jumps or marks cease to meet. The tolerance is never exceeded.
+/// larger by 1e-9, is above it. Beside concave walls it jumps too, and one of some 1,000 lengths is not the largest,
+/// because marks cease to meet; its height is then less by up to 5 %. The tolerance is never exceeded.
 fn assert_largest(pass: &Pass, height: f64, more: Result<f64, NoAnswer>, tolerance: f64) {
     let is_beside_wall = pass.surface.principal_per_mm()[1] < 0.0 && pass.contact.slope().degrees() >= 85.0;
-    let jumps = || pass.runout != Runout::NONE && more.is_ok_and(|more| more > tolerance);
-    if !(height < tolerance && (is_beside_wall || jumps())) {
+    let can_jump = pass.runout != Runout::NONE || is_beside_wall;
+    let jumps = height < tolerance && can_jump && more.is_ok_and(|more| more > tolerance);
+    let is_smaller = is_beside_wall && height < tolerance && height > 0.95 * tolerance;
+    if !(jumps || is_smaller) {
         assert_relative_eq!(height, tolerance, max_relative = 1e-9);
     }
 }
