@@ -9,6 +9,7 @@ mod collected_body;
 mod document;
 pub mod metrics;
 mod middleware;
+mod multipart;
 mod openapi_3_0;
 pub mod overload;
 mod pages;

@@ -143,7 +143,7 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
         status: status.as_u16(),
         detail: problem.detail.into_owned(),
         instance: instance.to_owned(),
-        request_id: Some(request_id.as_str().to_owned()),
+        request_id: request_id.as_str().to_owned(),
         errors: problem.errors,
         not_ranked: problem.not_ranked,
         figures: problem.figures.into_iter().map(|(figure, value)| (figure.name().to_owned(), value.into())).collect(),
@@ -177,9 +177,7 @@ pub(crate) struct ProblemBody {
     /// The path of the request.
     instance: String,
     /// The request's id, which is in the server's log lines.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    request_id: Option<String>,
+    request_id: String,
     /// All faults of an invalid request.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(required = false)]

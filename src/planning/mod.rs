@@ -5,10 +5,10 @@
 //! simulates the passes on the surface itself.
 
 mod confidence;
+pub(crate) mod machined_surface;
 pub mod memory;
 pub mod reach;
 pub mod rectangle;
-pub(crate) mod workpiece;
 pub mod zigzag;
 
 pub use confidence::{Confidence, Level, Reason};

@@ -1,7 +1,7 @@
 //! The surface of an answer as a raster, for drawing.
 
 use super::simulation::Simulation;
-use crate::planning::workpiece::{Stop, Workpiece};
+use crate::planning::machined_surface::{MachinedSurface, Stop};
 use crate::planning::zigzag::heights;
 use crate::quantity::Length;
 use serde::Serialize;
@@ -35,19 +35,19 @@ pub(crate) struct MapAnswer {
 
 impl MapAnswer {
     /// The map of the fastest plan; `None` without a plan. Once `stop` returns true, the result must be discarded.
-    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation, stop: Stop) -> Option<Self> {
+    pub(super) fn new(machined: &MachinedSurface, simulation: &Simulation, stop: Stop) -> Option<Self> {
         let plan = simulation.ranking.plans.first()?;
-        let view = &workpiece.view;
+        let view = &machined.view;
         let frame = view.frame;
-        let facet_of_cell: Vec<Option<u32>> = (0..frame.cells()).map(|cell| workpiece.facet_of_cell(cell)).collect();
+        let facet_of_cell: Vec<Option<u32>> = (0..frame.cells()).map(|cell| machined.facet_of_cell(cell)).collect();
         let mut seen: Vec<u32> = facet_of_cell.iter().flatten().copied().collect();
         seen.sort_unstable();
         seen.dedup();
         let candidate = &simulation.candidates[plan.candidate];
-        let heights = heights(plan, &workpiece.facets, candidate, &simulation.settings, &seen, stop);
+        let heights = heights(plan, &machined.facets, candidate, &simulation.settings, &seen, stop);
         let height_of = |facet: u32| seen.binary_search(&facet).ok().and_then(|place| heights[place]).map(Length::mm);
         let slope_of = |facet: usize| {
-            let ([x, y, z], _) = workpiece.mesh.normal_and_area(facet);
+            let ([x, y, z], _) = machined.mesh.normal_and_area(facet);
             x.hypot(y).atan2(z.abs()).to_degrees()
         };
         Some(Self {

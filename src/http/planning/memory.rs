@@ -90,7 +90,7 @@ impl Resources {
 }
 
 /// The memory in bytes to prepare the facets of the plan, in addition to the memory of the surface itself.
-pub(super) fn bytes_of_workpiece(mesh: &MeshBuilder) -> u64 {
+pub(super) fn bytes_of_machined_surface(mesh: &MeshBuilder) -> u64 {
     let size = mesh.size();
     (bytes_of_mesh(size) + mesh.bytes_to_finish().max(bytes_to_prepare(size))) as u64
 }

@@ -10,7 +10,6 @@ mod library;
 pub(crate) mod machines;
 mod map;
 mod memory;
-mod multipart;
 mod parameters;
 mod passes;
 mod plan;

@@ -1,8 +1,8 @@
 //! The passes of an answer, point by point.
 
 use super::simulation::Simulation;
+use crate::planning::machined_surface::{MachinedSurface, Stop};
 use crate::planning::reach::RestingHeights;
-use crate::planning::workpiece::{Stop, Workpiece};
 use crate::planning::zigzag::{self, TooManyPoints};
 use crate::quantity::Length;
 use serde::Serialize;
@@ -63,19 +63,19 @@ struct CurvatureColumns {
 impl PassesAnswer {
     /// The memory in bytes to compute the passes, in addition to the simulation: the view, with height, facet and side
     /// of each cell; the heights of its cells and blocks in single precision; and the points.
-    pub(super) fn bytes(workpiece: &Workpiece, simulation: &Simulation) -> u64 {
+    pub(super) fn bytes(machined: &MachinedSurface, simulation: &Simulation) -> u64 {
         const VIEW: usize = (13 + 6) * SIDE * SIDE;
         let plan = simulation.ranking.plans.first();
-        plan.map_or(0, |plan| VIEW + zigzag::bytes_of_passes(plan, &workpiece.facets, MOST_POINTS)) as u64
+        plan.map_or(0, |plan| VIEW + zigzag::bytes_of_passes(plan, &machined.facets, MOST_POINTS)) as u64
     }
 
     /// The passes of the fastest plan; `None` without a plan. Once `stop` returns true, the result must be discarded.
-    pub(super) fn new(workpiece: &Workpiece, simulation: &Simulation, stop: Stop) -> Option<Result<Self, TooManyPoints>> {
+    pub(super) fn new(machined: &MachinedSurface, simulation: &Simulation, stop: Stop) -> Option<Result<Self, TooManyPoints>> {
         let plan = simulation.ranking.plans.first()?;
         let candidate = &simulation.candidates[plan.candidate];
-        let resting = RestingHeights::new(&workpiece.mesh.seen_from_above_until(SIDE, stop));
+        let resting = RestingHeights::new(&machined.mesh.seen_from_above_until(SIDE, stop));
         let raised = |tip: [f64; 3]| resting.raised(candidate.cutter, tip);
-        let passes = zigzag::passes_until(plan, &workpiece.facets, candidate, &simulation.settings, &raised, MOST_POINTS, stop);
+        let passes = zigzag::passes_until(plan, &machined.facets, candidate, &simulation.settings, &raised, MOST_POINTS, stop);
         Some(passes.map(Self::of))
     }
 

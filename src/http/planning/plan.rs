@@ -17,8 +17,8 @@ use crate::json_text::JsonPath;
 use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
+use crate::planning::machined_surface::{MachinedSurface, Stop};
 use crate::planning::memory::RankingSize;
-use crate::planning::workpiece::{Stop, Workpiece};
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
 use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
@@ -30,7 +30,7 @@ pub(super) struct Task {
     parameters: Parameters,
     shape: Shape,
     /// The facets; a surface for method `rectangle` may have none.
-    workpiece: Option<Workpiece>,
+    machined: Option<MachinedSurface>,
     source: Source,
     pub(super) warnings: Vec<Warning>,
 }
@@ -50,13 +50,13 @@ impl Task {
         let mut warnings = sourced.warnings(&shape);
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let Parameters { facing, ref selection, max_slope, method, .. } = parameters;
-        let workpiece = match Workpiece::new(mesh, unit, facing, selection, max_slope, stop) {
-            Ok(workpiece) => Some(workpiece),
+        let machined = match MachinedSurface::new(mesh, unit, facing, selection, max_slope, stop) {
+            Ok(machined) => Some(machined),
             // Without facets, method `rectangle` has an answer, but with less evidence.
             Err(reason) if method == Method::Rectangle && reason.is_sound() => None,
             Err(reason) => return Err(report(reason, path, faults)),
         };
-        if let Some(cell) = workpiece.as_ref().and_then(|workpiece| workpiece.mesh.merged_cell()) {
+        if let Some(cell) = machined.as_ref().and_then(|machined| machined.mesh.merged_cell()) {
             let detail = format!(
                 "the surface has more facets or points than the service stores; it was merged on a raster with cells of {cell:.6} mm"
             );
@@ -70,30 +70,30 @@ impl Task {
                 return Err(faults.add(path, RequestFault::SizeOutOfRange, detail));
             }
         }
-        Ok(Self { parameters, shape, workpiece, source, warnings })
+        Ok(Self { parameters, shape, machined, source, warnings })
     }
 
     /// The size of the mesh and of the ranking on it.
     pub(super) fn size(&self) -> (MeshSize, RankingSize) {
         let candidates: Vec<_> = self.parameters.candidates.iter().map(|named| named.candidate).collect();
         let none = (MeshSize { facets: 0, points: 0 }, RankingSize { facets: 0, candidates: candidates.len(), diameters: 0 });
-        self.workpiece.as_ref().map_or(none, |workpiece| (workpiece.mesh.size(), RankingSize::of(&workpiece.mesh, &candidates)))
+        self.machined.as_ref().map_or(none, |machined| (machined.mesh.size(), RankingSize::of(&machined.mesh, &candidates)))
     }
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer must be discarded.
     pub(super) fn answer(mut self, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
-        match (self.parameters.method, self.workpiece.take()) {
-            (Method::Surface, Some(workpiece)) => self.on_surface(&workpiece, resources, stop),
-            (_, workpiece) => self.on_rectangle(workpiece.as_ref(), resources, stop),
+        match (self.parameters.method, self.machined.take()) {
+            (Method::Surface, Some(machined)) => self.on_surface(&machined, resources, stop),
+            (_, machined) => self.on_rectangle(machined.as_ref(), resources, stop),
         }
     }
 
-    fn on_surface(mut self, workpiece: &Workpiece, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
+    fn on_surface(mut self, machined: &MachinedSurface, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &all, &self.shape, by, resources, stop)? else {
+        let Some(simulation) = Simulation::run(machined, &self.parameters, &all, &self.shape, by, resources, stop)? else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
-        resources.keep_one_plan(workpiece.mesh.size(), RankingSize::of(&workpiece.mesh, &simulation.candidates));
+        resources.keep_one_plan(machined.mesh.size(), RankingSize::of(&machined.mesh, &simulation.candidates));
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
         let mut not_ranked: Vec<NotRanked> =
@@ -108,25 +108,25 @@ impl Task {
         // Before the passes, which can be left out if the memory does not suffice for both.
         let has_map = self.parameters.includes(Part::Map);
         resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
-        let passes = if self.parameters.includes(Part::Passes) { self.passes(workpiece, &simulation, resources, stop)? } else { None };
-        let map = if has_map { MapAnswer::new(workpiece, &simulation, stop) } else { None };
+        let passes = if self.parameters.includes(Part::Passes) { self.passes(machined, &simulation, resources, stop)? } else { None };
+        let map = if has_map { MapAnswer::new(machined, &simulation, stop) } else { None };
         let (recommended, published) = (first.into(), self.published().map(|published| published.plan));
-        let answer = self.answered(recommended, candidates, not_ranked, Some(workpiece), published, confidence.into());
+        let answer = self.answered(recommended, candidates, not_ranked, Some(machined), published, confidence.into());
         Ok(RecommendationAnswer { map, passes, ..answer })
     }
 
     /// The passes of the fastest plan, unless they have too many points or take more memory than one request may use.
     fn passes(
         &mut self,
-        workpiece: &Workpiece,
+        machined: &MachinedSurface,
         simulation: &Simulation,
         resources: &mut Resources,
         stop: Stop,
     ) -> Result<Option<PassesAnswer>, Problem> {
-        let passes = match resources.add(PassesAnswer::bytes(workpiece, simulation), stop) {
+        let passes = match resources.add(PassesAnswer::bytes(machined, simulation), stop) {
             Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
             Err(BudgetExceeded::Always) => Err("the passes need more memory than one request may use".to_owned()),
-            Ok(()) => PassesAnswer::new(workpiece, simulation, stop).transpose().map_err(|error| error.to_string()),
+            Ok(()) => PassesAnswer::new(machined, simulation, stop).transpose().map_err(|error| error.to_string()),
         };
         Ok(passes.unwrap_or_else(|reason| {
             self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out")));
@@ -136,7 +136,7 @@ impl Task {
 
     fn on_rectangle(
         mut self,
-        workpiece: Option<&Workpiece>,
+        machined: Option<&MachinedSurface>,
         resources: &mut Resources,
         stop: Stop,
     ) -> Result<RecommendationAnswer, Problem> {
@@ -159,8 +159,8 @@ impl Task {
         }));
         let (recommended, published) = (first.into(), self.published());
         let compared = published.as_ref().map(|published| published.plan);
-        let confidence = self.confidence_in_rectangle(published, &candidates, workpiece, resources, stop)?;
-        Ok(self.answered(recommended, candidates, not_ranked, workpiece, compared, confidence))
+        let confidence = self.confidence_in_rectangle(published, &candidates, machined, resources, stop)?;
+        Ok(self.answered(recommended, candidates, not_ranked, machined, compared, confidence))
     }
 
     /// The answer without map and passes.
@@ -169,7 +169,7 @@ impl Task {
         recommended: RecommendedCutter,
         candidates: Vec<RankedCandidate>,
         not_ranked: Vec<NotRanked>,
-        workpiece: Option<&Workpiece>,
+        machined: Option<&MachinedSurface>,
         published: Option<Plan>,
         confidence: ConfidenceAnswer,
     ) -> RecommendationAnswer {
@@ -179,7 +179,7 @@ impl Task {
             recommended,
             candidates,
             not_ranked,
-            surface: SurfaceAnswer::new(&self.shape, self.source, workpiece),
+            surface: SurfaceAnswer::new(&self.shape, self.source, machined),
             critical_slope_deg: published.map(|plan| plan.critical_slope.angle().degrees()),
             always_faster: published.and_then(|plan| always_faster(plan.critical_slope)),
             critical_form_factor: published.map(|plan| plan.critical_form_factor.form_factor().ratio()),
@@ -196,21 +196,21 @@ impl Task {
         &self,
         published: Option<Recommendation>,
         candidates: &[RankedCandidate],
-        workpiece: Option<&Workpiece>,
+        machined: Option<&MachinedSurface>,
         resources: &mut Resources,
         stop: Stop,
     ) -> Result<ConfidenceAnswer, Problem> {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
-        let Some(workpiece) = workpiece else { return Ok((&confidence).into()) };
+        let Some(machined) = machined else { return Ok((&confidence).into()) };
         // The order depends on the recommended cutter and the next one.
         let compared: Vec<usize> = candidates.iter().take(2).map(|candidate| candidate.cutter).collect();
         let by = Model::Envelope;
-        let Some(simulation) = Simulation::run(workpiece, &self.parameters, &compared, &self.shape, by, resources, stop)? else {
+        let Some(simulation) = Simulation::run(machined, &self.parameters, &compared, &self.shape, by, resources, stop)? else {
             return Ok((&confidence).into());
         };
         let figures = simulation.ranking.surface;
-        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: workpiece.machined_pieces, simulated: None };
+        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.machined_pieces, simulated: None };
         let simulated = |candidate: &RankedCandidate| {
             let plans = &simulation.ranking.plans;
             plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter).map(|plan| (candidate.time(), plan.time))

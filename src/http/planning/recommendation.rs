@@ -2,7 +2,7 @@
 
 use super::answer::RecommendationAnswer;
 use super::library::Libraries;
-use super::memory::{Resources, bytes_of_workpiece, bytes_to_read};
+use super::memory::{Resources, bytes_of_machined_surface, bytes_to_read};
 use super::parameters::{ParameterMembers, Parameters};
 use super::plan::Task;
 use super::simulation::on_threads;
@@ -89,7 +89,7 @@ fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Res
         let parameters = Parameters::read(object, Libraries::default(), faults);
         let surface = object.required(&SURFACE, faults);
         let (parameters, surface) = (parameters?, surface?);
-        if let Err(error) = memory.grow(bytes_of_workpiece(&surface.surface.mesh)) {
+        if let Err(error) = memory.grow(bytes_of_machined_surface(&surface.surface.mesh)) {
             exceeded = Some(error);
             return Err(Faulted);
         }

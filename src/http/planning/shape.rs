@@ -2,7 +2,7 @@
 
 use super::candidates::line_degrees;
 use crate::http::wire::Source;
-use crate::planning::workpiece::Workpiece;
+use crate::planning::machined_surface::MachinedSurface;
 use crate::quantity::{Angle, Area};
 use crate::surface::{Basis, Shape};
 use serde::Serialize;
@@ -89,9 +89,9 @@ struct BoundsAnswer {
 
 impl SurfaceAnswer {
     /// A surface of this shape, with the figures of its facets if it has any.
-    pub(super) fn new(shape: &Shape, source: Source, workpiece: Option<&Workpiece>) -> Self {
+    pub(super) fn new(shape: &Shape, source: Source, machined: Option<&MachinedSurface>) -> Self {
         let (points, facets) = if shape.basis == Basis::Points { (shape.elements, 0) } else { (0, shape.elements) };
-        let made = workpiece.map_or(0, |workpiece| workpiece.mesh.triangles().len() as u64);
+        let made = machined.map_or(0, |machined| machined.mesh.triangles().len() as u64);
         let facets = if facets == 0 { made } else { facets };
         Self {
             source,
@@ -108,10 +108,10 @@ impl SurfaceAnswer {
             eigenvalues_mm2: shape.eigenvalues.map(Area::mm2),
             centroid_mm: shape.centroid,
             bounds_mm: BoundsAnswer { min: shape.bounds.min, max: shape.bounds.max },
-            area_mm2: shape.area.map(Area::mm2).or(workpiece.map(|workpiece| workpiece.visibility.area())),
-            visible_area_share: workpiece.map(Workpiece::visible_area_share),
-            steep_area_share: workpiece.map(|workpiece| workpiece.visibility.shares().steep),
-            pieces: workpiece.map(|workpiece| workpiece.pieces),
+            area_mm2: shape.area.map(Area::mm2).or(machined.map(|machined| machined.visibility.area())),
+            visible_area_share: machined.map(MachinedSurface::visible_area_share),
+            steep_area_share: machined.map(|machined| machined.visibility.shares().steep),
+            pieces: machined.map(|machined| machined.pieces),
         }
     }
 }

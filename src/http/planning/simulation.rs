@@ -8,23 +8,23 @@ use crate::http::reading::{Faulted, Faults};
 use crate::http::wire::{PIECES_NAME, SELECT};
 use crate::json_text::JsonPath;
 use crate::milling::Model;
+use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop, with_reach};
 use crate::planning::memory::RankingSize;
 use crate::planning::reach::{ReachMap, Uncut};
-use crate::planning::workpiece::{NoWorkpiece, Stop, Workpiece, with_reach};
 use crate::planning::zigzag::{CandidateCutter, NoRanking, Ranking, ZigzagSettings, rank_within};
 use crate::surface::{MeshError, Shape};
 use crate::worker_pool::WorkerPool;
 use axum::http::StatusCode;
 
 /// Records the fault of the surface at `path`.
-pub(super) fn report(reason: NoWorkpiece, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
+pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
     match reason {
-        NoWorkpiece::Mesh(error) => faults.add(path, mesh_code(error), error),
-        NoWorkpiece::Selection(error) => {
+        NoMachinedSurface::Mesh(error) => faults.add(path, mesh_code(error), error),
+        NoMachinedSurface::Selection(error) => {
             let select = JsonPath::Root.member(SELECT.name);
             faults.add(&select.member(PIECES_NAME), RequestFault::OutOfRange, error)
         }
-        NoWorkpiece::NothingToMachine => {
+        NoMachinedSurface::NothingToMachine => {
             let detail = "no facet is selected, seen from above and at most as steep as max_slope_deg";
             faults.add(path, RequestFault::NothingToMachine, detail)
         }
@@ -44,7 +44,7 @@ impl Simulation {
     /// Simulates the candidates at these positions in the request, with more room if a plan needs it. Returns `None`
     /// once `stop` returns true.
     pub(super) fn run(
-        workpiece: &Workpiece,
+        machined: &MachinedSurface,
         parameters: &Parameters,
         places: &[usize],
         shape: &Shape,
@@ -53,19 +53,19 @@ impl Simulation {
         stop: Stop,
     ) -> Result<Option<Self>, Problem> {
         let mut settings = parameters.settings(shape, model);
-        let reach = workpiece.reach();
+        let reach = machined.reach();
         let candidates: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate).collect();
         let Some(candidates) = with_reach(&reach, &candidates, parameters.scallop_height, stop) else { return Ok(None) };
-        let evidence = workpiece.evidence();
-        let size = RankingSize::of(&workpiece.mesh, &candidates);
+        let evidence = machined.evidence();
+        let size = RankingSize::of(&machined.mesh, &candidates);
         let ranking = loop {
             settings.candidates_at_once = resources.parallelism.candidates;
             let room = resources.room;
             let ranked =
-                on_threads(resources.parallelism.threads, || rank_within(&workpiece.facets, &candidates, &settings, evidence, room, stop))?;
+                on_threads(resources.parallelism.threads, || rank_within(&machined.facets, &candidates, &settings, evidence, room, stop))?;
             match ranked {
                 Ok(ranking) => break ranking,
-                Err(NoRanking::NoRoom) => resources.enlarge(workpiece.mesh.size(), size, stop)?,
+                Err(NoRanking::NoRoom) => resources.enlarge(machined.mesh.size(), size, stop)?,
                 Err(NoRanking::Stopped) => return Ok(None),
             }
         };

@@ -3,8 +3,8 @@
 
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
-use super::memory::{Resources, bytes_of_workpiece};
-use super::multipart::{Form, Head};
+use super::memory::{Resources, bytes_of_machined_surface};
+
 use super::parameters::{ParameterMembers, Parameters};
 use super::plan::Task;
 use super::recommendation::answer_to;
@@ -14,6 +14,7 @@ use crate::http::body::{WrittenJson, read_text};
 use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
 use crate::http::metrics::Metrics;
+use crate::http::multipart::{Form, Head};
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Components, Fault, Faulted, Faults, ObjectSchema};
 use crate::http::wire::{MOST_CUTTERS, SURFACE, SurfaceWithSource};
@@ -141,7 +142,7 @@ impl Received {
         let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / SHORTEST_CANDIDATE);
         let candidates = if self.libraries.is_empty() { stated.min(MOST_CUTTERS) } else { MOST_CUTTERS };
         let size = RankingSize { facets: mesh.size().facets, candidates, diameters: DIAMETERS };
-        resources.least(mesh.size(), size).max(bytes_of_workpiece(mesh))
+        resources.least(mesh.size(), size).max(bytes_of_machined_surface(mesh))
     }
 
     fn refuse_part(&mut self, name: Option<&str>) {

@@ -57,7 +57,7 @@ struct Sides<'a> {
     visibility: &'a Visibility,
     normals: Vec<[f64; 3]>,
     own_areas: Vec<f64>,
-    areas: Vec<f64>,
+    region_areas: Vec<f64>,
 }
 
 /// The mean normal at a corner, and the side on which its fan is open, as the integral over the fan of the unit vectors
@@ -93,8 +93,8 @@ impl Mesh {
         }
         let (normals, own_areas): (Vec<[f64; 3]>, Vec<f64>) = normals_and_areas.into_iter().unzip();
         let Some(fans) = Fans::until(self, stop) else { return Vec::new() };
-        let areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas, stop);
-        let sides = Sides { visibility, normals, own_areas, areas };
+        let region_areas = areas_of_flat_regions(self.triangles(), &fans, &normals, &own_areas, stop);
+        let sides = Sides { visibility, normals, own_areas, region_areas };
         let normals = &sides.normals;
         // If all facets around a point are near their mean normal, and so near each other, all corners there have the
         // same normal.
@@ -120,7 +120,7 @@ impl Mesh {
                     self.corner_normal(point, near, &sides).unwrap_or(CornerNormal { normal: own, open: [0.0; 3] })
                 })
             });
-            let is_plane = sides.areas[facet] >= MUCH_LARGER * sides.own_areas[facet]
+            let is_plane = sides.region_areas[facet] >= MUCH_LARGER * sides.own_areas[facet]
                 && corners.iter().all(|corner| {
                     let apart = difference(corner.normal, own);
                     dot(apart, apart) <= SAME_PLANE * SAME_PLANE
@@ -142,7 +142,7 @@ impl Mesh {
                 let fan = fans.around(point as usize);
                 for &other in fan.iter().step_by(fan.len().div_ceil(LARGEST_FAN)) {
                     if other as usize != facet && dot(normals[other as usize], own) >= cos_crease {
-                        let ratio = sides.areas[other as usize] / sides.areas[facet];
+                        let ratio = sides.region_areas[other as usize] / sides.region_areas[facet];
                         let ratio = ratio.min(ratio.recip());
                         // The comparison is also false for a facet whose area was rounded to 0.
                         if ratio >= LEAST_AREA_RATIO {
@@ -164,7 +164,7 @@ impl Mesh {
     /// flat regions do not count. `None` if there are no facets, or their normals cancel.
     fn corner_normal<'a>(&self, point: usize, facets: impl Iterator<Item = &'a u32> + Clone, sides: &Sides) -> Option<CornerNormal> {
         let (mut sum, mut open) = ([0.0; 3], [0.0; 3]);
-        let least = LEAST_AREA_RATIO * facets.clone().fold(0.0, |largest: f64, &facet| largest.max(sides.areas[facet as usize]));
+        let least = LEAST_AREA_RATIO * facets.clone().fold(0.0, |largest: f64, &facet| largest.max(sides.region_areas[facet as usize]));
         for &facet in facets {
             let triangle = self.triangles()[facet as usize];
             let place = triangle.iter().position(|&corner| corner as usize == point)?;
@@ -172,7 +172,7 @@ impl Mesh {
             let facet = facet as usize;
             let (u, v) = (difference(q, p), difference(r, p));
             // Twice the area is |u x v|.
-            let weight = if sides.areas[facet] >= least { (2.0 * sides.own_areas[facet]).atan2(dot(u, v)) } else { 0.0 };
+            let weight = if sides.region_areas[facet] >= least { (2.0 * sides.own_areas[facet]).atan2(dot(u, v)) } else { 0.0 };
             // The contributions of shared edges cancel, so that only the ends of the fan remain. Turned facets have the
             // opposite orientation.
             let (u, v) = if sides.visibility.is_seen_from_behind(facet) { (v, u) } else { (u, v) };

@@ -16,7 +16,7 @@ pub(crate) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 const SIDE: usize = TRIAL_SIDE;
 
 /// The facets of a surface, with those that are machined.
-pub(crate) struct Workpiece {
+pub(crate) struct MachinedSurface {
     pub(crate) mesh: Mesh,
     pub(crate) visibility: Visibility,
     pub(crate) pieces: u32,
@@ -33,13 +33,13 @@ pub(crate) struct Workpiece {
 
 /// The reason why a surface has no facets to machine.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum NoWorkpiece {
+pub(crate) enum NoMachinedSurface {
     Mesh(MeshError),
     Selection(SelectionError),
     NothingToMachine,
 }
 
-impl NoWorkpiece {
+impl NoMachinedSurface {
     /// Whether the surface is valid and only has no facets that are visible from above.
     pub(crate) fn is_sound(self) -> bool {
         match self {
@@ -50,7 +50,7 @@ impl NoWorkpiece {
     }
 }
 
-impl Workpiece {
+impl MachinedSurface {
     /// Prepares the facets of a surface.
     ///
     /// Once `stop` returns true, work ends early, and the result must be discarded.
@@ -61,13 +61,13 @@ impl Workpiece {
         selection: &Selection,
         max_slope: Angle,
         stop: Stop,
-    ) -> Result<Self, NoWorkpiece> {
-        let go_on = || if stop() { Err(NoWorkpiece::NothingToMachine) } else { Ok(()) };
-        let mesh = mesh.finish_until(unit, facing, stop).map_err(NoWorkpiece::Mesh)?;
+    ) -> Result<Self, NoMachinedSurface> {
+        let go_on = || if stop() { Err(NoMachinedSurface::NothingToMachine) } else { Ok(()) };
+        let mesh = mesh.finish_until(unit, facing, stop).map_err(NoMachinedSurface::Mesh)?;
         go_on()?;
         let pieces = mesh.pieces_until(stop);
         go_on()?;
-        let selected = mesh.selected(selection, &pieces).map_err(NoWorkpiece::Selection)?;
+        let selected = mesh.selected(selection, &pieces).map_err(NoMachinedSurface::Selection)?;
         go_on()?;
         let visibility = mesh.visibility_until(max_slope, stop);
         go_on()?;
@@ -83,7 +83,7 @@ impl Workpiece {
             next += u32::from(is_planned);
         }
         if !machined.contains(&true) {
-            return Err(NoWorkpiece::NothingToMachine);
+            return Err(NoMachinedSurface::NothingToMachine);
         }
         let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
         let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();

@@ -43,10 +43,10 @@ enum Position {
 
 /// The head of a part.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Head {
-    pub(super) name: Option<String>,
-    pub(super) file_name: Option<String>,
-    pub(super) media_type: Option<String>,
+pub(crate) struct Head {
+    pub(crate) name: Option<String>,
+    pub(crate) file_name: Option<String>,
+    pub(crate) media_type: Option<String>,
 }
 
 impl<S: Send + Sync> FromRequest<S> for Form {
@@ -66,7 +66,7 @@ impl Form {
     }
 
     /// Skips the rest of the current part, and returns the head of the next.
-    pub(super) async fn next(&mut self) -> Result<Option<Head>, Problem> {
+    pub(crate) async fn next(&mut self) -> Result<Option<Head>, Problem> {
         while self.chunk().await?.is_some() {}
         if self.position == Position::Epilogue {
             return Ok(None);
@@ -90,7 +90,7 @@ impl Form {
     }
 
     /// The next data of the current part; `None` at its end.
-    pub(super) async fn chunk(&mut self) -> Result<Option<Bytes>, Problem> {
+    pub(crate) async fn chunk(&mut self) -> Result<Option<Bytes>, Problem> {
         if self.position != Position::Data {
             return Ok(None);
         }
