@@ -64,10 +64,9 @@ impl Envelope {
         } else if self.pattern(guess).is_even() {
             ridge = self.quickly(lengths, Sought::MarkSpacing);
             ridge.map(|ridge| ridge.lengths.mark_spacing)
-        } else if self.is_convex_up_to(p) {
-            self.quick_feed_with_runout(p, s, step_over_height, guess)
         } else {
-            None
+            // On a concave surface nothing proves the result; the height confirms it.
+            self.quick_feed_with_runout(p, s, step_over_height, guess)
         };
         let height = |feed: f64| self.height(s, self.pattern(feed)).ok();
         let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
@@ -186,10 +185,10 @@ impl Envelope {
             }
             ridge = self.quickly(lengths, Sought::StepOver);
             ridge.map(|ridge| ridge.lengths.step_over)
-        } else if self.is_convex_up_to(p) {
-            self.quick_step_over_with_runout(p, &pattern, guess)
         } else {
-            None
+            // On a concave surface nothing proves the result; the height confirms it.
+            let is_proved = self.is_convex_up_to(p);
+            self.quick_step_over_with_runout(p, &pattern, guess).filter(|step_over| is_proved || *step_over > 0.0)
         };
         let width = if self.is_convex_up_to(p) {
             quick.unwrap_or_else(|| Section::new(&self.body, pattern, 2.0 * largest).width(p))

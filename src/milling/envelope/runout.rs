@@ -135,7 +135,8 @@ impl Envelope {
     }
 
     /// The largest feed per tooth that keeps the height p in passes s apart, whose step-over alone leaves
-    /// `step_over_height` < p; `None` if the search's result is not proved.
+    /// `step_over_height` < p; `None` if the search ends without a result. Nothing proves a result on a section that is not
+    /// convex.
     pub(super) fn quick_feed_with_runout(&self, p: f64, s: f64, step_over_height: f64, guess: f64) -> Option<f64> {
         let pattern = self.pattern(guess);
         if !self.is_quick(guess) {
@@ -159,8 +160,8 @@ impl Envelope {
         Some(ridge.lengths.mark_spacing)
     }
 
-    /// The largest step-over that keeps the height p; 0 if the marks alone leave more; `None` if the search's result is
-    /// not proved.
+    /// The largest step-over that keeps the height p; 0 if the marks alone leave more; `None` if the search ends without a
+    /// result. Nothing proves a result on a section that is not convex.
     pub(super) fn quick_step_over_with_runout(&self, p: f64, pattern: &Pattern, guess: f64) -> Option<f64> {
         if !self.is_quick(pattern.spacing) {
             return None;
