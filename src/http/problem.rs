@@ -177,6 +177,7 @@ pub(crate) struct ProblemBody {
     /// The path of the request.
     instance: String,
     /// The request's id, which is in the server's log lines.
+    #[schema(required = false)]
     request_id: String,
     /// All faults of an invalid request.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -146,6 +146,11 @@ impl SurfaceCurvature {
         }
     }
 
+    /// A surface of the same shape with both principal curvatures multiplied by `factor`.
+    pub(super) fn scaled(self, factor: f64) -> Self {
+        Self { along: factor * self.along, across: factor * self.across, twist: factor * self.twist }
+    }
+
     /// The surface mirrored at the plane through the normal and the feed.
     pub(super) fn mirrored(self) -> Self {
         Self { twist: -self.twist, ..self }

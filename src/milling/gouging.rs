@@ -8,6 +8,9 @@ use crate::quantity::Length;
 /// The relative curvature lambda below which the second order of the surface is not accurate enough.
 pub(super) const NEAR_GOUGING: f64 = 0.6;
 
+/// The share by which the smallest radius that is reported can be too large, if the cutter gouges away from the contact.
+const RADIUS_ERROR: f64 = 0.01;
+
 /// The smallest relative curvature of cutter and surface at the contact, as a share of the cutter's own:
 ///
 /// lambda = 1 + the smallest eigenvalue of C^(1/2) K C^(1/2)
@@ -41,16 +44,17 @@ pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
     let [_, change] =
         eigenvalues(corner * steepest.along_per_mm(), level_radius * steepest.across_per_mm(), root * steepest.twist_per_mm());
     let lambda = 1.0 + change;
-    let footprint = Footprint { core, corner, sin, cos: pass.contact.slope().cos(), surface: steepest };
-    if lambda <= 0.0 {
-        return Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change) });
-    }
     // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact. This
     // sphere fits into any surface that is less concave.
-    if smallest * level_radius < -1.0 && footprint.is_cut() {
-        return Err(NoAnswer::Gouges { smallest_radius: None });
+    let fits_certainly = -1.0 / (smallest * level_radius);
+    let is_cut = |share: f64| {
+        let footprint = Footprint { core, corner, sin, cos: pass.contact.slope().cos(), surface: steepest.scaled(share) };
+        share > fits_certainly && footprint.is_cut()
+    };
+    if smallest >= 0.0 || lambda > 0.0 && !is_cut(1.0) {
+        return Ok(lambda);
     }
-    Ok(lambda)
+    Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change, fits_certainly, is_cut) })
 }
 
 /// Whether the cutter's straight side, a cylinder of radius R about the axis, cuts into a wall that it touches. The
@@ -64,12 +68,25 @@ fn side_gouges(steepest: SurfaceCurvature, outer: f64) -> bool {
     bend < -rounding || twist.abs() > rounding && bend * level < twist * twist
 }
 
-/// The concave principal radius multiplied by 1 - lambda: if the whole curvature is scaled to this radius, lambda is 0.
-/// `change` is lambda - 1. At a larger radius the cutter fits near the contact. In a close fit it can still cut into
-/// the surface beside the contact, for which there is no closed form.
-fn smallest_radius(smallest_curvature: f64, change: f64) -> Option<Length> {
-    let radius = change / smallest_curvature;
-    (radius.is_finite() && radius > 0.0).then(|| Length::computed(radius))
+/// The concave principal radius at which the cutter fits if both curvatures are scaled alike: exact where lambda is 0
+/// there, otherwise larger than the smallest by at most [`RADIUS_ERROR`].
+///
+/// `change` is lambda - 1; with the share `fits_certainly` of the curvature the cutter fits, and `is_cut` is whether it
+/// cuts into the surface beside the contact with a share of it.
+fn smallest_radius(smallest_curvature: f64, change: f64, fits_certainly: f64, is_cut: impl Fn(f64) -> bool) -> Option<Length> {
+    let of_share = |share: f64| Some(-1.0 / (share * smallest_curvature)).filter(|radius| radius.is_finite()).map(Length::computed);
+    // With this share of the curvature lambda is 0. Near the floor the rounding of lambda can exceed its change.
+    let closest = if change < 0.0 { -1.0 / change } else { f64::INFINITY };
+    let mut cuts = closest.min(1.0);
+    if closest <= 1.0 && !is_cut(closest) {
+        return of_share(closest);
+    }
+    let mut fits = fits_certainly.min(cuts);
+    while cuts > fits * (1.0 + RADIUS_ERROR) {
+        let middle = (cuts * fits).sqrt();
+        if is_cut(middle) { cuts = middle } else { fits = middle }
+    }
+    of_share(fits)
 }
 
 /// The cutter's lower body, the flat and the corner's round, over a surface with the curvature `surface` in the axes of

@@ -1,7 +1,7 @@
 //! Model warnings: assumptions of a model that are near their limits at a pass.
 
 use super::gouging::NEAR_GOUGING;
-use super::{CutterKind, EffectiveRadius, EvaluatedPass, Model, Pass};
+use super::{CutterKind, EvaluatedPass, Model, Pass};
 use crate::quantity::Length;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
@@ -108,7 +108,7 @@ impl EvaluatedPass {
     pub fn warnings(&self, step_over: Length, feed_per_tooth: Option<Length>) -> impl Iterator<Item = ModelWarning> + use<> {
         let pass = self.pass();
         let circle = match self.model() {
-            Model::Analytic => circle_warnings(pass, step_over, feed_per_tooth),
+            Model::Analytic => self.circle_warnings(step_over, feed_per_tooth),
             Model::Envelope => [None; 4],
         };
         let sharp = (pass.cutter.kind() == CutterKind::FlatEnd).then_some(ModelWarning::SharpMarks);
@@ -123,6 +123,25 @@ impl EvaluatedPass {
         let near_gouging = (lambda < NEAR_GOUGING).then_some(ModelWarning::NearGouging { lambda });
         circle.into_iter().chain([sharp, approximate, near_gouging]).flatten()
     }
+
+    /// The warnings of the analytic model, which replaces the cutter by a circle.
+    fn circle_warnings(&self, step_over: Length, feed_per_tooth: Option<Length>) -> [Option<ModelWarning>; 4] {
+        let pass = self.pass();
+        let runout = feed_per_tooth.and_then(|feed| {
+            let ratio = pass.runout.magnitude().mm() / feed.mm();
+            (ratio > A_FIFTH).then_some(ModelWarning::RunoutNotSmall { ratio })
+        });
+        let (across, along) = (self.effective_radius(), self.transverse_effective_radius());
+        let diameter = pass.cutter.outer_radius() + pass.cutter.outer_radius();
+        let share =
+            |chord: Length, radius: Option<Length>| radius.map(|radius| chord.mm() / (2.0 * radius.mm())).filter(|ratio| *ratio > A_FIFTH);
+        let wide = share(step_over, across).map(|ratio| ModelWarning::StepOverWide { ratio });
+        let long = feed_per_tooth.and_then(|feed| share(feed, along)).map(|ratio| ModelWarning::FeedPerToothLong { ratio });
+        let beyond = across
+            .is_none_or(|radius| radius > diameter)
+            .then_some(ModelWarning::EffectiveRadiusBeyondCutter { effective_radius: across, diameter });
+        [runout, wide, long, beyond]
+    }
 }
 
 /// Whether, between passes or marks, the normal of a concave surface turns by more than a fifth of the remaining angle
@@ -132,23 +151,4 @@ fn turns_towards_wall(pass: &Pass, step_over: Length, feed_per_tooth: Option<Len
     let [_, smallest] = pass.surface.principal_per_mm();
     let furthest = step_over.mm().max(feed_per_tooth.map_or(0.0, Length::mm));
     smallest < 0.0 && -smallest * furthest > A_FIFTH * (FRAC_PI_2 - pass.contact.slope().radians())
-}
-
-/// The warnings of the analytic model, which replaces the cutter by a circle.
-fn circle_warnings(pass: &Pass, step_over: Length, feed_per_tooth: Option<Length>) -> [Option<ModelWarning>; 4] {
-    let runout = feed_per_tooth.and_then(|feed| {
-        let ratio = pass.runout.magnitude().mm() / feed.mm();
-        (ratio > A_FIFTH).then_some(ModelWarning::RunoutNotSmall { ratio })
-    });
-    let across = EffectiveRadius::across_feed(pass.cutter, pass.contact).finite();
-    let along = EffectiveRadius::along_feed(pass.cutter, pass.contact).finite();
-    let diameter = pass.cutter.outer_radius() + pass.cutter.outer_radius();
-    let share =
-        |chord: Length, radius: Option<Length>| radius.map(|radius| chord.mm() / (2.0 * radius.mm())).filter(|ratio| *ratio > A_FIFTH);
-    let wide = share(step_over, across).map(|ratio| ModelWarning::StepOverWide { ratio });
-    let long = feed_per_tooth.and_then(|feed| share(feed, along)).map(|ratio| ModelWarning::FeedPerToothLong { ratio });
-    let beyond = across
-        .is_none_or(|radius| radius > diameter)
-        .then_some(ModelWarning::EffectiveRadiusBeyondCutter { effective_radius: across, diameter });
-    [runout, wide, long, beyond]
 }

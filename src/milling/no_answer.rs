@@ -20,9 +20,9 @@ pub enum NoAnswer {
     },
     /// The cutter does not fit the concave surface and cuts into it beside the contact.
     Gouges {
-        /// The smallest radius of curvature into which the cutter fits: the stated concave radius, or the smaller
-        /// concave principal radius, multiplied by 1 - lambda. `None` if the cutter gouges away from the contact, or if
-        /// a flat gouges at any radius.
+        /// The smallest radius of curvature into which the cutter fits, of the stated concave radius or of the smaller
+        /// concave principal radius, if both curvatures are scaled alike. If lambda is 0 there, it is that radius
+        /// multiplied by 1 - lambda; otherwise it is up to 1 % too large. `None` if a flat or a wall gouges at any radius.
         smallest_radius: Option<Length>,
     },
     /// A flat-end cutter's edge runs along the cut: its circle has no radius, which the analytic model needs.
@@ -66,16 +66,16 @@ impl fmt::Display for NoAnswer {
             }
             Self::MarksDoNotOverlap { largest_mark_spacing } => write!(
                 f,
-                "the marks of neighbouring teeth do not overlap and leave uncut material between them; they must be at most {:.6} mm apart, so reduce the feed per tooth",
+                "the marks of neighbouring teeth do not overlap and leave uncut material between them; they must be at most {:.6} mm apart, so reduce the feed per tooth or the runout",
                 largest_mark_spacing.mm()
             ),
             Self::Gouges { smallest_radius: Some(radius) } => write!(
                 f,
-                "the cutter gouges the concave surface: its radius of curvature must exceed {:.6} mm for this cutter at this contact; take a smaller cutter or a ball-end cutter",
+                "the cutter gouges the concave surface: its radius of curvature must exceed {:.6} mm for this cutter at this contact; take a smaller cutter, or a ball-end cutter in place of another",
                 radius.mm()
             ),
             Self::Gouges { smallest_radius: None } => f.write_str(
-                "the cutter gouges the concave surface with its flat or its far side, away from the contact; take a smaller cutter or a ball-end cutter",
+                "the cutter gouges the concave surface at any radius of curvature, with its flat or its side; take a ball-end cutter, or tilt the tool",
             ),
             Self::SharpEdge => f.write_str(
                 "in this feed direction a flat-end cutter's sharp edge makes the cut, and the analytic model has no circle to put in its place; model \"envelope\" has an answer",

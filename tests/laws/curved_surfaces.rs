@@ -292,22 +292,22 @@ fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
     }
 }
 
-/// At the stated smallest radius lambda is 0. A larger radius can be refused only because the cutter cuts into the
-/// surface beside the contact, and then no radius is stated.
+/// The cutter fits at the stated smallest radius, and gouges at one smaller by 2 %.
 #[test]
-fn beyond_the_stated_smallest_radius_the_cutter_fits_near_the_contact() {
-    for slope in [10.0, 20.0, 40.0, 60.0, 80.0] {
+fn the_cutter_fits_at_the_stated_smallest_radius() {
+    for slope in [0.5, 3.0, 5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 89.0] {
         for alpha in [0.0, 15.0, 30.0, 60.0, 90.0, 140.0] {
-            let on_radius = |radius| {
-                envelope(on(
-                    toroidal(5.0, 0.4),
-                    Contact::from_degrees(slope, alpha).unwrap(),
-                    SurfaceCurvature::from_radius_mm(radius).unwrap(),
-                ))
-            };
-            let Err(NoAnswer::Gouges { smallest_radius: Some(smallest) }) = on_radius(-1.0) else { panic!("slope {slope}, alpha {alpha}") };
-            let found = on_radius(-smallest.mm() * (1.0 + 1e-9)).map(|_| ());
-            assert!(matches!(found, Ok(()) | Err(NoAnswer::Gouges { smallest_radius: None })), "slope {slope}, alpha {alpha}: {found:?}");
+            for shape in [[-1.0, 0.0], [-1.0, -0.6], [-1.0, 0.3]] {
+                let at_radius = |radius: f64| {
+                    let surface = SurfaceCurvature::from_principal_per_mm(shape.map(|bend| bend / radius), angle(25.0)).unwrap();
+                    envelope(on(toroidal(5.0, 0.4), Contact::from_degrees(slope, alpha).unwrap(), surface)).map(|_| ())
+                };
+                let place = format!("slope {slope}, alpha {alpha}, {shape:?}");
+                let Err(NoAnswer::Gouges { smallest_radius: Some(smallest) }) = at_radius(1.0) else { panic!("{place}") };
+                assert_eq!(at_radius(smallest.mm() * (1.0 + 1e-9)), Ok(()), "{place}");
+                let Err(NoAnswer::Gouges { smallest_radius: Some(again) }) = at_radius(smallest.mm() * 0.98) else { panic!("{place}") };
+                assert_relative_eq!(again.mm(), smallest.mm(), max_relative = 0.011);
+            }
         }
     }
 }
@@ -322,7 +322,13 @@ fn level_troughs_gouge_away_from_the_contact() {
         let surface = SurfaceCurvature::from_principal_per_mm([-1.0 / radius, 0.0], angle(-contact.theta().degrees())).unwrap();
         for model in [Model::Analytic, Model::Envelope] {
             let found = EvaluatedPass::new(model, on(cutter, contact, surface)).map(|evaluated| evaluated.relative_curvature());
-            assert_eq!(found, Err(NoAnswer::Gouges { smallest_radius: None }), "radius {radius}, alpha {alpha}, {model:?}");
+            let Err(NoAnswer::Gouges { smallest_radius: Some(smallest) }) = found else {
+                panic!("radius {radius}, alpha {alpha}, {model:?}")
+            };
+            // The flat's far edge is 10 cos(5 deg) up the slope and 10 sin(5 deg) over the tangent plane, where the trough is
+            // 50 cos^2(5 deg) / radius over it. The corner's round reaches a little further.
+            let slope = 5.0_f64.to_radians();
+            assert_relative_eq!(smallest.mm(), 5.0 * slope.cos().powi(2) / slope.sin(), max_relative = 0.03);
         }
     }
 }

@@ -9,3 +9,4 @@ mod outline;
 mod passes;
 mod radii;
 mod reference;
+mod refusals;

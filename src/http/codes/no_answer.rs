@@ -48,7 +48,7 @@ impl ProblemFigure {
             }
             Self::SmallestRadius => (
                 "smallest_radius_mm",
-                "the smallest concave radius of the surface into which the cutter fits; absent if the cutter gouges at any radius",
+                "the smallest concave radius of the surface into which the cutter fits, if both principal curvatures are scaled alike; up to 1 % too large where the cutter gouges away from the contact; absent if it gouges at any radius",
             ),
             Self::FeedHeight => ("feed_height_mm", "the height that the tooth marks alone leave"),
         }

@@ -36,6 +36,7 @@ impl Envelope {
         step_over: Length,
     ) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
+        self.check_feeds(s)?;
         match self.second_order_feed(tolerance.mm(), s, step_over_height.mm()) {
             SecondOrder::Found(feed, _) => Ok(Length::computed(feed)),
             SecondOrder::Unlimited => {
@@ -46,6 +47,15 @@ impl Envelope {
                 Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
             }
         }
+    }
+
+    /// An error if passes s apart are so far apart that no marks of an accepted feed per tooth overlap.
+    pub(super) fn check_feeds(&self, s: f64) -> Result<(), NoAnswer> {
+        let largest = self.largest_feed(s);
+        if largest < Length::SMALLEST {
+            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest) });
+        }
+        Ok(())
     }
 
     /// The largest feed per tooth that keeps the height p in passes s apart, whose step-over alone leaves
@@ -68,9 +78,10 @@ impl Envelope {
             // On a concave surface nothing proves the result; the height confirms it.
             self.quick_feed_with_runout(p, s, step_over_height, guess)
         };
-        let height = |feed: f64| self.height(s, self.pattern(feed)).ok();
+        let height = |feed: f64| self.height(s, self.pattern(feed));
         let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
-        let found = self.feed_at(p, s, quick, guess, largest);
+        let is_guessed = !self.is_convex_up_to(p) && !self.has_third_order;
+        let found = self.feed_at(p, s, quick, guess, largest).or(is_guessed.then_some(guess));
         match found.and_then(|feed| self.confirmed(feed, p, largest, height)) {
             Some(feed) if feed >= largest => SecondOrder::Unlimited,
             Some(feed) => SecondOrder::Found(feed, ridge),
@@ -141,18 +152,22 @@ impl Envelope {
     }
 
     /// The height of the smallest step-over.
-    pub(super) fn feed_height(&self, pattern: Pattern, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Result<f64, NoAnswer> {
-        if let Some(vertex) = self.feed_vertex(pattern, &height) { Ok(vertex) } else { height(Length::SMALLEST) }
+    ///
+    /// # Errors
+    /// [`Envelope::no_height`].
+    pub(super) fn feed_height(&self, pattern: Pattern, height: impl Fn(f64) -> Option<f64>) -> Result<f64, NoAnswer> {
+        let height = self.feed_vertex(pattern, &height).or_else(|| height(Length::SMALLEST));
+        height.ok_or_else(|| self.no_height(Length::SMALLEST, pattern.spacing))
     }
 
     /// The height of the smallest step-over by the vertex of a parabola over short step-overs; `None` if heights do not
     /// follow one, because runout or an edge lets them grow more. Searches of ridges need passes that are apart.
-    fn feed_vertex(&self, pattern: Pattern, height: impl Fn(f64) -> Result<f64, NoAnswer>) -> Option<f64> {
+    fn feed_vertex(&self, pattern: Pattern, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         if !pattern.is_even() || self.pass.surface.is_plane() || self.cutter.kind() == CutterKind::FlatEnd {
             return None;
         }
         let s = Length::SMALLEST.max(SHORT * pattern.spacing);
-        let (one, two) = (height(s).ok()?, height(2.0 * s).ok()?);
+        let (one, two) = (height(s)?, height(2.0 * s)?);
         (two <= one * (1.0 + FLAT)).then(|| one - (two - one) / 3.0 * (1.0 - (Length::SMALLEST / s).powi(2)))
     }
 
@@ -200,10 +215,11 @@ impl Envelope {
         if is_limit(width) && (self.is_convex_up_to(p) || self.has_third_order) {
             return Ok(SecondOrder::Unlimited);
         }
-        if width < Length::SMALLEST {
+        // The section can be empty again over the whole cutter, so that a width of 0 shows nothing on a concave surface.
+        if width < Length::SMALLEST && (self.is_convex_up_to(p) || self.has_third_order) {
             return Ok(SecondOrder::UsedUp);
         }
-        Ok(match self.confirmed(width, p, largest, |step_over| self.height(step_over, pattern).ok()) {
+        Ok(match self.confirmed(width, p, largest, |step_over| self.height(step_over, pattern)) {
             Some(step_over) if is_limit(step_over) => SecondOrder::Unlimited,
             Some(step_over) => SecondOrder::Found(step_over, ridge),
             None => SecondOrder::UsedUp,

@@ -51,6 +51,10 @@ use newton::{Lengths, Ridge, Sought};
 use section::{Pattern, Section};
 use std::num::NonZeroU32;
 
+/// The share by which the largest length that is reported may be smaller than the largest that has a height on a curved
+/// surface.
+const MET: f64 = 0.01;
+
 /// The envelope model at one contact. It covers every slope from 0 to 90 deg and every cutter.
 ///
 /// **Heights.** h is the lowest height at which the cutter's section parallel to the surface contains two chords along
@@ -95,6 +99,11 @@ impl Envelope {
         let body = Body::new(cutter, pass.contact, pass.surface);
         let drop = pass.runout.depth(pass.contact.slope());
         let groove_curvature = body.relative_radii().across.recip();
+        if !(groove_curvature > 0.0) {
+            // The relative curvature is a rounding error, and the cutter's radius that of the surface.
+            let radius = -pass.surface.principal_per_mm()[1].recip();
+            return Err(NoAnswer::Gouges { smallest_radius: (radius > 0.0).then(|| Length::computed(radius)) });
+        }
         let has_third_order = third_order::has_third_order(&pass, &body);
         Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature, has_third_order })
     }
@@ -138,22 +147,15 @@ impl Envelope {
         !(is_straight || sharp && mark_spacing == 0.0)
     }
 
-    /// h for passes s apart with a pattern of marks, both in the tangent plane.
-    fn height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
-        self.check_overlap(s, pattern.spacing)?;
-        self.level(s, pattern).ok_or_else(|| self.no_height(s))
+    /// h for passes s apart with a pattern of marks, both in the tangent plane; `None` if there is none, for the reason in
+    /// [`Envelope::no_height`].
+    fn height(&self, s: f64, pattern: Pattern) -> Option<f64> {
+        if self.is_in_reach(s, pattern.spacing) { self.level(s, pattern) } else { None }
     }
 
-    /// An error unless passes s apart with marks f apart overlap, seen from above.
-    fn check_overlap(&self, s: f64, f: f64) -> Result<(), NoAnswer> {
-        let outer = self.cutter.outer_radius().mm();
-        if s * self.spacing_ratio() > 2.0 * outer || s > self.largest_step_over(0.0) {
-            return Err(NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_step_over(0.0)) });
-        }
-        if !self.overlap(s, f) {
-            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(s)) });
-        }
-        Ok(())
+    /// Whether passes s apart with marks f apart overlap seen from above, at a step-over at which grooves can meet.
+    fn is_in_reach(&self, s: f64, f: f64) -> bool {
+        s <= self.largest_step_over(0.0) && self.overlap(s, f)
     }
 
     /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
@@ -268,27 +270,31 @@ impl Envelope {
         Some(level).filter(|level| *level <= Length::LARGEST)
     }
 
-    /// The reason why passes s apart have no height although they and their marks overlap seen from above: on a curved
-    /// surface the grooves, or the marks, do not meet.
-    fn no_height(&self, s: f64) -> NoAnswer {
-        let outer = self.cutter.outer_radius().mm();
-        let levels = [0.25, 1.0, 2.0].map(|share| share * outer);
-        let width = |p: f64| {
-            let pattern = Pattern::even(0.0);
-            if self.body.is_concave() {
-                self.step_over_on_concave(p, pattern, 2.0 * s)
-            } else {
-                Section::new(&self.body, pattern, 2.0 * s).width(p)
-            }
-        };
-        let largest_step_over = levels.into_iter().map(width).fold(0.0, f64::max);
-        if largest_step_over < s {
-            return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(largest_step_over) };
+    /// The reason why passes s apart with marks f apart have no height: they do not overlap seen from above, or on a curved
+    /// surface the grooves or the marks do not meet.
+    fn no_height(&self, s: f64, f: f64) -> NoAnswer {
+        if f == 0.0 || self.height(s, Pattern::even(0.0)).is_none() {
+            return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_met_step_over()) };
         }
-        let largest = self.largest_feed(s);
-        let feed = |p: f64| self.feed_at(p, s, None, largest, largest);
-        let largest_mark_spacing = levels.into_iter().filter_map(feed).fold(0.0, f64::max);
-        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest_mark_spacing) }
+        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_met_feed(s)) }
+    }
+
+    /// The largest step-over at which passes without marks meet; on a curved surface one that is smaller by at most [`MET`].
+    fn largest_met_step_over(&self) -> f64 {
+        let overlapping = self.largest_step_over(0.0);
+        if self.pass.surface.is_plane() {
+            return overlapping;
+        }
+        largest_met(overlapping, |s| self.height(s, Pattern::even(0.0)).is_some())
+    }
+
+    /// The same of the feeds per tooth whose marks meet in passes s apart.
+    fn largest_met_feed(&self, s: f64) -> f64 {
+        let overlapping = self.largest_feed(s);
+        if self.pass.surface.is_plane() {
+            return overlapping;
+        }
+        largest_met(overlapping, |feed| self.height(s, self.pattern(feed)).is_some())
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved
@@ -321,6 +327,29 @@ impl QuickLevel {
     fn exact(level: f64) -> Self {
         Self { level, is_exact: true }
     }
+}
+
+/// The largest length, at most `length`, that has a height, to [`MET`]: 0 if none has down to the smallest.
+fn largest_met(length: f64, has_height: impl Fn(f64) -> bool) -> f64 {
+    if has_height(length) {
+        return length;
+    }
+    let mut high = length;
+    let mut low = loop {
+        let low = high / 2.0;
+        if low < Length::SMALLEST {
+            return 0.0;
+        }
+        if has_height(low) {
+            break low;
+        }
+        high = low;
+    };
+    while high - low > MET * high {
+        let middle = f64::midpoint(low, high);
+        if has_height(middle) { low = middle } else { high = middle }
+    }
+    low
 }
 
 /// The length x for which `ratio` x and `leg` are the legs of a right triangle with the hypotenuse `hypotenuse`. It is

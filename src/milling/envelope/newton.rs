@@ -168,6 +168,9 @@ pub(super) fn solve_from(
         // Beside overhangs the ends of chords are only as accurate as their coordinates are rounded, so that the distances
         // need not fall below the rounding of the height.
         let size = change.share_of(&lengths) + aside.abs() / s;
+        if size.is_nan() {
+            return None;
+        }
         let is_small = body.is_concave() && furthest <= OUTSIDE * p && size <= LAST_STEP;
         small_steps += usize::from(is_small);
         follow(&mut place, (&near_held, &far_held), aside, change);

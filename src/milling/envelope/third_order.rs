@@ -43,13 +43,18 @@ impl Envelope {
 
     /// h1, the height that passes alone leave.
     pub(in crate::milling) fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
-        self.turned_height(step_over.mm(), Pattern::even(0.0)).map(Length::computed)
+        self.answered_height(step_over.mm(), Pattern::even(0.0))
     }
 
     /// h, the height that passes and marks leave.
     pub(in crate::milling) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
         let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
-        self.turned_height(step_over.mm(), pattern).map(Length::computed)
+        self.answered_height(step_over.mm(), pattern)
+    }
+
+    /// [`Envelope::turned_height`] or the reason why there is none.
+    fn answered_height(&self, s: f64, pattern: Pattern) -> Result<Length, NoAnswer> {
+        self.turned_height(s, pattern).map(Length::computed).ok_or_else(|| self.no_height(s, pattern.spacing))
     }
 
     /// The height in its parts, for a step-over that alone leaves `step_over_height`.
@@ -70,9 +75,12 @@ impl Envelope {
     /// # Errors
     /// Those of [`Envelope::scallop_height`].
     pub fn second_order_scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        let s = step_over.mm();
-        let step_over_height = self.height(s, Pattern::even(0.0))?;
-        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| self.height(s, self.pattern(feed.mm())))?;
+        let height = |pattern: Pattern| {
+            let s = step_over.mm();
+            self.height(s, pattern).ok_or_else(|| self.no_height(s, pattern.spacing))
+        };
+        let step_over_height = height(Pattern::even(0.0))?;
+        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| height(self.pattern(feed.mm())))?;
         Ok(ScallopHeight::of_total(Length::computed(step_over_height), Length::computed(total)))
     }
 
@@ -111,9 +119,10 @@ impl Envelope {
         if step_over_height >= tolerance {
             return used_up();
         }
+        self.check_feeds(s)?;
         let largest = self.largest_feed(s);
         let candidate = self.feed_candidate(p, s, step_over_height.mm(), largest)?;
-        match Self::confirmed_length(candidate, p, largest, |feed| self.turned_height(s, self.pattern(feed)).ok()) {
+        match Self::confirmed_length(candidate, p, largest, |feed| self.turned_height(s, self.pattern(feed))) {
             Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
             Some(feed) => Ok(Length::computed(feed)),
             None => used_up(),
@@ -144,7 +153,7 @@ impl Envelope {
             }
             Candidate::Guess(Length::SMALLEST)
         };
-        match Self::confirmed_length(candidate, p, largest, |s| self.turned_height(s, pattern).ok()) {
+        match Self::confirmed_length(candidate, p, largest, |s| self.turned_height(s, pattern)) {
             Some(step_over) if step_over >= largest * (1.0 - 1e-12) => {
                 Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
             }
@@ -158,7 +167,8 @@ impl Envelope {
         if let Some(feed) = self.nearby_feed(p, s, step_over_height, largest) {
             return Ok(self.nearby_candidate(feed));
         }
-        Ok(match self.second_order_feed(p, s, self.height(s, Pattern::even(0.0))?) {
+        let of_second_order = self.height(s, Pattern::even(0.0)).ok_or_else(|| self.no_height(s, 0.0))?;
+        Ok(match self.second_order_feed(p, s, of_second_order) {
             SecondOrder::Found(feed, ridge) if self.pattern(feed).is_even() => {
                 self.candidate(Sought::MarkSpacing, Lengths { level: p, step_over: s, mark_spacing: feed }, ridge)
             }
@@ -203,20 +213,22 @@ impl Envelope {
         }
     }
 
-    /// h for passes s apart with a pattern of marks.
-    pub(super) fn turned_height(&self, s: f64, pattern: Pattern) -> Result<f64, NoAnswer> {
+    /// h for passes s apart with a pattern of marks; `None` if there is none, for the reason in [`Envelope::no_height`].
+    pub(super) fn turned_height(&self, s: f64, pattern: Pattern) -> Option<f64> {
         if !self.has_third_order {
             return self.height(s, pattern);
         }
         if pattern.is_even() {
-            self.check_overlap(s, pattern.spacing)?;
+            if !self.is_in_reach(s, pattern.spacing) {
+                return None;
+            }
             if let Some(ridge) = self.nearby_height(s, pattern) {
-                return Ok(ridge.lengths.level);
+                return Some(ridge.lengths.level);
             }
             let (lengths, ridge) = self.second_order(s, pattern.spacing)?;
-            return Ok(self.turned_level(lengths, ridge));
+            return Some(self.turned_level(lengths, ridge));
         }
-        Ok(self.height(s, pattern)? * self.ratio_of_turns(s, self.even_spacing(&pattern)))
+        Some(self.height(s, pattern)? * self.ratio_of_turns(s, self.even_spacing(&pattern)))
     }
 
     /// h with runout by the fast search alone, which nothing confirms on a concave surface; `None` if the search does not
@@ -234,27 +246,29 @@ impl Envelope {
         }
         let lengths = Lengths { level: self.guess(s, Pattern::even(f)), step_over: s, mark_spacing: f };
         let quick = proved::solve(&self.body, Sought::Level, lengths, [Clearing::EVEN; 2]);
-        let second_order = quick.map_or_else(|| self.second_order(s, f), |ridge| Ok((ridge.lengths, Some(ridge))));
+        let second_order = quick.map_or_else(|| self.second_order(s, f), |ridge| Some((ridge.lengths, Some(ridge))));
         match second_order {
-            Ok((lengths, ridge)) if lengths.level > 0.0 => self.turned_level(lengths, ridge) / lengths.level,
+            Some((lengths, ridge)) if lengths.level > 0.0 => self.turned_level(lengths, ridge) / lengths.level,
             _ => 1.0,
         }
     }
 
     /// The height to second order with its lengths, for marks of equal depth, and its ridge if the search is proved.
-    pub(super) fn second_order(&self, s: f64, f: f64) -> Result<(Lengths, Option<Ridge>), NoAnswer> {
-        self.check_overlap(s, f)?;
+    pub(super) fn second_order(&self, s: f64, f: f64) -> Option<(Lengths, Option<Ridge>)> {
+        if !self.is_in_reach(s, f) {
+            return None;
+        }
         let pattern = Pattern::even(f);
         let lengths = |level: f64| Lengths { level, step_over: s, mark_spacing: f };
         let quick = proved::solve(&self.body, Sought::Level, lengths(self.guess(s, pattern)), [Clearing::EVEN; 2]);
         if let Some(ridge) = quick.filter(|ridge| self.is_convex_up_to(ridge.lengths.level)) {
-            return Ok((ridge.lengths, Some(ridge)));
+            return Some((ridge.lengths, Some(ridge)));
         }
         let found = quick.map(|ridge| QuickLevel::of(&ridge));
-        let level = self.searched_level(s, pattern, found).ok_or_else(|| self.no_height(s))?;
+        let level = self.searched_level(s, pattern, found)?;
         let is_quick = |ridge: &Ridge| ridge.lengths.level.total_cmp(&level).is_eq();
         let ridge = quick.filter(is_quick).or_else(|| self.ridge_of_second_order(Sought::Level, lengths(level)));
-        Ok((lengths(level), ridge))
+        Some((lengths(level), ridge))
     }
 
     /// h of turned marks from the lengths and the ridge of the second order.
@@ -330,7 +344,7 @@ impl Envelope {
         if let Some(ridge) = self.nearby_height(s, Pattern::even(f)) {
             return search.share(&ridge);
         }
-        let Ok((lengths, ridge)) = self.second_order(s, f) else { return f64::INFINITY };
+        let Some((lengths, ridge)) = self.second_order(s, f) else { return f64::INFINITY };
         let Some(start) = self.start_of_turns(lengths, ridge) else { return f64::INFINITY };
         if weight_of_turns(search.share(&start)) == 0.0 {
             return f64::INFINITY;
