@@ -21,7 +21,7 @@ const CURVATURE_FACET: usize = 192;
 const CURVATURE_POINT: usize = 60;
 
 /// Bytes for each planned facet: [`FinishFacet`](crate::surface::FinishFacet), and the simulation's data.
-const PLANNED_FACET: usize = 152 + 168;
+const PLANNED_FACET: usize = 152 + 180;
 
 /// Bytes for each facet and each candidate or direction in progress: the facet in the order of its direction, and its
 /// entry while it is between two planes, as all facets may be at once.

@@ -132,3 +132,40 @@ async fn a_unit_in_a_header_must_be_confirmed() {
     let contradicted = app.upload(package, &with(simulated(), json!({"unit": "inch"}))).await;
     assert_eq!(contradicted.faults(), (422, vec![("/unit", "conflicting-fields")]));
 }
+
+/// The search samples the facets of a fine mesh. On a regular grid the sample must not be that of a few lines, along which
+/// every direction but theirs would seem fast.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_fine_mesh_of_a_plane_has_the_plan_of_a_coarse_one() {
+    let app = TestApp::start().await;
+    let climb = 10.0_f32.to_radians().tan();
+    let plane = |columns: usize, rows: usize| {
+        let part = |number: usize, of: usize| number as f32 / (of - 1) as f32;
+        let node =
+            |at: usize| [60.0 * part(at % columns, columns), 50.0 * part(at / columns, rows), 50.0 * climb * part(at / columns, rows)];
+        let vertices: Vec<[f32; 3]> = (0..columns * rows).map(node).collect();
+        let cell = |at: usize| [[at, at + 1, at + columns + 1], [at, at + columns + 1, at + columns]];
+        let triangles: Vec<[usize; 3]> = (0..(rows - 1) * columns).filter(|at| at % columns + 1 < columns).flat_map(cell).collect();
+        ply("binary_little_endian", &vertices, &triangles)
+    };
+    let cutters = json!([{"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2}, {"type": "ball_end", "diameter_mm": 10}]);
+    let job = json!({"cutters": cutters, "scallop_height_mm": 0.01, "machine": {"preset": "five_axis_vmc"}});
+    let coarse = app.upload(plane(31, 26), &with(job.clone(), json!({"directions_deg": [90]}))).await.ok();
+    let seconds = figure(&coarse, "/candidates/0/machining_time_s");
+    let fine = plane(241, 201);
+    for directions in [json!([90]), json!([0, 90]), json!([45, 90]), Value::Null] {
+        let mut asked = job.clone();
+        if !directions.is_null() {
+            asked["directions_deg"] = directions.clone();
+        }
+        let answer = app.upload(fine.clone(), &asked).await.ok();
+        let best = &answer["candidates"][0];
+        assert_eq!(best["cutter"], 0, "directions {directions}");
+        let most = if directions.is_null() { 1.02 } else { 1.0 + 1e-4 };
+        assert!(figure(best, "machining_time_s") <= most * seconds, "directions {directions}: {best:#}");
+        for candidate in answer["candidates"].as_array().unwrap() {
+            let times = candidate["by_direction"]["machining_time_s"].as_array().unwrap();
+            assert!(times.iter().all(Value::is_number), "directions {directions}");
+        }
+    }
+}

@@ -51,7 +51,7 @@ described!(UploadRequest, describe_request);
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
     let binary = || ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
     let file = binary().description(Some(
-        "the file: points in text (CSV, TSV, XYZ) or PCD, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
+        "the file: points in text (CSV, TSV, XYZ) or PCD with its data in text, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
     ));
     let parameters = components.refer("RecommendationParameters", "", |components| {
         let about = "The cutters to choose from, unless they are in libraries, and the machine";

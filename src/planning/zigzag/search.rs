@@ -43,7 +43,8 @@ pub(super) fn times_by_direction(
     room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Vec<TimeOfDirection>>> {
-    let around = sampled(workpiece, MOST_FACETS);
+    let sampled = |count: usize| (workpiece.len() > count).then(|| workpiece.sampled(count));
+    let around = sampled(MOST_FACETS);
     let around = around.as_ref().unwrap_or(workpiece);
     let mut times: Vec<Vec<TimeOfDirection>> = vec![Vec::new(); contenders.len()];
     let simulated = |facets: &Workpiece, wanted: Vec<(usize, Angle)>, found: &mut Vec<Vec<TimeOfDirection>>| {
@@ -55,7 +56,7 @@ pub(super) fn times_by_direction(
         Directions::All { beside } => {
             let mut coarse: Vec<Angle> = (0..36).map(|step| half_degrees(10 * step)).collect();
             coarse.extend(beside.iter().filter(|angle| !is_among(&coarse, **angle)).copied().collect::<Vec<_>>());
-            let first = sampled(workpiece, MOST_AT_FIRST);
+            let first = sampled(MOST_AT_FIRST);
             simulated(first.as_ref().unwrap_or(workpiece), for_all(contenders, &coarse), &mut times);
             // The fastest are simulated again with the same facets as the directions around them, so that their times
             // are comparable.
@@ -93,11 +94,6 @@ pub(super) fn fastest(times: &[TimeOfDirection]) -> Option<TimeOfDirection> {
         found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, time)| *time)
     };
     least(false).or_else(|| least(true))
-}
-
-/// About `count` of the facets, if there are more.
-fn sampled(workpiece: &Workpiece, count: usize) -> Option<Workpiece> {
-    (workpiece.len() > count).then(|| workpiece.sampled(count))
 }
 
 /// Removes the fastest directions of each contender from the times, and returns them.

@@ -5,6 +5,7 @@ use crate::cancellation::collect_until;
 use crate::quantity::{Angle, Area, Length};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// The data of the facets that the simulation needs, computed once for all cutters and directions.
 ///
@@ -24,6 +25,8 @@ pub(super) struct Workpiece {
     /// The factor by which a facet's part of a length is multiplied: 1, or the number of facets that a sampled one
     /// represents.
     pub(super) weights: Vec<f64>,
+    /// The facets in the order in which they are sampled, once it is known.
+    order: OnceLock<Vec<u32>>,
     /// The largest gap between the cuts of a plane that is likely to be due to sampling; 0 if the facets were not
     /// sampled.
     pub(super) sampling_gap: f64,
@@ -102,6 +105,7 @@ impl Workpiece {
             top: if facets.is_empty() { 0.0 } else { high[2] - origin[2] },
             area: facets.iter().map(|facet| facet.area).sum(),
             weights: vec![1.0; facets.len()],
+            order: OnceLock::new(),
             sampling_gap: 0.0,
         }
     }
@@ -139,21 +143,43 @@ impl Workpiece {
         }
     }
 
-    /// A sample of about `count` facets, drawn evenly by area: a facet is drawn whenever the accumulated area passes a
-    /// multiple of the total area over `count`. A drawn facet's part of a length is multiplied by the area that it
-    /// represents over its own.
+    /// The facets in the order of a curve that fills the plane (Morton's), so that neighbours in the order are neighbours
+    /// seen from above. It does not depend on the order in the file.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers under 2^16")]
+    fn along_curve(&self) -> Vec<u32> {
+        let centre = |[a, b, c]: &[[f64; 3]; 3]| [0, 1].map(|axis| a[axis] + b[axis] + c[axis]);
+        let furthest = self.corners.iter().flat_map(centre).fold(f64::MIN_POSITIVE, |furthest, part| part.abs().max(furthest));
+        let place = |part: f64| ((part / furthest + 1.0) * f64::from(u16::MAX / 2)) as u32;
+        let key = |corners| {
+            let [x, y] = centre(corners).map(place);
+            spread_bits(x) | spread_bits(y) << 1
+        };
+        let mut order: Vec<(u32, u32)> = self.corners.iter().map(key).zip(0..).collect();
+        order.par_sort_unstable();
+        order.into_iter().map(|(_, index)| index).collect()
+    }
+
+    /// A sample of about `count` facets, drawn by area: the whole area is divided into `count` equal parts along a curve
+    /// that fills it, and from each the facet at a random place is drawn. Evenly drawn, the facets of a regular grid would be
+    /// those of a few lines, and directions along these lines would seem slow. A drawn facet's part of a length is
+    /// multiplied by the area that it represents over its own.
     pub(super) fn sampled(&self, count: usize) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let share = self.area / count as f64;
-        let mut due = 0.5 * share;
-        let mut passed = 0.0;
+        let mut places = RandomPlaces(0);
+        let (mut part, mut passed) = (0.0, 0.0);
+        let mut due = places.next_place() * share;
         let mut drawn = Vec::with_capacity(count + count / 8);
-        for (index, &area) in self.areas.iter().enumerate() {
+        for index in self.order.get_or_init(|| self.along_curve()).iter().map(|&index| index as usize) {
+            let area = self.areas[index];
             passed += area;
-            if passed >= due {
+            let mut times = 0.0;
+            while passed >= due {
+                (times, part) = (times + 1.0, part + 1.0);
+                due = (part + places.next_place()) * share;
+            }
+            if times > 0.0 {
                 // A facet larger than the share represents itself.
-                let times = ((passed - due) / share).floor() + 1.0;
-                due += times * share;
                 drawn.push((index, (times * share / area).max(1.0)));
             }
         }
@@ -170,8 +196,32 @@ impl Workpiece {
             origin: self.origin,
             top: self.top,
             area: self.area,
+            order: OnceLock::new(),
             weights: drawn.iter().map(|&(_, weight)| weight).collect(),
         }
+    }
+}
+
+/// The 16 lower bits, each followed by a bit of 0.
+fn spread_bits(number: u32) -> u32 {
+    let mut bits = number & 0xffff;
+    bits = (bits | bits << 8) & 0x00ff_00ff;
+    bits = (bits | bits << 4) & 0x0f0f_0f0f;
+    bits = (bits | bits << 2) & 0x3333_3333;
+    (bits | bits << 1) & 0x5555_5555
+}
+
+/// Random places from 0 to 1, always the same ones: the 64-bit generator SplitMix (Steele, Lea and Flood 2014).
+struct RandomPlaces(u64);
+
+impl RandomPlaces {
+    #[expect(clippy::cast_precision_loss, reason = "53 bits")]
+    fn next_place(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
