@@ -91,8 +91,8 @@ async fn a_library_of_more_than_a_thousand_members_is_too_large() {
     let app = TestApp::start().await;
     let own = json!([{"type": "ball_end", "diameter_mm": 5}]);
     let library = |members: usize| {
-        let others: String = (0..members - 1).map(|number| format!("\"member {number}\": 0, ")).collect();
-        format!("{{{others}\"data\": []}}").into_bytes()
+        let others: Vec<String> = (0..members - 1).map(|number| format!("\"member {number}\": 0, ")).collect();
+        format!("{{{}\"data\": []}}", others.concat()).into_bytes()
     };
     let answer = upload(&app, &[&library(1001)], own.clone()).await;
     assert_eq!(answer.faults(), (413, vec![("/library/0", "file-too-large")]), "{}", answer.body);

@@ -140,6 +140,7 @@ async fn a_fine_mesh_of_a_plane_has_the_plan_of_a_coarse_one() {
     let app = TestApp::start().await;
     let climb = 10.0_f32.to_radians().tan();
     let plane = |columns: usize, rows: usize| {
+        #[expect(clippy::cast_precision_loss, reason = "at most 241")]
         let part = |number: usize, of: usize| number as f32 / (of - 1) as f32;
         let node =
             |at: usize| [60.0 * part(at % columns, columns), 50.0 * part(at / columns, rows), 50.0 * climb * part(at / columns, rows)];

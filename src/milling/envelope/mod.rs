@@ -99,7 +99,7 @@ impl Envelope {
         let body = Body::new(cutter, pass.contact, pass.surface);
         let drop = pass.runout.depth(pass.contact.slope());
         let groove_curvature = body.relative_radii().across.recip();
-        if !(groove_curvature > 0.0) {
+        if groove_curvature.is_nan() || groove_curvature <= 0.0 {
             // The relative curvature is a rounding error, and the cutter's radius that of the surface.
             let radius = -pass.surface.principal_per_mm()[1].recip();
             return Err(NoAnswer::Gouges { smallest_radius: (radius > 0.0).then(|| Length::computed(radius)) });
