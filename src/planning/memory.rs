@@ -24,8 +24,8 @@ const CURVATURE_POINT: usize = 60;
 const PLANNED_FACET: usize = 152 + 180;
 
 /// Bytes for each facet and each candidate or direction in progress: the facet in the order of its direction, and its
-/// entry while it is between two planes, as all facets may be at once.
-const ORDERED_FACET: usize = 128 + 80;
+/// entries while it is between two planes, as all facets may be at once.
+const ORDERED_FACET: usize = 136 + 88;
 
 /// Bytes for each candidate or direction in progress. For each plane: the plane, that of the previous check and that of
 /// the best direction so far, factors, heights and the checked facets, in vectors that double when they grow. For each

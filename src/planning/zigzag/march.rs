@@ -88,8 +88,17 @@ const MOST_FITTED: usize = 12;
 /// The largest factor by which fitting widens a strip: the facets that are not fitted still have their own spacings.
 const WIDEST_FITTED: f64 = 1.3;
 
-/// Places the planes band by band, and calls `visit` with each plane and the facets that it cuts. The visitor may end
-/// the placement. Facets that bind a strip are fitted to it by `fit`.
+/// What a placement meets in each band: the strip before the first plane, then each plane and the strip after it.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Met<'a> {
+    /// A plane, and the facets that it cuts.
+    Plane(Plane, &'a [Reached]),
+    /// The coordinates across the passes between which a strip lies, and the facets that it meets.
+    Strip([f64; 2], &'a [Reached]),
+}
+
+/// Places the planes band by band, and calls `visit` with each plane and each strip. The visitor may end the placement.
+/// Facets that bind a strip are fitted to it by `fit`.
 ///
 /// # Errors
 /// [`NoPlanes`]
@@ -97,7 +106,7 @@ pub(super) fn march(
     spaced: &Spaced,
     fit: Option<&Fit>,
     stop: &(dyn Fn() -> bool + Sync),
-    mut visit: impl FnMut(Plane, &[Reached]) -> Result<(), NoPlanes>,
+    mut visit: impl FnMut(Met) -> Result<(), NoPlanes>,
 ) -> Result<(), NoPlanes> {
     let (mut planes, mut met, mut met_at_check) = (0_usize, 0_usize, 0_usize);
     if stop() {
@@ -124,6 +133,7 @@ pub(super) fn march(
             after: first,
             binding: None,
         };
+        visit(Met::Strip([band.low, plane.at], walk.begun(plane.at)))?;
         loop {
             planes += 1;
             met += walk.reached.len();
@@ -146,7 +156,8 @@ pub(super) fn march(
             if is_last || rest <= widest / 2.0 {
                 // Half a spacing beyond the last plane leaves the same height as a whole spacing between two planes.
                 plane.after = plane.before;
-                visit(plane, walk.cut(plane.at))?;
+                visit(Met::Plane(plane, walk.begun(plane.at)))?;
+                visit(Met::Strip([plane.at, band.high], &walk.reached))?;
                 break;
             }
             // There is no material beyond the border: the last plane may be half a spacing before it, and the strip up
@@ -156,8 +167,10 @@ pub(super) fn march(
             if planes == 1 {
                 plane.before = plane.after;
             }
-            visit(plane, walk.cut(plane.at))?;
-            plane = Plane { at: plane.at + plane.after, before: plane.after, after: plane.after, binding: None };
+            let next = plane.at + plane.after;
+            visit(Met::Plane(plane, walk.begun(plane.at)))?;
+            visit(Met::Strip([plane.at, next], walk.begun(next)))?;
+            plane = Plane { at: next, before: plane.after, after: plane.after, binding: None };
         }
     }
     Ok(())
@@ -184,7 +197,7 @@ struct Walk<'a> {
 impl Walk<'_> {
     /// Removes the facets that end before a plane.
     fn pass(&mut self, at: f64) {
-        let count = self.cut(at).len();
+        let count = self.begun(at).len();
         let begun = &mut self.reached[..count];
         let mut kept = 0;
         // Whether a facet ends is nearly random, so the list is filled without branches.
@@ -196,8 +209,8 @@ impl Walk<'_> {
         self.reached.drain(kept..count);
     }
 
-    /// The reached facets that begin before a plane.
-    fn cut(&self, at: f64) -> &[Reached] {
+    /// The reached facets that begin before a plane; those that a plane cuts, once the ended ones are removed.
+    fn begun(&self, at: f64) -> &[Reached] {
         &self.reached[..self.reached.partition_point(|reached| reached.low <= at)]
     }
 
@@ -293,7 +306,7 @@ impl Walk<'_> {
         let end = at + width;
         let mut tightest = TightestOfStrip { limit: width, most, ..TightestOfStrip::default() };
         let mut area = 0.0;
-        let begun = self.cut(at).len();
+        let begun = self.begun(at).len();
         for (index, reached) in self.reached[..begun].iter().enumerate() {
             area += f64::from(reached.density) * (if reached.high < end { reached.high } else { end } - at);
             let allowed = f64::from(reached.allowed);

@@ -2,6 +2,7 @@
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
+use super::cuts::{Cut, cuts_by_plane};
 use super::links::End;
 use super::march::Plane;
 use super::plan::ZigzagPlan;
@@ -184,12 +185,17 @@ pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) 
     // A run has one place for each cut and two for its ends. The simulation joins over slightly wider gaps, so that it
     // has fewer runs: up to twice as many are counted here. The cuts of a plane are dropped before its places are
     // stored.
+    let slivers = if plan.slivers > 0 { facets.len() * BYTES_OF_A_SLIVER } else { 0 };
+    let cuts = cuts + plan.slivers;
     let places = cuts + (2 * cuts).min(4 * plan.tour.runs);
-    places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
+    slivers + places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
 }
 
 /// A place and, during thinning, its index; twice, because a growing vector is copied to one of twice its size.
 const BYTES_OF_A_PLACE: usize = 2 * size_of::<Place>() + 2 * size_of::<usize>();
+
+/// A facet with its interval along a pass, in a vector that doubles when it grows.
+const BYTES_OF_A_SLIVER: usize = 48;
 
 /// The vectors of a plane: its cuts, its runs, their places.
 const BYTES_OF_A_PLANE: usize = 512;
@@ -206,7 +212,7 @@ fn runs_in_order(
     cutter: Cutter,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<OrderedRun> {
-    let by_plane = cuts_by_plane(&plan.passes, spaced, stop);
+    let by_plane = cuts_by_plane(plan, spaced, stop);
     let of_plane = |(number, (plane, cuts)): (usize, (&Plane, Vec<Cut>))| runs_of(number, plane.at, cuts, facets, spaced, cutter);
     let runs: Vec<(Stretch, Vec<Place>)> = plan.passes.par_iter().zip(by_plane).enumerate().flat_map_iter(of_plane).collect();
     let stretches: Vec<Stretch> = runs.iter().map(|&(stretch, _)| stretch).collect();
@@ -250,44 +256,6 @@ fn time_of_tips(runs: &[OrderedRun], points: &[Vec<PassPoint>], spaced: &Spaced,
         last = Some(at(run.ends[1], end));
     }
     Time::computed(total)
-}
-
-/// The cut of a facet: both ends, along the pass and in height.
-#[derive(Debug, Clone, Copy)]
-struct Cut {
-    facet: u32,
-    ends: [[f64; 2]; 2],
-}
-
-/// The number of facets and cuts between two checks for cancellation.
-const TURN: usize = 16_384;
-
-/// The cuts of each plane; none once `stop` returns true.
-fn cuts_by_plane(planes: &[Plane], spaced: &Spaced, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Cut>> {
-    let mut by_plane = vec![Vec::new(); planes.len()];
-    let mut examined = 0;
-    for (covered, slice) in spaced.sweep.covered.iter().zip(&spaced.sweep.slices) {
-        examined += 1;
-        if examined >= TURN {
-            examined = 0;
-            if stop() {
-                return vec![Vec::new(); planes.len()];
-            }
-        }
-        let first = planes.partition_point(|plane| plane.at < covered.low);
-        for (plane, cuts) in planes[first..].iter().zip(&mut by_plane[first..]) {
-            if plane.at >= covered.high {
-                break;
-            }
-            examined += 1;
-            let [from, to] = slice.cut(plane.at);
-            if to > from {
-                let ends = [[from, slice.height(from, plane.at)], [to, slice.height(to, plane.at)]];
-                cuts.push(Cut { facet: covered.facet, ends });
-            }
-        }
-    }
-    by_plane
 }
 
 /// The runs of one plane: its cuts, sorted along it and split at gaps wider than the cutter.

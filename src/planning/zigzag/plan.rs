@@ -45,6 +45,8 @@ pub struct ZigzagPlan {
     /// Whether the flutes are shorter than the surface is deep.
     pub flutes_too_short: bool,
     pub(super) passes: Vec<Plane>,
+    /// The number of parts of facets over which passes run on.
+    pub(super) slivers: usize,
 }
 
 impl ZigzagPlan {

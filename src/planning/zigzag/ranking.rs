@@ -194,6 +194,7 @@ impl Planner<'_> {
             reach: prepared.candidate.reach,
             rectangle: on_rectangle(cutter, settings),
             flutes_too_short: prepared.candidate.flute_length.is_some_and(|flutes| flutes.mm() < depth),
+            slivers: simulated.slivers,
             passes: simulated.planes,
         })
     }

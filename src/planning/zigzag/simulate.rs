@@ -1,7 +1,7 @@
 //! The simulation of one cutter in one direction over a workpiece.
 
 use super::links::Links;
-use super::march::{Fit, NoPlanes, Plane, march};
+use super::march::{Fit, Met, NoPlanes, Plane, march};
 use super::room::Room;
 use super::runs::RunFinder;
 use super::settings::Pattern;
@@ -33,6 +33,8 @@ impl Operation<'_> {
 pub(super) struct Simulated {
     pub(super) figures: TourFigures,
     pub(super) planes: Vec<Plane>,
+    /// The number of parts of facets over which passes run on.
+    pub(super) slivers: usize,
 }
 
 /// Simulates the zigzag over facets with their spacings, fitted to the strips by `fit`.
@@ -45,16 +47,22 @@ pub(super) fn simulate(
     fit: Option<&Fit>,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Simulated, NoPlanes> {
-    let mut finder = RunFinder::new(spaced, spaced.widest.max(spaced.workpiece.sampling_gap));
+    let mut finder = RunFinder::new(spaced, operation.feeds);
     let mut planes = Vec::new();
-    march(spaced, fit, stop, |plane, cut| {
-        finder.find(spaced, cut, planes.len(), &plane, operation.feeds);
-        planes.push(plane);
+    march(spaced, fit, stop, |met| {
+        match met {
+            Met::Plane(plane, cut) => {
+                finder.find(cut, planes.len(), plane);
+                planes.push(plane);
+            }
+            Met::Strip(ends, facets) => finder.look_for_slivers(ends, facets),
+        }
         // All runs stay in memory until their order is known.
         operation.room.check(planes.len(), finder.runs.len())
     })?;
+    finder.run_over_slivers();
     let figures = TourFigures::of(&finder.runs, operation.machine, operation.pattern, &operation.links(spaced));
-    Ok(Simulated { figures, planes })
+    Ok(Simulated { figures, planes, slivers: finder.slivers })
 }
 
 /// The planes of the same zigzag, without its runs.
@@ -63,8 +71,10 @@ pub(super) fn simulate(
 /// [`NoPlanes`]
 pub(super) fn planes_of(spaced: &Spaced, room: &Room, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Plane>, NoPlanes> {
     let mut planes = Vec::new();
-    march(spaced, None, stop, |plane, _| {
-        planes.push(plane);
+    march(spaced, None, stop, |met| {
+        if let Met::Plane(plane, _) = met {
+            planes.push(plane);
+        }
         room.check(planes.len(), 0)
     })?;
     Ok(planes)

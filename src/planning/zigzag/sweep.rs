@@ -40,7 +40,8 @@ pub(super) struct Covered {
 pub(super) struct Slice {
     low: f64,
     middle: f64,
-    /// The coordinate along the passes of the first corner in the order across them.
+    /// The coordinate along the passes of the middle corner in the order across them, and of the first.
+    middle_along: f64,
     first: f64,
     height: f64,
     /// The slope of the edge from the first corner to the last: length along the passes per length across them.
@@ -71,6 +72,7 @@ impl Slice {
         Self {
             low: low[0],
             middle: middle[0],
+            middle_along: middle[1],
             first: low[1],
             height: low[2],
             long: edge(low, high),
@@ -88,6 +90,32 @@ impl Slice {
         let [across, along, edge] = self.short[usize::from(at >= self.middle)];
         let short = along + edge * (at - across);
         [if long < short { long } else { short }, if long < short { short } else { long }]
+    }
+
+    /// The interval across the passes that the facet covers.
+    pub(super) fn across(&self) -> [f64; 2] {
+        [self.low, self.short[1][0]]
+    }
+
+    /// The interval along the passes that the facet covers.
+    pub(super) fn along(&self) -> [f64; 2] {
+        let others = [self.middle_along, self.short[1][1]];
+        others.into_iter().fold([self.first; 2], |[least, most], along| [least.min(along), most.max(along)])
+    }
+
+    /// The interval along the passes that the part of the facet from one coordinate across them to another covers; from
+    /// infinity to minus infinity if there is no such part.
+    pub(super) fn along_between(&self, [from, to]: [f64; 2]) -> [f64; 2] {
+        let [low, high] = self.across();
+        let corners = [[low, self.first], [self.middle, self.middle_along], [high, self.short[1][1]]];
+        let corners = corners.into_iter().filter(|[at, _]| (from..=to).contains(at)).map(|[_, along]| along);
+        let cuts = [from, to].into_iter().filter(|&at| low < at && at < high).flat_map(|at| self.cut(at));
+        corners.chain(cuts).fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], along| [least.min(along), most.max(along)])
+    }
+
+    /// The length in space of a line along the passes per length seen from above.
+    pub(super) fn length_along(&self) -> f64 {
+        (1.0 + self.rise[0] * self.rise[0]).sqrt()
     }
 
     /// The height of the facet at a place.

@@ -4,6 +4,7 @@
 mod hostile;
 mod laws;
 mod meshes;
+mod narrow;
 mod passes;
 mod published;
 mod random_patches;

@@ -1,0 +1,126 @@
+//! Surfaces narrower than a spacing, in part or everywhere: each place has a pass beside it.
+
+use super::surfaces::facet;
+use super::{in_direction, mm, ranked, settings};
+use scallopd::milling::{Cutter, Model};
+use scallopd::planning::zigzag::{CandidateCutter, PassPoint, ZigzagPlan, ZigzagSettings, passes};
+use scallopd::quantity::Time;
+use scallopd::surface::FinishFacet;
+
+/// Quadrilaterals seen from above on the plane z = 0.1 x + 0.05 y, each as two facets.
+fn quadrilaterals(corners: impl IntoIterator<Item = [[f64; 2]; 4]>) -> Vec<FinishFacet> {
+    let up = |[x, y]: [f64; 2]| [x, y, 0.1 * x + 0.05 * y];
+    let halves = |[a, b, c, d]: [[f64; 2]; 4]| [facet([a, b, c].map(up), [0.0; 6]), facet([a, c, d].map(up), [0.0; 6])];
+    corners.into_iter().flat_map(halves).collect()
+}
+
+fn rectangle(length: f64, width: f64) -> Vec<FinishFacet> {
+    quadrilaterals([[[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]]])
+}
+
+/// The face of a tube.
+fn ring(radius: f64, width: f64) -> Vec<FinishFacet> {
+    let at = |step: i32, radius: f64| {
+        let (sin, cos) = (3.0 * f64::from(step)).to_radians().sin_cos();
+        [radius * cos, radius * sin]
+    };
+    quadrilaterals((0..120).map(|step| [at(step, radius), at(step, radius + width), at(step + 1, radius + width), at(step + 1, radius)]))
+}
+
+/// A triangle with a long tip, and three pieces beside it that are narrower than a spacing.
+fn pieces() -> Vec<FinishFacet> {
+    let islands = [[70.0, 3.0], [73.1, 11.3], [71.7, 21.9]].map(|[x, y]| [[x, y], [x + 9.0, y + 0.4], [x + 9.0, y + 0.5], [x, y + 0.2]]);
+    let tip = [[0.0, 0.0], [60.0, 19.8], [60.0, 20.2], [0.0, 40.0]];
+    quadrilaterals(islands.into_iter().chain([tip]))
+}
+
+/// The distance of a point from the segment between two others, seen from above.
+fn distance(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
+    let [line, out] = [to, point].map(|end| [end[0] - from[0], end[1] - from[1]]);
+    let squared = line[0] * line[0] + line[1] * line[1];
+    let share = if squared > 0.0 { ((line[0] * out[0] + line[1] * out[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    (out[0] - share * line[0]).hypot(out[1] - share * line[1])
+}
+
+/// The largest distance of a place of the surface from the nearest pass, in mm.
+fn farthest(plan: &ZigzagPlan, facets: &[FinishFacet], candidate: &CandidateCutter, settings: &ZigzagSettings) -> f64 {
+    let passes = passes(plan, facets, candidate, settings, &|tip| tip[2], 200_000).unwrap();
+    let place = |point: &PassPoint| point.contact.unwrap();
+    let ends = passes.run_starts[1..].iter().copied().chain([passes.points.len()]);
+    let runs: Vec<&[PassPoint]> = passes.run_starts.iter().copied().zip(ends).map(|(start, end)| &passes.points[start..end]).collect();
+    let nearest = |at: [f64; 3]| {
+        let segments = runs.iter().flat_map(|run| run.windows(2));
+        segments.map(|pair| distance(at, place(&pair[0]), place(&pair[1]))).fold(f64::INFINITY, f64::min)
+    };
+    let mut farthest = 0.0_f64;
+    for facet in facets {
+        let [a, b, c] = facet.corners;
+        for i in 0..=20 {
+            for j in 0..=20 - i {
+                let at = [0, 1, 2].map(|axis| {
+                    let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
+                    a[axis] + u * (b[axis] - a[axis]) + v * (c[axis] - a[axis])
+                });
+                farthest = farthest.max(nearest(at));
+            }
+        }
+    }
+    farthest
+}
+
+fn candidates() -> [CandidateCutter; 2] {
+    [Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Cutter::ball_end(mm(6.0))].map(CandidateCutter::new)
+}
+
+#[test]
+fn each_place_of_a_narrow_surface_is_near_a_pass() {
+    let surfaces = [
+        ("rib", rectangle(100.0, 0.1)),
+        ("strip", rectangle(100.0, 5.0)),
+        ("ring", ring(30.0, 0.3)),
+        ("ring", ring(20.0, 1.7)),
+        ("pieces", pieces()),
+    ];
+    for (name, facets) in &surfaces {
+        for candidate in candidates() {
+            for direction in [0.0, 0.4, 1.0, 3.0, 18.0, 45.0, 88.9, 91.3, 161.6, 179.2] {
+                let settings = in_direction(Model::Envelope, direction);
+                let plan = ranked(facets, &[candidate], &settings).plans.remove(0);
+                // All surfaces have the same slope, so that the planes of a wide one are as far apart as they may be.
+                let spacing = ranked(&rectangle(100.0, 60.0), &[candidate], &settings).plans[0].step_over.max.mm();
+                let farthest = farthest(&plan, facets, &candidate, &settings) / spacing;
+                // A spacing to the neighbouring pass, and half of one beyond its end.
+                assert!(farthest < 1.25_f64.sqrt() + 0.01, "{name} at {direction} deg: {farthest}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_narrow_rib_is_cut_by_one_pass_along_itself() {
+    // With passes that end where they leave the rib, some degrees off its edges would take the least time.
+    let facets = rectangle(100.0, 0.1);
+    for candidate in candidates() {
+        let plan = ranked(&facets, &[candidate], &settings(Model::Envelope)).plans.remove(0);
+        let degrees = plan.direction.degrees();
+        assert!(degrees.min(180.0 - degrees) <= 0.5, "{degrees}");
+        assert_eq!(plan.tour.runs, 1);
+        assert!((plan.tour.run_length - 100.0_f64.hypot(10.0)).abs() < 0.1, "{:?}", plan.tour);
+    }
+}
+
+#[test]
+fn the_passes_over_slivers_take_the_time_of_their_plan() {
+    for facets in [rectangle(100.0, 0.1), ring(30.0, 0.3), pieces()] {
+        for direction in [0.4, 45.0, 161.6] {
+            let candidate = candidates()[1];
+            let settings = in_direction(Model::Envelope, direction);
+            let plan = ranked(&facets, &[candidate], &settings).plans.remove(0);
+            let passes = passes(&plan, &facets, &candidate, &settings, &|tip| tip[2], 200_000).unwrap();
+            assert_eq!(passes.run_starts.len(), plan.tour.runs);
+            // On a plane tips have the distances of their contacts.
+            let [planned, stated] = [plan.time, passes.time].map(Time::seconds);
+            assert!((stated / planned - 1.0).abs() < 0.02, "{direction}: {planned} s, {stated} s of the passes");
+        }
+    }
+}
