@@ -4,7 +4,7 @@ use super::memory::TRIAL_SIDE;
 use super::reach::ReachMap;
 use super::zigzag::{CandidateCutter, SurfaceEvidence};
 use crate::quantity::{Angle, Length};
-use crate::surface::mesh::{FacetClass, Selection, SelectionError, ViewFromAbove, Visibility};
+use crate::surface::mesh::{FacetClass, Pieces, Selection, SelectionError, Sides, ViewFromAbove, Visibility};
 use crate::surface::{Facing, FinishFacet, Mesh, MeshBuilder, MeshError, Unit};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -24,6 +24,8 @@ pub(crate) struct MachinedSurface {
     pub(crate) machined_pieces: usize,
     /// Whether each facet of the mesh is selected and not too steep.
     machined: Vec<bool>,
+    /// The share of the selected area that no cutter reaches from above. The undersides of closed solids are not counted.
+    hidden_area_share: f64,
     /// The facets to plan for.
     pub(crate) facets: Vec<FinishFacet>,
     /// For each facet of the mesh, its index among the planned facets; `None` if it is not planned.
@@ -73,6 +75,7 @@ impl MachinedSurface {
         go_on()?;
         let facets = mesh.facets_for_finishing_until(&visibility, &selected, stop);
         go_on()?;
+        let hidden_area_share = hidden_area_share(&mesh, &visibility, &pieces, &selected);
         let mut next = 0;
         let mut machined = Vec::with_capacity(selected.len());
         let mut places = Vec::with_capacity(selected.len());
@@ -88,7 +91,7 @@ impl MachinedSurface {
         let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
         let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
         let view = mesh.seen_from_above_until(SIDE, stop);
-        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, facets, places, view })
+        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, machined, hidden_area_share, facets, places, view })
     }
 
     /// The index of a cell's facet among the planned facets.
@@ -96,17 +99,16 @@ impl MachinedSurface {
         self.view.facet(cell).and_then(|facet| self.places[facet])
     }
 
-    /// The share of the visible area whose facets have the opposite orientation: up to a half.
+    /// The share of the visible area, without walls, whose facets have the opposite orientation: up to a half.
     fn turned_area_share(&self) -> f64 {
-        let seen = self.visible_area_share() * self.visibility.area();
-        let from_behind = if seen > 0.0 { (self.visibility.area_from_behind() / seen).min(1.0) } else { 0.0 };
+        let from_behind = self.visibility.share_from_behind();
         from_behind.min(1.0 - from_behind)
     }
 
     /// The figures of the surface on which the confidence in a ranking depends.
     pub(crate) fn evidence(&self) -> SurfaceEvidence {
         SurfaceEvidence {
-            visible_area_share: self.visible_area_share(),
+            hidden_area_share: self.hidden_area_share,
             pieces: self.machined_pieces,
             turned_area_share: self.turned_area_share(),
         }
@@ -122,6 +124,26 @@ impl MachinedSurface {
         let shares = self.visibility.shares();
         (1.0 - shares.hidden - shares.overhanging).clamp(0.0, 1.0)
     }
+}
+
+/// The share of the selected area that is hidden from above or overhangs. The facets of a closed solid that point down
+/// are its underside, which every solid has, so that they do not count.
+fn hidden_area_share(mesh: &Mesh, visibility: &Visibility, pieces: &Pieces, selected: &[bool]) -> f64 {
+    let (mut hidden, mut whole) = (0.0, 0.0);
+    let facets = visibility.classes().iter().zip(pieces.of_facets()).zip(selected).enumerate();
+    for (facet, ((class, piece), _)) in facets.filter(|(_, (_, selected))| **selected) {
+        let is_underside = match pieces.sides()[*piece as usize] {
+            Sides::Open => false,
+            Sides::Outwards => *class == FacetClass::Overhanging,
+            Sides::Inwards => *class == FacetClass::Hidden,
+        };
+        if !is_underside {
+            let (_, area) = mesh.normal_and_area(facet);
+            whole += area;
+            hidden += if matches!(class, FacetClass::Hidden | FacetClass::Overhanging) { area } else { 0.0 };
+        }
+    }
+    if whole > 0.0 { hidden / whole } else { 0.0 }
 }
 
 /// The number of cutters between two checks for cancellation.

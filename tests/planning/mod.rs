@@ -9,6 +9,7 @@ mod libraries;
 mod published;
 mod recommendation;
 mod simulated;
+mod solids;
 mod surfaces;
 mod upload;
 mod warned;

@@ -10,7 +10,6 @@ mod observe;
 use std::sync::Arc;
 
 use axum::Router;
-use axum::body::Body;
 use axum::extract::{DefaultBodyLimit, Request};
 use axum::http::{StatusCode, Version, header};
 use axum::response::{IntoResponse, Response};
@@ -18,8 +17,6 @@ use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::compression::predicate::{DefaultPredicate, Predicate, SizeAbove};
-use tower_http::decompression::RequestDecompressionLayer;
-use tower_http::map_request_body::MapRequestBodyLayer;
 
 use super::app_state::AppState;
 use super::codes::ServiceProblem;
@@ -83,9 +80,7 @@ impl<'a> Stack<'a> {
             .layer(compression)
             .layer(CatchPanicLayer::custom(describe_panic))
             .layer(MiddlewareLayer(admit))
-            .layer(RequestDecompressionLayer::new())
-            .layer(MapRequestBodyLayer::new(Body::new))
-            .map_request(move |request| rules.limit(request))
+            .map_request(move |request| rules.decompress(request))
             .layer(DefaultBodyLimit::disable());
         router.layer(all)
     }

@@ -9,8 +9,9 @@ use std::fmt;
 /// Properties of the mesh that cannot be derived from the planned facets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceEvidence {
-    /// The share of the area that is visible from above, 0 to 1.
-    pub visible_area_share: f64,
+    /// The share of the area to machine that is hidden from above or overhangs, 0 to 1, without the undersides of closed
+    /// solids.
+    pub hidden_area_share: f64,
     /// The number of connected pieces.
     pub pieces: usize,
     /// The share of the visible area whose facets face the other way than the rest, 0 to a half.
@@ -20,7 +21,7 @@ pub struct SurfaceEvidence {
 impl Default for SurfaceEvidence {
     /// One piece, completely visible, with one orientation.
     fn default() -> Self {
-        Self { visible_area_share: 1.0, pieces: 1, turned_area_share: 0.0 }
+        Self { hidden_area_share: 0.0, pieces: 1, turned_area_share: 0.0 }
     }
 }
 
@@ -105,7 +106,7 @@ impl Confidence<SurfaceWeakness> {
             reasons.extend(Reason::over(SurfaceWeakness::CoarseTessellation, size, 2.0, if sagittas > 1.0 { 8.0 } else { f64::INFINITY }));
         }
         reasons.extend(Reason::over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
-        reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, 1.0 - evidence.visible_area_share, 0.02, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, evidence.hidden_area_share, 0.02, 0.2));
         reasons.extend(Reason::over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
         reasons.extend(Reason::over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
         let scallop = best.scallop_height;

@@ -26,7 +26,7 @@ pub use builder::{MeshBuilder, MeshSize};
 pub use curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
 pub use part::MeshPart;
-pub use pieces::Pieces;
+pub use pieces::{Pieces, Sides};
 pub use selection::{Selection, SelectionError};
 pub use view::{NO_FACET, ViewFromAbove};
 pub use visibility::{AreaShares, FacetClass, Visibility};

@@ -101,6 +101,25 @@ fn the_walls_of_a_closed_cavity_are_hidden() {
 }
 
 #[test]
+fn solids_are_closed_and_have_their_facets_outside_or_inside() {
+    let solid = solid_box([3.0, -5.0, 2.0], [40.0, 20.0, 10.0]);
+    let turned = |facets: &[[[f64; 3]; 3]]| facets.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>();
+    let sides = |facets: &[[[f64; 3]; 3]]| mesh(facets).pieces().sides().to_vec();
+    assert_eq!(sides(&solid), [Sides::Outwards]);
+    assert_eq!(sides(&turned(&solid)), [Sides::Inwards]);
+    for facet in 0..solid.len() {
+        let (mut without, mut one_turned) = (solid.clone(), solid.clone());
+        without.remove(facet);
+        one_turned[facet].swap(0, 1);
+        assert_eq!((sides(&without), sides(&one_turned)), (vec![Sides::Open], vec![Sides::Open]));
+    }
+    let sheet = grid(9, 9, |u, v| [50.0 * u, 40.0 * v, (6.0 * u).sin() * (5.0 * v).cos()]);
+    assert_eq!(sheet.pieces().sides(), [Sides::Open]);
+    let beside = solid_box([60.0, 0.0, 0.0], [70.0, 10.0, 10.0]);
+    assert_eq!(sides(&[solid, turned(&beside)].concat()), [Sides::Outwards, Sides::Inwards]);
+}
+
+#[test]
 fn a_surface_upside_down_is_turned_over_and_single_facets_too() {
     let wave = grid(30, 30, |u, v| [50.0 * u, 40.0 * v, 3.0 * (6.0 * u).sin() * (5.0 * v).cos()]);
     let facets: Vec<_> = (0..wave.triangles().len()).map(|facet| wave.corners(facet)).collect();

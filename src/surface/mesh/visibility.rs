@@ -42,6 +42,7 @@ pub struct Visibility {
     from_behind: Vec<bool>,
     shares: AreaShares,
     area: f64,
+    area_with_side: f64,
     area_from_behind: f64,
     cell: f64,
 }
@@ -71,10 +72,11 @@ impl Visibility {
         self.area
     }
 
-    /// The area of the facets whose back is seen, in mm^2.
+    /// The share of the facets that are seen from behind in the area of all that show a side: those visible from above
+    /// without walls.
     #[must_use]
-    pub fn area_from_behind(&self) -> f64 {
-        self.area_from_behind
+    pub fn share_from_behind(&self) -> f64 {
+        if self.area_with_side > 0.0 { self.area_from_behind / self.area_with_side } else { 0.0 }
     }
 
     /// The side of the cells of the depth raster, in mm.
@@ -149,8 +151,8 @@ impl Mesh {
             (class, visible && side == Some(false), area)
         };
         let examined: Vec<(FacetClass, bool, f64)> = collect_until(facets, stop, one);
-        let (mut shares, mut area, mut area_from_behind) =
-            (AreaShares { hidden: 0.0, overhanging: 0.0, steep: 0.0, machined: 0.0 }, 0.0, 0.0);
+        let mut shares = AreaShares { hidden: 0.0, overhanging: 0.0, steep: 0.0, machined: 0.0 };
+        let (mut area, mut area_with_side, mut area_from_behind) = (0.0, 0.0, 0.0);
         for &(class, from_behind, own) in &examined {
             *match class {
                 FacetClass::Hidden => &mut shares.hidden,
@@ -159,12 +161,13 @@ impl Mesh {
                 FacetClass::Machined => &mut shares.machined,
             } += own;
             area += own;
+            area_with_side += if matches!(class, FacetClass::Machined | FacetClass::Steep { wall: false }) { own } else { 0.0 };
             area_from_behind += if from_behind { own } else { 0.0 };
         }
         for share in [&mut shares.hidden, &mut shares.overhanging, &mut shares.steep, &mut shares.machined] {
             *share /= area;
         }
         let (classes, from_behind) = examined.into_iter().map(|(class, from_behind, _)| (class, from_behind)).unzip();
-        Visibility { classes, from_behind, shares, area, area_from_behind, cell: frame.cell }
+        Visibility { classes, from_behind, shares, area, area_with_side, area_from_behind, cell: frame.cell }
     }
 }

@@ -122,7 +122,7 @@ fn confidence_lists_the_weaknesses() {
     let ranking = ranked(&facets, &published_cutters(), &settings(Model::Envelope));
     let confidence = ranking.confidence.unwrap();
     assert_eq!((confidence.level(), confidence.reasons()), (Level::High, &[][..]));
-    let evidence = SurfaceEvidence { visible_area_share: 0.7, pieces: 2, turned_area_share: 0.0 };
+    let evidence = SurfaceEvidence { hidden_area_share: 0.3, pieces: 2, turned_area_share: 0.0 };
     let confidence = rank(&facets, &published_cutters(), &settings(Model::Envelope), evidence, &|| false).unwrap().confidence.unwrap();
     let weaknesses: Vec<_> = confidence.reasons().iter().map(|reason| (reason.weakness, reason.level)).collect();
     assert_eq!(weaknesses, [(SurfaceWeakness::HiddenArea, Level::Low), (SurfaceWeakness::SeveralPieces, Level::Moderate)]);

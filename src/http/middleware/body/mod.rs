@@ -3,6 +3,7 @@
 //! then answers with the problem of that rule, whatever the handler returned.
 
 mod fault;
+mod gzip;
 mod limit;
 mod progress;
 mod wire;
@@ -21,6 +22,7 @@ use crate::http::problem::Problem;
 use crate::http::routes::RouteClass;
 use crate::settings::HttpSettings;
 use fault::BodyFault;
+use gzip::{Coding, decompressed};
 use limit::LimitedBody;
 pub(super) use progress::BodyProgress;
 pub(super) use wire::{Pace, WireBody};
@@ -47,18 +49,18 @@ impl BodyRules {
     #[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
     pub(super) fn check_head(&self, headers: &HeaderMap) -> Result<(), Response> {
         let max_bytes = self.max_bytes;
-        match headers.get(header::CONTENT_ENCODING).map(HeaderValue::as_bytes) {
-            Some(b"gzip") => Ok(()),
-            None | Some(b"identity") if stated_length(headers).is_none_or(|length| length <= max_bytes) => Ok(()),
-            None | Some(b"identity") => Err(BodyFault::TooLarge { max_bytes }.into_response()),
-            Some(_) => Err(unsupported_encoding()),
+        match Coding::of(headers) {
+            Some(Coding::Gzip) => Ok(()),
+            Some(Coding::Identity) if stated_length(headers).is_none_or(|length| length <= max_bytes) => Ok(()),
+            Some(Coding::Identity) => Err(BodyFault::TooLarge { max_bytes }.into_response()),
+            None => Err(unsupported_encoding()),
         }
     }
 
-    /// Limits the size of the decompressed body.
-    pub(super) fn limit(&self, request: Request) -> Request {
+    /// Decompresses the body, and limits its decompressed size.
+    pub(super) fn decompress(&self, request: Request) -> Request {
         let progress = BodyProgress::of(&request);
-        request.map(|body| Body::new(LimitedBody { body, max_bytes: self.max_bytes, progress }))
+        decompressed(request).map(|body| Body::new(LimitedBody { body, max_bytes: self.max_bytes, progress }))
     }
 }
 
