@@ -55,6 +55,16 @@ pub enum NoAnswer {
     },
 }
 
+/// A length in a text: to a nanometre, and below a micrometre to four digits.
+struct Shown(Length);
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mm = self.0.mm();
+        if mm == 0.0 || mm.abs() >= 1e-3 { write!(f, "{mm:.6}") } else { write!(f, "{mm:.3e}") }
+    }
+}
+
 impl fmt::Display for NoAnswer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -62,17 +72,17 @@ impl fmt::Display for NoAnswer {
                 "on a floor (slope 0) the effective radius of a toroidal or flat-end cutter is infinite and the analytic model has no answer; model \"envelope\" has one",
             ),
             Self::PassesDoNotOverlap { largest_step_over } => {
-                write!(f, "the passes do not overlap and leave uncut material between them; the step-over must be at most {:.6} mm", largest_step_over.mm())
+                write!(f, "the passes do not overlap and leave uncut material between them; the step-over must be at most {} mm", Shown(*largest_step_over))
             }
             Self::MarksDoNotOverlap { largest_mark_spacing } => write!(
                 f,
-                "the marks of neighbouring teeth do not overlap and leave uncut material between them; they must be at most {:.6} mm apart, so reduce the feed per tooth or the runout",
-                largest_mark_spacing.mm()
+                "the marks of neighbouring teeth do not overlap and leave uncut material between them; they must be at most {} mm apart, so reduce the feed per tooth or the runout",
+                Shown(*largest_mark_spacing)
             ),
             Self::Gouges { smallest_radius: Some(radius) } => write!(
                 f,
-                "the cutter gouges the concave surface: its radius of curvature must exceed {:.6} mm for this cutter at this contact; take a smaller cutter, or a ball-end cutter in place of another",
-                radius.mm()
+                "the cutter gouges the concave surface: its radius of curvature must exceed {} mm for this cutter at this contact; take a smaller cutter, or a ball-end cutter in place of another",
+                Shown(*radius)
             ),
             Self::Gouges { smallest_radius: None } => f.write_str(
                 "the cutter gouges the concave surface at any radius of curvature, with its flat or its side; take a ball-end cutter, or tilt the tool",
@@ -85,25 +95,25 @@ impl fmt::Display for NoAnswer {
             }
             Self::StepOverUsesUpTolerance { step_over_height, max_step_over } => write!(
                 f,
-                "the step-over alone leaves {:.6} mm, which uses up the tolerance; a step-over under {:.6} mm leaves room for a feed",
-                step_over_height.mm(),
-                max_step_over.mm()
+                "the step-over alone leaves {} mm, which uses up the tolerance; a step-over under {} mm leaves room for a feed",
+                Shown(*step_over_height),
+                Shown(*max_step_over)
             ),
             Self::FeedUsesUpTolerance { feed_height } => {
-                write!(f, "the tooth marks alone leave {:.6} mm, which uses up the tolerance; reduce the feed per tooth or the runout", feed_height.mm())
+                write!(f, "the tooth marks alone leave {} mm, which uses up the tolerance; reduce the feed per tooth or the runout", Shown(*feed_height))
             }
             Self::RunoutUsesUpTolerance => {
                 f.write_str("runout alone moves the tooth marks further apart than the tolerance allows; reduce the runout or the step-over, or allow more height")
             }
             Self::ToleranceLimitsNoStepOver { largest_step_over } => write!(
                 f,
-                "the tolerance exceeds every scallop between overlapping passes, so it sets no limit; the passes overlap up to a step-over of {:.6} mm",
-                largest_step_over.mm()
+                "the tolerance exceeds every scallop between overlapping passes, so it sets no limit; the passes overlap up to a step-over of {} mm",
+                Shown(*largest_step_over)
             ),
             Self::ToleranceLimitsNoFeed { largest_feed_per_tooth } => write!(
                 f,
-                "the tolerance exceeds every mark between overlapping tooth marks, so it sets no limit; the marks overlap up to a feed per tooth of {:.6} mm; state a largest feed per tooth",
-                largest_feed_per_tooth.mm()
+                "the tolerance exceeds every mark between overlapping tooth marks, so it sets no limit; the marks overlap up to a feed per tooth of {} mm; state a largest feed per tooth",
+                Shown(*largest_feed_per_tooth)
             ),
         }
     }

@@ -1,6 +1,7 @@
 //! The contacts of a batch as rows or as columns, in a body whose syntax has been checked.
 
-use crate::http::reading::{Faulted, Faults, items};
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Faulted, Faults, describe, items};
 use crate::http::wire::{BatchContact, ContactColumns, ContactParameters, StatedParameters};
 use crate::json_text::{JsonPath, JsonText};
 
@@ -19,11 +20,17 @@ pub(super) enum Contacts<'a> {
 impl<'a> Contacts<'a> {
     /// Opens an array or an object of columns. Faults of a contact are found when it is read.
     pub(super) fn open(raw: JsonText<'a>, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        if !raw.get().starts_with('{') {
-            return items(raw, MOST_CONTACTS, path, faults).map(Self::Rows);
+        match raw.get().as_bytes().first() {
+            Some(b'[') => items(raw, MOST_CONTACTS, path, faults).map(Self::Rows),
+            Some(b'{') => {
+                let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, faults);
+                columns.map(|columns| Self::Columns(Box::new(columns)))
+            }
+            _ => {
+                let detail = format_args!("expected an array of contacts or an object of columns, found {}", describe(raw));
+                Err(faults.add(&path, RequestFault::WrongType, detail))
+            }
         }
-        let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, faults);
-        columns.map(|columns| Self::Columns(Box::new(columns)))
     }
 
     pub(super) fn count(&self) -> usize {

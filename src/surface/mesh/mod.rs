@@ -1,6 +1,7 @@
 //! Triangle meshes of surfaces: building, visibility from above, connected pieces, selection and curvature.
 
 mod builder;
+mod covered;
 mod curvature;
 #[cfg(test)]
 mod curvature_tests;

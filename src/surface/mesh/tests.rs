@@ -88,6 +88,28 @@ fn a_roof_hides_what_is_below_it() {
 }
 
 #[test]
+fn floors_narrower_than_a_cell_are_visible_unless_something_is_above_them() {
+    // Ten slots of 1 mm in a plate of 500 mm, a raster of 64 cells: 8 mm each.
+    let level = |x: [f64; 2], z: f64| {
+        let at = |x: f64, y: f64| [x, y, z];
+        [[at(x[0], 0.0), at(x[1], 0.0), at(x[1], 200.0)], [at(x[0], 0.0), at(x[1], 200.0), at(x[0], 200.0)]]
+    };
+    let starts = (0..10).map(|slot| 50.0 * f64::from(slot));
+    let slots: Vec<_> = starts.clone().flat_map(|x| [level([x, x + 49.0], 0.0), level([x + 49.0, x + 50.0], -5.0)]).flatten().collect();
+    assert_eq!((shares(&mesh(&slots)).hidden, shares(&mesh(&slots)).machined), (0.0, 1.0));
+    let wall = |x: f64| [[[x, 0.0, -5.0], [x, 200.0, -5.0], [x, 200.0, 0.0]], [[x, 0.0, -5.0], [x, 200.0, 0.0], [x, 0.0, 0.0]]];
+    let walls = starts.clone().flat_map(|x| [wall(x + 49.0), wall(x + 50.0)]).flatten();
+    let with_walls = mesh(&slots.iter().copied().chain(walls).collect::<Vec<_>>());
+    assert_relative_eq!(shares(&with_walls).steep, 20.0 / 120.0, epsilon = 1e-12);
+    assert_eq!(shares(&with_walls).hidden, 0.0);
+    // Bridges over five of them.
+    let bridges = starts.step_by(2).flat_map(|x| level([x + 48.5, x + 50.5], 3.0));
+    let bridged = mesh(&slots.iter().copied().chain(bridges).collect::<Vec<_>>());
+    let area = 200.0 * (500.0 + 10.0);
+    assert_relative_eq!(shares(&bridged).hidden, 5.0 * 200.0 / area, epsilon = 1e-12);
+}
+
+#[test]
 fn the_walls_of_a_closed_cavity_are_hidden() {
     let mut facets = solid_box([0.0; 3], [40.0, 40.0, 40.0]);
     // Turned inside out, as the surface of a hole is.

@@ -86,6 +86,34 @@ impl Visibility {
     }
 }
 
+/// A facet on the raster.
+#[derive(Debug, Clone, Copy)]
+struct Examined {
+    /// The side that shows upwards; `None` for a wall.
+    side: Option<bool>,
+    visible: bool,
+    steep: bool,
+    /// Whether it covers no centre of a cell.
+    is_between_centres: bool,
+    area: f64,
+}
+
+impl Examined {
+    fn class(self) -> FacetClass {
+        match (self.side, self.visible) {
+            (Some(false), false) => FacetClass::Overhanging,
+            (_, false) => FacetClass::Hidden,
+            (None, true) => FacetClass::Steep { wall: true },
+            (Some(_), true) if self.steep => FacetClass::Steep { wall: false },
+            (Some(_), true) => FacetClass::Machined,
+        }
+    }
+
+    fn is_seen_from_behind(self) -> bool {
+        self.visible && self.side == Some(false)
+    }
+}
+
 impl Mesh {
     /// The class of each facet; facets with a slope over `max_slope` are steep.
     ///
@@ -93,7 +121,7 @@ impl Mesh {
     /// longer side of the bounds ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]). A facet that
     /// points up is visible if, at half or more of the cell centres that it covers, no other facet is above it. A wall,
     /// or a facet that covers no centre, is visible if its centroid is not below everything seen in its cell and the
-    /// eight around it. A facet that points down and is seen at half of its centres has the wrong orientation and
+    /// eight around it, or, as in a narrow slot, if no facet is above its centroid. A facet that points down and is seen at half of its centres has the wrong orientation and
     /// counts as turned; a closed solid has no such facets.
     #[must_use]
     pub fn visibility(&self, max_slope: Angle) -> Visibility {
@@ -141,19 +169,20 @@ impl Mesh {
             // tan(S) > tan(max), without a quotient or an arc tangent for each facet.
             let horizontal = (normal[0] * normal[0] + normal[1] * normal[1]).sqrt();
             let steep = horizontal * max_slope.cos() > normal[2].abs() * max_slope.sin();
-            let class = match (side, visible) {
-                (Some(false), false) => FacetClass::Overhanging,
-                (_, false) => FacetClass::Hidden,
-                (None, true) => FacetClass::Steep { wall: true },
-                (Some(_), true) if steep => FacetClass::Steep { wall: false },
-                (Some(_), true) => FacetClass::Machined,
-            };
-            (class, visible && side == Some(false), area)
+            Examined { side, visible, steep, is_between_centres: covered == 0, area }
         };
-        let examined: Vec<(FacetClass, bool, f64)> = collect_until(facets, stop, one);
+        let mut examined: Vec<Examined> = collect_until(facets, stop, one);
+        let is_uncertain = |facet: &Examined| facet.is_between_centres && facet.side != Some(false) && !facet.visible;
+        let uncertain: Vec<u32> = (0..).zip(&examined).filter(|(_, facet)| is_uncertain(facet)).map(|(facet, _)| facet).collect();
+        if let Some(covered) = self.is_covered(&uncertain, frame, rounding, stop) {
+            for (facet, covered) in uncertain.into_iter().zip(covered) {
+                examined[facet as usize].visible = !covered;
+            }
+        }
         let mut shares = AreaShares { hidden: 0.0, overhanging: 0.0, steep: 0.0, machined: 0.0 };
         let (mut area, mut area_with_side, mut area_from_behind) = (0.0, 0.0, 0.0);
-        for &(class, from_behind, own) in &examined {
+        for facet in &examined {
+            let (class, own) = (facet.class(), facet.area);
             *match class {
                 FacetClass::Hidden => &mut shares.hidden,
                 FacetClass::Overhanging => &mut shares.overhanging,
@@ -162,12 +191,12 @@ impl Mesh {
             } += own;
             area += own;
             area_with_side += if matches!(class, FacetClass::Machined | FacetClass::Steep { wall: false }) { own } else { 0.0 };
-            area_from_behind += if from_behind { own } else { 0.0 };
+            area_from_behind += if facet.is_seen_from_behind() { own } else { 0.0 };
         }
         for share in [&mut shares.hidden, &mut shares.overhanging, &mut shares.steep, &mut shares.machined] {
             *share /= area;
         }
-        let (classes, from_behind) = examined.into_iter().map(|(class, from_behind, _)| (class, from_behind)).unzip();
+        let (classes, from_behind) = examined.iter().map(|facet| (facet.class(), facet.is_seen_from_behind())).unzip();
         Visibility { classes, from_behind, shares, area, area_with_side, area_from_behind, cell: frame.cell }
     }
 }

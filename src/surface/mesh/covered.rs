@@ -1,0 +1,78 @@
+//! Whether other facets are above a point of a facet, exactly: for facets that are too narrow for a raster.
+
+use super::{Mesh, cross};
+use crate::numerics::raster::Frame;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// The largest number of rows of cells and pairs of facets that are examined, some 0.3 s.
+const MOST_EXAMINED: u64 = 50_000_000;
+
+/// The number of facets that a thread examines at a time.
+const AT_ONCE: usize = 4096;
+
+impl Mesh {
+    /// For each of the listed facets, whether another facet is above its centroid by more than `rounding`; `None` if that
+    /// takes too much work. `frame` divides the plane, so that only facets near a centroid are compared with it. Once
+    /// `stop` returns true, it returns early, and the result must be discarded.
+    pub(super) fn is_covered(&self, facets: &[u32], frame: Frame, rounding: f64, stop: &(dyn Fn() -> bool + Sync)) -> Option<Vec<bool>> {
+        if facets.is_empty() {
+            return Some(Vec::new());
+        }
+        let centroid = |facet: u32| {
+            let [a, b, c] = self.corners(facet as usize);
+            [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0)
+        };
+        let cell_of = |point: [f64; 3]| frame.nearest_cell([point[0], point[1]]);
+        let mut places: Vec<(usize, usize)> = (0..facets.len())
+            .map(|place| {
+                let (column, row) = cell_of(centroid(facets[place]));
+                (frame.index(column, row), place)
+            })
+            .collect();
+        places.sort_unstable();
+        let covered: Vec<AtomicBool> = facets.iter().map(|_| AtomicBool::new(false)).collect();
+        let examined = AtomicU64::new(0);
+        let compare = |facet: usize| {
+            let corners = self.corners(facet);
+            let [low, high] = [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| {
+                cell_of([0, 1, 2].map(|axis| corners[1..].iter().fold(corners[0][axis], |end, corner| pick(end, corner[axis]))))
+            });
+            let mut count = 0;
+            for row in low.1..=high.1 {
+                let start = places.partition_point(|&(cell, _)| cell < frame.index(low.0, row));
+                let of_row = places[start..].iter().take_while(|&&(cell, _)| cell <= frame.index(high.0, row));
+                for &(_, place) in of_row {
+                    count += 1;
+                    let point = centroid(facets[place]);
+                    if facets[place] as usize != facet && height_at(corners, point).is_some_and(|z| z > point[2] + rounding) {
+                        covered[place].store(true, Ordering::Relaxed);
+                    }
+                }
+                count += 1;
+            }
+            count
+        };
+        let count = self.triangles().len();
+        (0..count.div_ceil(AT_ONCE)).into_par_iter().for_each(|part| {
+            if !stop() && examined.load(Ordering::Relaxed) <= MOST_EXAMINED {
+                let work = (part * AT_ONCE..count.min((part + 1) * AT_ONCE)).map(compare).sum();
+                examined.fetch_add(work, Ordering::Relaxed);
+            }
+        });
+        let is_complete = examined.into_inner() <= MOST_EXAMINED;
+        is_complete.then(|| covered.into_iter().map(AtomicBool::into_inner).collect())
+    }
+}
+
+/// Points this near to an edge are not inside, as a share of the triangle: the wall below the edge of a top is not under
+/// the top.
+const BORDER: f64 = 1e-9;
+
+/// The height of a triangle at a point inside it, seen from above; `None` outside, and for a wall.
+fn height_at([a, b, c]: [[f64; 3]; 3], point: [f64; 3]) -> Option<f64> {
+    let whole = cross(a, b, c)[2];
+    let [u, v] = [cross(a, point, c)[2], cross(a, b, point)[2]].map(|part| part / whole);
+    let is_inside = whole != 0.0 && u > BORDER && v > BORDER && u + v < 1.0 - BORDER;
+    is_inside.then(|| a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2]))
+}
