@@ -3,7 +3,7 @@
 use super::library::Libraries;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, List, Members, Object, Quantity, members};
-use crate::http::wire::{CUTTERS, CandidateKind, MACHINE, MODEL, MOST_CUTTERS, Machine, NamedCandidate, SELECT, SelectKind, UNIT};
+use crate::http::wire::{CUTTERS, CandidateKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SELECT, SelectKind, UNIT};
 use crate::json_text::JsonPath;
 use crate::milling::Model;
 use crate::motion;
@@ -59,7 +59,7 @@ members! {
             "the largest slope of facets that limit the step-over; steeper facets count as steep; absent = 85"),
         method: optional METHOD: Choice<Method> = ("method", Choice { name: Some("Method"), words: &[("surface", Method::Surface), ("rectangle", Method::Rectangle)] },
             "surface (default): zigzag passes simulated on the surface; rectangle: the published method, by an inclined rectangle equivalent to the surface"),
-        model: optional MODEL: Choice<Model>,
+        model: optional PLAN_MODEL: Choice<Model>,
         directions: optional DIRECTIONS: List<Quantity<Angle>> = ("directions_deg",
             List { item: Quantity::new(direction, 90.0), about_item: "a direction from +X, counter-clockwise", fewest: 1, most: 360 },
             "the directions of passes to try, in method surface; absent = all"),

@@ -32,7 +32,7 @@ pub(crate) use contact_columns::{ContactColumns, contact_columns_schema};
 pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
 pub(crate) use figures::{CHECK_FIGURES, COMMON_FIGURES, Figure, Figures, Get, Heights};
 pub(crate) use machine::{MACHINE, Machine};
-pub(crate) use model::MODEL;
+pub(crate) use model::{MODEL, PLAN_MODEL};
 pub(crate) use no_answer::no_answer;
 pub(crate) use not_ranked::NotRanked;
 pub(crate) use parameters::{ContactParameters, SharedMembers, SharedParameters, StatedParameters, TOLERANCE};

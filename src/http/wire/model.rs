@@ -9,3 +9,9 @@ pub(crate) const MODEL: Member<Choice<Model>> = Member {
     about: "analytic (default): the published closed formulas, with a circle in place of the cutter; envelope: an upper bound by the cutter's exact shape, at every slope",
     kind: Choice { name: Some("Model"), words: &[("analytic", Model::Analytic), ("envelope", Model::Envelope)] },
 };
+
+/// The member `model` of recommendations.
+pub(crate) const PLAN_MODEL: Member<Choice<Model>> = Member {
+    about: "envelope (default in method surface): the cutter's exact shape, with the curvature of each facet; analytic (default in method rectangle): the published closed formulas, with a circle in place of the cutter",
+    ..MODEL
+};
