@@ -95,6 +95,17 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
             pool.install(|| tried.par_iter().map(|&cutter| reach.uncut(cutter, mm(0.01)).share).sum::<f64>())
         });
     }
+    for (threads, pool) in pools {
+        for diameters in [60, 200] {
+            let size = RankingSize { facets, candidates: 8, diameters };
+            let side = size.fine_side().expect("a finer raster");
+            line(&format!("raster of {side}, {threads} threads"), facets, size.bytes_of_fine_reach(*threads), || {
+                let reach = ReachMap::new(&mesh, &mesh.seen_from_above(side), &vec![true; facets]);
+                let small = (1..=8).map(|index| Cutter::ball_end(mm(0.25 * f64::from(index)))).collect::<Vec<_>>();
+                pool.install(|| small.par_iter().map(|&cutter| reach.uncut(cutter, mm(0.01)).share).sum::<f64>())
+            });
+        }
+    }
     let machine = Machine::from(Preset::named("five_axis_vmc").expect("a preset").limits);
     for height in [0.01, 1e-4] {
         let settings = ZigzagSettings::new(mm(height), machine);

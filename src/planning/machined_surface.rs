@@ -1,6 +1,6 @@
 //! The facets of a surface with those that are machined, and the reach of cutters on them.
 
-use super::memory::TRIAL_SIDE;
+use super::memory::{RankingSize, TRIAL_SIDE};
 use super::reach::ReachMap;
 use super::zigzag::{CandidateCutter, SurfaceEvidence};
 use crate::quantity::{Angle, Length};
@@ -119,6 +119,36 @@ impl MachinedSurface {
         ReachMap::new(&self.mesh, &self.view, &self.machined)
     }
 
+    /// A raster of this many cells along its sides, for cutters too small for [`Self::reach`].
+    fn fine_reach(&self, side: usize, stop: Stop) -> ReachMap {
+        ReachMap::new(&self.mesh, &self.mesh.seen_from_above_until(side, stop), &self.machined)
+    }
+
+    /// The candidates, each with the material that it cannot reach: on `reach`, or, if they are too small for it, on a finer
+    /// raster. `None` once `stop` returns true.
+    pub(crate) fn with_reach(
+        &self,
+        reach: &ReachMap,
+        candidates: &[CandidateCutter],
+        scallop_height: Length,
+        stop: Stop,
+    ) -> Option<Vec<CandidateCutter>> {
+        let fine = RankingSize::of(&self.mesh, candidates).fine_side().map(|side| self.fine_reach(side, stop));
+        let mut tried = Vec::with_capacity(candidates.len());
+        for some in candidates.chunks(MOST_AT_ONCE) {
+            if stop() {
+                return None;
+            }
+            let with_reach = some.par_iter().map(|&candidate| {
+                let is_small = RankingSize::of(&self.mesh, &[candidate]).fine_side().is_some();
+                let reach = fine.as_ref().filter(|_| is_small).unwrap_or(reach);
+                CandidateCutter { reach: Some((&reach.uncut_until(candidate.cutter, scallop_height, stop)).into()), ..candidate }
+            });
+            tried.extend(with_reach.collect::<Vec<_>>());
+        }
+        (!stop()).then_some(tried)
+    }
+
     /// The share of the whole area that is seen from above.
     pub(crate) fn visible_area_share(&self) -> f64 {
         let shares = self.visibility.shares();
@@ -148,28 +178,3 @@ fn hidden_area_share(mesh: &Mesh, visibility: &Visibility, pieces: &Pieces, sele
 
 /// The number of cutters between two checks for cancellation.
 const MOST_AT_ONCE: usize = 8;
-
-/// The candidates, each with the material that it cannot reach. `None` once `stop` returns true.
-pub(crate) fn with_reach(
-    reach: &ReachMap,
-    candidates: &[CandidateCutter],
-    scallop_height: Length,
-    stop: Stop,
-) -> Option<Vec<CandidateCutter>> {
-    let mut tried = Vec::with_capacity(candidates.len());
-    for some in candidates.chunks(MOST_AT_ONCE) {
-        if stop() {
-            return None;
-        }
-        // The map of a cutter takes half a MB, so only the figures are kept.
-        let with_reach = some.par_iter().map(|&candidate| {
-            if stop() {
-                return candidate;
-            }
-            let reach = Some((&reach.uncut_until(candidate.cutter, scallop_height, stop)).into());
-            CandidateCutter { reach, ..candidate }
-        });
-        tried.extend(with_reach.collect::<Vec<_>>());
-    }
-    (!stop()).then_some(tried)
-}

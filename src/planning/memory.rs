@@ -54,6 +54,16 @@ const TRIAL_CELL: usize = 20;
 /// each cell.
 const TRIAL: usize = 1_400_000 + 20 * TRIAL_SIDE * TRIAL_SIDE;
 
+/// The numbers of cells along each side of a finer raster, and the diameters of the smallest cutter along a surface up to
+/// which each is enough: three cells for a radius. On surfaces of up to [`COARSE_DIAMETERS`], the usual raster is.
+const FINE_SIDES: [(usize, usize); 2] = [(2 * TRIAL_SIDE, 2 * COARSE_DIAMETERS), (4 * TRIAL_SIDE, usize::MAX)];
+pub(crate) const COARSE_DIAMETERS: usize = TRIAL_SIDE / 6;
+
+/// Bytes for each cell of a finer raster and each thread: three rasters of the heights, and those left. Cutters for which it
+/// is used reach up to a fourth of this many cells beyond the surface.
+const FINE_TRIAL_CELL: usize = 16;
+const FINE_BORDER: usize = 64;
+
 /// Bytes of all other constant memory.
 const FIXED: usize = 1 << 18;
 
@@ -78,6 +88,24 @@ impl RankingSize {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a larger quotient counts as the largest number")]
         let diameters = (longest / smallest).ceil() as usize;
         Self { facets: mesh.size().facets, candidates: candidates.len(), diameters }
+    }
+
+    /// The number of cells along each side of the raster for cutters too small for the usual one; `None` if there are no
+    /// such cutters.
+    #[must_use]
+    pub fn fine_side(&self) -> Option<usize> {
+        let mut sides = FINE_SIDES.iter().filter(|_| self.diameters > COARSE_DIAMETERS);
+        sides.find(|(_, most)| self.diameters <= *most).map(|(side, _)| *side)
+    }
+
+    /// The memory in bytes of that raster, and of the trials on it.
+    #[must_use]
+    pub fn bytes_of_fine_reach(&self, threads: usize) -> usize {
+        let cells = |side: usize| side * side;
+        self.fine_side().map_or(0, |side| {
+            let trials = threads * cells(side + FINE_BORDER) * FINE_TRIAL_CELL;
+            cells(side) * TRIAL_CELL + trials.max(cells(side) * VIEW_CELL)
+        })
     }
 }
 
@@ -123,7 +151,8 @@ pub fn bytes_to_rank(size: RankingSize, parallelism: Parallelism, room: PlanRoom
     let RankingSize { facets, candidates, diameters } = size;
     let sampled = facets.min(SAMPLED);
     let plan = room.planes * PLANE + room.runs * RUN + diameters.saturating_add(2).min(MOST_CELLS) * CELL;
-    let trial = bytes_to_try(parallelism.threads.min(candidates));
+    let threads = parallelism.threads.min(candidates);
+    let trial = bytes_to_try(threads) + size.bytes_of_fine_reach(threads);
     let search = (sampled + sampled / 2) * SAMPLED_FACET + parallelism.threads * (sampled * ORDERED_FACET + plan);
     let plans = parallelism.candidates.min(candidates) * (facets * ORDERED_FACET + plan);
     let held = facets * (CLASSES + PLANNED_FACET) + candidates * CANDIDATE + TRIAL_SIDE * TRIAL_SIDE * TRIAL_CELL;
@@ -158,6 +187,15 @@ mod tests {
         let (way, bytes) = fitting(size, 8, room, whole - 1);
         assert_eq!((way, bytes < whole), (Parallelism { threads: 8, candidates: 7 }, true));
         assert_eq!(fitting(size, 8, room, 0).0, Parallelism { threads: 1, candidates: 1 });
+    }
+
+    #[test]
+    fn small_cutters_have_finer_rasters_and_memory_for_them() {
+        let of = |diameters| RankingSize { diameters, ..size(200, 2) };
+        let sides = [1, COARSE_DIAMETERS, COARSE_DIAMETERS + 1, 2 * COARSE_DIAMETERS, 2 * COARSE_DIAMETERS + 1, usize::MAX];
+        assert_eq!(sides.map(|diameters| of(diameters).fine_side()), [None, None, Some(512), Some(512), Some(1024), Some(1024)]);
+        let bytes = [40, 80, 200].map(|diameters| bytes_to_rank(of(diameters), TWO, PlanRoom::USUAL));
+        assert!(bytes[0] < bytes[1] && bytes[1] < bytes[2] && bytes[2] < 80 << 20, "{bytes:?}");
     }
 
     #[test]

@@ -77,8 +77,17 @@ pub struct Uncut {
     /// The side of the cells that were used: a multiple of the raster's cell for a cutter that is large compared with
     /// it.
     pub cell: Length,
-    /// The height left in each cell of the surface, in mm; `None` if nothing is machined.
-    pub map: Raster<Option<f32>>,
+}
+
+/// The heights that a cutter leaves on the cells that were used.
+struct Left {
+    uncut: Uncut,
+    /// The number of cells from one used cell to the next.
+    stride: usize,
+    /// The used cells in a row.
+    columns: usize,
+    /// The height in each used cell, in mm; NaN if nothing is machined.
+    heights: Vec<f32>,
 }
 
 /// p(d) for 0 <= d <= R: 0 up to R - r, then the corner's circle; the height of the cutter's bottom over its tip, in
@@ -121,14 +130,31 @@ impl ReachMap {
 
     /// The same. Once `stop` returns true, it ends early, and the result must be discarded.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
     pub fn uncut_until(&self, cutter: Cutter, scallop_height: Length, stop: &(dyn Fn() -> bool + Sync)) -> Uncut {
+        self.left(cutter, scallop_height, stop).uncut
+    }
+
+    /// The height in mm that a cutter leaves in each cell of the surface; `None` if nothing is machined.
+    #[must_use]
+    pub fn uncut_heights(&self, cutter: Cutter, scallop_height: Length) -> Raster<Option<f32>> {
+        let Left { stride, columns, heights, .. } = self.left(cutter, scallop_height, &|| false);
+        let rows = heights.len() / columns;
+        let value = |cell: usize| {
+            let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
+            let height = heights[(row / stride).min(rows - 1) * columns + (column / stride).min(columns - 1)];
+            Some(height).filter(|height| self.area[cell] > 0.0 && !height.is_nan())
+        };
+        Raster { frame: self.frame, values: (0..self.frame.cells()).map(value).collect() }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
+    fn left(&self, cutter: Cutter, scallop_height: Length, stop: &(dyn Fn() -> bool + Sync)) -> Left {
         let radius = cutter.outer_radius().mm();
         let stride = stride(self.frame, radius);
         let coarse = Coarse::of(self, stride, radius);
         let disc = Disc::new(cutter, coarse.cell, coarse.pad);
         let tips = coarse.tips(&disc);
-        let cut = coarse.cut(&tips, &disc);
+        let mut left = coarse.cut(&tips, &disc);
 
         let half_diagonal = coarse.cell * std::f64::consts::FRAC_1_SQRT_2;
         let bend = |r: f64| half_diagonal * half_diagonal / (2.0 * LEAST_CLEARANCE * r);
@@ -137,41 +163,36 @@ impl ReachMap {
             let rise = 2.0 * half_diagonal * tangent + bend(radius);
             (bend(cutter.corner_radius().mm()) * inverse_cosine.powi(3)).min(rise) + self.rounding
         };
-        let mut machined = 0.0;
-        let mut left = vec![None; coarse.columns * coarse.rows];
-        // The cells that seem uncut: on the coarse raster and on the fine one.
-        let mut seeming: Vec<(usize, usize)> = Vec::new();
-        for row in 0..coarse.rows {
-            for column in 0..coarse.columns {
-                let fine = self.frame.index(column * stride, row * stride);
-                let area = f64::from(self.area[fine]);
-                if area == 0.0 {
-                    continue;
-                }
-                let cell = row * coarse.columns + column;
-                let height = f64::from(cut[cell]) - f64::from(self.heights.cells()[fine]);
-                machined += area;
-                left[cell] = Some(height as f32);
-                if height > error(area) {
-                    seeming.push((cell, fine));
-                }
+        let fine_cell = |cell: usize| self.frame.index(cell % coarse.columns * stride, cell / coarse.columns * stride);
+        let (mut machined, mut seeming) = (0.0, 0);
+        for (cell, left) in left.iter_mut().enumerate() {
+            let fine = fine_cell(cell);
+            let area = f64::from(self.area[fine]);
+            if area == 0.0 {
+                *left = f32::NAN;
+                continue;
             }
+            machined += area;
+            *left = (f64::from(*left) - f64::from(self.heights.cells()[fine])) as f32;
+            seeming += usize::from(f64::from(*left) > error(area));
         }
         let (mut over, mut worst) = (0.0, None::<(f64, usize)>);
-        let step = seeming.len().div_ceil(MOST_PLACED).max(1);
-        let placed: Vec<(usize, usize)> = seeming.into_iter().step_by(step).collect();
-        let rise = |&(_, fine): &(usize, usize)| (!stop()).then(|| self.rise(cutter, fine, error(f64::from(self.area[fine]))));
+        let step = seeming.div_ceil(MOST_PLACED).max(1);
+        // The cells that seem uncut.
+        let seems_uncut = |&cell: &usize| f64::from(left[cell]) > error(f64::from(self.area[fine_cell(cell)]));
+        let placed: Vec<usize> = (0..left.len()).filter(seems_uncut).step_by(step).collect();
+        let rise = |&cell: &usize| (!stop()).then(|| self.rise(cutter, fine_cell(cell), error(f64::from(self.area[fine_cell(cell)]))));
         let rises: Vec<Option<f64>> = placed.par_iter().with_min_len(4).map(rise).collect();
-        for ((cell, fine), rise) in placed.into_iter().zip(rises) {
-            let area = f64::from(self.area[fine]);
-            let (Some(on_raster), Some(rise)) = (left[cell].map(f64::from), rise) else { continue };
-            let height = on_raster.min(rise).max(0.0);
-            left[cell] = Some(height as f32);
+        for (cell, rise) in placed.into_iter().zip(rises) {
+            let Some(rise) = rise else { continue };
+            let area = f64::from(self.area[fine_cell(cell)]);
+            let height = f64::from(left[cell]).min(rise).max(0.0);
+            left[cell] = height as f32;
             if height > error(area) {
                 // A cell represents those between it and the next sampled one.
-                #[expect(clippy::cast_precision_loss, reason = "at most 16")]
-                let area = area * step as f64;
-                over += if height > scallop_height.mm() + error(f64::from(self.area[fine])) { area } else { 0.0 };
+                #[expect(clippy::cast_precision_loss, reason = "the square of a raster's side")]
+                let represented = area * step as f64;
+                over += if height > scallop_height.mm() + error(area) { represented } else { 0.0 };
                 if worst.is_none_or(|(most, _)| height > most) {
                     worst = Some((height, cell));
                 }
@@ -182,22 +203,15 @@ impl ReachMap {
             let change = profile(cutter, (d + half_diagonal).min(radius)) - profile(cutter, (d - half_diagonal).max(0.0));
             change + error(1.0)
         });
-        let values = (0..self.frame.cells())
-            .map(|cell| {
-                let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
-                let coarse_cell = (row / stride).min(coarse.rows - 1) * coarse.columns + (column / stride).min(coarse.columns - 1);
-                if self.area[cell] > 0.0 { left[coarse_cell] } else { None }
-            })
-            .collect();
-        Uncut {
+        let uncut = Uncut {
             // The last sampled cell may represent more cells than there are.
             share: if machined > 0.0 { (over / machined).min(1.0) } else { 0.0 },
             height: Length::computed(worst.map_or(0.0, |(height, _)| height)),
             height_error: Length::computed(height_error),
             level_error: Length::computed(error(1.0)),
             cell: Length::computed(coarse.cell),
-            map: Raster { frame: self.frame, values },
-        }
+        };
+        Left { uncut, stride, columns: coarse.columns, heights: left }
     }
 
     /// The height in mm by which the cutter must rise from its contact at the middle of a cell until it does not cut

@@ -125,6 +125,43 @@ fn pocket(u: f64, v: f64) -> [f64; 3] {
     [x, y, z]
 }
 
+/// A plate of `length` x `length`/2 with ten slots 5 mm deep.
+fn slotted(length: f64, slot: f64) -> Value {
+    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    let pitch = length / 10.0;
+    for number in 0..10 {
+        let [start, wall, end] = [0.0, pitch - slot, pitch].map(|x| pitch * f64::from(number) + x);
+        for (from, to) in [([start, 0.0], [wall, 0.0]), ([wall, 0.0], [wall, -5.0]), ([wall, -5.0], [end, -5.0]), ([end, -5.0], [end, 0.0])]
+        {
+            let first = points.len();
+            points.extend([(from, 0.0), (to, 0.0), (to, 0.5 * length), (from, 0.5 * length)].map(|([x, z], y)| [x, y, z]));
+            triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
+    }
+    json!({"surface": {"mesh": {"points": points, "triangles": triangles}}})
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn slots_narrower_than_the_cutter_are_uncut_on_large_plates_too() {
+    let app = TestApp::start().await;
+    let cutters =
+        json!({"cutters": [{"type": "flat_end", "diameter_mm": 6}, {"type": "flat_end", "diameter_mm": 3}], "max_uncut_share": 1});
+    for length in [100.0, 500.0, 1000.0] {
+        let answer = app.recommend(&with(with(in_directions(&[90.0]), slotted(length, 4.0)), cutters.clone())).await.ok();
+        assert_eq!(answer["surface"]["visible_area_share"], 1.0);
+        for candidate in answer["candidates"].as_array().unwrap() {
+            let (share, slots) = (figure(candidate, "/uncut_share"), 10.0 * 4.0 / length);
+            if candidate["cutter"] == 0 {
+                // Some cells are partly over a slot: a fourth of those of the finest raster on the longest plate.
+                assert!((share / slots - 1.0).abs() < 0.3, "{length}: {share} of {slots}");
+                assert_eq!(candidate["uncut_height_mm"], 5.0);
+            } else {
+                assert_eq!(share, 0.0, "{length}");
+            }
+        }
+    }
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn of_a_library_of_50_only_cutters_that_fit_the_pocket_are_ranked() {
     let app = TestApp::start().await;

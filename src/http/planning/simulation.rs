@@ -8,9 +8,10 @@ use crate::http::reading::{Faulted, Faults};
 use crate::http::wire::{PIECES_NAME, SELECT};
 use crate::json_text::JsonPath;
 use crate::milling::Model;
-use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop, with_reach};
+use crate::numerics::raster::Raster;
+use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
 use crate::planning::memory::RankingSize;
-use crate::planning::reach::{ReachMap, Uncut};
+use crate::planning::reach::ReachMap;
 use crate::planning::zigzag::{CandidateCutter, NoRanking, Ranking, ZigzagSettings, rank_within};
 use crate::surface::{MeshError, Shape};
 use crate::worker_pool::WorkerPool;
@@ -55,7 +56,7 @@ impl Simulation {
         let mut settings = parameters.settings(shape, model);
         let reach = machined.reach();
         let candidates: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate).collect();
-        let Some(candidates) = with_reach(&reach, &candidates, parameters.scallop_height, stop) else { return Ok(None) };
+        let Some(candidates) = machined.with_reach(&reach, &candidates, parameters.scallop_height, stop) else { return Ok(None) };
         let evidence = machined.evidence();
         let size = RankingSize::of(&machined.mesh, &candidates);
         let ranking = loop {
@@ -72,9 +73,9 @@ impl Simulation {
         Ok(Some(Self { settings, candidates, ranking, reach }))
     }
 
-    /// The material that a candidate leaves uncut.
-    pub(super) fn uncut(&self, candidate: usize) -> Uncut {
-        self.reach.uncut(self.candidates[candidate].cutter, self.settings.scallop_height)
+    /// The height that a candidate leaves uncut in each cell.
+    pub(super) fn uncut_heights(&self, candidate: usize) -> Raster<Option<f32>> {
+        self.reach.uncut_heights(self.candidates[candidate].cutter, self.settings.scallop_height)
     }
 }
 

@@ -135,8 +135,8 @@ impl Received {
     fn bytes_to_answer(&self, resources: &Resources) -> u64 {
         /// The fewest bytes of a candidate in JSON; `{"type":"ball_end","diameter_mm":6}` has more.
         const SHORTEST_CANDIDATE: usize = 24;
-        /// The usual size of a part of half a metre. Memory for smaller cutters is added when the cutters are known.
-        const DIAMETERS: usize = 100;
+        /// Memory for cutters that are smaller than the part by more than this is added when the cutters are known.
+        const DIAMETERS: usize = 40;
         let Some(Ok(surface)) = &self.surface else { return 0 };
         let mesh = &surface.surface.mesh;
         let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / SHORTEST_CANDIDATE);

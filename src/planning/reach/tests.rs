@@ -51,12 +51,12 @@ fn tips_and_cuts_are_those_of_the_definition() {
             .map(|(dx, dy, d)| (dx, dy, profile(cutter, d)))
             .collect();
         let tip = |x: i64, y: i64| disc.iter().map(|&(dx, dy, p)| z(x + dx, y + dy) - p).fold(f64::NEG_INFINITY, f64::max);
-        let result = map.uncut(cutter, mm(0.01));
+        let (left, result) = (map.uncut_heights(cutter, mm(0.01)), map.uncut(cutter, mm(0.01)));
         for y in 0..rows {
             for x in 0..columns {
                 let m = disc.iter().map(|&(dx, dy, p)| tip(x + dx, y + dy) + p).fold(f64::INFINITY, f64::min);
                 let cell = usize::try_from(y * columns + x).unwrap();
-                if let Some(left) = result.map.values[cell] {
+                if let Some(left) = left.values[cell] {
                     // The tolerance is the rounding of heights of 2 mm in single precision. A cell that seems uncut may
                     // be reached by a tip between those of the raster.
                     let (left, on_raster) = (f64::from(left), m - z(x, y));
