@@ -156,7 +156,7 @@ async fn slots_narrower_than_the_cutter_are_uncut_on_large_plates_too() {
                 assert!((share / slots - 1.0).abs() < 0.3, "{length}: {share} of {slots}");
                 assert_eq!(candidate["uncut_height_mm"], 5.0);
             } else {
-                assert_eq!(share, 0.0, "{length}");
+                assert!(share <= 0.0, "{length}: {share}");
             }
         }
     }
