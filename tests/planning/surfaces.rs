@@ -150,10 +150,11 @@ async fn slots_narrower_than_the_cutter_are_uncut_on_large_plates_too() {
         let answer = app.recommend(&with(with(in_directions(&[90.0]), slotted(length, 4.0)), cutters.clone())).await.ok();
         assert_eq!(answer["surface"]["visible_area_share"], 1.0);
         for candidate in answer["candidates"].as_array().unwrap() {
-            let (share, slots) = (figure(candidate, "/uncut_share"), 10.0 * 4.0 / length);
+            // The last slot is at the border of the plate and is cut from there.
+            let (share, slots) = (figure(candidate, "/uncut_share"), 9.0 * 4.0 / length);
             if candidate["cutter"] == 0 {
-                // Some cells are partly over a slot: a fourth of those of the finest raster on the longest plate.
-                assert!((share / slots - 1.0).abs() < 0.3, "{length}: {share} of {slots}");
+                // Cells are partly over a slot.
+                assert!((share / slots - 1.0).abs() < 0.1, "{length}: {share} of {slots}");
                 assert_eq!(candidate["uncut_height_mm"], 5.0);
             } else {
                 assert!(share <= 0.0, "{length}: {share}");
