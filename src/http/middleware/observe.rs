@@ -1,16 +1,15 @@
 //! Observation of requests: one log line, one span and one count for each, written when its answer has been sent or
 //! abandoned.
 
-use std::pin::Pin;
 use std::sync::{Arc, LazyLock};
-use std::task::{Context, Poll};
 use std::time::Instant;
 
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{MatchedPath, Request};
 use axum::http::{HeaderValue, header};
 use axum::response::Response;
-use http_body::{Frame, SizeHint};
+use http_body::Frame;
+use http_body_util::BodyExt;
 use tracing::{Instrument, Level, Span};
 
 use super::body::{BodyProgress, Pace, WireBody};
@@ -72,7 +71,9 @@ impl Middleware for Observe {
             if record.progress.is_unread() || readiness.is_draining() {
                 response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
             }
-            response.map(|body| Body::new(RecordedAnswer { body, record }))
+            // The body keeps the record until it has been sent or dropped.
+            let count = move |frame: &Frame<Bytes>| record.count(frame);
+            response.map(|body| Body::new(body.inspect_frame(count)))
         }
     }
 }
@@ -109,6 +110,11 @@ impl Record {
         let id = id.clone();
         Self { id, method, route, class, began: Instant::now(), status: CLIENT_LEFT, progress, response_bytes: 0, span, metrics }
     }
+
+    /// Counts the bytes of a frame of the answer.
+    fn count(&mut self, frame: &Frame<Bytes>) {
+        self.response_bytes += frame.data_ref().map_or(0, |data| data.len() as u64);
+    }
 }
 
 impl Drop for Record {
@@ -140,32 +146,5 @@ impl Drop for Record {
             _ if self.class == RouteClass::Probe => line!(Level::DEBUG),
             _ => line!(Level::INFO),
         }
-    }
-}
-
-/// An answer's body, which keeps the request's record until the body has been sent.
-struct RecordedAnswer {
-    body: Body,
-    record: Record,
-}
-
-impl HttpBody for RecordedAnswer {
-    type Data = Bytes;
-    type Error = axum::Error;
-
-    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        let polled = Pin::new(&mut self.body).poll_frame(context);
-        if let Poll::Ready(Some(Ok(frame))) = &polled {
-            self.record.response_bytes += frame.data_ref().map_or(0, |data| data.len() as u64);
-        }
-        polled
-    }
-
-    fn is_end_stream(&self) -> bool {
-        self.body.is_end_stream()
-    }
-
-    fn size_hint(&self) -> SizeHint {
-        self.body.size_hint()
     }
 }
