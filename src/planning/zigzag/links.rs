@@ -59,7 +59,9 @@ impl Links {
             let length = across.hypot(end[2] - start[2]);
             Link { length, seconds: straight(length, self.on_surface), is_lift: false }
         } else {
-            let parts = [self.clearance - start[2], across, self.clearance - end[2]];
+            // A run beside a steep sliver, on the extension of its facet, may end above the surface.
+            let top = self.clearance.max(start[2]).max(end[2]);
+            let parts = [top - start[2], across, top - end[2]];
             let seconds = parts.iter().map(|&length| straight(length, self.rapid)).sum();
             Link { length: parts.iter().sum(), seconds, is_lift: true }
         }
@@ -68,4 +70,22 @@ impl Links {
 
 pub(super) fn straight(length: f64, limits: MachineLimits) -> f64 {
     travel_time(Length::computed(length), limits).seconds()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::Preset;
+
+    #[test]
+    fn a_lift_from_above_the_clearance_height_only_goes_down() {
+        let machine = Machine::from(Preset::named("five_axis_vmc").unwrap().limits);
+        let links = Links::new(&machine, Pattern::Zigzag, 80.0, 2.0, 0.0);
+        let end = |x: f64, height: f64| End { place: [x, 0.0, height], along: [x, x + 1.0], plane: 0 };
+        let clearance = machine.clearance_height.mm();
+        let low = links.between(end(0.0, -3.0), end(100.0, -1.0));
+        assert!(low.is_lift && (low.length - (104.0 + 2.0 * clearance)).abs() < 1e-9);
+        let high = links.between(end(0.0, clearance + 5.0), end(100.0, -1.0));
+        assert!(high.is_lift && (high.length - (106.0 + clearance)).abs() < 1e-9);
+    }
 }

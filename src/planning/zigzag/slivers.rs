@@ -72,7 +72,8 @@ impl<P: Copy> Strip<P> {
     }
 
     /// The slivers among the facets at these places, in the part of the strip that belongs to one of its planes: what the
-    /// runs of neither plane cover, each with its place and its interval along the passes.
+    /// runs of neither plane cover, each with its place and its interval along the passes. Facets too steep to set a
+    /// spacing need no pass, and the extension of a wall to a plane beside it is far from the surface.
     pub(super) fn slivers<'r, R: 'r>(
         self,
         side: usize,
@@ -85,8 +86,9 @@ impl<P: Copy> Strip<P> {
         let reach = self.reach_beyond_ends(spaced);
         let beside: Vec<&[R]> = self.beside.into_iter().flatten().map(runs).collect();
         let with_interval = |&place: &u32| (place, spaced.sweep.slices[place as usize].along_between(part));
-        let is_sliver = |&(_, interval): &(u32, [f64; 2])| {
-            interval[0] < interval[1] && !beside.iter().any(|runs| is_covered(interval, runs, along, reach))
+        let tangent = |place: u32| &spaced.workpiece.tangents[spaced.sweep.covered[place as usize].facet as usize];
+        let is_sliver = |&(place, interval): &(u32, [f64; 2])| {
+            interval[0] < interval[1] && !tangent(place).is_steep && !beside.iter().any(|runs| is_covered(interval, runs, along, reach))
         };
         places.iter().map(with_interval).filter(is_sliver).collect()
     }

@@ -110,6 +110,24 @@ fn a_narrow_rib_is_cut_by_one_pass_along_itself() {
 }
 
 #[test]
+fn walls_beside_a_surface_add_no_pass() {
+    // Slopes of 89.9 and 89.99 deg beyond the border, each in the strip behind the last pass.
+    let wall = |y: f64, rise: f64| facet([[0.0, y, 0.0], [100.0, y + 0.01, 0.0], [50.0, y + 0.02, rise]], [0.0; 6]);
+    let bare = rectangle(100.0, 60.0);
+    let with_walls: Vec<FinishFacet> = bare.iter().copied().chain([wall(60.4, 9.0), wall(60.8, 90.0)]).collect();
+    for candidate in candidates() {
+        for direction in [0.0, 0.2, 0.4, 1.0, 179.3] {
+            let [without, with] = [&bare, &with_walls].map(|facets| {
+                let plan = ranked(facets, &[candidate], &in_direction(Model::Envelope, direction)).plans.remove(0);
+                plan.tour.run_length
+            });
+            // A pass more or less, because the border is elsewhere, and passes that cross a wall rise with it.
+            assert!((with - without).abs() < 200.0, "{direction} deg: {with} mm, {without} mm without walls");
+        }
+    }
+}
+
+#[test]
 fn the_passes_over_slivers_take_the_time_of_their_plan() {
     for facets in [rectangle(100.0, 0.1), ring(30.0, 0.3), pieces()] {
         for direction in [0.4, 45.0, 161.6] {
