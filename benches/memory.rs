@@ -98,7 +98,7 @@ fn planned(builder: MeshBuilder, pools: &[(usize, ThreadPool)]) {
     for (threads, pool) in pools {
         for diameters in [60, 200] {
             let size = RankingSize { facets, candidates: 8, diameters };
-            let side = size.fine_side().expect("a finer raster");
+            let side = size.reach_side();
             line(&format!("raster of {side}, {threads} threads"), facets, size.bytes_of_fine_reach(*threads), || {
                 let reach = ReachMap::new(&mesh, &mesh.seen_from_above(side), &vec![true; facets]);
                 let small = (1..=8).map(|index| Cutter::ball_end(mm(0.25 * f64::from(index)))).collect::<Vec<_>>();

@@ -3,8 +3,9 @@
 use super::memory::{RankingSize, TRIAL_SIDE};
 use super::reach::ReachMap;
 use super::zigzag::{CandidateCutter, SurfaceEvidence};
+use crate::numerics::raster::Raster;
 use crate::quantity::{Angle, Length};
-use crate::surface::mesh::{FacetClass, Pieces, Selection, SelectionError, Sides, ViewFromAbove, Visibility};
+use crate::surface::mesh::{Closure, FacetClass, Pieces, Selection, SelectionError, ViewFromAbove, Visibility};
 use crate::surface::{Facing, FinishFacet, Mesh, MeshBuilder, MeshError, Unit};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -24,7 +25,7 @@ pub(crate) struct MachinedSurface {
     pub(crate) machined_pieces: usize,
     /// Whether each facet of the mesh is selected and not too steep.
     machined: Vec<bool>,
-    /// The share of the selected area that no cutter reaches from above. The undersides of closed solids are not counted.
+    /// The share of the selected area that is hidden from above or overhangs, without the undersides of closed solids.
     hidden_area_share: f64,
     /// The facets to plan for.
     pub(crate) facets: Vec<FinishFacet>,
@@ -65,9 +66,10 @@ impl MachinedSurface {
         stop: Stop,
     ) -> Result<Self, NoMachinedSurface> {
         let go_on = || if stop() { Err(NoMachinedSurface::NothingToMachine) } else { Ok(()) };
-        let mesh = mesh.finish_until(unit, facing, stop).map_err(NoMachinedSurface::Mesh)?;
+        let mut mesh = mesh.finish_until(unit, facing, stop).map_err(NoMachinedSurface::Mesh)?;
         go_on()?;
         let pieces = mesh.pieces_until(stop);
+        mesh.turn_solids_outwards(&pieces);
         go_on()?;
         let selected = mesh.selected(selection, &pieces).map_err(NoMachinedSurface::Selection)?;
         go_on()?;
@@ -119,34 +121,40 @@ impl MachinedSurface {
         ReachMap::new(&self.mesh, &self.view, &self.machined)
     }
 
-    /// A raster of this many cells along its sides, for cutters too small for [`Self::reach`].
-    fn fine_reach(&self, side: usize, stop: Stop) -> ReachMap {
-        ReachMap::new(&self.mesh, &self.mesh.seen_from_above_until(side, stop), &self.machined)
+    /// The number of cells along each side of the raster for the reach of a candidate.
+    fn reach_side(&self, candidate: &CandidateCutter) -> usize {
+        RankingSize::of(&self.mesh, std::slice::from_ref(candidate)).reach_side()
     }
 
-    /// The candidates, each with the material that it cannot reach: on `reach`, or, if they are too small for it, on a finer
-    /// raster. `None` once `stop` returns true.
-    pub(crate) fn with_reach(
-        &self,
-        reach: &ReachMap,
-        candidates: &[CandidateCutter],
-        scallop_height: Length,
-        stop: Stop,
-    ) -> Option<Vec<CandidateCutter>> {
-        let fine = RankingSize::of(&self.mesh, candidates).fine_side().map(|side| self.fine_reach(side, stop));
-        let mut tried = Vec::with_capacity(candidates.len());
-        for some in candidates.chunks(MOST_AT_ONCE) {
-            if stop() {
-                return None;
+    /// The reach of cutters on a raster of this many cells along each side.
+    fn reach_on(&self, side: usize, stop: Stop) -> ReachMap {
+        if side == SIDE { self.reach() } else { ReachMap::new(&self.mesh, &self.mesh.seen_from_above_until(side, stop), &self.machined) }
+    }
+
+    /// The candidates, each with the material that it cannot reach, on a raster that is fine enough for it. `None` once
+    /// `stop` returns true.
+    pub(crate) fn with_reach(&self, candidates: &[CandidateCutter], scallop_height: Length, stop: Stop) -> Option<Vec<CandidateCutter>> {
+        let mut tried = candidates.to_vec();
+        let sides: BTreeSet<usize> = candidates.iter().map(|candidate| self.reach_side(candidate)).collect();
+        for side in sides {
+            let reach = self.reach_on(side, stop);
+            let mut of_side: Vec<_> = tried.iter_mut().filter(|candidate| self.reach_side(candidate) == side).collect();
+            for some in of_side.chunks_mut(MOST_AT_ONCE) {
+                if stop() {
+                    return None;
+                }
+                some.par_iter_mut().for_each(|candidate| {
+                    candidate.reach = Some((&reach.uncut_until(candidate.cutter, scallop_height, stop)).into());
+                });
             }
-            let with_reach = some.par_iter().map(|&candidate| {
-                let is_small = RankingSize::of(&self.mesh, &[candidate]).fine_side().is_some();
-                let reach = fine.as_ref().filter(|_| is_small).unwrap_or(reach);
-                CandidateCutter { reach: Some((&reach.uncut_until(candidate.cutter, scallop_height, stop)).into()), ..candidate }
-            });
-            tried.extend(with_reach.collect::<Vec<_>>());
         }
         (!stop()).then_some(tried)
+    }
+
+    /// The largest height in mm that a candidate leaves uncut in each cell of the view; `None` where nothing is machined.
+    /// Once `stop` returns true, the result must be discarded.
+    pub(crate) fn uncut_heights(&self, candidate: &CandidateCutter, scallop_height: Length, stop: Stop) -> Raster<Option<f32>> {
+        self.reach_on(self.reach_side(candidate), stop).uncut_heights(candidate.cutter, scallop_height, self.view.frame, stop)
     }
 
     /// The share of the whole area that is seen from above.
@@ -162,11 +170,7 @@ fn hidden_area_share(mesh: &Mesh, visibility: &Visibility, pieces: &Pieces, sele
     let (mut hidden, mut whole) = (0.0, 0.0);
     let facets = visibility.classes().iter().zip(pieces.of_facets()).zip(selected).enumerate();
     for (facet, ((class, piece), _)) in facets.filter(|(_, (_, selected))| **selected) {
-        let is_underside = match pieces.sides()[*piece as usize] {
-            Sides::Open => false,
-            Sides::Outwards => *class == FacetClass::Overhanging,
-            Sides::Inwards => *class == FacetClass::Hidden,
-        };
+        let is_underside = *class == FacetClass::Overhanging && pieces.closures()[*piece as usize] != Closure::Open;
         if !is_underside {
             let (_, area) = mesh.normal_and_area(facet);
             whole += area;

@@ -54,9 +54,8 @@ const TRIAL_CELL: usize = 20;
 /// each cell.
 const TRIAL: usize = 1_400_000 + 20 * TRIAL_SIDE * TRIAL_SIDE;
 
-/// The numbers of cells along each side of a finer raster, and the diameters of the smallest cutter along a surface up to
-/// which each is enough: three cells for a radius. On surfaces of up to [`COARSE_DIAMETERS`], the usual raster is.
-const FINE_SIDES: [(usize, usize); 2] = [(2 * TRIAL_SIDE, 2 * COARSE_DIAMETERS), (4 * TRIAL_SIDE, usize::MAX)];
+/// The largest number of diameters of a cutter along a surface for which a raster of [`TRIAL_SIDE`] cells has three cells for
+/// its radius. Smaller cutters have rasters of two or four times as many.
 pub(crate) const COARSE_DIAMETERS: usize = TRIAL_SIDE / 6;
 
 /// Bytes for each cell of a finer raster and each thread: three rasters of the heights, and those left. Cutters for which it
@@ -90,22 +89,26 @@ impl RankingSize {
         Self { facets: mesh.size().facets, candidates: candidates.len(), diameters }
     }
 
-    /// The number of cells along each side of the raster for cutters too small for the usual one; `None` if there are no
-    /// such cutters.
+    /// The number of cells along each side of the raster on which the reach of the smallest candidate is computed.
     #[must_use]
-    pub fn fine_side(&self) -> Option<usize> {
-        let mut sides = FINE_SIDES.iter().filter(|_| self.diameters > COARSE_DIAMETERS);
-        sides.find(|(_, most)| self.diameters <= *most).map(|(side, _)| *side)
+    pub fn reach_side(&self) -> usize {
+        let factor = match self.diameters.div_ceil(COARSE_DIAMETERS) {
+            0 | 1 => 1,
+            2 => 2,
+            _ => 4,
+        };
+        factor * TRIAL_SIDE
     }
 
-    /// The memory in bytes of that raster, and of the trials on it.
+    /// The memory in bytes of that raster if it is finer than [`TRIAL_SIDE`], and of the trials on it.
     #[must_use]
     pub fn bytes_of_fine_reach(&self, threads: usize) -> usize {
+        let side = self.reach_side();
+        if side == TRIAL_SIDE {
+            return 0;
+        }
         let cells = |side: usize| side * side;
-        self.fine_side().map_or(0, |side| {
-            let trials = threads * cells(side + FINE_BORDER) * FINE_TRIAL_CELL;
-            cells(side) * TRIAL_CELL + trials.max(cells(side) * VIEW_CELL)
-        })
+        cells(side) * TRIAL_CELL + (threads * cells(side + FINE_BORDER) * FINE_TRIAL_CELL).max(cells(side) * VIEW_CELL)
     }
 }
 
@@ -193,7 +196,7 @@ mod tests {
     fn small_cutters_have_finer_rasters_and_memory_for_them() {
         let of = |diameters| RankingSize { diameters, ..size(200, 2) };
         let sides = [1, COARSE_DIAMETERS, COARSE_DIAMETERS + 1, 2 * COARSE_DIAMETERS, 2 * COARSE_DIAMETERS + 1, usize::MAX];
-        assert_eq!(sides.map(|diameters| of(diameters).fine_side()), [None, None, Some(512), Some(512), Some(1024), Some(1024)]);
+        assert_eq!(sides.map(|diameters| of(diameters).reach_side()), [256, 256, 512, 512, 1024, 1024]);
         let bytes = [40, 80, 200].map(|diameters| bytes_to_rank(of(diameters), TWO, PlanRoom::USUAL));
         assert!(bytes[0] < bytes[1] && bytes[1] < bytes[2] && bytes[2] < 80 << 20, "{bytes:?}");
     }

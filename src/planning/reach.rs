@@ -80,7 +80,7 @@ pub struct Uncut {
 }
 
 /// The heights that a cutter leaves on the cells that were used.
-struct Left {
+struct UncutHeights {
     uncut: Uncut,
     /// The number of cells from one used cell to the next.
     stride: usize,
@@ -134,21 +134,34 @@ impl ReachMap {
         self.left(cutter, scallop_height, stop).uncut
     }
 
-    /// The height in mm that a cutter leaves in each cell of the surface; `None` if nothing is machined.
+    /// The largest height in mm that a cutter leaves in each cell of `frame`, whose cells are at least as large as those of
+    /// this map; `None` if nothing is machined there. Once `stop` returns true, it ends early, and the result must be
+    /// discarded.
     #[must_use]
-    pub fn uncut_heights(&self, cutter: Cutter, scallop_height: Length) -> Raster<Option<f32>> {
-        let Left { stride, columns, heights, .. } = self.left(cutter, scallop_height, &|| false);
+    pub fn uncut_heights(
+        &self,
+        cutter: Cutter,
+        scallop_height: Length,
+        frame: Frame,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Raster<Option<f32>> {
+        let UncutHeights { stride, columns, heights, .. } = self.left(cutter, scallop_height, stop);
         let rows = heights.len() / columns;
-        let value = |cell: usize| {
+        let mut largest = Raster::filled(frame, None);
+        for cell in (0..self.frame.cells()).filter(|&cell| self.area[cell] > 0.0) {
             let (column, row) = (cell % self.frame.columns, cell / self.frame.columns);
             let height = heights[(row / stride).min(rows - 1) * columns + (column / stride).min(columns - 1)];
-            Some(height).filter(|height| self.area[cell] > 0.0 && !height.is_nan())
-        };
-        Raster { frame: self.frame, values: (0..self.frame.cells()).map(value).collect() }
+            let (column, row) = frame.nearest_cell(self.frame.centre(column, row));
+            let of_cell: &mut Option<f32> = &mut largest.values[frame.index(column, row)];
+            if !height.is_nan() {
+                *of_cell = Some(of_cell.map_or(height, |largest| largest.max(height)));
+            }
+        }
+        largest
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "single precision; its rounding is part of the error")]
-    fn left(&self, cutter: Cutter, scallop_height: Length, stop: &(dyn Fn() -> bool + Sync)) -> Left {
+    fn left(&self, cutter: Cutter, scallop_height: Length, stop: &(dyn Fn() -> bool + Sync)) -> UncutHeights {
         let radius = cutter.outer_radius().mm();
         let stride = stride(self.frame, radius);
         let coarse = Coarse::of(self, stride, radius);
@@ -211,7 +224,7 @@ impl ReachMap {
             level_error: Length::computed(error(1.0)),
             cell: Length::computed(coarse.cell),
         };
-        Left { uncut, stride, columns: coarse.columns, heights: left }
+        UncutHeights { uncut, stride, columns: coarse.columns, heights: left }
     }
 
     /// The height in mm by which the cutter must rise from its contact at the middle of a cell until it does not cut

@@ -49,7 +49,9 @@ async fn the_underside_of_a_solid_does_not_lower_the_confidence() {
     let turned: Vec<Facet> = solid.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let of_sheet = app.recommend(&request(&sheet)).await.ok();
     assert_eq!(of_sheet["confidence"], json!({"level": "high", "reasons": []}));
-    for facets in [&solid, &turned] {
+    // A facet is missing, as those without an area that many files have at edges.
+    let torn = solid[1..].to_vec();
+    for facets in [&solid, &turned, &torn] {
         let of_solid = app.recommend(&request(facets)).await.ok();
         assert_eq!(of_solid["confidence"], of_sheet["confidence"]);
         assert_eq!(of_solid["recommended"]["cutter"], of_sheet["recommended"]["cutter"]);

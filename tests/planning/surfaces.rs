@@ -149,6 +149,14 @@ async fn slots_narrower_than_the_cutter_are_uncut_on_large_plates_too() {
     for length in [100.0, 500.0, 1000.0] {
         let answer = app.recommend(&with(with(in_directions(&[90.0]), slotted(length, 4.0)), cutters.clone())).await.ok();
         assert_eq!(answer["surface"]["visible_area_share"], 1.0);
+        // The map of each cutter alone, as the workbench shows it.
+        for (diameter, uncut) in [(6, 5.0), (3, 0.0)] {
+            let alone = json!({"cutters": [{"type": "flat_end", "diameter_mm": diameter}], "max_uncut_share": 1, "include": ["map"]});
+            let answer = app.recommend(&with(with(in_directions(&[90.0]), slotted(length, 4.0)), alone)).await.ok();
+            let map: Vec<Option<f64>> = serde_json::from_value(answer["map"]["uncut_mm"].clone()).unwrap();
+            let largest = map.iter().flatten().copied().fold(0.0, f64::max);
+            assert!((largest - uncut).abs() < 1e-6, "{length}, {diameter}: {largest}");
+        }
         for candidate in answer["candidates"].as_array().unwrap() {
             // The last slot is at the border of the plate and is cut from there.
             let (share, slots) = (figure(candidate, "/uncut_share"), 9.0 * 4.0 / length);

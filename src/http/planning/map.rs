@@ -58,7 +58,7 @@ impl MapAnswer {
             z_mm: view.heights.iter().map(|&z| z.is_finite().then_some(z)).collect(),
             slope_deg: view.of_facets(slope_of).values,
             scallop_height_mm: facet_of_cell.iter().map(|facet| facet.and_then(height_of)).collect(),
-            uncut_mm: simulation.uncut_heights(plan.candidate).values,
+            uncut_mm: machined.uncut_heights(candidate, simulation.settings.scallop_height, stop).values,
         })
     }
 }

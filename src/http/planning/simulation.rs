@@ -8,10 +8,8 @@ use crate::http::reading::{Faulted, Faults};
 use crate::http::wire::{PIECES_NAME, SELECT};
 use crate::json_text::JsonPath;
 use crate::milling::Model;
-use crate::numerics::raster::Raster;
 use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
 use crate::planning::memory::RankingSize;
-use crate::planning::reach::ReachMap;
 use crate::planning::zigzag::{CandidateCutter, NoRanking, Ranking, ZigzagSettings, rank_within};
 use crate::surface::{MeshError, Shape};
 use crate::worker_pool::WorkerPool;
@@ -38,7 +36,6 @@ pub(super) struct Simulation {
     /// The candidates, each with the material it cannot reach.
     pub(super) candidates: Vec<CandidateCutter>,
     pub(super) ranking: Ranking,
-    reach: ReachMap,
 }
 
 impl Simulation {
@@ -54,9 +51,8 @@ impl Simulation {
         stop: Stop,
     ) -> Result<Option<Self>, Problem> {
         let mut settings = parameters.settings(shape, model);
-        let reach = machined.reach();
         let candidates: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate).collect();
-        let Some(candidates) = machined.with_reach(&reach, &candidates, parameters.scallop_height, stop) else { return Ok(None) };
+        let Some(candidates) = machined.with_reach(&candidates, parameters.scallop_height, stop) else { return Ok(None) };
         let evidence = machined.evidence();
         let size = RankingSize::of(&machined.mesh, &candidates);
         let ranking = loop {
@@ -70,12 +66,7 @@ impl Simulation {
                 Err(NoRanking::Stopped) => return Ok(None),
             }
         };
-        Ok(Some(Self { settings, candidates, ranking, reach }))
-    }
-
-    /// The height that a candidate leaves uncut in each cell.
-    pub(super) fn uncut_heights(&self, candidate: usize) -> Raster<Option<f32>> {
-        self.reach.uncut_heights(self.candidates[candidate].cutter, self.settings.scallop_height)
+        Ok(Some(Self { settings, candidates, ranking }))
     }
 }
 

@@ -21,7 +21,7 @@ use crate::http::wire::{MOST_CUTTERS, SURFACE, SurfaceWithSource};
 use crate::http::worker_pool::Work;
 use crate::json_text::JsonPath;
 use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
-use crate::planning::memory::RankingSize;
+use crate::planning::memory::{COARSE_DIAMETERS, RankingSize};
 use crate::surface::ReceivedSurface;
 use crate::surface::read::{self, Format, FormatHint, Reader};
 use crate::tooling::ToolLibrary;
@@ -135,13 +135,12 @@ impl Received {
     fn bytes_to_answer(&self, resources: &Resources) -> u64 {
         /// The fewest bytes of a candidate in JSON; `{"type":"ball_end","diameter_mm":6}` has more.
         const SHORTEST_CANDIDATE: usize = 24;
-        /// Memory for cutters that are smaller than the part by more than this is added when the cutters are known.
-        const DIAMETERS: usize = 40;
         let Some(Ok(surface)) = &self.surface else { return 0 };
         let mesh = &surface.surface.mesh;
         let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / SHORTEST_CANDIDATE);
         let candidates = if self.libraries.is_empty() { stated.min(MOST_CUTTERS) } else { MOST_CUTTERS };
-        let size = RankingSize { facets: mesh.size().facets, candidates, diameters: DIAMETERS };
+        // Memory for the finer rasters of smaller cutters is added when these are known.
+        let size = RankingSize { facets: mesh.size().facets, candidates, diameters: COARSE_DIAMETERS };
         resources.least(mesh.size(), size).max(bytes_of_machined_surface(mesh))
     }
 

@@ -51,7 +51,7 @@ fn tips_and_cuts_are_those_of_the_definition() {
             .map(|(dx, dy, d)| (dx, dy, profile(cutter, d)))
             .collect();
         let tip = |x: i64, y: i64| disc.iter().map(|&(dx, dy, p)| z(x + dx, y + dy) - p).fold(f64::NEG_INFINITY, f64::max);
-        let (left, result) = (map.uncut_heights(cutter, mm(0.01)), map.uncut(cutter, mm(0.01)));
+        let (left, result) = (map.uncut_heights(cutter, mm(0.01), map.frame, &|| false), map.uncut(cutter, mm(0.01)));
         for y in 0..rows {
             for x in 0..columns {
                 let m = disc.iter().map(|&(dx, dy, p)| tip(x + dx, y + dy) + p).fold(f64::INFINITY, f64::min);

@@ -18,7 +18,6 @@ mod candidate;
 mod check;
 mod confidence;
 mod contacts;
-mod cuts;
 mod fit;
 mod heights;
 mod imprint;

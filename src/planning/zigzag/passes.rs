@@ -2,7 +2,6 @@
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
-use super::cuts::{Cut, cuts_by_plane};
 use super::links::End;
 use super::march::Plane;
 use super::plan::ZigzagPlan;
@@ -12,7 +11,7 @@ use super::room::{PlanRoom, Room};
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::spaced::Spaced;
-use super::sweep::{Heading, Sweep};
+use super::sweep::{Heading, Slice, Sweep};
 use super::tour::run_time;
 use super::workpiece::Workpiece;
 use crate::milling::{Cutter, EvaluatedPass, NoAnswer, ScallopHeight};
@@ -185,17 +184,13 @@ pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) 
     // A run has one place for each cut and two for its ends. The simulation joins over slightly wider gaps, so that it
     // has fewer runs: up to twice as many are counted here. The cuts of a plane are dropped before its places are
     // stored.
-    let slivers = if plan.slivers > 0 { facets.len() * BYTES_OF_A_SLIVER } else { 0 };
-    let cuts = cuts + plan.slivers;
+    let cuts = cuts + plan.slivers.len();
     let places = cuts + (2 * cuts).min(4 * plan.tour.runs);
-    slivers + places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
+    places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
 }
 
 /// A place and, during thinning, its index; twice, because a growing vector is copied to one of twice its size.
 const BYTES_OF_A_PLACE: usize = 2 * size_of::<Place>() + 2 * size_of::<usize>();
-
-/// A facet with its interval along a pass, in a vector that doubles when it grows.
-const BYTES_OF_A_SLIVER: usize = 48;
 
 /// The vectors of a plane: its cuts, its runs, their places.
 const BYTES_OF_A_PLANE: usize = 512;
@@ -256,6 +251,49 @@ fn time_of_tips(runs: &[OrderedRun], points: &[Vec<PassPoint>], spaced: &Spaced,
         last = Some(at(run.ends[1], end));
     }
     Time::computed(total)
+}
+
+/// The cut of a facet: both ends, along the pass and in height.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    facet: u32,
+    ends: [[f64; 2]; 2],
+}
+
+/// The number of facets and cuts between two checks for cancellation.
+const TURN: usize = 16_384;
+
+/// The cuts of each plane of a plan, those over slivers among them; none once `stop` returns true.
+fn cuts_by_plane(plan: &ZigzagPlan, spaced: &Spaced, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Cut>> {
+    let planes = &plan.passes;
+    let mut by_plane = vec![Vec::new(); planes.len()];
+    let cut = |facet: u32, slice: &Slice, at: f64, ends: [f64; 2]| Cut { facet, ends: ends.map(|along| [along, slice.height(along, at)]) };
+    let mut examined = 0;
+    for (covered, slice) in spaced.sweep.covered.iter().zip(&spaced.sweep.slices) {
+        examined += 1;
+        if examined >= TURN {
+            examined = 0;
+            if stop() {
+                return vec![Vec::new(); planes.len()];
+            }
+        }
+        let first = planes.partition_point(|plane| plane.at < covered.low);
+        for (plane, cuts) in planes[first..].iter().zip(&mut by_plane[first..]) {
+            if plane.at >= covered.high {
+                break;
+            }
+            examined += 1;
+            let [from, to] = slice.cut(plane.at);
+            if to > from {
+                cuts.push(cut(covered.facet, slice, plane.at, [from, to]));
+            }
+        }
+    }
+    for sliver in &plan.slivers {
+        let (slice, plane) = (Slice::new(sliver.facet, spaced.workpiece, spaced.sweep.heading), sliver.plane as usize);
+        by_plane[plane].push(cut(sliver.facet, &slice, planes[plane].at, sliver.ends));
+    }
+    by_plane
 }
 
 /// The runs of one plane: its cuts, sorted along it and split at gaps wider than the cutter.

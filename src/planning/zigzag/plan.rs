@@ -4,6 +4,7 @@ use super::candidate::ReachFigures;
 use super::check::ScallopFigures;
 use super::march::{MOST_MET, MOST_PLANES, NoPlanes, Plane};
 use super::room::MOST_RUNS;
+use super::slivers::Sliver;
 use super::tour::TourFigures;
 use crate::planning::RectanglePlan;
 use crate::quantity::{Angle, Length, Speed, Time};
@@ -45,8 +46,8 @@ pub struct ZigzagPlan {
     /// Whether the flutes are shorter than the surface is deep.
     pub flutes_too_short: bool,
     pub(super) passes: Vec<Plane>,
-    /// The number of parts of facets over which passes run on.
-    pub(super) slivers: usize,
+    /// The parts of facets beside planes over which passes continue.
+    pub(super) slivers: Vec<Sliver>,
 }
 
 impl ZigzagPlan {

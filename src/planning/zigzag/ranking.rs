@@ -131,11 +131,13 @@ fn ranked(
     Some(Ranking { plans, not_ranked, surface, confidence })
 }
 
-/// Drops the planes of all plans except the fastest: fifty thousand planes of two hundred cutters would take half a
-/// gigabyte.
+/// Drops the planes and slivers of all plans except the fastest: fifty thousand planes of two hundred cutters would take
+/// half a gigabyte.
 fn keep_planes_of_fastest(plans: &mut [ZigzagPlan]) {
     let fastest = plans.iter().enumerate().min_by(|(_, a), (_, b)| a.time.seconds().total_cmp(&b.time.seconds())).map(|(index, _)| index);
-    plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != fastest).for_each(|(_, plan)| plan.passes = Vec::new());
+    for (_, plan) in plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != fastest) {
+        (plan.passes, plan.slivers) = (Vec::new(), Vec::new());
+    }
 }
 
 /// The largest number of directions in which the plan of a candidate is checked.
@@ -177,7 +179,8 @@ impl Planner<'_> {
             return Err(NotRankedReason::NoHeight { share: scallop_height.without_height_share });
         }
         let tour = simulated.figures;
-        let rate = tour.run_length / tour.cutting_seconds;
+        // The rounding of the sums may carry the mean over the machine's limit.
+        let rate = (tour.run_length / tour.cutting_seconds).min(settings.machine.limits.feed_rate.mm_s());
         let depth = 2.0 * workpiece.top;
         Ok(ZigzagPlan {
             candidate: prepared.index,

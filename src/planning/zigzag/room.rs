@@ -7,6 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// with its order, and a comb of thin strips has thousands of runs in each plane.
 pub(super) const MOST_RUNS: usize = 65_536;
 
+/// The number of slivers, of 24 bytes each in a vector that doubles, that take the memory of one run.
+pub(super) const SLIVERS_OF_A_RUN: usize = 4;
+
 /// The largest numbers of planes and runs of each candidate's plan. Most plans have a few hundred of each. Memory for
 /// more is reserved only if a plan needs it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

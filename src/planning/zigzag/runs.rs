@@ -2,7 +2,7 @@
 
 use super::march::{Plane, Reached};
 use super::regions::Stretch;
-use super::slivers::{AT_ONCE, Strip, is_covered, parts_to_cut};
+use super::slivers::{Pass, Sliver, Strip, outside};
 use super::spaced::Spaced;
 use super::spacing::FeedLaw;
 
@@ -56,20 +56,15 @@ pub(super) struct RunFinder<'a> {
     origin: f64,
     gap: f64,
     pub(super) runs: Vec<Run>,
-    /// The last strip, and the places of its facets on which the plane before it has no run.
-    strip: Strip<Pass>,
-    uncovered: Vec<u32>,
-    /// The number of parts of facets over which runs were extended.
-    pub(super) slivers: usize,
+    /// The last strip, and the places of its facets that are beyond the reach of the plane before it.
+    strip: Strip,
+    beyond_reach: Vec<u32>,
+    /// The parts of facets over which runs were extended.
+    pub(super) slivers: Vec<Sliver>,
 }
 
-/// A plane, and the index of the first of its runs.
-#[derive(Debug, Clone, Copy)]
-struct Pass {
-    number: usize,
-    plane: Plane,
-    first: usize,
-}
+/// The number of facets that are examined for slivers at once, so that these take little memory.
+const EXAMINED_AT_ONCE: usize = 1024;
 
 impl<'a> RunFinder<'a> {
     /// A finder that joins runs over gaps of up to the cutter's diameter; on sampled facets, over those due to sampling.
@@ -89,8 +84,8 @@ impl<'a> RunFinder<'a> {
             gap,
             runs: Vec::new(),
             strip: Strip { ends: [0.0; 2], beside: [None; 2] },
-            uncovered: Vec::new(),
-            slivers: 0,
+            beyond_reach: Vec::new(),
+            slivers: Vec::new(),
         }
     }
 
@@ -120,7 +115,7 @@ impl<'a> RunFinder<'a> {
         }
         self.strip.beside[1] = Some(Pass { number, plane, first: self.runs.len() });
         self.join(number, plane.at);
-        self.run_over_slivers();
+        self.cut_slivers();
     }
 
     /// The time per length on a facet with the spacing of a plane.
@@ -158,73 +153,117 @@ impl<'a> RunFinder<'a> {
         self.runs.extend(run.map(finished));
     }
 
-    /// Notes the facets of the strip after the last plane, or before the first one of a band, on which that plane has no
-    /// run. The next plane decides which of them are slivers.
+    /// Collects the facets of the strip after the last plane, or before the first one of a band, that this plane does not
+    /// reach. The next plane decides which of them are slivers.
     pub(super) fn look_for_slivers(&mut self, ends: [f64; 2], facets: &[Reached]) {
         // Two strips without a plane between them are the last one of a band and the first one of the next.
-        self.run_over_slivers();
+        self.cut_slivers();
         let before = self.strip.beside[1];
         self.strip = Strip { ends, beside: [before, None] };
-        let mut uncovered = std::mem::take(&mut self.uncovered);
-        let is_uncovered = |place: &u32| {
-            let slice = &self.spaced.sweep.slices[*place as usize];
-            // The whole facet is compared first, which is quicker.
-            !self.is_covered(slice.along(), before) && !self.is_covered(slice.along_between(ends), before)
+        let mut beyond_reach = std::mem::take(&mut self.beyond_reach);
+        let (runs, reach) = (self.runs_of(before), self.strip.reach_beyond_ends(self.spaced));
+        let is_beyond = |interval: [f64; 2]| {
+            let mut is_beyond = false;
+            outside(interval, runs, Run::along, reach, |_| is_beyond = true);
+            is_beyond
         };
-        uncovered.extend(facets.iter().map(|facet| facet.place).filter(is_uncovered));
-        self.uncovered = uncovered;
+        let is_candidate = |place: &u32| {
+            let slice = &self.spaced.sweep.slices[*place as usize];
+            // Steep facets set no spacing and need no pass; the extension of a wall is far from the surface. The whole
+            // facet is compared first, which is quicker.
+            self.spaced.allowed[*place as usize].is_finite() && is_beyond(slice.along()) && is_beyond(slice.along_between(ends))
+        };
+        beyond_reach.extend(facets.iter().map(|facet| facet.place).filter(is_candidate));
+        self.beyond_reach = beyond_reach;
     }
 
-    /// Whether the runs of a plane cover an interval along the last strip.
-    fn is_covered(&self, along: [f64; 2], pass: Option<Pass>) -> bool {
-        let reach = self.strip.reach_beyond_ends(self.spaced);
-        pass.is_some_and(|pass| is_covered(along, self.runs_of(pass), Run::along, reach))
-    }
-
-    fn runs_of(&self, pass: Pass) -> &[Run] {
+    /// The runs of a plane; none at a border.
+    fn runs_of(&self, pass: Option<Pass>) -> &[Run] {
+        let Some(pass) = pass else { return &[] };
         let own = &self.runs[pass.first..];
         &own[..own.partition_point(|run| run.stretch.plane == pass.number)]
     }
 
-    /// Extends the runs beside the last strip over its slivers: the parts of facets that neither of both planes covers.
-    pub(super) fn run_over_slivers(&mut self) {
-        let mut facets = std::mem::take(&mut self.uncovered);
-        for places in facets.chunks(AT_ONCE) {
+    /// Extends the runs beside the last strip over its slivers: what neither of both planes reaches.
+    pub(super) fn cut_slivers(&mut self) {
+        let mut facets = std::mem::take(&mut self.beyond_reach);
+        for places in facets.chunks(EXAMINED_AT_ONCE) {
             // The runs of the plane after the strip are stored behind those of the plane before it, and move last.
             for side in [1, 0] {
                 self.extend(side, places);
             }
         }
+        self.complete();
         facets.clear();
-        self.uncovered = facets;
+        self.beyond_reach = facets;
     }
 
     /// Extends the runs of the plane on this side of the strip over the slivers in its part.
     fn extend(&mut self, side: usize, places: &[u32]) {
-        let Some((pass, _)) = self.strip.part(side) else { return };
-        let slivers = self.strip.slivers(side, places, self.spaced, |pass| self.runs_of(pass), Run::along);
+        let Some((pass, part)) = self.strip.part(side) else { return };
+        let slivers = self.slivers_of(part, places);
         if slivers.is_empty() {
             return;
         }
-        let mut runs = self.runs_of(pass).to_vec();
-        let count = runs.len();
-        let covered: Vec<[f64; 2]> = runs.iter().map(Run::along).collect();
-        let parts = parts_to_cut(slivers, &covered);
-        runs.extend(parts.into_iter().map(|(place, ends)| self.run_over(place, ends, &pass)));
-        self.slivers += runs.len() - count;
+        let own = self.runs_of(Some(pass));
+        let count = own.len();
+        // Slivers may overlap along the pass, which is extended once. Narrow gaps are closed, between two slivers and between
+        // a sliver and a run, which is one reach from it.
+        let narrow = 2.0 * self.strip.reach_beyond_ends(self.spaced);
+        let (mut parts, mut reached) = (Vec::new(), f64::NEG_INFINITY);
+        for (place, [from, to]) in slivers {
+            let from = if from <= reached + narrow { reached } else { from };
+            outside([from - narrow, to + narrow], own, Run::along, 0.0, |[start, end]| {
+                let start = if start <= from - narrow { from } else { start.max(reached) };
+                let end = if end >= to + narrow { to } else { end };
+                if start < end {
+                    parts.push((place, [start, end]));
+                    reached = end;
+                }
+            });
+        }
+        let mut runs = own.to_vec();
+        runs.extend(parts.iter().map(|&(place, ends)| self.run_over(place, ends, &pass)));
+        #[expect(clippy::cast_possible_truncation, reason = "planes are bounded")]
+        let plane = pass.number as u32;
+        let facet = |place: u32| self.spaced.sweep.covered[place as usize].facet;
+        self.slivers.extend(parts.into_iter().map(|(place, ends)| Sliver { plane, facet: facet(place), ends }));
         runs.sort_by(|a, b| a.along()[0].total_cmp(&b.along()[0]));
-        let mut joined: Vec<Run> = Vec::with_capacity(runs.len());
-        for run in runs {
-            match joined.last_mut() {
-                Some(last) if run.along()[0] - last.along()[1] <= self.gap => last.join(&run),
-                _ => joined.push(run),
-            }
+        // Wider gaps are kept until all slivers are known, because there may be others in them.
+        self.replace(side, pass, count, &joined(&runs, 0.0));
+    }
+
+    /// Joins the runs of the plane before the last strip, which is complete now, over gaps.
+    fn complete(&mut self) {
+        let Some(pass) = self.strip.beside[0] else { return };
+        let runs = self.runs_of(Some(pass));
+        if runs.windows(2).any(|pair| pair[1].along()[0] - pair[0].along()[1] <= self.gap) {
+            let (count, joined) = (runs.len(), joined(runs, self.gap));
+            self.replace(0, pass, count, &joined);
         }
-        let end = pass.first + joined.len();
-        self.runs.splice(pass.first..pass.first + count, joined);
+    }
+
+    /// Replaces the first `count` runs of the plane on this side of the strip.
+    fn replace(&mut self, side: usize, pass: Pass, count: usize, runs: &[Run]) {
+        self.runs.splice(pass.first..pass.first + count, runs.iter().copied());
         if let Some(next) = self.strip.beside[1].as_mut().filter(|_| side == 0) {
-            next.first = end;
+            next.first = pass.first + runs.len();
         }
+    }
+
+    /// The slivers of these facets in a part of the strip, sorted along the passes, each with the place of its facet.
+    fn slivers_of(&self, part: [f64; 2], places: &[u32]) -> Vec<(u32, [f64; 2])> {
+        let reach = self.strip.reach_beyond_ends(self.spaced);
+        let [before, after] = self.strip.beside.map(|pass| self.runs_of(pass));
+        let mut slivers = Vec::new();
+        for &place in places {
+            let interval = self.spaced.sweep.slices[place as usize].along_between(part);
+            outside(interval, before, Run::along, reach, |left| {
+                outside(left, after, Run::along, reach, |sliver| slivers.push((place, sliver)));
+            });
+        }
+        slivers.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]));
+        slivers
     }
 
     /// A run of a plane over a part of a facet beside it.
@@ -234,4 +273,16 @@ impl<'a> RunFinder<'a> {
         let ends = ends.map(|along| [along, slice.height(along, at)]);
         Run { stretch: Stretch { plane: pass.number, at, ends }, length, seconds: length * self.pace(place, &pass.plane) }
     }
+}
+
+/// Sorted runs of one plane, joined over gaps of up to `gap`.
+fn joined(runs: &[Run], gap: f64) -> Vec<Run> {
+    let mut joined: Vec<Run> = Vec::with_capacity(runs.len());
+    for run in runs {
+        match joined.last_mut() {
+            Some(last) if run.along()[0] - last.along()[1] <= gap => last.join(run),
+            _ => joined.push(*run),
+        }
+    }
+    joined
 }

@@ -2,9 +2,10 @@
 
 use super::links::Links;
 use super::march::{Fit, Met, NoPlanes, Plane, march};
-use super::room::Room;
+use super::room::{Room, SLIVERS_OF_A_RUN};
 use super::runs::RunFinder;
 use super::settings::Pattern;
+use super::slivers::Sliver;
 use super::spaced::Spaced;
 use super::spacing::FeedLaw;
 use super::tour::TourFigures;
@@ -33,8 +34,8 @@ impl Operation<'_> {
 pub(super) struct Simulated {
     pub(super) figures: TourFigures,
     pub(super) planes: Vec<Plane>,
-    /// The number of parts of facets over which passes run on.
-    pub(super) slivers: usize,
+    /// The parts of facets beside planes over which passes continue.
+    pub(super) slivers: Vec<Sliver>,
 }
 
 /// Simulates the zigzag over facets with their spacings, fitted to the strips by `fit`.
@@ -58,9 +59,9 @@ pub(super) fn simulate(
             Met::Strip(ends, facets) => finder.look_for_slivers(ends, facets),
         }
         // All runs stay in memory until their order is known.
-        operation.room.check(planes.len(), finder.runs.len())
+        operation.room.check(planes.len(), finder.runs.len() + finder.slivers.len() / SLIVERS_OF_A_RUN)
     })?;
-    finder.run_over_slivers();
+    finder.cut_slivers();
     let figures = TourFigures::of(&finder.runs, operation.machine, operation.pattern, &operation.links(spaced));
     Ok(Simulated { figures, planes, slivers: finder.slivers })
 }

@@ -1,68 +1,64 @@
-//! Slivers: parts of a strip at which the passes on both its sides have left the surface.
+//! Slivers: parts of a strip that neither neighbouring pass reaches.
 //!
 //! A pass at a small angle to a border, or across a narrow face, leaves the surface before its strip does. Where the
-//! neighbouring pass is still on the surface, it cuts what lies between. Where it is not, nothing would: the nearer pass
-//! then runs on over the sliver.
+//! neighbouring pass is still on the surface, it cuts what lies between. Elsewhere the nearer pass continues over the
+//! sliver, on the extended plane of its facet.
 
+use super::march::Plane;
 use super::spaced::Spaced;
 
-/// Whether runs, widened by `reach` at both ends, contain an interval along the passes. The runs are sorted and do not
-/// overlap; `along` returns their intervals.
-pub(super) fn is_covered<R>([from, to]: [f64; 2], runs: &[R], along: impl Fn(&R) -> [f64; 2], reach: f64) -> bool {
+/// A part of a facet beside a plane, over which the pass continues.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sliver {
+    /// The index of the plane.
+    pub(super) plane: u32,
+    /// The index of the facet in the workpiece.
+    pub(super) facet: u32,
+    /// Both ends along the pass.
+    pub(super) ends: [f64; 2],
+}
+
+/// Adds the parts of an interval that lie outside of all runs, widened by `reach` at both ends. The runs are sorted and do
+/// not overlap; `along` returns their intervals.
+pub(super) fn outside<R>([from, to]: [f64; 2], runs: &[R], along: impl Fn(&R) -> [f64; 2], reach: f64, mut add: impl FnMut([f64; 2])) {
     let first = runs.partition_point(|run| along(run)[1] + reach < from);
-    let mut covered = from;
+    let mut from = from;
     for run in &runs[first..] {
         let [start, end] = along(run);
-        if covered >= to || start - reach > covered {
+        if start - reach >= to {
             break;
         }
-        covered = covered.max(end + reach);
+        if start - reach > from {
+            add([from, start - reach]);
+        }
+        from = from.max(end + reach);
     }
-    first < runs.len() && covered >= to
+    if from < to {
+        add([from, to]);
+    }
 }
 
-/// The parts of slivers over which a pass runs on, each with the place of its facet: those outside of its runs, and of
-/// slivers beside each other those of the first. Slivers are places with their intervals along the pass; runs are sorted
-/// and do not overlap.
-pub(super) fn parts_to_cut(mut slivers: Vec<(u32, [f64; 2])>, runs: &[[f64; 2]]) -> Vec<(u32, [f64; 2])> {
-    slivers.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
-    let mut parts = Vec::new();
-    let (mut reached, mut next) = (f64::NEG_INFINITY, 0);
-    for (place, [from, to]) in slivers {
-        let mut from = from.max(reached);
-        while runs.get(next).is_some_and(|run| run[1] <= from) {
-            next += 1;
-        }
-        for run in runs[next..].iter().take_while(|run| run[0] < to) {
-            if run[0] > from {
-                parts.push((place, [from, run[0]]));
-            }
-            from = from.max(run[1]);
-        }
-        if to > from {
-            parts.push((place, [from, to]));
-        }
-        reached = reached.max(to);
-    }
-    parts
+/// A plane, and the index of the first of its runs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pass {
+    pub(super) number: usize,
+    pub(super) plane: Plane,
+    pub(super) first: usize,
 }
-
-/// The number of facets that are searched for slivers at once, so that these take little memory.
-pub(super) const AT_ONCE: usize = 1024;
 
 /// A strip between two planes, or between a plane and the border of a band.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Strip<P> {
+pub(super) struct Strip {
     /// Its ends across the passes.
     pub(super) ends: [f64; 2],
     /// The planes before and after it; `None` at a border.
-    pub(super) beside: [Option<P>; 2],
+    pub(super) beside: [Option<Pass>; 2],
 }
 
-impl<P: Copy> Strip<P> {
+impl Strip {
     /// The plane before (0) or after (1) it, and the part of the strip that is nearer to it: half of it, or the whole strip
     /// at a border.
-    pub(super) fn part(self, side: usize) -> Option<(P, [f64; 2])> {
+    pub(super) fn part(&self, side: usize) -> Option<(Pass, [f64; 2])> {
         let plane = self.beside[side]?;
         let mut part = self.ends;
         if self.beside[1 - side].is_some() {
@@ -71,32 +67,11 @@ impl<P: Copy> Strip<P> {
         Some((plane, part))
     }
 
-    /// The slivers among the facets at these places, in the part of the strip that belongs to one of its planes: what the
-    /// runs of neither plane cover, each with its place and its interval along the passes. Facets too steep to set a
-    /// spacing need no pass, and the extension of a wall to a plane beside it is far from the surface.
-    pub(super) fn slivers<'r, R: 'r>(
-        self,
-        side: usize,
-        places: &[u32],
-        spaced: &Spaced,
-        runs: impl Fn(P) -> &'r [R],
-        along: impl Fn(&R) -> [f64; 2] + Copy,
-    ) -> Vec<(u32, [f64; 2])> {
-        let Some((_, part)) = self.part(side) else { return Vec::new() };
-        let reach = self.reach_beyond_ends(spaced);
-        let beside: Vec<&[R]> = self.beside.into_iter().flatten().map(runs).collect();
-        let with_interval = |&place: &u32| (place, spaced.sweep.slices[place as usize].along_between(part));
-        let tangent = |place: u32| &spaced.workpiece.tangents[spaced.sweep.covered[place as usize].facet as usize];
-        let is_sliver = |&(place, interval): &(u32, [f64; 2])| {
-            interval[0] < interval[1] && !tangent(place).is_steep && !beside.iter().any(|runs| is_covered(interval, runs, along, reach))
-        };
-        places.iter().map(with_interval).filter(is_sliver).collect()
-    }
-
-    /// The distance along the passes over which a cutter cuts beyond the end of a run: half the width of the strip, as
-    /// it cuts beside the run. Ends of runs on sampled facets are as uncertain as the gaps between these.
-    pub(super) fn reach_beyond_ends(self, spaced: &Spaced) -> f64 {
-        (0.5 * (self.ends[1] - self.ends[0])).max(spaced.workpiece.sampling_gap)
+    /// The distance along the passes over which a cutter cuts beyond the end of a run: as far as beside the run, which is
+    /// the width of its part of the strip. Ends of runs on sampled facets are as uncertain as the gaps between these.
+    pub(super) fn reach_beyond_ends(&self, spaced: &Spaced) -> f64 {
+        let parts = if self.beside.iter().all(Option::is_some) { 2.0 } else { 1.0 };
+        ((self.ends[1] - self.ends[0]) / parts).max(spaced.workpiece.sampling_gap)
     }
 }
 
@@ -106,32 +81,38 @@ mod tests {
 
     const RUNS: [[f64; 2]; 2] = [[0.0, 10.0], [20.0, 30.0]];
 
+    fn parts(interval: [f64; 2], reach: f64) -> Vec<[f64; 2]> {
+        let mut parts = Vec::new();
+        outside(interval, &RUNS, |&run| run, reach, |part| parts.push(part));
+        parts
+    }
+
     #[test]
-    fn an_interval_is_covered_within_reach_of_the_runs() {
-        let covered = |interval, reach| is_covered(interval, &RUNS, |&run| run, reach);
-        assert!(covered([2.0, 10.0], 0.0) && covered([-1.0, 11.0], 1.0) && covered([22.0, 31.0], 1.0));
-        assert!(!covered([31.5, 31.5], 1.0) && !covered([2.0, 11.5], 1.0) && !covered([-2.0, 5.0], 1.0) && !covered([13.0, 14.0], 1.0));
-        // Over the gap between both only if they reach each other.
-        assert!(covered([5.0, 25.0], 5.0) && !covered([5.0, 25.0], 4.9));
-        assert!(!is_covered([0.0, 1.0], &RUNS[..0], |&run| run, 9.0));
+    fn what_lies_outside_of_runs_is_found_once() {
+        assert_eq!(parts([-5.0, 35.0], 0.0), [[-5.0, 0.0], [10.0, 20.0], [30.0, 35.0]]);
+        assert_eq!(parts([-5.0, 35.0], 2.0), [[-5.0, -2.0], [12.0, 18.0], [32.0, 35.0]]);
+        assert_eq!(parts([5.0, 25.0], 4.5), [[14.5, 15.5]]);
+        assert_eq!(parts([13.0, 14.0], 1.0), [[13.0, 14.0]]);
+        assert_eq!(parts([31.0, 40.0], 0.0), [[31.0, 40.0]]);
+        assert_eq!(parts([-9.0, -3.0], 1.0), [[-9.0, -3.0]]);
+    }
+
+    #[test]
+    fn what_runs_reach_is_left_out() {
+        for (interval, reach) in [([2.0, 10.0], 0.0), ([-1.0, 11.0], 1.0), ([22.0, 31.0], 1.0), ([5.0, 25.0], 5.0)] {
+            assert!(parts(interval, reach).is_empty(), "{interval:?}");
+        }
+        // A facet that does not meet the strip has the empty interval.
+        assert!(parts([f64::INFINITY, f64::NEG_INFINITY], 1.0).is_empty());
     }
 
     #[test]
     fn each_plane_has_its_half_of_a_strip_and_the_whole_at_a_border() {
-        let parts = |beside| [0, 1].map(|side| Strip { ends: [2.0, 6.0], beside }.part(side));
-        assert_eq!(parts([Some('a'), Some('b')]), [Some(('a', [2.0, 4.0])), Some(('b', [4.0, 6.0]))]);
-        assert_eq!(parts([Some('a'), None]), [Some(('a', [2.0, 6.0])), None]);
-        assert_eq!(parts([None, Some('b')]), [None, Some(('b', [2.0, 6.0]))]);
+        let pass = |number| Some(Pass { number, plane: Plane { at: 0.0, before: 1.0, after: 1.0, binding: None }, first: 0 });
+        let parts = |beside| [0, 1].map(|side| Strip { ends: [2.0, 6.0], beside }.part(side).map(|(pass, part)| (pass.number, part)));
+        assert_eq!(parts([pass(7), pass(8)]), [Some((7, [2.0, 4.0])), Some((8, [4.0, 6.0]))]);
+        assert_eq!(parts([pass(7), None]), [Some((7, [2.0, 6.0])), None]);
+        assert_eq!(parts([None, pass(8)]), [None, Some((8, [2.0, 6.0]))]);
         assert_eq!(parts([None; 2]), [None; 2]);
-    }
-
-    #[test]
-    fn a_pass_runs_over_the_gaps_once() {
-        let parts = |slivers: &[[f64; 2]]| parts_to_cut((0..).zip(slivers.iter().copied()).collect(), &RUNS);
-        assert_eq!(parts(&[[-5.0, 35.0]]), [(0, [-5.0, 0.0]), (0, [10.0, 20.0]), (0, [30.0, 35.0])]);
-        assert_eq!(parts(&[[5.0, 22.0], [25.0, 33.0], [31.0, 36.0]]), [(0, [10.0, 20.0]), (1, [30.0, 33.0]), (2, [33.0, 36.0])]);
-        // Sorted along the pass; one contains the other.
-        assert_eq!(parts(&[[15.0, 16.0], [12.0, 18.0]]), [(1, [12.0, 18.0])]);
-        assert!(parts(&[[1.0, 9.0], [20.0, 30.0]]).is_empty());
     }
 }

@@ -1,6 +1,6 @@
 //! The facets of a workpiece, sorted in the order in which the planes of one direction meet them.
 
-use super::workpiece::{Tangent, Workpiece};
+use super::workpiece::Workpiece;
 use crate::quantity::Angle;
 
 /// A direction of passes: e along the passes, q across them to the left, both seen from above.
@@ -57,8 +57,10 @@ pub(super) struct Slice {
 
 impl Slice {
     /// Prepares a facet.
-    fn new(corners: &[[f64; 3]; 3], tangent: &Tangent, weight: f64, heading: Heading) -> Self {
-        let mut corners = corners.map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
+    pub(super) fn new(facet: u32, workpiece: &Workpiece, heading: Heading) -> Self {
+        let facet = facet as usize;
+        let (tangent, weight) = (&workpiece.tangents[facet], workpiece.weights[facet]);
+        let mut corners = workpiece.corners[facet].map(|[x, y, z]| [heading.across(x, y), heading.along(x, y), z]);
         for (i, j) in [(0, 1), (1, 2), (0, 1)] {
             if corners[i][0] > corners[j][0] {
                 corners.swap(i, j);
@@ -169,10 +171,7 @@ impl Sweep {
             }));
         }
         let covered = if stop() { Vec::new() } else { ordered(unordered, across) };
-        let slice = |covered: &Covered| {
-            let facet = covered.facet as usize;
-            Slice::new(&workpiece.corners[facet], &workpiece.tangents[facet], workpiece.weights[facet], heading)
-        };
+        let slice = |covered: &Covered| Slice::new(covered.facet, workpiece, heading);
         let mut slices = Vec::with_capacity(covered.len());
         for covered in covered.chunks(TURN).take_while(|_| !stop()) {
             slices.extend(covered.iter().map(slice));

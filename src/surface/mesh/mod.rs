@@ -1,7 +1,6 @@
 //! Triangle meshes of surfaces: building, visibility from above, connected pieces, selection and curvature.
 
 mod builder;
-mod covered;
 mod curvature;
 #[cfg(test)]
 mod curvature_tests;
@@ -10,6 +9,7 @@ mod finish_facet;
 mod flat_regions;
 mod left_out;
 mod merge;
+mod occluded;
 mod part;
 mod pieces;
 mod selection;
@@ -27,7 +27,7 @@ pub use builder::{MeshBuilder, MeshSize};
 pub use curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
 pub use part::MeshPart;
-pub use pieces::{Pieces, Sides};
+pub use pieces::{Closure, Pieces};
 pub use selection::{Selection, SelectionError};
 pub use view::{NO_FACET, ViewFromAbove};
 pub use visibility::{AreaShares, FacetClass, Visibility};

@@ -6,12 +6,12 @@ use super::{Mesh, cross, dot};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pieces {
     of_facet: Vec<u32>,
-    sides: Vec<Sides>,
+    closures: Vec<Closure>,
 }
 
-/// The sides of a piece.
+/// Whether a piece encloses a volume, and where its facets point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sides {
+pub enum Closure {
     /// It has borders, or facets of both orientations.
     Open,
     /// It is a closed solid whose facets point outwards.
@@ -27,17 +27,17 @@ impl Pieces {
         &self.of_facet
     }
 
-    /// The sides of each piece.
+    /// Whether each piece is closed.
     #[must_use]
-    pub fn sides(&self) -> &[Sides] {
-        &self.sides
+    pub fn closures(&self) -> &[Closure] {
+        &self.closures
     }
 
     /// The number of pieces.
     #[must_use]
     pub fn count(&self) -> u32 {
         #[expect(clippy::cast_possible_truncation, reason = "pieces are numbered in 32 bits")]
-        let count = self.sides.len() as u32;
+        let count = self.closures.len() as u32;
         count
     }
 }
@@ -88,49 +88,72 @@ impl Mesh {
                 *piece
             })
             .collect();
-        let sides = self.sides_until(&of_facet, count, stop);
-        Pieces { of_facet, sides }
+        let closures = self.closures_until(&of_facet, count, stop);
+        Pieces { of_facet, closures }
     }
 
-    /// The sides of each piece. In a closed solid each edge belongs to one facet in each of its directions, so that the sum
-    /// of a random number for each edge, negative in one direction, is zero; in an open piece it is not, but with a
-    /// probability of 2^-64.
-    fn sides_until(&self, of_facet: &[u32], count: u32, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Sides> {
+    /// Whether each piece is closed.
+    fn closures_until(&self, of_facet: &[u32], count: u32, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Closure> {
         let bounds = self.bounds();
         let centre = [0, 1, 2].map(|axis| f64::midpoint(bounds.min[axis], bounds.max[axis]));
-        let mut sums = vec![(0_u64, 0.0); count as usize];
+        let extent = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
+        let mut sums = vec![Enclosed::default(); count as usize];
         let facets = of_facet.chunks(TURN).zip(self.triangles().chunks(TURN)).take_while(|_| !stop());
         for (piece, &triangle) in facets.flat_map(|(pieces, triangles)| pieces.iter().zip(triangles)) {
-            let (edges, volume) = &mut sums[*piece as usize];
-            let [a, b, c] = triangle;
-            *edges = [[a, b], [b, c], [c, a]].into_iter().fold(*edges, |sum, edge| sum.wrapping_add(signed_number(edge)));
             let [a, b, c] = triangle.map(|point| {
                 let point = self.points()[point as usize];
                 [0, 1, 2].map(|axis| point[axis] - centre[axis])
             });
-            *volume += dot(a, cross([0.0; 3], b, c));
+            sums[*piece as usize].add(a, cross(a, b, c));
         }
-        let sides = |(edges, volume): (u64, f64)| match edges {
-            0 if volume > 0.0 => Sides::Outwards,
-            0 if volume < 0.0 => Sides::Inwards,
-            _ => Sides::Open,
-        };
-        sums.into_iter().map(sides).collect()
+        sums.into_iter().map(|sums| sums.closure(extent)).collect()
+    }
+
+    /// Turns the facets of closed pieces that point inwards. The facets of a cavity are a piece of their own and are turned,
+    /// too; no cutter reaches them.
+    pub(crate) fn turn_solids_outwards(&mut self, pieces: &Pieces) {
+        for (triangle, piece) in self.triangles.iter_mut().zip(&pieces.of_facet) {
+            if pieces.closures[*piece as usize] == Closure::Inwards {
+                triangle.swap(1, 2);
+            }
+        }
     }
 }
 
-/// A random number for each edge, the same ones in every run, with the opposite sign in the opposite direction: the
-/// mixing function of SplitMix (Steele, Lea and Flood 2014), twice.
-fn signed_number([from, to]: [u32; 2]) -> u64 {
-    let mixed = |mut bits: u64| {
-        bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        bits ^ (bits >> 31)
-    };
-    let edge = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
-    let number = mixed(mixed(edge));
-    if from < to { number } else { number.wrapping_neg() }
+/// Sums over the facets of a piece.
+#[derive(Debug, Clone, Copy, Default)]
+struct Enclosed {
+    /// Of twice the facets' areas, as vectors along their normals; they cancel out on a closed surface.
+    vector: [f64; 3],
+    /// Of twice the areas.
+    area: f64,
+    /// Of six times the volumes between facets and the origin.
+    volume: f64,
+}
+
+/// The share of a closed piece's area that may be missing or turned: single facets, and those without an area, which many
+/// files have at edges.
+const MISSING: f64 = 1e-3;
+
+/// The least mean thickness of a solid, as a share of its extent. A sheet with each facet in both orientations has none.
+const THINNEST: f64 = 1e-9;
+
+impl Enclosed {
+    /// Adds a facet by a corner, and its area vector times two.
+    fn add(&mut self, corner: [f64; 3], vector: [f64; 3]) {
+        self.vector = [0, 1, 2].map(|axis| self.vector[axis] + vector[axis]);
+        self.area += dot(vector, vector).sqrt();
+        self.volume += dot(corner, vector);
+    }
+
+    fn closure(self, extent: f64) -> Closure {
+        let is_open = dot(self.vector, self.vector).sqrt() > MISSING * self.area || self.volume.abs() < THINNEST * self.area * extent;
+        match (is_open, self.volume > 0.0) {
+            (true, _) => Closure::Open,
+            (false, true) => Closure::Outwards,
+            (false, false) => Closure::Inwards,
+        }
+    }
 }
 
 /// The representative of a point's set. Halves the path to it.

@@ -2,6 +2,7 @@
 
 use super::shapes::{degrees, finish_facets, grid, mesh, noise, solid_box};
 use super::*;
+use crate::quantity::Angle;
 use crate::surface::{Bezier, Facing, Unit};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use proptest::prelude::*;
@@ -126,19 +127,46 @@ fn the_walls_of_a_closed_cavity_are_hidden() {
 fn solids_are_closed_and_have_their_facets_outside_or_inside() {
     let solid = solid_box([3.0, -5.0, 2.0], [40.0, 20.0, 10.0]);
     let turned = |facets: &[[[f64; 3]; 3]]| facets.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>();
-    let sides = |facets: &[[[f64; 3]; 3]]| mesh(facets).pieces().sides().to_vec();
-    assert_eq!(sides(&solid), [Sides::Outwards]);
-    assert_eq!(sides(&turned(&solid)), [Sides::Inwards]);
+    let closures = |facets: &[[[f64; 3]; 3]]| mesh(facets).pieces().closures().to_vec();
+    assert_eq!(closures(&solid), [Closure::Outwards]);
+    assert_eq!(closures(&turned(&solid)), [Closure::Inwards]);
     for facet in 0..solid.len() {
         let (mut without, mut one_turned) = (solid.clone(), solid.clone());
         without.remove(facet);
         one_turned[facet].swap(0, 1);
-        assert_eq!((sides(&without), sides(&one_turned)), (vec![Sides::Open], vec![Sides::Open]));
+        assert_eq!((closures(&without), closures(&one_turned)), (vec![Closure::Open], vec![Closure::Open]));
     }
     let sheet = grid(9, 9, |u, v| [50.0 * u, 40.0 * v, (6.0 * u).sin() * (5.0 * v).cos()]);
-    assert_eq!(sheet.pieces().sides(), [Sides::Open]);
+    assert_eq!(sheet.pieces().closures(), [Closure::Open]);
+    // A sheet with each facet in both orientations encloses nothing.
+    let corners = |facet| sheet.corners(facet);
+    let both: Vec<_> = (0..sheet.triangles().len()).map(corners).flat_map(|[a, b, c]| [[a, b, c], [a, c, b]]).collect();
+    assert_eq!(closures(&both), [Closure::Open]);
     let beside = solid_box([60.0, 0.0, 0.0], [70.0, 10.0, 10.0]);
-    assert_eq!(sides(&[solid, turned(&beside)].concat()), [Sides::Outwards, Sides::Inwards]);
+    assert_eq!(closures(&[solid, turned(&beside)].concat()), [Closure::Outwards, Closure::Inwards]);
+}
+
+#[test]
+fn solids_are_turned_outwards() {
+    let inwards: Vec<_> = solid_box([0.0; 3], [40.0, 20.0, 10.0]).into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    let mut solid = mesh(&inwards);
+    let pieces = solid.pieces();
+    assert_eq!(pieces.closures(), [Closure::Inwards]);
+    solid.turn_solids_outwards(&pieces);
+    assert_eq!(solid.pieces().closures(), [Closure::Outwards]);
+    solid.turn_solids_outwards(&solid.pieces());
+    assert_eq!(solid.pieces().closures(), [Closure::Outwards]);
+}
+
+#[test]
+fn a_facet_below_the_common_edge_of_two_is_hidden() {
+    let level = |[a, b, c]: [[f64; 2]; 3], z: f64| [a, b, c].map(|[x, y]| [x, y, z]);
+    // A roof of two facets, and below its diagonal a facet too small for the raster, with its centroid on the diagonal.
+    let (low, high) = ([0.0, 0.0], [3000.0, 3000.0]);
+    let roof = [level([low, [3000.0, 0.0], high], 10.0), level([low, high, [0.0, 3000.0]], 10.0)];
+    let below = level([[100.0, 100.0], [100.75, 100.25], [100.25, 100.75]], 0.0);
+    let classes = mesh(&[roof[0], roof[1], below]).visibility(Angle::from_degrees(85.0).unwrap()).classes().to_vec();
+    assert_eq!(classes, [FacetClass::Machined, FacetClass::Machined, FacetClass::Hidden]);
 }
 
 #[test]

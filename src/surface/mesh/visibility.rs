@@ -1,5 +1,6 @@
 //! The visibility of facets from above, along the tool axis.
 
+use super::occluded::Uncertain;
 use super::view::side_seen;
 use super::{Mesh, cross};
 use crate::cancellation::collect_until;
@@ -72,8 +73,7 @@ impl Visibility {
         self.area
     }
 
-    /// The share of the facets that are seen from behind in the area of all that show a side: those visible from above
-    /// without walls.
+    /// The area of the facets seen from behind over that of all visible facets that are not walls.
     #[must_use]
     pub fn share_from_behind(&self) -> f64 {
         if self.area_with_side > 0.0 { self.area_from_behind / self.area_with_side } else { 0.0 }
@@ -121,8 +121,8 @@ impl Mesh {
     /// longer side of the bounds ([`Mesh::seen_from_above`]; its cell size is [`Visibility::cell`]). A facet that
     /// points up is visible if, at half or more of the cell centres that it covers, no other facet is above it. A wall,
     /// or a facet that covers no centre, is visible if its centroid is not below everything seen in its cell and the
-    /// eight around it, or, as in a narrow slot, if no facet is above its centroid. A facet that points down and is seen at half of its centres has the wrong orientation and
-    /// counts as turned; a closed solid has no such facets.
+    /// eight around it, or, as in a narrow slot, if no facet is above its centroid. A facet that points down and is seen
+    /// at half of its centres has the wrong orientation and counts as turned; a closed solid has no such facets.
     #[must_use]
     pub fn visibility(&self, max_slope: Angle) -> Visibility {
         self.visibility_until(max_slope, &|| false)
@@ -173,10 +173,14 @@ impl Mesh {
         };
         let mut examined: Vec<Examined> = collect_until(facets, stop, one);
         let is_uncertain = |facet: &Examined| facet.is_between_centres && facet.side != Some(false) && !facet.visible;
-        let uncertain: Vec<u32> = (0..).zip(&examined).filter(|(_, facet)| is_uncertain(facet)).map(|(facet, _)| facet).collect();
-        if let Some(covered) = self.is_covered(&uncertain, frame, rounding, stop) {
-            for (facet, covered) in uncertain.into_iter().zip(covered) {
-                examined[facet as usize].visible = !covered;
+        let uncertain: Vec<Uncertain> = (0..)
+            .zip(&examined)
+            .filter(|(_, facet)| is_uncertain(facet))
+            .map(|(number, facet)| Uncertain { facet: number, is_wall: facet.side.is_none() })
+            .collect();
+        if let Some(occluded) = self.are_occluded(&uncertain, frame, rounding, stop) {
+            for (Uncertain { facet, .. }, occluded) in uncertain.into_iter().zip(occluded) {
+                examined[facet as usize].visible = !occluded;
             }
         }
         let mut shares = AreaShares { hidden: 0.0, overhanging: 0.0, steep: 0.0, machined: 0.0 };

@@ -110,20 +110,33 @@ fn a_narrow_rib_is_cut_by_one_pass_along_itself() {
 }
 
 #[test]
-fn walls_beside_a_surface_add_no_pass() {
-    // Slopes of 89.9 and 89.99 deg beyond the border, each in the strip behind the last pass.
-    let wall = |y: f64, rise: f64| facet([[0.0, y, 0.0], [100.0, y + 0.01, 0.0], [50.0, y + 0.02, rise]], [0.0; 6]);
-    let bare = rectangle(100.0, 60.0);
-    let with_walls: Vec<FinishFacet> = bare.iter().copied().chain([wall(60.4, 9.0), wall(60.8, 90.0)]).collect();
+fn a_finely_meshed_rib_is_planned_as_a_coarse_one() {
+    // The search for the direction takes a sample of the facets.
+    let quads = |count: i32| (0..count).map(move |i| [i, i + 1].map(|i| 100.0 * f64::from(i) / f64::from(count)));
+    let rib = |count: i32| quadrilaterals(quads(count).map(|[from, to]| [[from, 0.0], [to, 0.0], [to, 0.1], [from, 0.1]]));
+    let [coarse, fine] = [rib(1), rib(10_000)];
     for candidate in candidates() {
-        for direction in [0.0, 0.2, 0.4, 1.0, 179.3] {
-            let [without, with] = [&bare, &with_walls].map(|facets| {
-                let plan = ranked(facets, &[candidate], &in_direction(Model::Envelope, direction)).plans.remove(0);
-                plan.tour.run_length
-            });
-            // A pass more or less, because the border is elsewhere, and passes that cross a wall rise with it.
-            assert!((with - without).abs() < 200.0, "{direction} deg: {with} mm, {without} mm without walls");
-        }
+        let plan = |facets| ranked(facets, &[candidate], &settings(Model::Envelope)).plans.remove(0);
+        let [coarse, fine] = [plan(&coarse), plan(&fine)];
+        let degrees = fine.direction.degrees();
+        assert!(degrees.min(180.0 - degrees) <= 0.5, "{degrees}");
+        assert!((fine.time.seconds() / coarse.time.seconds() - 1.0).abs() < 0.01, "{:?} {:?}", fine.time, coarse.time);
+    }
+}
+
+#[test]
+fn walls_beside_a_surface_add_no_pass() {
+    // Slopes of 89.9 and 89.99 deg behind the ends of the passes, each between two planes.
+    let wall = |y: f64, rise: f64| facet([[110.0, y, 0.0], [210.0, y + 0.01, 0.0], [160.0, y + 0.02, rise]], [0.0; 6]);
+    let bare = rectangle(100.0, 60.0);
+    let with_walls: Vec<FinishFacet> = bare.iter().copied().chain([wall(10.3, 9.0), wall(30.1, 90.0)]).collect();
+    for candidate in candidates() {
+        let [without, with] = [&bare, &with_walls].map(|facets| {
+            let plan = ranked(facets, &[candidate], &in_direction(Model::Envelope, 0.0)).plans.remove(0);
+            (plan.tour.runs, plan.tour.run_length)
+        });
+        assert_eq!(with.0, without.0);
+        assert!((with.1 - without.1).abs() < 1e-6, "{} mm, {} mm without walls", with.1, without.1);
     }
 }
 
