@@ -120,3 +120,14 @@ impl fmt::Display for NoAnswer {
 }
 
 impl std::error::Error for NoAnswer {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_under_a_micrometre_keep_their_digits() {
+        let shown = |mm: f64| Shown(Length::computed(mm)).to_string();
+        assert_eq!([0.0, 3.4e-5, 9.9e-4, 1e-3, 12.5].map(shown), ["0.000000", "3.400e-5", "9.900e-4", "0.001000", "12.500000"]);
+    }
+}

@@ -20,8 +20,8 @@ const SIDE: usize = 1024;
 pub(crate) struct PassesAnswer {
     /// The index in the columns at which each run begins; between two runs the cutter moves on a link.
     run_starts: Vec<usize>,
-    /// The point at which the cutter touches the surface; null if the tip is raised because the cutter would gouge the
-    /// surface elsewhere.
+    /// The point at which the cutter touches the surface, or, where a pass continues beside a narrow face, the face's
+    /// extended plane; null if the tip is raised because the cutter would gouge the surface elsewhere.
     contact_mm: Vec<Option<[f64; 3]>>,
     /// The unit normal of the surface.
     normal: Vec<[f64; 3]>,

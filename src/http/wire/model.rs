@@ -12,6 +12,6 @@ pub(crate) const MODEL: Member<Choice<Model>> = Member {
 
 /// The member `model` of recommendations.
 pub(crate) const PLAN_MODEL: Member<Choice<Model>> = Member {
-    about: "envelope (default in method surface): the cutter's exact shape, with the curvature of each facet; analytic (default in method rectangle): the published closed formulas, with a circle in place of the cutter",
+    about: "envelope (default in method surface): the cutter's exact shape, in method surface with the curvature of each facet; analytic (default in method rectangle): the published closed formulas, with a circle in place of the cutter",
     ..MODEL
 };

@@ -69,7 +69,11 @@ impl fmt::Display for Reason<SurfaceWeakness> {
                 )
             }
             SurfaceWeakness::SteepArea => write!(f, "{:.2} % of the area is too steep to set a spacing", 100.0 * figure),
-            SurfaceWeakness::HiddenArea => write!(f, "{:.2} % of the area is hidden from above and not machined", 100.0 * figure),
+            SurfaceWeakness::HiddenArea => write!(
+                f,
+                "{:.2} % of the selected area, without the undersides of solids, is hidden from above and not machined",
+                100.0 * figure
+            ),
             SurfaceWeakness::SeveralPieces => {
                 write!(f, "the surface is in {figure:.0} pieces; finished piece by piece it may take fewer links")
             }

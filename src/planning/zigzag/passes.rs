@@ -38,8 +38,8 @@ pub struct Passes {
 /// A point of a pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassPoint {
-    /// The point at which the cutter touches the surface, in mm; `None` if the tip is raised because the cutter would
-    /// gouge the surface elsewhere.
+    /// The point at which the cutter touches the surface, or the extended plane of a facet beside the pass, in mm; `None`
+    /// if the tip is raised because the cutter would gouge the surface elsewhere.
     pub contact: Option<[f64; 3]>,
     /// The unit normal of the surface there.
     pub normal: [f64; 3],

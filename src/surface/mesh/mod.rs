@@ -206,6 +206,11 @@ impl Mesh {
         self.triangles[facet].map(|index| self.points[index as usize])
     }
 
+    fn centroid(&self, facet: usize) -> [f64; 3] {
+        let [a, b, c] = self.corners(facet);
+        [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0)
+    }
+
     /// The unit normal of a triangle, by the order of its corners, and its area in mm^2; both are 0 if rounding left no
     /// area.
     #[must_use]

@@ -36,14 +36,10 @@ impl Mesh {
         if uncertain.is_empty() {
             return Some(Vec::new());
         }
-        let centroid = |facet: u32| {
-            let [a, b, c] = self.corners(facet as usize);
-            [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0)
-        };
         let cell_of = |point: [f64; 3]| frame.nearest_cell([point[0], point[1]]);
         let mut places: Vec<(usize, usize)> = (0..uncertain.len())
             .map(|place| {
-                let (column, row) = cell_of(centroid(uncertain[place].facet));
+                let (column, row) = cell_of(self.centroid(uncertain[place].facet as usize));
                 (frame.index(column, row), place)
             })
             .collect();
@@ -62,8 +58,8 @@ impl Mesh {
                 for &(_, place) in of_row[start..].iter().take_while(|&&(cell, _)| cell <= frame.index(high.0, row)) {
                     count += 1;
                     let Uncertain { facet: other, is_wall } = uncertain[place];
-                    let point = centroid(other);
-                    if other as usize != facet && height_at(corners, point, is_wall).is_some_and(|z| z > point[2] + rounding) {
+                    let (other, point) = (other as usize, self.centroid(other as usize));
+                    if other != facet && height_at(corners, point, is_wall).is_some_and(|z| z > point[2] + rounding) {
                         occluded[place].store(true, Ordering::Relaxed);
                     }
                 }

@@ -107,11 +107,8 @@ impl Mesh {
         };
         let in_box = |facet: usize| {
             selection.bounds.is_none_or(|Bounds { min, max }| {
-                let [a, b, c] = self.corners(facet);
-                (0..3).all(|axis| {
-                    let centre = (a[axis] + b[axis] + c[axis]) / 3.0;
-                    centre >= min[axis] && centre <= max[axis]
-                })
+                let centre = self.centroid(facet);
+                (0..3).all(|axis| centre[axis] >= min[axis] && centre[axis] <= max[axis])
             })
         };
         let in_pieces = |facet: usize| listed.as_ref().is_none_or(|listed| listed[pieces.of_facets()[facet] as usize]);

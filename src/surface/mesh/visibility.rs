@@ -157,7 +157,7 @@ impl Mesh {
             } else if side == Some(false) {
                 false
             } else {
-                let centroid = [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
+                let centroid = self.centroid(facet);
                 let (column, row) = frame.nearest_cell([centroid[0], centroid[1]]);
                 let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
                 let at_the_border = column == 0 || row == 0 || column + 1 == frame.columns || row + 1 == frame.rows;

@@ -21,7 +21,7 @@ pub(super) enum Coding {
 }
 
 impl Coding {
-    /// The coding that the headers name; `None` if it is neither. Names are compared without their case, and `x-gzip` is
+    /// The coding that the headers name; `None` for another one and for several. Names are case-insensitive, and `x-gzip` is
     /// another name of gzip (RFC 9110, section 8.4.1).
     pub(super) fn of(headers: &HeaderMap) -> Option<Self> {
         let mut names = headers.get_all(header::CONTENT_ENCODING).iter();
