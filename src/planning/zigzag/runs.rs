@@ -161,7 +161,8 @@ impl<'a> RunFinder<'a> {
         let before = self.strip.beside[1];
         self.strip = Strip { ends, beside: [before, None] };
         let mut beyond_reach = std::mem::take(&mut self.beyond_reach);
-        let (runs, reach) = (self.runs_of(before), self.strip.reach_beyond_ends(self.spaced));
+        // Whether there is a plane after the strip, which halves the reach of the one before it, is not known yet.
+        let (runs, reach) = (self.runs_of(before), self.strip.reach_within(2.0, self.spaced));
         let is_beyond = |interval: [f64; 2]| {
             let mut is_beyond = false;
             outside(interval, runs, Run::along, reach, |_| is_beyond = true);

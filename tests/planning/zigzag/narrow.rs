@@ -2,6 +2,7 @@
 
 use super::surfaces::facet;
 use super::{in_direction, mm, ranked, settings};
+use proptest::prelude::*;
 use scallopd::milling::{Cutter, Model};
 use scallopd::planning::zigzag::{CandidateCutter, PassPoint, ZigzagPlan, ZigzagSettings, passes};
 use scallopd::quantity::Time;
@@ -68,6 +69,10 @@ fn farthest(plan: &ZigzagPlan, facets: &[FinishFacet], candidate: &CandidateCutt
     farthest
 }
 
+/// The largest distance that is accepted, in spacings: one to the neighbouring pass, and half of one beyond its end, with the
+/// rounding of samples.
+const FARTHEST: f64 = 1.118_034 + 0.01;
+
 fn candidates() -> [CandidateCutter; 2] {
     [Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Cutter::ball_end(mm(6.0))].map(CandidateCutter::new)
 }
@@ -84,13 +89,8 @@ fn each_place_of_a_narrow_surface_is_near_a_pass() {
     for (name, facets) in &surfaces {
         for candidate in candidates() {
             for direction in [0.0, 0.4, 1.0, 3.0, 18.0, 45.0, 88.9, 91.3, 161.6, 179.2] {
-                let settings = in_direction(Model::Envelope, direction);
-                let plan = ranked(facets, &[candidate], &settings).plans.remove(0);
-                // All surfaces have the same slope, so that the planes of a wide one are as far apart as they may be.
-                let spacing = ranked(&rectangle(100.0, 60.0), &[candidate], &settings).plans[0].step_over.max.mm();
-                let farthest = farthest(&plan, facets, &candidate, &settings) / spacing;
-                // A spacing to the neighbouring pass, and half of one beyond its end.
-                assert!(farthest < 1.25_f64.sqrt() + 0.01, "{name} at {direction} deg: {farthest}");
+                let farthest = farthest_in_spacings(facets, candidate, direction);
+                assert!(farthest < FARTHEST, "{name} at {direction} deg: {farthest}");
             }
         }
     }
@@ -154,4 +154,56 @@ fn the_passes_over_slivers_take_the_time_of_their_plan() {
             assert!((stated / planned - 1.0).abs() < 0.02, "{direction}: {planned} s, {stated} s of the passes");
         }
     }
+}
+
+/// A star around the origin. Each corner has an angle within its sector and a radius, both as shares. The star is `flat`
+/// times as wide in y as in x, and each of its sectors has this many rows of facets.
+fn star(corners: &[(f64, f64)], size: f64, flat: f64, rows: u8) -> Vec<FinishFacet> {
+    let sector = std::f64::consts::TAU / corners.len() as f64;
+    let place = |(index, (turn, radius)): (usize, &(f64, f64))| {
+        let (sin, cos) = (sector * (index as f64 + 0.8 * turn)).sin_cos();
+        [size * radius * cos, flat * size * radius * sin]
+    };
+    let corners: Vec<[f64; 2]> = corners.iter().enumerate().map(place).collect();
+    let sectors = corners.iter().zip(corners.iter().cycle().skip(1)).filter(|(a, b)| a[0] * b[1] > a[1] * b[0] + 1e-6);
+    let share = |row: u8, corner: &[f64; 2]| corner.map(|part| part * f64::from(row) / f64::from(rows));
+    let row_of = |(a, b), row| [share(row, a), share(row + 1, a), share(row + 1, b), share(row, b)];
+    let facets = quadrilaterals(sectors.flat_map(|sector| (0..rows).map(move |row| row_of(sector, row))));
+    // Those of the first row are triangles.
+    facets.into_iter().filter(|facet| facet.area > 1e-9).collect()
+}
+
+/// The distance from the farthest place of a surface to the nearest pass in a direction, in spacings of a wide surface.
+fn farthest_in_spacings(facets: &[FinishFacet], candidate: CandidateCutter, direction: f64) -> f64 {
+    let settings = in_direction(Model::Envelope, direction);
+    let plan = ranked(facets, &[candidate], &settings).plans.remove(0);
+    // All surfaces have the same slope, so that the planes of a wide one are as far apart as they may be.
+    let spacing = ranked(&rectangle(100.0, 60.0), &[candidate], &settings).plans[0].step_over.max.mm();
+    farthest(&plan, facets, &candidate, &settings) / spacing
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn each_place_of_a_star_is_near_a_pass(
+        corners in prop::collection::vec((0.0..1.0, 0.02..1.0), 3..12),
+        (size, flat, rows) in (2.0..40.0, 0.02..1.0, 1_u8..7),
+        direction in 0.0..180.0,
+        cutter in 0_usize..2,
+    ) {
+        let facets = star(&corners, size, flat, rows);
+        prop_assume!(!facets.is_empty());
+        let farthest = farthest_in_spacings(&facets, candidates()[cutter], direction);
+        prop_assert!(farthest < FARTHEST, "{}", farthest);
+    }
+}
+
+#[test]
+fn the_end_of_a_horn_is_near_a_pass() {
+    // The horn ends just before a plane, more than half a spacing beyond the end of the pass before it.
+    let flat = (0.0, 0.02);
+    let corners = [(0.56, 0.489), flat, flat, (0.0, 0.4565), flat, (0.4165, 0.5134), flat, flat];
+    let farthest = farthest_in_spacings(&star(&corners, 29.32, 0.064, 1), candidates()[1], 51.76);
+    assert!(farthest < FARTHEST, "{farthest}");
 }
