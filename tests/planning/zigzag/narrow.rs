@@ -159,12 +159,13 @@ fn the_passes_over_slivers_take_the_time_of_their_plan() {
 /// A star around the origin. Each corner has an angle within its sector and a radius, both as shares. The star is `flat`
 /// times as wide in y as in x, and each of its sectors has this many rows of facets.
 fn star(corners: &[(f64, f64)], size: f64, flat: f64, rows: u8) -> Vec<FinishFacet> {
-    let sector = std::f64::consts::TAU / corners.len() as f64;
-    let place = |(index, (turn, radius)): (usize, &(f64, f64))| {
-        let (sin, cos) = (sector * (index as f64 + 0.8 * turn)).sin_cos();
+    let numbers = std::iter::successors(Some(0.0), |number| Some(number + 1.0));
+    let sector = std::f64::consts::TAU / numbers.clone().nth(corners.len()).unwrap_or_default();
+    let place = |((turn, radius), number): (&(f64, f64), f64)| {
+        let (sin, cos) = (sector * (number + 0.8 * turn)).sin_cos();
         [size * radius * cos, flat * size * radius * sin]
     };
-    let corners: Vec<[f64; 2]> = corners.iter().enumerate().map(place).collect();
+    let corners: Vec<[f64; 2]> = corners.iter().zip(numbers).map(place).collect();
     let sectors = corners.iter().zip(corners.iter().cycle().skip(1)).filter(|(a, b)| a[0] * b[1] > a[1] * b[0] + 1e-6);
     let share = |row: u8, corner: &[f64; 2]| corner.map(|part| part * f64::from(row) / f64::from(rows));
     let row_of = |(a, b), row| [share(row, a), share(row + 1, a), share(row + 1, b), share(row, b)];
