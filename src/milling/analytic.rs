@@ -87,6 +87,7 @@ impl Analytic {
     /// - [`NoAnswer::FlatFloor`] at slope 0, unless the cutter is a ball-end;
     /// - [`NoAnswer::SharpEdge`] if the effective radius is 0: a flat-end cutter fed along the level line;
     /// - [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
+    #[inline]
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
         let relative_curvature = gouging::relative_curvature(&pass)?;
         let across = EffectiveRadius::across_feed(pass.cutter.widened(pass.runout.radial()), pass.contact);

@@ -1,6 +1,7 @@
 //! The contact between cutter and surface: slope and feed direction relative to the tool axis, from angles or from
 //! vectors.
 
+use crate::numerics::hypotenuse;
 use crate::quantity::{Angle, Direction, OutOfRange};
 use nalgebra::Vector3;
 use std::fmt;
@@ -153,7 +154,7 @@ impl Contact {
     /// Without cancellation: 1 - sin^2(S) sin^2(alpha) = cos^2(alpha) + sin^2(alpha) cos^2(S).
     #[must_use]
     pub fn spacing_ratio(self) -> f64 {
-        self.alpha.cos().hypot(self.alpha.sin() * self.slope.cos())
+        hypotenuse(self.alpha.cos(), self.alpha.sin() * self.slope.cos())
     }
 
     /// The angle at which the feed climbs or falls, exact: sin = sin(S) |cos(theta)|, from 0 to pi/2.
@@ -161,7 +162,7 @@ impl Contact {
     pub fn climb(self) -> Direction {
         let sin = self.slope.sin() * self.theta.cos().abs();
         // cos^2 = 1 - sin^2(S) cos^2(theta) = cos^2(S) + sin^2(S) sin^2(theta)
-        let cos = self.slope.cos().hypot(self.slope.sin() * self.theta.sin());
+        let cos = hypotenuse(self.slope.cos(), self.slope.sin() * self.theta.sin());
         Direction::of_vector(cos, sin).unwrap_or(Direction::ZERO)
     }
 }

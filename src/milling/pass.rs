@@ -1,6 +1,7 @@
 //! A finishing pass, independent of the model: cutter, contact, curvature of the surface, runout, and step-over.
 
 use super::{Contact, Cutter, NoAnswer, SurfaceCurvature};
+use crate::numerics::hypotenuse;
 use crate::quantity::{Angle, Length, OutOfRange};
 use std::num::NonZeroU32;
 
@@ -59,7 +60,7 @@ impl Runout {
     /// The largest displacement of a tooth, sqrt(rr^2 + ar^2).
     #[must_use]
     pub fn magnitude(self) -> Length {
-        Length::computed(self.radial.hypot(self.axial))
+        Length::computed(hypotenuse(self.radial, self.axial))
     }
 
     /// delta = |rr| sin(S) + |ar| cos(S), in mm: how much less deep the shallowest tooth reaches into a surface of
@@ -73,7 +74,7 @@ impl Runout {
     #[must_use]
     pub fn mark_spacing(self, feed_per_tooth: Length, climb: Angle) -> Length {
         let (x, z) = (feed_per_tooth.mm() * climb.cos() + self.radial, feed_per_tooth.mm() * climb.sin() - self.axial);
-        Length::computed(x.hypot(z))
+        Length::computed(hypotenuse(x, z))
     }
 
     /// The feed per tooth whose marks are `mark_spacing` apart, the inverse of [`Runout::mark_spacing`]: f_z = -b +

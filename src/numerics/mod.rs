@@ -1,7 +1,9 @@
-//! General numerical methods: a bracketed root finder, rasters, and rounding.
+//! General numerical methods: a bracketed root finder, hypotenuses, rasters, and rounding.
 
+mod hypotenuse;
 pub mod raster;
 mod root;
 pub(crate) mod rounding;
 
+pub(crate) use hypotenuse::hypotenuse;
 pub(crate) use root::bracketed_root;

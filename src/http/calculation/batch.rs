@@ -74,7 +74,9 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
         if !faults.is_empty() {
             // Nothing is computed, but the contacts are still checked, so that the answer lists their faults too.
             for index in (0..contacts.count()).take_while(|_| !cancel.is_cancelled()) {
-                let _recorded = contacts.read(index, &defaults, contacts.path(index, &path), faults);
+                let path = contacts.path(index, &path);
+                let contact = contacts.read(index, &defaults, path, faults);
+                let _recorded = contact.and_then(|contact| contact.parameters.step_over(&path, faults));
             }
             return Err(Faulted);
         }
@@ -163,7 +165,7 @@ impl<C: Calculation> Batch<C> {
             let path = JsonPath::Root;
             let contact = BatchContact::read_next(&mut json, &self.defaults, path, &mut faults)?;
             let index = part.count;
-            self.take_in(&mut part, index, contact, path, &mut faults);
+            self.take_in(&mut part, index, &contact, path, &mut faults);
             if json.is_at_end() {
                 break;
             }
@@ -183,7 +185,7 @@ impl<C: Calculation> Batch<C> {
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, &self.defaults, path, &mut faults);
-                self.take_in(&mut part, index, contact, path, &mut faults);
+                self.take_in(&mut part, index, &contact, path, &mut faults);
             }
             parts.insert(chunk, part);
         });
@@ -193,9 +195,10 @@ impl<C: Calculation> Batch<C> {
     /// Adds the contact `index` to a part: its figures, or its faults if it has no answer. `faults` are empty
     /// afterwards, for the next contact.
     #[inline]
-    fn take_in(&self, part: &mut Part, index: usize, contact: Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
+    fn take_in(&self, part: &mut Part, index: usize, contact: &Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
         part.count += 1;
-        if contact.and_then(|contact| self.compute_contact(part, index, contact, path, faults)).is_err() {
+        let is_computed = contact.as_ref().is_ok_and(|contact| self.compute_contact(part, index, contact, path, faults).is_ok());
+        if !is_computed {
             part.fail(index, faults.take());
         }
     }
@@ -206,29 +209,22 @@ impl<C: Calculation> Batch<C> {
         &self,
         part: &mut Part,
         index: usize,
-        contact: BatchContact,
+        contact: &BatchContact,
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<(), Faulted> {
         let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(&path, faults)?;
-        let member = self.calculation.step_over_member(&parameters);
+        let member = self.calculation.step_over_member(parameters);
         // The fault points to the contact as a whole: any of its parameters, defaults included, may be the cause.
         let mut fail =
-            |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, contact, &parameters, member) });
+            |cause: NoAnswer| faults.push(Fault { pointer: path.to_string(), ..no_answer(cause, &path, *contact, parameters, member) });
         // The results are borrowed: they are large, and each `?` would copy them.
-        let evaluated = single::evaluate(&self.shared, contact, &parameters);
-        let pass = match &evaluated {
-            Ok(Ok(pass)) => pass,
-            Ok(Err(cause)) => return Err(fail(*cause)),
-            Err(faulted) => return Err(*faulted),
-        };
-        let mut computed = single::compute(&self.calculation, &self.shared, pass, step_over, &parameters, self.selection.heights);
-        let figures = match &mut computed {
-            Ok(Ok(figures)) => figures,
-            Ok(Err(cause)) => return Err(fail(*cause)),
-            Err(faulted) => return Err(*faulted),
-        };
+        let evaluated = EvaluatedPass::new(self.shared.model, single::pass(&self.shared, contact, parameters)?);
+        let pass = evaluated.as_ref().map_err(|cause| fail(*cause))?;
+        let inputs = single::inputs(&self.shared, pass, step_over, parameters, self.selection.heights)?;
+        let mut computed = inputs.and_then(|inputs| self.calculation.compute(&inputs));
+        let figures = computed.as_mut().map_err(|cause| fail(*cause))?;
         if self.selection.is_compared {
             let check = single::compare(pass, figures);
             part.outside_range += usize::from(single::is_outside_range(&check));

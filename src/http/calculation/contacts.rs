@@ -49,6 +49,7 @@ impl<'a> Contacts<'a> {
     }
 
     /// Reads a contact, whose own parameters override `defaults`.
+    #[inline]
     pub(super) fn read(
         &self,
         index: usize,

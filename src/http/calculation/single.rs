@@ -106,51 +106,42 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let step_over = parameters.step_over(&path, faults);
     let (shared, contact) = (shared?, contact?);
     let fault = |cause, step_over_member| no_answer(cause, &path, contact, &parameters, step_over_member);
-    let pass = evaluate(&shared, contact, &parameters)?;
+    let pass = EvaluatedPass::new(shared.model, pass(&shared, &contact, &parameters)?);
     let pass = pass.map_err(|cause| faults.push(fault(cause, parameters.step_over_member())))?;
     let calculation = calculation?;
-    let figures = compute(&calculation, &shared, &pass, step_over?, &parameters, Heights::Parts)?;
+    let inputs = inputs(&shared, &pass, step_over?, &parameters, Heights::Parts)?;
+    let figures = inputs.and_then(|inputs| calculation.compute(&inputs));
     let figures = figures.map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
     let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
     let check = check(&pass, &figures, &mut warnings);
     Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
 }
 
-/// Evaluates a contact by the request's model. The outer error is a fault that is already recorded; the inner error is
-/// not recorded yet.
+/// The pass that a request describes at a contact.
 #[inline]
-pub(super) fn evaluate(
-    shared: &SharedParameters,
-    contact: StatedContact,
-    parameters: &ContactParameters,
-) -> Result<Result<EvaluatedPass, NoAnswer>, Faulted> {
-    let pass = Pass {
+pub(super) fn pass(shared: &SharedParameters, contact: &StatedContact, parameters: &ContactParameters) -> Result<Pass, Faulted> {
+    Ok(Pass {
         cutter: shared.tool.cutter,
         contact: contact.contact,
         surface: parameters.curvature()?,
         runout: shared.runout,
         teeth: shared.tool.teeth.and_then(NonZeroU32::new),
-    };
-    Ok(EvaluatedPass::new(shared.model, pass))
+    })
 }
 
-/// The figures at a contact, with at least `heights`. The outer error is a fault that is already recorded;
+/// The inputs of a calculation whose figures have at least `heights`. The outer error is a fault that is already recorded;
 /// the inner error is not recorded yet.
 #[inline]
-pub(super) fn compute<C: Calculation>(
-    calculation: &C,
-    shared: &SharedParameters,
-    pass: &EvaluatedPass,
+pub(super) fn inputs<'a>(
+    shared: &'a SharedParameters,
+    pass: &'a EvaluatedPass,
     step_over: Option<StepOver>,
     parameters: &ContactParameters,
     heights: Heights,
-) -> Result<Result<Figures, NoAnswer>, Faulted> {
+) -> Result<Result<Inputs<'a>, NoAnswer>, Faulted> {
     let feed_per_tooth = parameters.feed_per_tooth()?;
     let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
-    Ok(match along {
-        Ok(step_over) => calculation.compute(&Inputs { shared, pass, step_over, feed_per_tooth, heights }),
-        Err(cause) => Err(cause),
-    })
+    Ok(along.map(|step_over| Inputs { shared, pass, step_over, feed_per_tooth, heights }))
 }
 
 /// The deviation below which the analytic model is outside its range: 5 % below the height by the cutter's exact shape.

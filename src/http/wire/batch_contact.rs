@@ -18,7 +18,7 @@ impl BatchContact {
     /// Reads a contact whose own parameters override `defaults`.
     pub(crate) fn read(raw: JsonText<'_>, defaults: &ContactParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         match Self::read_plain(&mut PlainJson::new(raw.get().as_bytes()), defaults) {
-            Some(plain) => plain.complete(path, faults),
+            Some(plain) => Ok(plain),
             None => Self::read_faulty(raw, defaults, path, faults),
         }
     }
@@ -35,16 +35,10 @@ impl BatchContact {
         json.skip_blank();
         let first = json.position();
         if let Some(plain) = Self::read_plain(json, defaults) {
-            return Ok(plain.complete(path, faults));
+            return Ok(Ok(plain));
         }
         json.seek(first);
         Ok(Self::read_faulty(json.value(&|| faults.is_cancelled())?, defaults, path, faults))
-    }
-
-    /// The contact, unless it lacks a step-over that it needs.
-    #[inline]
-    pub(super) fn complete(self, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        self.parameters.step_over(&path, faults).map(|_| self)
     }
 
     /// Reads a contact that cannot be read in one pass, and records all its faults.

@@ -105,6 +105,7 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
 }
 
 /// The contact from values read in one pass; `None` if there is a fault.
+#[inline]
 pub(super) fn accept((angles, vectors): (AngleSlots, VectorSlots)) -> Option<StatedContact> {
     let contact = match (angles.are_absent(), vectors.are_absent()) {
         (false, true) => angles.accept()?.contact(),

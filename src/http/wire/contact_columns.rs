@@ -66,6 +66,7 @@ impl ContactColumns {
     }
 
     /// The contact in the row `index`, whose own parameters override `defaults`. `path` is that of the columns.
+    #[inline]
     pub(crate) fn contact(
         &self,
         index: usize,
@@ -74,7 +75,7 @@ impl ContactColumns {
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
         match self.accept(index, defaults) {
-            Some(contact) => contact.complete(path, faults),
+            Some(contact) => Ok(contact),
             None => BatchContact::read_faulty(JsonText::known(&self.text(index)), defaults, path, faults),
         }
     }

@@ -13,6 +13,7 @@
 
 use super::body::{Body, Ray};
 use super::section::Pattern;
+use crate::numerics::hypotenuse;
 
 /// Lines from the contact, by which the polygon is made: a first round of them evenly, then where the polygon's sides
 /// are longest, the last ones beside its corners furthest across the feed.
@@ -110,10 +111,10 @@ impl<'a> Outlook<'a> {
             };
             let next = if longest + 1 == count { 0 } else { longest + 1 };
             let middle: [f64; 2] = std::array::from_fn(|i| units[longest][i] + units[next][i]);
-            let length = middle[0].hypot(middle[1]);
+            let length = hypotenuse(middle[0], middle[1]);
             let middle = middle.map(|part| part / length);
             let (from, to) = (measured[longest], measured[next]);
-            let guess = 0.5 * (from[0].hypot(from[1]) + to[0].hypot(to[1]));
+            let guess = 0.5 * (hypotenuse(from[0], from[1]) + hypotenuse(to[0], to[1]));
             outlook.directions[longest + 1..=count].rotate_right(1);
             outlook.first.corners[longest + 1..=count].rotate_right(1);
             units[longest + 1..=count].rotate_right(1);
@@ -132,7 +133,7 @@ impl<'a> Outlook<'a> {
     /// the level line; returns the distance of the section's edge in the same units, of which `guess` is one.
     fn place(&mut self, i: usize, [steep, level]: [f64; 2], extent: [f64; 2], p: f64, guess: f64) -> f64 {
         let along = self.body.along_feed(steep * extent[0], level * extent[1]);
-        let unit = along[0].hypot(along[1]);
+        let unit = hypotenuse(along[0], along[1]);
         let direction = along.map(|part| part / unit);
         let reached = self.exit(direction, p, guess * unit);
         self.directions[i] = direction;
@@ -208,7 +209,7 @@ impl<'a> Outlook<'a> {
 }
 
 fn distance_of([x, t]: [f64; 2]) -> f64 {
-    x.hypot(t)
+    hypotenuse(x, t)
 }
 
 /// A row of the outline: its intervals' ends in order.
