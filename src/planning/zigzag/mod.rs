@@ -11,13 +11,15 @@
 //! these steps. `room` limits the size of a plan; `prepared` is a candidate with its spacings; `search` tries
 //! directions; `contacts`, `imprint` and `inspector` evaluate facets; `check` evaluates a plan; `refine` refines the
 //! spacings that bind strips, and `fit` fits strips to wide facets; `least_time` is a lower bound of its time; `plan`
-//! is the result; `ranking` is the entry point; `confidence` rates the ranking. `passes` lists the points of a plan,
-//! and `heights` its scallop heights at facets.
+//! is the result; `ranking` is the entry point; `confidence` rates the ranking. `passes` lists the points of a plan:
+//! `cuts` intersects its planes with the facets, and `tip_path` moves the cutter's tip over the cuts. `heights` computes a
+//! plan's scallop heights at facets.
 
 mod candidate;
 mod check;
 mod confidence;
 mod contacts;
+mod cuts;
 mod fit;
 mod heights;
 mod imprint;
@@ -41,6 +43,7 @@ mod slopes;
 mod spaced;
 mod spacing;
 mod sweep;
+mod tip_path;
 mod tour;
 mod workpiece;
 

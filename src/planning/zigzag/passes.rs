@@ -2,7 +2,8 @@
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
-use super::links::End;
+use super::cuts::{Cut, bytes_of_cuts, cuts_by_plane, runs_of};
+use super::links::{End, Links};
 use super::march::Plane;
 use super::plan::ZigzagPlan;
 use super::prepared::{Prepared, rows_of};
@@ -11,15 +12,16 @@ use super::room::{PlanRoom, Room};
 use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::spaced::Spaced;
-use super::sweep::{Heading, Slice, Sweep};
+use super::sweep::Sweep;
+use super::tip_path::{Place, TipPath, thinned};
 use super::tour::run_time;
 use super::workpiece::Workpiece;
-use crate::milling::{Cutter, EvaluatedPass, NoAnswer, ScallopHeight};
-use crate::planning::reach::tip_of;
+use crate::milling::{EvaluatedPass, NoAnswer, ScallopHeight};
 use crate::quantity::{Length, Speed, Time};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
 use std::fmt;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The passes of a plan.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +41,7 @@ pub struct Passes {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassPoint {
     /// The point at which the cutter touches the surface, or the extended plane of a facet beside the pass, in mm; `None`
-    /// if the tip is raised because the cutter would gouge the surface elsewhere.
+    /// if the tip is raised because the cutter would gouge the surface elsewhere, and beside such places.
     pub contact: Option<[f64; 3]>,
     /// The unit normal of the surface there.
     pub normal: [f64; 3],
@@ -76,37 +78,36 @@ impl std::error::Error for TooManyPoints {}
 /// The first chord tolerance that is tried, as a share of the scallop height.
 const CHORD_SHARE: f64 = 0.1;
 
-/// The largest number of doublings of the chord tolerance, to about a thousand times, before the passes count as having
+/// The largest number of doublings of the chord tolerance, to 0.8 of the scallop height, before the passes count as having
 /// too many points.
-const DOUBLINGS: u32 = 10;
+const DOUBLINGS: u32 = 3;
 
-/// A tip is raised if it is deeper below the height at which the cutter rests than this share of the scallop height.
-const SUNK_SHARE: f64 = 0.5;
+/// The tolerance of the path of tips, as a share of the scallop height.
+const PATH_SHARE: f64 = 0.25;
+
+/// Tips are compared with the surface after this share of the cutter's radius, and at most this often along all runs.
+const STEP_SHARE: f64 = 1.0 / 16.0;
+const MOST_STEPS: f64 = 300_000.0;
 
 /// A run in the direction of cutting.
 struct OrderedRun {
     plane: Plane,
-    places: Vec<Place>,
+    /// Its cuts, in the direction of the passes.
+    cuts: Vec<Cut>,
+    /// Whether it is cut in that direction.
+    forward: bool,
     /// Its start and its end.
     ends: [End; 2],
-}
-
-/// A point of a pass before points are left out.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    facet: u32,
-    contact: [f64; 3],
-    tip: [f64; 3],
 }
 
 /// The passes of `plan` with at most `limit` points. `plan` must be a result of [`super::rank`] for the same facets,
 /// candidate and settings.
 ///
-/// There is a contact at the middle of each facet's cut and at the ends of runs. A point is left out if contact and tip
-/// are within the chord tolerance of the lines between their neighbours. The chord tolerance is a tenth of the scallop
-/// height, doubled until the points are few enough. `raised` takes a tip and returns the lowest height, at least the
-/// tip's own, at which the cutter does not cut into the surface. Tips more than half a scallop height below it are
-/// raised to it.
+/// A point is left out if contact and tip are within the chord tolerance of the lines between their neighbours. The chord
+/// tolerance is a tenth of the scallop height, doubled until the points are few enough, at most three times. `raised` takes
+/// a tip and returns the lowest height, at least the tip's own, at which the cutter does not cut into the surface. Tips more
+/// than half a scallop height below it are raised to it, at the points and between them. Where a straight link on the surface
+/// would cut into it, the run before it ends with raised points along the link.
 ///
 /// # Errors
 /// [`TooManyPoints`]
@@ -143,24 +144,34 @@ pub fn passes_until(
     }
     // The plan exists, so it fits the largest room.
     let room = Room::new(PlanRoom::LARGEST);
-    let runs = runs_in_order(plan, facets, &spaced, prepared.operation(settings, &room), candidate.cutter, stop);
-    let mut chord = CHORD_SHARE * settings.scallop_height.mm();
+    let operation = prepared.operation(settings, &room);
+    let runs = runs_in_order(plan, &spaced, operation, stop);
+    let length: f64 = runs.iter().map(|run| (run.ends[1].place[0] - run.ends[0].place[0]).abs()).sum();
+    let height = settings.scallop_height.mm();
+    let path = TipPath {
+        facets,
+        spaced: &spaced,
+        cutter: candidate.cutter,
+        raised,
+        step: (STEP_SHARE * candidate.cutter.outer_radius().mm()).max(length / MOST_STEPS),
+        tolerance: PATH_SHARE * height,
+    };
+    let mut chord = CHORD_SHARE * height;
     let kept = (0..=DOUBLINGS).find_map(|_| {
-        let kept: Vec<Vec<usize>> = runs.par_iter().map(|run| thinned(&run.places, chord, stop)).collect();
-        let fits = kept.iter().map(Vec::len).sum::<usize>() <= limit;
-        if !fits {
+        let kept = kept_places(&runs, &path, &operation.links(&spaced), chord, limit, stop);
+        if kept.is_none() {
             chord *= 2.0;
         }
-        fits.then_some(kept)
+        kept
     });
     let kept = kept.ok_or(TooManyPoints { limit })?;
-    let source = PointSource { facets, spaced: &spaced, prepared: &prepared, settings, raised };
+    let source = PointSource { facets, spaced: &spaced, prepared: &prepared, settings };
     let points: Vec<Vec<PassPoint>> = runs
         .par_iter()
         .zip(&kept)
-        .map(|(run, kept)| kept.iter().take_while(|_| !stop()).map(|&index| source.point(&run.plane, run.places[index])).collect())
+        .map(|(run, kept)| kept.iter().take_while(|_| !stop()).map(|place| source.point(&run.plane, place)).collect())
         .collect();
-    let time = time_of_tips(&runs, &points, &spaced, prepared.operation(settings, &room));
+    let time = time_of_tips(&runs, &points, &spaced, operation);
     let mut run_starts = Vec::with_capacity(points.len());
     let mut next = 0;
     for run in &points {
@@ -170,27 +181,57 @@ pub fn passes_until(
     Ok(Passes { run_starts, points: points.into_iter().flatten().collect(), time, chord_tolerance: Length::computed(chord) })
 }
 
-/// The memory in bytes of [`passes`] with at most `limit` points, in addition to the memory of ranking a candidate: the
-/// points of all planes before and after thinning.
-#[must_use]
-pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
-    let heading = Heading::new(plan.direction);
-    let crossed = |facet: &FinishFacet| {
-        let across = facet.corners.map(|[x, y, _]| heading.across(x, y));
-        let before = |at: f64| plan.passes.partition_point(|plane| plane.at < at);
-        before(across.into_iter().fold(f64::NEG_INFINITY, f64::max)) - before(across.into_iter().fold(f64::INFINITY, f64::min))
+/// The places of all runs that are kept with a chord tolerance, each in the direction of cutting, with those of the links after
+/// them; `None` if they are more than `limit`.
+fn kept_places(
+    runs: &[OrderedRun],
+    path: &TipPath,
+    links: &Links,
+    chord: f64,
+    limit: usize,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Vec<Place>>> {
+    let count = AtomicUsize::new(0);
+    let counted = |places: Vec<Place>| {
+        count.fetch_add(places.len(), Ordering::Relaxed);
+        places
     };
-    let cuts: usize = facets.par_iter().with_min_len(4096).map(crossed).sum();
-    // A run has one place for each cut and two for its ends. The simulation joins over slightly wider gaps, so that it
-    // has fewer runs: up to twice as many are counted here. The cuts of a plane are dropped before its places are
-    // stored.
-    let cuts = cuts + plan.slivers.len();
-    let places = cuts + (2 * cuts).min(4 * plan.tour.runs);
-    places * BYTES_OF_A_PLACE + plan.passes.len() * BYTES_OF_A_PLANE + places.min(limit) * BYTES_OF_A_POINT
+    let is_over = || stop() || count.load(Ordering::Relaxed) > limit;
+    let of_run = |run: &OrderedRun| {
+        if is_over() {
+            return Vec::new();
+        }
+        let mut places = path.over(run.ends[0].place[1], &run.cuts);
+        if !run.forward {
+            places.reverse();
+        }
+        counted(thinned(&places, chord, stop))
+    };
+    let mut kept: Vec<Vec<Place>> = runs.par_iter().map(of_run).collect();
+    let of_link = |index: usize| {
+        let [from, to] = [kept[index].last()?, kept[index + 1].first()?];
+        let ends = [end_at(path.spaced, runs[index].ends[1], from.tip), end_at(path.spaced, runs[index + 1].ends[0], to.tip)];
+        if is_over() || links.between(ends[0], ends[1]).is_lift {
+            return None;
+        }
+        let mut places = thinned(&path.raise(&[from, to].map(|place| Place { is_contact: false, ..*place })), chord, stop);
+        // Both ends belong to the runs.
+        places.pop();
+        Some(counted(places.split_off(1)))
+    };
+    let of_links: Vec<Option<Vec<Place>>> = (0..kept.len().saturating_sub(1)).into_par_iter().map(of_link).collect();
+    for (places, of_link) in kept.iter_mut().zip(of_links) {
+        places.extend(of_link.into_iter().flatten());
+    }
+    (count.into_inner() <= limit).then_some(kept)
 }
 
-/// A place and, during thinning, its index; twice, because a growing vector is copied to one of twice its size.
-const BYTES_OF_A_PLACE: usize = 2 * size_of::<Place>() + 2 * size_of::<usize>();
+/// The memory in bytes of [`passes`] with at most `limit` points, in addition to the memory of ranking a candidate: the cuts
+/// of all planes, the places that are kept, and the points.
+#[must_use]
+pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
+    bytes_of_cuts(plan, facets) + plan.passes.len() * BYTES_OF_A_PLANE + limit * (2 * size_of::<Place>() + BYTES_OF_A_POINT)
+}
 
 /// The vectors of a plane: its cuts, its runs, their places.
 const BYTES_OF_A_PLANE: usize = 512;
@@ -198,28 +239,16 @@ const BYTES_OF_A_PLANE: usize = 512;
 /// A point, its copy in cutting order, and its figures in columns and as text.
 const BYTES_OF_A_POINT: usize = 1000;
 
-/// The runs of all planes with their places, in the order and direction of cutting.
-fn runs_in_order(
-    plan: &ZigzagPlan,
-    facets: &[FinishFacet],
-    spaced: &Spaced,
-    operation: Operation,
-    cutter: Cutter,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Vec<OrderedRun> {
+/// The runs of all planes with their cuts, in the order of cutting.
+fn runs_in_order(plan: &ZigzagPlan, spaced: &Spaced, operation: Operation, stop: &(dyn Fn() -> bool + Sync)) -> Vec<OrderedRun> {
     let by_plane = cuts_by_plane(plan, spaced, stop);
-    let of_plane = |(number, (plane, cuts)): (usize, (&Plane, Vec<Cut>))| runs_of(number, plane.at, cuts, facets, spaced, cutter);
-    let runs: Vec<(Stretch, Vec<Place>)> = plan.passes.par_iter().zip(by_plane).enumerate().flat_map_iter(of_plane).collect();
-    let stretches: Vec<Stretch> = runs.iter().map(|&(stretch, _)| stretch).collect();
-    let mut places: Vec<Vec<Place>> = runs.into_iter().map(|(_, places)| places).collect();
+    let of_plane = |(number, (plane, cuts)): (usize, (&Plane, Vec<Cut>))| runs_of(number, plane.at, cuts, spaced);
+    let runs: Vec<(Stretch, Vec<Cut>)> = plan.passes.par_iter().zip(by_plane).enumerate().flat_map_iter(of_plane).collect();
+    let (stretches, mut cuts): (Vec<Stretch>, Vec<Vec<Cut>>) = runs.into_iter().unzip();
     let ordered = in_order(&stretches, operation.pattern, &operation.links(spaced)).into_iter().map(|leg| {
-        let mut places = std::mem::take(&mut places[leg.run]);
-        if !leg.forward {
-            places.reverse();
-        }
         let stretch = stretches[leg.run];
         let ends = [!leg.forward, leg.forward].map(|is_upper| stretch.end(usize::from(is_upper)));
-        OrderedRun { plane: plan.passes[stretch.plane], places, ends }
+        OrderedRun { plane: plan.passes[stretch.plane], cuts: std::mem::take(&mut cuts[leg.run]), forward: leg.forward, ends }
     });
     ordered.collect()
 }
@@ -228,16 +257,11 @@ fn runs_in_order(
 /// [`TourFigures`](super::TourFigures) along the contacts.
 fn time_of_tips(runs: &[OrderedRun], points: &[Vec<PassPoint>], spaced: &Spaced, operation: Operation) -> Time {
     let links = operation.links(spaced);
-    let (heading, origin) = (spaced.sweep.heading, spaced.workpiece.origin);
-    let at = |end: End, point: &PassPoint| {
-        let [x, y, z] = [0, 1, 2].map(|axis| point.tip[axis] - origin[axis]);
-        End { place: [heading.along(x, y), heading.across(x, y), z], ..end }
-    };
     let (mut total, mut last) = (0.0, None);
     for (run, points) in runs.iter().zip(points) {
         let (Some(first), Some(end)) = (points.first(), points.last()) else { continue };
         if let Some(last) = last {
-            total += links.between(last, at(run.ends[0], first)).seconds;
+            total += links.between(last, end_at(spaced, run.ends[0], first.tip)).seconds;
         }
         let (mut length, mut seconds) = (0.0, 0.0);
         for pair in points.windows(2) {
@@ -248,128 +272,16 @@ fn time_of_tips(runs: &[OrderedRun], points: &[Vec<PassPoint>], spaced: &Spaced,
         if seconds > 0.0 {
             total += run_time(length, seconds, operation.machine);
         }
-        last = Some(at(run.ends[1], end));
+        last = Some(end_at(spaced, run.ends[1], end.tip));
     }
     Time::computed(total)
 }
 
-/// The cut of a facet: both ends, along the pass and in height.
-#[derive(Debug, Clone, Copy)]
-struct Cut {
-    facet: u32,
-    ends: [[f64; 2]; 2],
-}
-
-/// The number of facets and cuts between two checks for cancellation.
-const TURN: usize = 16_384;
-
-/// The cuts of each plane of a plan, those over slivers among them; none once `stop` returns true.
-fn cuts_by_plane(plan: &ZigzagPlan, spaced: &Spaced, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Cut>> {
-    let planes = &plan.passes;
-    let mut by_plane = vec![Vec::new(); planes.len()];
-    let cut = |facet: u32, slice: &Slice, at: f64, ends: [f64; 2]| Cut { facet, ends: ends.map(|along| [along, slice.height(along, at)]) };
-    let mut examined = 0;
-    for (covered, slice) in spaced.sweep.covered.iter().zip(&spaced.sweep.slices) {
-        examined += 1;
-        if examined >= TURN {
-            examined = 0;
-            if stop() {
-                return vec![Vec::new(); planes.len()];
-            }
-        }
-        let first = planes.partition_point(|plane| plane.at < covered.low);
-        for (plane, cuts) in planes[first..].iter().zip(&mut by_plane[first..]) {
-            if plane.at >= covered.high {
-                break;
-            }
-            examined += 1;
-            let [from, to] = slice.cut(plane.at);
-            if to > from {
-                cuts.push(cut(covered.facet, slice, plane.at, [from, to]));
-            }
-        }
-    }
-    for sliver in &plan.slivers {
-        let (slice, plane) = (Slice::new(sliver.facet, spaced.workpiece, spaced.sweep.heading), sliver.plane as usize);
-        by_plane[plane].push(cut(sliver.facet, &slice, planes[plane].at, sliver.ends));
-    }
-    by_plane
-}
-
-/// The runs of one plane: its cuts, sorted along it and split at gaps wider than the cutter.
-fn runs_of(
-    plane: usize,
-    at: f64,
-    mut cuts: Vec<Cut>,
-    facets: &[FinishFacet],
-    spaced: &Spaced,
-    cutter: Cutter,
-) -> Vec<(Stretch, Vec<Place>)> {
-    cuts.sort_by(|a, b| a.ends[0][0].total_cmp(&b.ends[0][0]));
-    let place = |facet: u32, [along, height]: [f64; 2]| {
-        let [e, origin] = [spaced.sweep.heading.e, [spaced.workpiece.origin[0], spaced.workpiece.origin[1]]];
-        let contact = [origin[0] + e[0] * along - e[1] * at, origin[1] + e[1] * along + e[0] * at, spaced.workpiece.origin[2] + height];
-        Place { facet, contact, tip: tip_of(cutter, contact, facets[facet as usize].normal) }
-    };
-    let mut runs: Vec<(Stretch, Vec<Place>)> = Vec::new();
-    // The index of the cut that reaches farthest in the current run.
-    let mut farthest = 0;
-    for &Cut { facet, ends: [from, to] } in &cuts {
-        let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
-        match runs.last_mut() {
-            Some((stretch, places)) if from[0] - stretch.ends[1][0] <= spaced.widest => {
-                places.push(place(facet, middle));
-                if to[0] > stretch.ends[1][0] {
-                    stretch.ends[1] = to;
-                    farthest = facet;
-                }
-            }
-            last => {
-                if let Some((stretch, places)) = last {
-                    places.push(place(farthest, stretch.ends[1]));
-                }
-                runs.push((Stretch { plane, at, ends: [from, to] }, vec![place(facet, from), place(facet, middle)]));
-                farthest = facet;
-            }
-        }
-    }
-    if let Some((stretch, places)) = runs.last_mut() {
-        places.push(place(farthest, stretch.ends[1]));
-    }
-    runs
-}
-
-/// The indices of the places to keep, so that contact and tip of each omitted one are at most `chord` from the lines
-/// between its kept neighbours. The algorithm of Douglas and Peucker: it keeps the two ends, then repeatedly the
-/// farthest place. Once `stop` returns true, it ends early.
-fn thinned(places: &[Place], chord: f64, stop: &(dyn Fn() -> bool + Sync)) -> Vec<usize> {
-    let mut keep = vec![false; places.len()];
-    let Some(last) = places.len().checked_sub(1) else { return Vec::new() };
-    (keep[0], keep[last]) = (true, true);
-    let mut open = vec![(0, last)];
-    while let Some((from, to)) = open.pop().filter(|_| !stop()) {
-        let far = |index: usize| {
-            let contact = distance(places[index].contact, places[from].contact, places[to].contact);
-            contact.max(distance(places[index].tip, places[from].tip, places[to].tip))
-        };
-        let farthest = (from + 1..to).map(|index| (index, far(index))).max_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((index, _)) = farthest.filter(|&(_, far)| far > chord) {
-            keep[index] = true;
-            open.push((from, index));
-            open.push((index, to));
-        }
-    }
-    (0..places.len()).filter(|&index| keep[index]).collect()
-}
-
-/// The distance of a point from the segment between two others.
-fn distance(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
-    let line = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-    let out = [point[0] - from[0], point[1] - from[1], point[2] - from[2]];
-    let squared = line.iter().map(|c| c * c).sum::<f64>();
-    let along = (line[0] * out[0] + line[1] * out[1] + line[2] * out[2]) / squared;
-    let share = if squared > 0.0 { along.clamp(0.0, 1.0) } else { 0.0 };
-    (out[0] - share * line[0]).hypot(out[1] - share * line[1]).hypot(out[2] - share * line[2])
+/// The end of a run, with the tip in place of the contact.
+fn end_at(spaced: &Spaced, end: End, tip: [f64; 3]) -> End {
+    let (heading, origin) = (spaced.sweep.heading, spaced.workpiece.origin);
+    let [x, y, z] = [0, 1, 2].map(|axis| tip[axis] - origin[axis]);
+    End { place: [heading.along(x, y), heading.across(x, y), z], ..end }
 }
 
 /// The plan's facets, spacings, candidate and settings, from which its points are computed.
@@ -378,17 +290,11 @@ struct PointSource<'a> {
     spaced: &'a Spaced<'a>,
     prepared: &'a Prepared,
     settings: &'a ZigzagSettings,
-    raised: &'a (dyn Fn([f64; 3]) -> f64 + Sync),
 }
 
 impl PointSource<'_> {
-    fn point(&self, plane: &Plane, place: Place) -> PassPoint {
-        let Place { facet, contact, mut tip } = place;
-        let resting = (self.raised)(tip);
-        let is_raised = resting - tip[2] > SUNK_SHARE * self.settings.scallop_height.mm();
-        if is_raised {
-            tip[2] = resting;
-        }
+    fn point(&self, plane: &Plane, place: &Place) -> PassPoint {
+        let Place { facet, contact, tip, is_contact } = *place;
         let (e, index) = (self.spaced.sweep.heading.e, facet as usize);
         let tangent = &self.spaced.workpiece.tangents[index];
         let (cos_alpha, _) = tangent.alpha(e);
@@ -409,7 +315,7 @@ impl PointSource<'_> {
         }
         let rate = range.zip(feed).map_or(planned, |(range, feed)| range.rate(feed));
         PassPoint {
-            contact: if is_raised { None } else { Some(contact) },
+            contact: is_contact.then_some(contact),
             normal: self.facets[index].normal,
             tip,
             step_over: Length::computed(step_over),
