@@ -20,6 +20,13 @@ pub struct Pass {
     pub teeth: Option<NonZeroU32>,
 }
 
+impl Pass {
+    /// Whether two teeth in a row can protrude less than another one.
+    pub(super) fn has_shallow_pairs(&self) -> bool {
+        self.teeth.is_some_and(|teeth| teeth.get() > 2)
+    }
+}
+
 /// The deviation of the teeth from their common circle [Segonds 2017, eq. 16-18]. Both parts are assumed to be small
 /// compared with the feed per tooth; otherwise some teeth leave no mark.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +74,15 @@ impl Runout {
     /// slope S than the deepest.
     pub(super) fn depth(self, slope: Angle) -> f64 {
         self.radial * slope.sin() + self.axial.abs() * slope.cos()
+    }
+
+    /// By how much marks of teeth that follow each other can be further apart along the feed than the feed per tooth, in mm. The
+    /// mark of a tooth that protrudes less is displaced along the steepest line: by up to |rr| cos(S) downwards if it is
+    /// closer to the axis, and by up to |ar| sin(S) upwards if it is higher. Two shallow teeth in a row can be displaced
+    /// either way.
+    pub(super) fn displacement(self, contact: Contact, shallow_pairs: bool) -> f64 {
+        let (down, up) = (self.radial * contact.slope().cos(), self.axial.abs() * contact.slope().sin());
+        contact.theta().cos().abs() * if shallow_pairs { down + up } else { down.max(up) }
     }
 
     /// f'_z, the distance from tooth mark to tooth mark for the feed per tooth f_z with this runout and a feed that

@@ -181,7 +181,12 @@ fn simulate(random: &mut Random, kind: Kind) -> Result<Outcome, NoAnswer> {
     let target = 0.002 * 12.5_f64.powf(random.unit());
     let step_over = evaluated.max_step_over(mm(target), None)?;
     let height = evaluated.scallop_height(step_over, Some(mm(feed)))?.total().mm();
-    let mut share = || random.unit();
+    // Half of the shares are at an end of their range, where teeth differ most.
+    let mut share = || match random.unit() {
+        u if u < 0.15 => 0.0,
+        u if u < 0.5 => 1.0,
+        _ => random.unit(),
+    };
     let teeth = (0..count)
         .map(|tooth| {
             let (less_radius, lift) = if tooth == 0 { (0.0, 0.0) } else { (share(), share()) };
@@ -304,6 +309,36 @@ fn two_shallow_teeth_in_a_row_exceed_the_height_for_alternating_teeth() {
     let simulated = setup.highest(8, 32);
     assert!(simulated > 1.01 * height(2), "{simulated} {}", height(2));
     assert!(simulated <= height(3) && simulated > 0.9 * height(3), "{simulated} {}", height(3));
+}
+
+/// The mark of a shallow tooth is displaced along the slope: upwards if the tooth is higher, downwards if it is closer to the axis.
+/// Two neighbouring marks are then further apart than the feed per tooth.
+#[test]
+fn displaced_marks_of_shallow_teeth_leave_more_and_do_not_exceed_the_height() {
+    for (diameter, corner, slope, alpha, step_over, feed, radial, axial) in [
+        (10.0, 2.0, 70.0, 150.0, 0.4, 0.3, 0.0, 0.01),
+        (10.0, 2.0, 40.0, 150.0, 0.687, 0.3, 0.01, 0.0),
+        (17.553, 1.3333, 80.706, 53.286, 0.40789, 0.28702, 0.0, 0.01769),
+    ] {
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        let cutter = Cutter::toroidal(mm(diameter), mm(corner)).unwrap();
+        let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
+        let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout, teeth: NonZeroU32::new(2) };
+        let height = |feed: f64| {
+            EvaluatedPass::new(Model::Envelope, pass).unwrap().scallop_height(mm(step_over), Some(mm(feed))).unwrap().total().mm()
+        };
+        let deep = Tooth { core: diameter / 2.0 + radial - corner, corner, lift: 0.0 };
+        let shallow = Tooth { core: diameter / 2.0 - corner, corner, lift: axial };
+        let setup = Setup { teeth: vec![deep, shallow], frame: frame(contact), curvature: [0.0; 3], feed, step_over };
+        let simulated = setup.highest(48, 256);
+        let slope = contact.slope();
+        let displacement = contact.theta().cos().abs() * (radial * slope.cos()).max(axial * slope.sin());
+        let share = simulated / height(feed);
+        println!("{simulated} {} {share}, undisplaced {}", height(feed), simulated / height(feed - displacement));
+        assert!(share <= REACHED, "{share}");
+        // At a feed that is shorter by the displacement, the model has the height of marks without displacement.
+        assert!(simulated > 1.005 * height(feed - displacement), "{simulated}");
+    }
 }
 
 /// The simulated height at the computed step-over on cylinders and spheres of 60 mm, convex and concave, against the

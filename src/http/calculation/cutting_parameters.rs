@@ -104,7 +104,7 @@ impl Calculation for FastestParameters {
         let limits = limits.unwrap_or_else(|_| unreachable!("the step-overs were compared when the request was read"));
         let fastest = pass.fastest(self.tolerance, &limits)?;
         let mut figures = Figures::at(pass, fastest.step_over, Some(fastest.feed_per_tooth), Heights::Parts, None)?;
-        figures.feed_rate_mm_min = self.feed.teeth_per_min(shared).map(|teeth_per_min| fastest.feed_per_tooth.mm() * teeth_per_min);
+        figures.feed_rate_mm_min = self.feed.rate_mm_min(shared, fastest.feed_per_tooth);
         let words = fastest.limited_by().flat_map(|limit| Self::words(limit, per_tooth, by_machine)).flatten();
         for (slot, word) in figures.binding_limits.iter_mut().zip(words) {
             *slot = Some(BINDING_LIMIT.word(&word));

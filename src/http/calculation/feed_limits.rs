@@ -95,8 +95,14 @@ impl FeedLimits {
 
     /// z n, the feed rate for each mm of feed per tooth; `None` if the number of teeth or the spindle speed is not
     /// stated.
-    pub(super) fn teeth_per_min(&self, shared: &SharedParameters) -> Option<f64> {
+    fn teeth_per_min(&self, shared: &SharedParameters) -> Option<f64> {
         shared.tool.teeth.zip(self.spindle_speed_rpm).map(|(teeth, speed)| f64::from(teeth) * speed)
+    }
+
+    /// The feed rate of a feed per tooth within the limits; at most the machine's largest, which rounding could exceed.
+    pub(super) fn rate_mm_min(&self, shared: &SharedParameters, feed_per_tooth: Length) -> Option<f64> {
+        let rate = self.teeth_per_min(shared)? * feed_per_tooth.mm();
+        Some(self.rate_mm_min.map_or(rate, |largest| rate.min(largest)))
     }
 
     /// The feed per tooth at the machine's largest feed rate.

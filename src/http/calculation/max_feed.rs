@@ -69,7 +69,7 @@ impl Calculation for MaxFeed {
             (Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth }), Some(stated)) if stated.0 <= largest_feed_per_tooth => stated,
             (Err(cause), _) => return Err(cause),
         };
-        let feed_rate_mm_min = self.limits.teeth_per_min(shared).map(|teeth_per_min| feed_per_tooth.mm() * teeth_per_min);
+        let feed_rate_mm_min = self.limits.rate_mm_min(shared, feed_per_tooth);
         let mut figures = Figures::at(pass, step_over, Some(feed_per_tooth), heights, Some(step_over_height))?;
         figures.feed_rate_mm_min = feed_rate_mm_min;
         figures.limited_by = Some(LIMITED_BY.word(&limited_by));

@@ -11,7 +11,7 @@ codes! {
         PassesDoNotOverlap = "passes-do-not-overlap": "The passes do not overlap", "Reduce the step-over to at most largest_step_over_mm.";
         MarksDoNotOverlap = "marks-do-not-overlap": "The tooth marks do not overlap", "Reduce the feed per tooth.";
         Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, or another feed direction.";
-        SharpEdge = "sharp-edge": "The model has no answer if a sharp edge makes the cut", "Use model \"envelope\" on a plane, a cutter with a corner radius, or another feed direction.";
+        SharpEdge = "sharp-edge": "The model has no answer if a sharp edge makes the cut", "Use model \"envelope\", a cutter with a corner radius, or another feed direction.";
         PassesCoincideFromAbove = "passes-coincide-from-above": "Seen from above, the passes coincide", "State the step-over along the surface, step_over_mm.";
         ToleranceExceeded = "tolerance-exceeded": "The step-over alone uses up the tolerance", "Reduce the step-over to under max_step_over_mm, or allow more height.";
         ToleranceExceededByFeed = "tolerance-exceeded-by-feed": "The feed alone uses up the tolerance", "Reduce the feed per tooth or the runout, or allow more height than feed_height_mm.";

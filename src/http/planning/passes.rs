@@ -18,12 +18,14 @@ const SIDE: usize = 1024;
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Passes)]
 pub(crate) struct PassesAnswer {
-    /// The index in the columns at which each run begins; between two runs the cutter moves on a link.
+    /// The index in the columns at which each run begins; between two runs the cutter moves on a straight link. Where a link
+    /// on the surface would cut into it, the run before it ends with raised points along the link.
     run_starts: Vec<usize>,
     /// The point at which the cutter touches the surface, or, where a pass continues beside a narrow face, the face's
-    /// extended plane; null if the tip is raised because the cutter would gouge the surface elsewhere.
+    /// extended plane; null if the tip is raised because the cutter would gouge the surface elsewhere, and on the way over
+    /// such places.
     contact_mm: Vec<Option<[f64; 3]>>,
-    /// The unit normal of the surface.
+    /// The unit normal of the surface; while the cutter turns around an edge, that of a face beside it.
     normal: Vec<[f64; 3]>,
     /// The lowest point of the cutter on its axis.
     tip_mm: Vec<[f64; 3]>,

@@ -7,11 +7,13 @@ use super::chord::{Accuracy, Chord, Marks, Shift};
 /// The marks that clear an offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Clearing {
-    /// Marks of equal depth. They are `feeds` feeds per tooth apart, and `drop` less deep than those of the deepest
-    /// tooth.
+    /// Marks of equal depth. They are `feeds` distances of neighbouring marks less `less` apart, and `drop` less deep than those of
+    /// the deepest tooth.
     Even {
         /// 1 for neighbouring teeth, z for the deepest tooth alone.
         feeds: f64,
+        /// z times the displacement of shallow marks for the deepest tooth alone, otherwise 0.
+        less: f64,
         /// delta for shallow teeth, otherwise 0.
         drop: f64,
     },
@@ -39,12 +41,12 @@ pub(super) struct Held {
 
 impl Clearing {
     /// The marks of neighbouring teeth without runout.
-    pub(super) const EVEN: Self = Self::Even { feeds: 1.0, drop: 0.0 };
+    pub(super) const EVEN: Self = Self::Even { feeds: 1.0, less: 0.0, drop: 0.0 };
 
     /// The distance of the marks at a feed per tooth.
     pub(super) fn spacing(&self, feed: f64) -> f64 {
         match self {
-            Self::Even { feeds, .. } => feeds * feed,
+            Self::Even { feeds, less, .. } => feeds * feed - less,
             Self::Mixed { .. } => feed,
         }
     }
@@ -52,7 +54,7 @@ impl Clearing {
     /// The pairs of marks that the section must all contain, at a feed per tooth.
     fn pairs(&self, feed: f64) -> (Marks, Option<Marks>) {
         match *self {
-            Self::Even { feeds, drop } => (Marks { spacing: feeds * feed, front_drop: drop, back_drop: drop }, None),
+            Self::Even { feeds, less, drop } => (Marks { spacing: feeds * feed - less, front_drop: drop, back_drop: drop }, None),
             Self::Mixed { drop } => {
                 let before = Marks { spacing: feed, front_drop: drop, back_drop: 0.0 };
                 (before, Some(Marks { front_drop: 0.0, back_drop: drop, ..before }))

@@ -135,15 +135,15 @@ impl Envelope {
         Some(by_deep.map_or(alternating, |by_deep| by_deep.min(alternating)))
     }
 
-    /// The largest feed per tooth that keeps the height p on a plane floor or wall in passes s apart; 0 if none does.
+    /// The largest distance of marks that keeps the height p on a plane floor or wall in passes s apart; 0 if none does.
     pub(super) fn feed_on_floor_or_wall(&self, p: f64, s: f64) -> Option<f64> {
         let disc = self.disc()?;
-        let pattern = self.pattern(1.0);
         let across = s * disc.shares[0];
-        let (deep, shallow) = (disc.half_chord(p, across), disc.half_chord(p - pattern.drop, across));
-        let by_deep = deep.map_or(0.0, |deep| 2.0 * deep / pattern.deep_spacing);
-        let alternating = deep.zip(shallow).map_or(0.0, |(deep, shallow)| shallow + if pattern.shallow_pairs { shallow } else { deep });
-        Some(at_share(by_deep.max(alternating), disc.shares[1]))
+        let (deep, shallow) = (disc.half_chord(p, across), disc.half_chord(p - self.drop, across));
+        let by_deep = deep.map_or(0.0, |deep| self.mark_spacing(at_share(2.0 * deep / self.teeth(), disc.shares[1])));
+        let pairs = self.pass.has_shallow_pairs();
+        let alternating = deep.zip(shallow).map_or(0.0, |(deep, shallow)| shallow + if pairs { shallow } else { deep });
+        Some(by_deep.max(at_share(alternating, disc.shares[1])))
     }
 
     /// The largest step-over that keeps the height p on a plane floor or wall; 0 if none does.

@@ -191,11 +191,11 @@ impl Envelope {
         ridge.or_else(|| here.map(|cleared| cleared.width())).unwrap_or(0.0).min(largest)
     }
 
-    /// An approximation of the largest feed per tooth that keeps the height p in passes s apart, at most `largest`, from a
+    /// An approximation of the largest distance of marks that keeps the height p in passes s apart, at most `largest`, from a
     /// ridge or the outline; `None` if none does from [`Length::SMALLEST`] on.
     pub(super) fn feed_on_concave(&self, p: f64, s: f64, largest: f64) -> Option<f64> {
         let outlook = Outlook::new(&self.body, p, self.body.reach() + s);
-        let rows = self.rows(&outlook, outlook.first(), p, &self.pattern(1.0));
+        let rows = self.rows(&outlook, outlook.first(), p, &self.pattern(largest));
         let cleared = |feed: f64| rows.cleared(feed, self.pattern(feed).deepest_spacing()).filter(|cleared| cleared.width() >= s);
         let (mut low, mut high) = ((0.0, None), largest);
         if let Some(cleared) = cleared(largest) {

@@ -37,34 +37,41 @@ impl Envelope {
     ) -> Result<Length, NoAnswer> {
         let s = step_over.mm();
         self.check_feeds(s)?;
-        match self.second_order_feed(tolerance.mm(), s, step_over_height.mm()) {
-            SecondOrder::Found(feed, _) => Ok(Length::computed(feed)),
-            SecondOrder::Unlimited => {
-                Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(self.largest_feed(s)) })
-            }
-            SecondOrder::UsedUp => {
-                let max_step_over = self.second_order_max_step_over(tolerance, None)?;
-                Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
-            }
-        }
+        let largest = self.largest_spacing(s);
+        let feed = match self.second_order_feed(tolerance.mm(), s, step_over_height.mm()) {
+            SecondOrder::Found(spacing, _) => self.largest_feed(spacing, largest),
+            SecondOrder::Unlimited => self.largest_feed(largest, largest),
+            SecondOrder::UsedUp => None,
+        };
+        feed.unwrap_or_else(|| {
+            let max_step_over = self.second_order_max_step_over(tolerance, None)?;
+            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
+        })
+    }
+
+    /// The feed per tooth of the largest distance of marks that keeps a tolerance, or the error that the tolerance limits none
+    /// up to `largest`; `None` for a feed below the smallest accepted one.
+    pub(super) fn largest_feed(&self, spacing: f64, largest: f64) -> Option<Result<Length, NoAnswer>> {
+        let feed = Some(self.feed_per_tooth(spacing)).filter(|feed| *feed >= Length::SMALLEST).map(Length::computed)?;
+        Some(if spacing >= largest { Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: feed }) } else { Ok(feed) })
     }
 
     /// An error if passes s apart are so far apart that no marks of an accepted feed per tooth overlap.
     pub(super) fn check_feeds(&self, s: f64) -> Result<(), NoAnswer> {
-        let largest = self.largest_feed(s);
+        let largest = self.feed_per_tooth(self.largest_spacing(s));
         if largest < Length::SMALLEST {
             return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest) });
         }
         Ok(())
     }
 
-    /// The largest feed per tooth that keeps the height p in passes s apart, whose step-over alone leaves
+    /// The largest distance of marks that keeps the height p in passes s apart, whose step-over alone leaves
     /// `step_over_height`.
     pub(super) fn second_order_feed(&self, p: f64, s: f64, step_over_height: f64) -> SecondOrder {
         if step_over_height >= p {
             return SecondOrder::UsedUp;
         }
-        let largest = self.largest_feed(s);
+        let largest = self.largest_spacing(s);
         let room = p - step_over_height;
         let guess = (8.0 * room * self.cutter.outer_radius().mm()).sqrt().max(self.feed_on_flat(p, s)).min(largest);
         let lengths = Lengths { level: p, step_over: s, mark_spacing: guess };
@@ -137,7 +144,7 @@ impl Envelope {
 
     /// [`Envelope::max_step_over`] to second order.
     pub(super) fn second_order_max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
+        let pattern = self.pattern_of(feed_per_tooth);
         match self.second_order_step_over(tolerance.mm(), pattern)? {
             SecondOrder::Found(step_over, _) => Ok(Length::computed(step_over)),
             SecondOrder::Unlimited => {
@@ -185,7 +192,9 @@ impl Envelope {
     pub(super) fn second_order_step_over(&self, p: f64, pattern: Pattern) -> Result<SecondOrder, NoAnswer> {
         let largest = self.largest_step_over(pattern.spacing);
         if largest < Length::SMALLEST {
-            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_feed(Length::SMALLEST)) });
+            return Err(NoAnswer::MarksDoNotOverlap {
+                largest_mark_spacing: Length::computed(self.feed_per_tooth(self.largest_spacing(Length::SMALLEST))),
+            });
         }
         let guess = self.step_over_guess(p).min(largest);
         let lengths = Lengths { level: p, step_over: guess, mark_spacing: pattern.spacing };

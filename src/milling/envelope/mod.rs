@@ -49,7 +49,6 @@ use body::Body;
 use clearing::Clearing;
 use newton::{Lengths, Ridge, Sought};
 use section::{Pattern, Section};
-use std::num::NonZeroU32;
 
 /// The share by which the largest length that is reported may be smaller than the largest that has a height on a curved
 /// surface.
@@ -70,9 +69,10 @@ const MET: f64 = 0.01;
 /// place each mark by its own.
 ///
 /// **Runout.** Heights are measured from the surface that the deepest tooth touches, whose radius is R + |rr|. The
-/// shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep. A pass clears the offsets that a deep and a
-/// shallow mark, one feed per tooth apart, clear in the worse order, and those that deep marks alone, z f_z apart,
-/// clear.
+/// shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep, and its mark is displaced along the slope, by up to
+/// |rr| cos(S) downwards and |ar| sin(S) upwards. A pass clears the offsets that a deep and a shallow mark clear in the worse
+/// order, and those that deep marks alone, z f_z apart, clear. A deep and a shallow mark are one feed per tooth and the
+/// displacement along the feed apart.
 #[derive(Debug, Clone, Copy)]
 pub struct Envelope {
     pass: Pass,
@@ -81,6 +81,8 @@ pub struct Envelope {
     climb: Direction,
     /// delta, how much less deep the shallowest tooth reaches than the deepest.
     drop: f64,
+    /// By how much runout lengthens the distance of neighbouring marks along the feed.
+    displacement: f64,
     relative_curvature: f64,
     /// The curvature of the groove relative to the surface, for first guesses.
     groove_curvature: f64,
@@ -98,6 +100,7 @@ impl Envelope {
         let cutter = pass.cutter.widened(pass.runout.radial());
         let body = Body::new(cutter, pass.contact, pass.surface);
         let drop = pass.runout.depth(pass.contact.slope());
+        let displacement = pass.runout.displacement(pass.contact, pass.has_shallow_pairs());
         let groove_curvature = body.relative_radii().across.recip();
         if groove_curvature.is_nan() || groove_curvature <= 0.0 {
             // The relative curvature is a rounding error, and the cutter's radius that of the surface.
@@ -105,7 +108,17 @@ impl Envelope {
             return Err(NoAnswer::Gouges { smallest_radius: (radius > 0.0).then(|| Length::computed(radius)) });
         }
         let has_third_order = third_order::has_third_order(&pass, &body);
-        Ok(Self { pass, cutter, body, climb: pass.contact.climb(), drop, relative_curvature, groove_curvature, has_third_order })
+        Ok(Self {
+            pass,
+            cutter,
+            body,
+            climb: pass.contact.climb(),
+            drop,
+            displacement,
+            relative_curvature,
+            groove_curvature,
+            has_third_order,
+        })
     }
 
     pub(super) fn pass(&self) -> &Pass {
@@ -122,10 +135,30 @@ impl Envelope {
         !self.body.is_concave() || self.body.is_convex_up_to(p)
     }
 
-    /// The marks of a feed per tooth.
-    fn pattern(&self, feed: f64) -> Pattern {
-        let teeth = self.pass.teeth.map_or(2, NonZeroU32::get);
-        Pattern { spacing: feed, deep_spacing: f64::from(teeth) * feed, drop: self.drop, shallow_pairs: teeth > 2 }
+    /// The number of teeth.
+    fn teeth(&self) -> f64 {
+        self.pass.teeth.map_or(2.0, |teeth| f64::from(teeth.get()))
+    }
+
+    /// The largest distance of neighbouring marks at a feed per tooth; at most that of the deepest tooth's own marks.
+    fn mark_spacing(&self, feed_per_tooth: f64) -> f64 {
+        (feed_per_tooth + self.displacement).min(self.teeth() * feed_per_tooth).max(feed_per_tooth)
+    }
+
+    /// The feed per tooth of a distance of neighbouring marks, the inverse of [`Envelope::mark_spacing`].
+    fn feed_per_tooth(&self, mark_spacing: f64) -> f64 {
+        (mark_spacing - self.displacement).max(mark_spacing / self.teeth())
+    }
+
+    /// The marks at a distance of neighbouring ones.
+    fn pattern(&self, spacing: f64) -> Pattern {
+        let deep_spacing = self.teeth() * self.feed_per_tooth(spacing);
+        Pattern { spacing, deep_spacing, drop: self.drop, shallow_pairs: self.pass.has_shallow_pairs() }
+    }
+
+    /// The marks of a feed per tooth; none without a feed.
+    fn pattern_of(&self, feed_per_tooth: Option<Length>) -> Pattern {
+        feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(self.mark_spacing(feed.mm())))
     }
 
     /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
@@ -274,27 +307,32 @@ impl Envelope {
     /// surface the grooves or the marks do not meet.
     fn no_height(&self, s: f64, f: f64) -> NoAnswer {
         if f == 0.0 || self.height(s, Pattern::even(0.0)).is_none() {
-            return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(self.largest_met_step_over()) };
+            // With a feed at which no passes overlap, the feed is the next thing to change.
+            let with_marks = Some(self.largest_met_step_over(f)).filter(|step_over| f > 0.0 && *step_over >= Length::SMALLEST);
+            let largest_step_over = with_marks.unwrap_or_else(|| self.largest_met_step_over(0.0));
+            return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(largest_step_over) };
         }
-        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.largest_met_feed(s)) }
+        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.feed_per_tooth(self.largest_met_spacing(s))) }
     }
 
-    /// The largest step-over at which passes without marks meet; on a curved surface one that is smaller by at most [`MET`].
-    fn largest_met_step_over(&self) -> f64 {
-        let overlapping = self.largest_step_over(0.0);
+    /// The largest step-over at which passes with marks f apart meet; on a curved surface one that is smaller by at most
+    /// [`MET`].
+    fn largest_met_step_over(&self, f: f64) -> f64 {
+        let overlapping = self.largest_step_over(f);
         if self.pass.surface.is_plane() {
             return overlapping;
         }
-        largest_met(overlapping, |s| self.height(s, Pattern::even(0.0)).is_some())
+        let pattern = if f == 0.0 { Pattern::even(0.0) } else { self.pattern(f) };
+        largest_met(overlapping, |s| self.height(s, pattern).is_some())
     }
 
-    /// The same of the feeds per tooth whose marks meet in passes s apart.
-    fn largest_met_feed(&self, s: f64) -> f64 {
-        let overlapping = self.largest_feed(s);
+    /// The same of the distances of marks that meet in passes s apart.
+    fn largest_met_spacing(&self, s: f64) -> f64 {
+        let overlapping = self.largest_spacing(s);
         if self.pass.surface.is_plane() {
             return overlapping;
         }
-        largest_met(overlapping, |feed| self.height(s, self.pattern(feed)).is_some())
+        largest_met(overlapping, |spacing| self.height(s, self.pattern(spacing)).is_some())
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved
@@ -305,8 +343,8 @@ impl Envelope {
         on_plane.min(2.0 / self.pass.surface.across_per_mm().abs())
     }
 
-    /// The feed per tooth up to which marks overlap, seen from above, in passes s apart.
-    fn largest_feed(&self, s: f64) -> f64 {
+    /// The distance up to which marks overlap, seen from above, in passes s apart.
+    fn largest_spacing(&self, s: f64) -> f64 {
         largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
     }
 }

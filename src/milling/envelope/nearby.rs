@@ -131,7 +131,7 @@ mod tests {
                 prop_assert!(is_confirmed(step_over, f));
             }
             let Some(step_over_height) = envelope.turned_height(s, Pattern::even(0.0)) else { return Ok(()) };
-            if step_over_height < p && let Some(feed) = envelope.nearby_feed(p, s, step_over_height, envelope.largest_feed(s)) {
+            if step_over_height < p && let Some(feed) = envelope.nearby_feed(p, s, step_over_height, envelope.largest_spacing(s)) {
                 prop_assert!(is_confirmed(s, feed));
             }
         }

@@ -32,8 +32,9 @@ impl Envelope {
     /// The two kinds: marks that alternate in depth, and marks of the deepest tooth alone.
     pub(super) fn kinds(&self, pattern: &Pattern) -> [Clearing; 2] {
         let drop = self.drop;
-        let alternating = if pattern.shallow_pairs { Clearing::Even { feeds: 1.0, drop } } else { Clearing::Mixed { drop } };
-        [alternating, Clearing::Even { feeds: pattern.deep_spacing / pattern.spacing, drop: 0.0 }]
+        let alternating = if pattern.shallow_pairs { Clearing::Even { feeds: 1.0, less: 0.0, drop } } else { Clearing::Mixed { drop } };
+        let feeds = self.teeth();
+        [alternating, Clearing::Even { feeds, less: feeds * pattern.spacing - pattern.deep_spacing, drop: 0.0 }]
     }
 
     /// The height by nested searches, from a guess; `None` where they do not settle, or where passes or marks overlap so

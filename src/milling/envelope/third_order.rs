@@ -48,8 +48,7 @@ impl Envelope {
 
     /// h, the height that passes and marks leave.
     pub(in crate::milling) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
-        self.answered_height(step_over.mm(), pattern)
+        self.answered_height(step_over.mm(), self.pattern_of(feed_per_tooth))
     }
 
     /// [`Envelope::turned_height`] or the reason why there is none.
@@ -80,7 +79,7 @@ impl Envelope {
             self.height(s, pattern).ok_or_else(|| self.no_height(s, pattern.spacing))
         };
         let step_over_height = height(Pattern::even(0.0))?;
-        let total = feed_per_tooth.map_or(Ok(step_over_height), |feed| height(self.pattern(feed.mm())))?;
+        let total = if feed_per_tooth.is_some() { height(self.pattern_of(feed_per_tooth))? } else { step_over_height };
         Ok(ScallopHeight::of_total(Length::computed(step_over_height), Length::computed(total)))
     }
 
@@ -120,13 +119,10 @@ impl Envelope {
             return used_up();
         }
         self.check_feeds(s)?;
-        let largest = self.largest_feed(s);
+        let largest = self.largest_spacing(s);
         let candidate = self.feed_candidate(p, s, step_over_height.mm(), largest)?;
-        match Self::confirmed_length(candidate, p, largest, |feed| self.turned_height(s, self.pattern(feed))) {
-            Some(feed) if feed >= largest => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
-            Some(feed) => Ok(Length::computed(feed)),
-            None => used_up(),
-        }
+        let spacing = Self::confirmed_length(candidate, p, largest, |spacing| self.turned_height(s, self.pattern(spacing)));
+        spacing.map_or_else(used_up, |spacing| self.largest_feed(spacing, largest).unwrap_or_else(used_up))
     }
 
     /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
@@ -140,7 +136,7 @@ impl Envelope {
             return self.second_order_max_step_over(tolerance, feed_per_tooth);
         }
         let p = tolerance.mm();
-        let pattern = feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(feed.mm()));
+        let pattern = self.pattern_of(feed_per_tooth);
         let largest = self.largest_step_over(pattern.spacing);
         let feed_height = || self.feed_height(pattern, |s| self.turned_height(s, pattern));
         let used_up = |feed_height: f64| Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
@@ -338,7 +334,7 @@ impl Envelope {
             };
             return if is_exact || self.pass.surface.is_plane() { 0.0 } else { f64::INFINITY };
         }
-        let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
+        let (s, f) = (step_over.mm(), feed_per_tooth.map_or(0.0, |feed| self.mark_spacing(feed.mm())));
         let marks = TurningMarks::new(&self.body);
         let search = RidgeSearch::new(&marks);
         if let Some(ridge) = self.nearby_height(s, Pattern::even(f)) {

@@ -3,6 +3,7 @@
 use super::super::closed_form::circle_height;
 use super::*;
 use crate::milling::Analytic;
+use std::num::NonZeroU32;
 
 #[test]
 fn the_check_values_agree_to_their_printed_digits() {

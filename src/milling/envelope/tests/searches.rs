@@ -1,19 +1,20 @@
 //! Tests of the searches: the fast and the general one agree, and they converge up to the ends of the domain.
 
 use super::*;
+use std::num::NonZeroU32;
 
 /// Asserts that the largest step-over and feed have heights, and that these are not less than those at a thousandth
 /// less.
 fn assert_widest_leave_most(cutter: Cutter, slope: f64, alpha: f64, share: f64) {
     let envelope = on_plane(cutter, slope, alpha);
-    for marks in [0.0, share * envelope.largest_feed(0.0)] {
+    for marks in [0.0, share * envelope.largest_spacing(0.0)] {
         let s = envelope.largest_step_over(marks);
         let (widest, before) =
             (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(0.999 * s, Pattern::even(marks)).unwrap());
         assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {s}, {widest} there");
     }
     let s = share.max(0.01) * envelope.largest_step_over(0.0);
-    let marks = envelope.largest_feed(s);
+    let marks = envelope.largest_spacing(s);
     let (widest, before) = (envelope.height(s, Pattern::even(marks)).unwrap(), envelope.height(s, Pattern::even(0.999 * marks)).unwrap());
     assert!(widest >= before * (1.0 - 1e-9), "{before} at 0.999 of {marks}, {widest} there");
 }
@@ -37,15 +38,17 @@ fn the_largest_step_over_has_a_height_beside_a_wall() {
 #[test]
 fn with_runout_deep_marks_extend_the_offsets_that_all_marks_clear() {
     let (outer, teeth) = (0.5, NonZeroU32::new(5));
-    let runout = Runout::NONE.with_radial_mm(0.004_315_946_068_936_546 * outer).unwrap();
-    let runout = runout.with_axial_mm(0.000_892_927_179_126_459_3 * outer).unwrap();
-    let envelope = Envelope::new(Pass { runout, teeth, ..by_theta(cutter(outer, 0.0), 0.01, 65.000_991_707_652_8).pass }).unwrap();
+    let drop = 0.004_315_946_068_936_546 * 0.01_f64.to_radians().sin() + 0.000_892_927_179_126_459_3;
+    let runout = Runout::NONE.with_axial_mm(drop * outer).unwrap();
+    let envelope =
+        Envelope::new(Pass { runout, teeth, ..by_theta(cutter(1.004_315_946_068_936_5 * outer, 0.0), 0.01, 65.000_991_707_652_8).pass })
+            .unwrap();
     let (s, pattern) = (0.860_414_538_672_917_1 * outer, envelope.pattern(0.397_136_333_858_897_13 * outer));
     let general = Section::new(&envelope.body, pattern, 2.0 * s).level(s, envelope.guess(s, pattern), envelope.ceiling(s, &pattern));
     approx::assert_relative_eq!(envelope.height(s, pattern).unwrap(), general, max_relative = 1e-10);
     // Both intervals meet at this height, so that the step-over jumps there. The deep marks' interval then stays as wide
     // as it is, so that the height jumps at the largest step-over.
-    let step_over = envelope.second_order_max_step_over(mm(general), Some(mm(pattern.spacing))).unwrap().mm();
+    let step_over = envelope.second_order_max_step_over(mm(general), Some(mm(envelope.feed_per_tooth(pattern.spacing)))).unwrap().mm();
     assert!(step_over > 1.1 * s, "{step_over} {s}");
     let [height, more] = [1.0, 1.0 + 1e-9].map(|share| envelope.height(share * step_over, pattern).unwrap());
     approx::assert_relative_eq!(height, general, max_relative = 1e-10);
@@ -124,10 +127,10 @@ proptest! {
             envelope.second_order_max_feed_per_tooth_above(Length::computed(alone), mm(p), mm(s)).ok()
         });
         if let Some(feed) = feed {
-            let level = |share: f64| search(s, envelope.pattern(feed.mm() * share));
+            let level = |share: f64| search(s, envelope.pattern_of(Some(mm(feed.mm() * share))));
             prop_assert!(level(1.0 - 1e-9) <= p * (1.0 + 1e-9) && level(1.0 + 1e-6) >= p * (1.0 - 1e-9), "{} {} {p}", level(1.0 - 1e-9), level(1.0 + 1e-6));
         }
-        if let Ok(step_over) = envelope.second_order_max_step_over(mm(p), Some(mm(pattern.spacing))) {
+        if let Ok(step_over) = envelope.second_order_max_step_over(mm(p), Some(mm(envelope.feed_per_tooth(pattern.spacing)))) {
             approx::assert_relative_eq!(step_over.mm(), width(pattern), max_relative = 1e-8);
         }
     }
