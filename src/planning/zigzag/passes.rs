@@ -13,7 +13,7 @@ use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::spaced::Spaced;
 use super::sweep::Sweep;
-use super::tip_path::{Place, TipPath, thinned};
+use super::tip_path::{BYTES_AT_ONCE, Place, TipPath, thinned};
 use super::tour::run_time;
 use super::workpiece::Workpiece;
 use crate::milling::{EvaluatedPass, NoAnswer, ScallopHeight};
@@ -146,16 +146,11 @@ pub fn passes_until(
     let room = Room::new(PlanRoom::LARGEST);
     let operation = prepared.operation(settings, &room);
     let runs = runs_in_order(plan, &spaced, operation, stop);
-    let length: f64 = runs.iter().map(|run| (run.ends[1].place[0] - run.ends[0].place[0]).abs()).sum();
     let height = settings.scallop_height.mm();
-    let path = TipPath {
-        facets,
-        spaced: &spaced,
-        cutter: candidate.cutter,
-        raised,
-        step: (STEP_SHARE * candidate.cutter.outer_radius().mm()).max(length / MOST_STEPS),
-        tolerance: PATH_SHARE * height,
-    };
+    let step = STEP_SHARE * candidate.cutter.outer_radius().mm();
+    let mut path = TipPath { facets, spaced: &spaced, cutter: candidate.cutter, raised, step, tolerance: PATH_SHARE * height };
+    let length: f64 = runs.par_iter().map(|run| path.length(run.ends[0].place[1], &run.cuts)).sum();
+    path.step = step.max(length / MOST_STEPS);
     let mut chord = CHORD_SHARE * height;
     let kept = (0..=DOUBLINGS).find_map(|_| {
         let kept = kept_places(&runs, &path, &operation.links(&spaced), chord, limit, stop);
@@ -201,11 +196,11 @@ fn kept_places(
         if is_over() {
             return Vec::new();
         }
-        let mut places = path.over(run.ends[0].place[1], &run.cuts);
+        let mut places = path.over(run.ends[0].place[1], &run.cuts, chord, stop);
         if !run.forward {
             places.reverse();
         }
-        counted(thinned(&places, chord, stop))
+        counted(places)
     };
     let mut kept: Vec<Vec<Place>> = runs.par_iter().map(of_run).collect();
     let of_link = |index: usize| {
@@ -230,7 +225,8 @@ fn kept_places(
 /// of all planes, the places that are kept, and the points.
 #[must_use]
 pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
-    bytes_of_cuts(plan, facets) + plan.passes.len() * BYTES_OF_A_PLANE + limit * (2 * size_of::<Place>() + BYTES_OF_A_POINT)
+    let at_once = rayon::current_num_threads() * BYTES_AT_ONCE;
+    bytes_of_cuts(plan, facets) + at_once + plan.passes.len() * BYTES_OF_A_PLANE + limit * (2 * size_of::<Place>() + BYTES_OF_A_POINT)
 }
 
 /// The vectors of a plane: its cuts, its runs, their places.

@@ -75,23 +75,59 @@ impl Line {
     }
 }
 
+/// The number of places that are raised and thinned at once, so that they take little memory.
+const AT_ONCE: usize = 8192;
+
+/// The memory in bytes of the places of one thread before they are thinned, twice as many as [`AT_ONCE`] because of raised ones.
+pub(super) const BYTES_AT_ONCE: usize = 4 * AT_ONCE * size_of::<Place>();
+
+/// The memory in bytes of a cut's line.
+pub(super) const BYTES_OF_A_LINE: usize = size_of::<Line>();
+
 impl TipPath<'_> {
-    /// The places of a run in the plane with the coordinate `at`, in the direction of the passes.
-    pub(super) fn over(&self, at: f64, cuts: &[Cut]) -> Vec<Place> {
+    /// The places of a run in the plane with the coordinate `at`, in the direction of the passes, thinned with the chord
+    /// tolerance `chord`. Once `stop` returns true, places may be missing.
+    pub(super) fn over(&self, at: f64, cuts: &[Cut], chord: f64, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Place> {
         let lines = self.highest(cuts);
-        let mut places = Vec::with_capacity(lines.len() + 2);
+        let (mut open, mut kept) = (Vec::new(), Vec::new());
         for (index, line) in lines.iter().enumerate() {
             let middle = self.place(at, line, line.middle());
             match index.checked_sub(1) {
-                None => places.push(self.place(at, line, line.ends[0])),
-                Some(before) => self.pass_over(at, &lines[before], line, &middle, &mut places),
+                None => open.push(self.place(at, line, line.ends[0])),
+                Some(before) => self.pass_over(at, &lines[before], line, &middle, &mut open),
             }
-            places.push(middle);
+            open.push(middle);
+            if open.len() >= AT_ONCE {
+                if stop() {
+                    return kept;
+                }
+                self.keep(&mut open, chord, stop, &mut kept);
+            }
         }
         if let Some(line) = lines.last() {
-            places.push(self.place(at, line, line.ends[1]));
+            open.push(self.place(at, line, line.ends[1]));
         }
-        self.raise(&places)
+        self.keep(&mut open, chord, stop, &mut kept);
+        kept
+    }
+
+    /// Raises and thins the open places, all but the last of which are then closed.
+    fn keep(&self, open: &mut Vec<Place>, chord: f64, stop: &(dyn Fn() -> bool + Sync), kept: &mut Vec<Place>) {
+        let places = thinned(&self.raise(open), chord, stop);
+        // The first place is the last one of those before.
+        kept.extend(places.into_iter().skip(usize::from(!kept.is_empty())));
+        open.drain(..open.len().saturating_sub(1));
+    }
+
+    /// The length of the path of a run seen from above, without turns around edges.
+    pub(super) fn length(&self, at: f64, cuts: &[Cut]) -> f64 {
+        let ends = self.highest(cuts).into_iter().flat_map(|line| line.ends.map(|end| self.place(at, &line, end).tip));
+        let (mut length, mut last) = (0.0, None::<[f64; 3]>);
+        for [x, y, z] in ends {
+            length += last.map_or(0.0, |last| (x - last[0]).hypot(y - last[1]));
+            last = Some([x, y, z]);
+        }
+        length
     }
 
     /// The lines over the cuts, each reduced to the part in which it is the highest one, in their order.
