@@ -45,7 +45,8 @@ pub(crate) struct PassesAnswer {
     /// contacts, whose path is shorter if the contact moves across the cutter's bottom or tips are raised.
     #[schema(minimum = 0)]
     machining_time_s: f64,
-    /// The largest distance of the omitted points from the lines between the given points.
+    /// The largest distance of the omitted contacts, and along the normal of the omitted tips, from the lines between the given
+    /// points.
     #[schema(minimum = 0)]
     chord_tolerance_mm: f64,
 }

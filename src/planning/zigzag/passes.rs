@@ -13,7 +13,7 @@ use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::spaced::Spaced;
 use super::sweep::Sweep;
-use super::tip_path::{BYTES_AT_ONCE, Place, TipPath, thinned};
+use super::tip_path::{BYTES_AT_ONCE, Place, TipPath};
 use super::tour::run_time;
 use super::workpiece::Workpiece;
 use crate::milling::{EvaluatedPass, NoAnswer, ScallopHeight};
@@ -33,7 +33,7 @@ pub struct Passes {
     /// The time of all runs and links along the path of the tips. The time of a plan is that of the contacts, whose
     /// path is shorter if the contact moves over the cutter's bottom or tips are raised.
     pub time: Time,
-    /// The largest distance of omitted contacts and tips from the lines between the ones kept.
+    /// The largest distance of omitted contacts, and along the normal of omitted tips, from the lines between the ones kept.
     pub chord_tolerance: Length,
 }
 
@@ -103,8 +103,8 @@ struct OrderedRun {
 /// The passes of `plan` with at most `limit` points. `plan` must be a result of [`super::rank`] for the same facets,
 /// candidate and settings.
 ///
-/// A point is left out if contact and tip are within the chord tolerance of the lines between their neighbours. The chord
-/// tolerance is a tenth of the scallop height, doubled until the points are few enough, at most three times. `raised` takes
+/// A point is left out if contact and tip, along the normal, are within the chord tolerance of the lines between their
+/// neighbours. The chord tolerance is a tenth of the scallop height, doubled until the points are few enough, at most three times. `raised` takes
 /// a tip and returns the lowest height, at least the tip's own, at which the cutter does not cut into the surface. Tips more
 /// than half a scallop height below it are raised to it, at the points and between them. Where a straight link on the surface
 /// would cut into it, the run before it ends with raised points along the link.
@@ -209,7 +209,7 @@ fn kept_places(
         if is_over() || links.between(ends[0], ends[1]).is_lift {
             return None;
         }
-        let mut places = thinned(&path.raise(&[from, to].map(|place| Place { is_contact: false, ..*place })), chord, stop);
+        let mut places = path.thinned(&path.raise(&[from, to].map(|place| Place { is_contact: false, ..*place })), chord, stop);
         // Both ends belong to the runs.
         places.pop();
         Some(counted(places.split_off(1)))
