@@ -1,12 +1,12 @@
 //! Fuzz target: the mesh and the simulation on it. The bytes become facets that may degenerate, fold over, intersect
-//! and share points. Every figure must be finite, and shares must add up.
+//! and share points. Every figure and every point of the passes must be finite, and shares must add up.
 
 #![no_main]
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
-use scallopd::planning::reach::ReachMap;
-use scallopd::planning::zigzag::{CandidateCutter, Directions, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::planning::reach::{ReachMap, RestingHeights};
+use scallopd::planning::zigzag::{CandidateCutter, Directions, SurfaceEvidence, ZigzagSettings, passes, rank};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, MeshBuilder, Sink, Unit};
@@ -54,7 +54,12 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let settings = ZigzagSettings { directions, ..ZigzagSettings::new(height, machine) };
     let ranking =
         rank(&facets, &[CandidateCutter::new(cutter)], &settings, SurfaceEvidence::default(), &|| false).expect("nobody stops it");
+    let resting = RestingHeights::new(&view);
+    let raised = |tip: [f64; 3]| resting.raised(cutter, tip);
     for plan in &ranking.plans {
         assert!(plan.time.seconds() > 0.0 && plan.time.seconds().is_finite() && plan.path_length().mm().is_finite());
+        let Ok(passes) = passes(plan, &facets, &CandidateCutter::new(cutter), &settings, &raised, 10_000) else { continue };
+        assert!(passes.time.seconds().is_finite() && !passes.run_starts.is_empty());
+        assert!(passes.points.iter().all(|point| point.tip.iter().chain(point.contact.iter().flatten()).all(|part| part.is_finite())));
     }
 });
