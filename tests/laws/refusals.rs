@@ -124,6 +124,27 @@ fn passes_that_hardly_overlap_leave_no_feed() {
     }
 }
 
+/// The step-over of a refusal has a height with the feed that was refused.
+#[test]
+fn the_largest_step_over_counts_the_feed() {
+    let cutters = [Cutter::ball_end(mm(10.0)), Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Cutter::flat_end(mm(10.0))];
+    for (cutter, (slope, alpha)) in
+        cutters.into_iter().flat_map(|cutter| [(40.0, 30.0), (70.0, 80.0), (10.0, 150.0)].map(|at| (cutter, at)))
+    {
+        for surface in [SurfaceCurvature::PLANE, SurfaceCurvature::from_radius_mm(120.0).unwrap()] {
+            let contact = Contact::from_degrees(slope, alpha).unwrap();
+            let pass = Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None };
+            let evaluated = EvaluatedPass::new(Model::Envelope, pass).unwrap();
+            for feed in [0.2, 3.0] {
+                let refusal = evaluated.scallop_height(mm(1000.0), Some(mm(feed)));
+                let Err(NoAnswer::PassesDoNotOverlap { largest_step_over }) = refusal else { panic!("{refusal:?}") };
+                let height = evaluated.scallop_height(largest_step_over, Some(mm(feed)));
+                assert!(height.is_ok(), "{cutter:?}, slope {slope}, feed {feed}: {largest_step_over:?} {height:?}");
+            }
+        }
+    }
+}
+
 /// A ball in a trough of its own radius: lambda is a rounding error.
 #[test]
 fn a_cutter_of_the_surfaces_own_radius_gouges() {

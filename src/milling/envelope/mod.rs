@@ -322,8 +322,10 @@ impl Envelope {
         if self.pass.surface.is_plane() {
             return overlapping;
         }
-        let pattern = if f == 0.0 { Pattern::even(0.0) } else { self.pattern(f) };
-        largest_met(overlapping, |s| self.height(s, pattern).is_some())
+        let without_marks = Pattern::even(0.0);
+        let pattern = if f == 0.0 { without_marks } else { self.pattern(f) };
+        // An answer has both heights. That without marks can be missing alone, because it is searched in another way.
+        largest_met(overlapping, |s| [pattern, without_marks].into_iter().all(|pattern| self.height(s, pattern).is_some()))
     }
 
     /// The same of the distances of marks that meet in passes s apart.

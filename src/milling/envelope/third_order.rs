@@ -38,12 +38,20 @@ impl Envelope {
     /// # Errors
     /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
     pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
-        self.height_above(self.step_over_height(step_over)?, step_over, feed_per_tooth)
+        // A refusal counts the feed, so that its step-over is one for that feed.
+        let step_over_height = self.step_over_height_beside(step_over, self.pattern_of(feed_per_tooth).spacing)?;
+        self.height_above(step_over_height, step_over, feed_per_tooth)
     }
 
     /// h1, the height that passes alone leave.
     pub(in crate::milling) fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
-        self.answered_height(step_over.mm(), Pattern::even(0.0))
+        self.step_over_height_beside(step_over, 0.0)
+    }
+
+    /// The same, or the reason why there is no height with marks f apart.
+    fn step_over_height_beside(&self, step_over: Length, f: f64) -> Result<Length, NoAnswer> {
+        let s = step_over.mm();
+        self.turned_height(s, Pattern::even(0.0)).map(Length::computed).ok_or_else(|| self.no_height(s, f))
     }
 
     /// h, the height that passes and marks leave.
