@@ -78,12 +78,16 @@ impl Envelope {
         let mut ridge = None;
         let quick = if let Some(feed) = self.feed_on_floor_or_wall(p, s) {
             Some(feed.min(largest))
-        } else if self.pattern(guess).is_even() {
-            ridge = self.quickly(lengths, Sought::MarkSpacing);
-            ridge.map(|ridge| ridge.lengths.mark_spacing)
         } else {
+            // With runout, marks that are closer together than the displacement are those of the deepest tooth alone.
+            if self.displacement > 0.0 || self.pattern(guess).is_even() {
+                ridge = self.quickly(lengths, Sought::MarkSpacing).filter(|ridge| self.pattern(ridge.lengths.mark_spacing).is_even());
+            }
             // On a concave surface nothing proves the result; the height confirms it.
-            self.quick_feed_with_runout(p, s, step_over_height, guess)
+            ridge.map(|ridge| ridge.lengths.mark_spacing).or_else(|| {
+                let with_runout = || self.quick_feed_with_runout(p, s, step_over_height, guess);
+                if self.drop > 0.0 { with_runout() } else { None }
+            })
         };
         let height = |feed: f64| self.height(s, self.pattern(feed));
         let quick = quick.filter(|feed| (Length::SMALLEST..=largest).contains(feed));
