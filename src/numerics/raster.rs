@@ -25,6 +25,15 @@ impl Frame {
         Self { origin: min, cell, columns: count(0), rows: count(1) }
     }
 
+    /// The smallest side of cells for which triangles visit at most `visits` rows and cells together. `area` is the sum of
+    /// their areas and `extent` that of their extents along y: with cells of side c they cover area/c^2 cells in extent/c
+    /// rows.
+    #[must_use]
+    pub fn affordable_cell(area: f64, extent: f64, visits: f64) -> f64 {
+        // area/c^2 + extent/c = visits
+        (extent + (extent * extent + 4.0 * visits * area).sqrt()) / (2.0 * visits)
+    }
+
     /// The number of cells.
     #[must_use]
     pub fn cells(&self) -> usize {

@@ -17,7 +17,7 @@ const MOST_FACETS: usize = 600;
 pub(super) fn least_seconds(workpiece: &Workpiece, prepared: &Prepared) -> f64 {
     let sampled;
     let workpiece = if workpiece.len() > MOST_FACETS {
-        sampled = workpiece.sampled(MOST_FACETS);
+        sampled = workpiece.sampled(MOST_FACETS, None);
         &sampled
     } else {
         workpiece

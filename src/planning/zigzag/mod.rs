@@ -6,7 +6,8 @@
 //! lengths are in mm, all times in s.
 //!
 //! The files in the order of use: `workpiece` prepares facets; `slopes` and `spacing` compute the spacings that a
-//! cutter allows; `sweep` sorts facets across a direction; `spaced` adds their spacings; `march` places the planes;
+//! cutter allows; `sweep` sorts facets across a direction; `footprint`
+//! shows where runs on sampled facets end; `spaced` adds their spacings; `march` places the planes;
 //! `runs` intersects planes and facets; `regions` and `links` order the runs; `tour` adds up times; `simulate` combines
 //! these steps. `room` limits the size of a plan; `prepared` is a candidate with its spacings; `search` tries
 //! directions; `contacts`, `imprint` and `inspector` evaluate facets; `check` evaluates a plan; `refine` refines the
@@ -21,6 +22,7 @@ mod confidence;
 mod contacts;
 mod cuts;
 mod fit;
+mod footprint;
 mod heights;
 mod imprint;
 mod inspector;

@@ -1,5 +1,6 @@
 //! Runs: the intersections of a plane with facets, joined over narrow gaps.
 
+use super::footprint::{CoveredPart, Outline};
 use super::march::{Plane, Reached};
 use super::regions::Stretch;
 use super::slivers::{Pass, Sliver, Strip, outside};
@@ -32,15 +33,33 @@ impl Run {
     }
 }
 
-/// The cuts that begin in one cell of a plane: their outer ends, the sum of their lengths and that of their times.
-#[derive(Debug, Clone, Copy)]
-struct Cell {
-    ends: [[f64; 2]; 2],
+/// Sums over cuts.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    /// Of their lengths seen from above.
+    seen: f64,
+    /// Of their lengths in space.
     length: f64,
+    /// Of their times.
     seconds: f64,
 }
 
-const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]], length: 0.0, seconds: 0.0 };
+impl Sums {
+    fn add(&mut self, other: Self) {
+        self.seen += other.seen;
+        self.length += other.length;
+        self.seconds += other.seconds;
+    }
+}
+
+/// The cuts that begin in one cell of a plane: their outer ends, and their sums.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    ends: [[f64; 2]; 2],
+    sums: Sums,
+}
+
+const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]], sums: Sums { seen: 0.0, length: 0.0, seconds: 0.0 } };
 
 /// Finds the runs of one plane after another.
 ///
@@ -55,6 +74,8 @@ pub(super) struct RunFinder<'a> {
     filled: Vec<usize>,
     origin: f64,
     gap: f64,
+    /// The sums over all planes so far.
+    total: Sums,
     pub(super) runs: Vec<Run>,
     /// The last strip, and the places of its facets that are beyond the reach of the plane before it.
     strip: Strip,
@@ -67,12 +88,12 @@ pub(super) struct RunFinder<'a> {
 const EXAMINED_AT_ONCE: usize = 1024;
 
 impl<'a> RunFinder<'a> {
-    /// A finder that joins runs over gaps of up to the cutter's diameter; on sampled facets, over those due to sampling.
+    /// A finder that joins runs over gaps of up to the cutter's diameter.
     pub(super) fn new(spaced: &'a Spaced, feeds: &'a FeedLaw) -> Self {
         let [low, high] = spaced.sweep.along;
         // A part of a kilometre and a cutter of a micrometre would need 1e9 cells. Wider cells join wider gaps, which
         // is accurate enough there.
-        let gap = spaced.widest.max(spaced.workpiece.sampling_gap).max((high - low) / 100_000.0);
+        let gap = spaced.widest.max((high - low) / 100_000.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 1e5")]
         let count = ((high - low) / gap) as usize + 2;
         Self {
@@ -82,6 +103,7 @@ impl<'a> RunFinder<'a> {
             filled: Vec::new(),
             origin: low,
             gap,
+            total: Sums::default(),
             runs: Vec::new(),
             strip: Strip { ends: [0.0; 2], beside: [None; 2] },
             beyond_reach: Vec::new(),
@@ -96,7 +118,8 @@ impl<'a> RunFinder<'a> {
         for cut in cut {
             let slice = &self.spaced.sweep.slices[cut.place as usize];
             let [from, to] = slice.cut(plane.at);
-            let length = (to - from) * slice.stretch();
+            let seen = (to - from) * slice.weight;
+            let length = seen * slice.stretch();
             let pace = constant_pace.unwrap_or_else(|| self.pace(cut.place, &plane));
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the cells")]
             let index = (((from - self.origin) * per_gap) as u32 as usize).min(self.cells.len() - 1);
@@ -110,11 +133,14 @@ impl<'a> RunFinder<'a> {
             if to > cell.ends[1][0] {
                 cell.ends[1] = [to, slice.height(to, plane.at)];
             }
-            cell.length += length;
-            cell.seconds += length * pace;
+            cell.sums.add(Sums { seen, length, seconds: length * pace });
         }
         self.strip.beside[1] = Some(Pass { number, plane, first: self.runs.len() });
-        self.join(number, plane.at);
+        self.filled.sort_unstable();
+        match &self.spaced.sweep.outline {
+            Some(outline) => self.take_ends(outline, number, plane.at),
+            None => self.join(number, plane.at),
+        }
         self.cut_slivers();
     }
 
@@ -130,11 +156,10 @@ impl<'a> RunFinder<'a> {
     fn join(&mut self, plane: usize, at: f64) {
         let mut run: Option<Cell> = None;
         // A gap within a run adds nothing to the run's length.
-        let finished = |Cell { ends, length, seconds }: Cell| Run { stretch: Stretch { plane, at, ends }, length, seconds };
-        self.filled.sort_unstable();
+        let finished = |Cell { ends, sums }: Cell| Run { stretch: Stretch { plane, at, ends }, length: sums.length, seconds: sums.seconds };
         for index in self.filled.drain(..) {
             let cell = std::mem::replace(&mut self.cells[index], EMPTY);
-            if cell.length <= 0.0 {
+            if cell.sums.length <= 0.0 {
                 continue;
             }
             match &mut run {
@@ -142,8 +167,7 @@ impl<'a> RunFinder<'a> {
                     if cell.ends[1][0] > run.ends[1][0] {
                         run.ends[1] = cell.ends[1];
                     }
-                    run.length += cell.length;
-                    run.seconds += cell.seconds;
+                    run.sums.add(cell.sums);
                 }
                 _ => {
                     self.runs.extend(run.replace(cell).map(finished));
@@ -151,6 +175,35 @@ impl<'a> RunFinder<'a> {
             }
         }
         self.runs.extend(run.map(finished));
+    }
+
+    /// Adds the runs of a plane over sampled facets, and empties the cells. The runs end where the surface does; the cuts
+    /// in them state their mean slope and rate.
+    fn take_ends(&mut self, outline: &Outline, plane: usize, at: f64) {
+        let cells: Vec<Cell> = self.filled.drain(..).map(|index| std::mem::replace(&mut self.cells[index], EMPTY)).collect();
+        let mut of_plane = Sums::default();
+        for cell in &cells {
+            of_plane.add(cell.sums);
+        }
+        self.total.add(of_plane);
+        let is_one_run = |a: &CoveredPart, b: &CoveredPart| b[0][0] - a[1][0] <= self.gap;
+        let mut next = 0;
+        for parts in outline.parts(at).chunk_by(is_one_run) {
+            let ends = [parts[0][0], parts[parts.len() - 1][1]];
+            let seen: f64 = parts.iter().map(|[from, to]| to[0] - from[0]).sum();
+            let mut own = Sums::default();
+            // A cell belongs to the first run that ends after the cell's middle.
+            while let Some(cell) = cells.get(next).filter(|cell| f64::midpoint(cell.ends[0][0], cell.ends[1][0]) < ends[1][0]) {
+                own.add(cell.sums);
+                next += 1;
+            }
+            // Short runs may be without a cut.
+            if let Some(sums) = [own, of_plane, self.total].into_iter().find(|sums| sums.length > 0.0) {
+                let share = seen / sums.seen;
+                let stretch = Stretch { plane, at, ends };
+                self.runs.push(Run { stretch, length: share * sums.length, seconds: share * sums.seconds });
+            }
+        }
     }
 
     /// Collects the facets of the strip after the last plane, or before the first one of a band, that this plane does not
@@ -270,7 +323,7 @@ impl<'a> RunFinder<'a> {
     /// A run of a plane over a part of a facet beside it.
     fn run_over(&self, place: u32, ends: [f64; 2], pass: &Pass) -> Run {
         let (slice, at) = (&self.spaced.sweep.slices[place as usize], pass.plane.at);
-        let length = (ends[1] - ends[0]) * slice.length_along();
+        let length = (ends[1] - ends[0]) * slice.stretch();
         let ends = ends.map(|along| [along, slice.height(along, at)]);
         Run { stretch: Stretch { plane: pass.number, at, ends }, length, seconds: length * self.pace(place, &pass.plane) }
     }

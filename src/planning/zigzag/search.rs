@@ -1,5 +1,6 @@
 //! The search for the fastest direction of each cutter.
 
+use super::footprint::Footprint;
 use super::march::NoPlanes;
 use super::prepared::Prepared;
 use super::room::Room;
@@ -10,6 +11,8 @@ use super::sweep::Sweep;
 use super::workpiece::Workpiece;
 use crate::quantity::Angle;
 use rayon::prelude::*;
+use std::cell::LazyCell;
+use std::sync::Arc;
 
 /// The time of one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,17 +24,15 @@ pub(super) struct TimeOfDirection {
     pub(super) is_rough: bool,
 }
 
-/// In the first round over all directions, more facets than this are sampled. The error of the times was 1 % with twice
-/// as many.
+/// In the first round over all directions, more facets than this are sampled.
 const MOST_AT_FIRST: usize = 1_500;
 
-/// In the rounds around the best direction, more facets than this are sampled; the error of the times is then about 0.7
-/// %.
+/// In the rounds around the best direction, more facets than this are sampled.
 const MOST_FACETS: usize = 6_000;
 
-/// The number of the fastest directions of the first round that are simulated again. On 60 random patches with three
-/// cutters each, the plans take 0.5 % longer on average than without sampling, and at most 5 %; twice the facets in the
-/// first round, and two directions, give the same.
+/// The number of the fastest directions of the first round that are simulated again. On 40 random patches with three
+/// cutters each, plans take 0.01 % longer on average, and at most 6.4 %, than in the best of 36 directions, each planned on
+/// all facets.
 const BEST_AT_FIRST: usize = 4;
 
 /// The times of each contender in the requested directions, in rising order of direction; `None` as soon as `stop`
@@ -43,7 +44,8 @@ pub(super) fn times_by_direction(
     room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Vec<TimeOfDirection>>> {
-    let sampled = |count: usize| (workpiece.len() > count).then(|| workpiece.sampled(count));
+    let footprint = LazyCell::new(|| Arc::new(Footprint::new(workpiece, stop)));
+    let sampled = |count: usize| (workpiece.len() > count).then(|| workpiece.sampled(count, Some(Arc::clone(&footprint))));
     let around = sampled(MOST_FACETS);
     let around = around.as_ref().unwrap_or(workpiece);
     let mut times: Vec<Vec<TimeOfDirection>> = vec![Vec::new(); contenders.len()];

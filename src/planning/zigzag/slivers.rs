@@ -68,14 +68,15 @@ impl Strip {
     }
 
     /// The distance along the passes over which a cutter cuts beyond the end of a run: as far as beside the run, which is
-    /// the width of its part of the strip. Ends of runs on sampled facets are as uncertain as the gaps between these.
+    /// the width of its part of the strip. Ends of runs on sampled facets are uncertain by a cell of the footprint.
     pub(super) fn reach_beyond_ends(&self, spaced: &Spaced) -> f64 {
         self.reach_within(if self.beside.iter().all(Option::is_some) { 2.0 } else { 1.0 }, spaced)
     }
 
     /// The same with a given number of parts.
     pub(super) fn reach_within(&self, parts: f64, spaced: &Spaced) -> f64 {
-        ((self.ends[1] - self.ends[0]) / parts).max(spaced.workpiece.sampling_gap)
+        let uncertain = spaced.workpiece.footprint.as_ref().map_or(0.0, |footprint| footprint.cell());
+        ((self.ends[1] - self.ends[0]) / parts).max(uncertain)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The facets of a workpiece, sorted in the order in which the planes of one direction meet them.
 
+use super::footprint::Outline;
 use super::workpiece::Workpiece;
 use crate::quantity::Angle;
 
@@ -51,8 +52,10 @@ pub(super) struct Slice {
     short: [[f64; 3]; 2],
     /// The rise of the facet along and across the passes, per length seen from above.
     rise: [f64; 2],
-    /// The length in space of a cut per length seen from above, multiplied by the weight of the facet.
+    /// The length in space of a cut per length seen from above.
     stretch: f64,
+    /// The number of facets that this one represents.
+    pub(super) weight: f64,
 }
 
 impl Slice {
@@ -80,7 +83,8 @@ impl Slice {
             long: edge(low, high),
             short: [[low[0], low[1], edge(low, middle)], [high[0], high[1], edge(middle, high)]],
             rise,
-            stretch: weight * (1.0 + rise[0] * rise[0]).sqrt(),
+            stretch: (1.0 + rise[0] * rise[0]).sqrt(),
+            weight,
         }
     }
 
@@ -115,18 +119,12 @@ impl Slice {
         corners.chain(cuts).fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], along| [least.min(along), most.max(along)])
     }
 
-    /// The length in space of a line along the passes per length seen from above.
-    pub(super) fn length_along(&self) -> f64 {
-        (1.0 + self.rise[0] * self.rise[0]).sqrt()
-    }
-
     /// The height of the facet at a place.
     pub(super) fn height(&self, along: f64, at: f64) -> f64 {
         self.height + self.rise[0] * (along - self.first) + self.rise[1] * (at - self.low)
     }
 
-    /// The length in space of a cut per length seen from above, multiplied by the number of facets that this one
-    /// represents.
+    /// The length in space of a line along the passes per length seen from above.
     pub(super) fn stretch(&self) -> f64 {
         self.stretch
     }
@@ -143,6 +141,8 @@ pub(super) struct Sweep {
     pub(super) along: [f64; 2],
     /// The intervals across the passes that facets cover without a gap.
     covered_bands: Vec<Band>,
+    /// Where passes are on the surface, if the facets are sampled.
+    pub(super) outline: Option<Outline>,
 }
 
 /// The number of facets between two checks for cancellation.
@@ -177,7 +177,8 @@ impl Sweep {
             slices.extend(covered.iter().map(slice));
         }
         let covered_bands = bands_of(&covered);
-        Self { heading, covered, slices, along, covered_bands }
+        let outline = workpiece.footprint.as_ref().map(|footprint| footprint.outline(heading));
+        Self { heading, covered, slices, along, covered_bands, outline }
     }
 
     /// The intervals across the passes that facets cover without a gap wider than `gap`.

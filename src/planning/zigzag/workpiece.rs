@@ -1,11 +1,12 @@
 //! The facets of a surface, prepared for simulation in any direction.
 
+use super::footprint::Footprint;
 use super::slopes::{SlopePlace, place_of};
 use crate::cancellation::collect_until;
 use crate::quantity::{Angle, Area, Length};
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// The data of the facets that the simulation needs, computed once for all cutters and directions.
 ///
@@ -27,9 +28,8 @@ pub(super) struct Workpiece {
     pub(super) weights: Vec<f64>,
     /// The facets in the order in which they are sampled, once it is known.
     order: OnceLock<Vec<u32>>,
-    /// The largest gap between the cuts of a plane that is likely to be due to sampling; 0 if the facets were not
-    /// sampled.
-    pub(super) sampling_gap: f64,
+    /// Where the surface is, if the facets were sampled: their cuts do not show where runs end.
+    pub(super) footprint: Option<Arc<Footprint>>,
 }
 
 /// Slope and curvature of one facet, in the axes of its steepest line.
@@ -106,7 +106,7 @@ impl Workpiece {
             area: facets.iter().map(|facet| facet.area).sum(),
             weights: vec![1.0; facets.len()],
             order: OnceLock::new(),
-            sampling_gap: 0.0,
+            footprint: None,
         }
     }
 
@@ -162,8 +162,8 @@ impl Workpiece {
     /// A sample of about `count` facets, drawn by area: the whole area is divided into `count` equal parts along a curve
     /// that fills it, and from each the facet at a random place is drawn. Evenly drawn, the facets of a regular grid would be
     /// those of a few lines, and directions along these lines would seem slow. A drawn facet's part of a length is
-    /// multiplied by the area that it represents over its own.
-    pub(super) fn sampled(&self, count: usize) -> Self {
+    /// multiplied by the area that it represents over its own. `footprint` is that of all facets, if runs are wanted.
+    pub(super) fn sampled(&self, count: usize, footprint: Option<Arc<Footprint>>) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let share = self.area / count as f64;
         let mut places = RandomPlaces(0);
@@ -183,13 +183,8 @@ impl Workpiece {
                 drawn.push((index, (times * share / area).max(1.0)));
             }
         }
-        // A plane cuts as many facets per length as there are in a strip of their width. A gap between random places is
-        // 12 times as wide as the mean with a probability of e^-12, one in 100 planes of a thousand cuts; places drawn
-        // evenly have fewer.
-        let widths: f64 = drawn.iter().map(|&(index, _)| (2.0 * self.areas[index]).sqrt()).sum();
-        let sampling_gap = if widths > 0.0 { 12.0 * self.area / widths } else { 0.0 };
         Self {
-            sampling_gap,
+            footprint,
             corners: drawn.iter().map(|&(index, _)| self.corners[index]).collect(),
             areas: drawn.iter().map(|&(index, weight)| self.areas[index] * weight).collect(),
             tangents: drawn.iter().map(|&(index, _)| self.tangents[index]).collect(),

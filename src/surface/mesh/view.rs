@@ -101,14 +101,11 @@ impl Mesh {
     fn frame(&self, side: usize) -> Frame {
         let Bounds { min, max } = self.bounds();
         let (min, max) = ([min[0], min[1]], [max[0], max[1]]);
-        // Twice the area seen from above and the extents along y of all facets: with cells of side c they cover
-        // area/c^2 cells in height/c rows.
-        let (area, height) = self.triangles().iter().fold((0.0, 0.0), |(area, height), triangle| {
+        let (area, extent) = self.triangles().iter().fold((0.0, 0.0), |(area, extent), triangle| {
             let [a, b, c] = triangle.map(|index| self.points()[index as usize]);
-            (area + 0.5 * cross(a, b, c)[2].abs(), height + a[1].max(b[1]).max(c[1]) - a[1].min(b[1]).min(c[1]))
+            (area + 0.5 * cross(a, b, c)[2].abs(), extent + a[1].max(b[1]).max(c[1]) - a[1].min(b[1]).min(c[1]))
         });
-        // area/c^2 + height/c = VISITS
-        let affordable = (height + (height * height + 4.0 * VISITS * area).sqrt()) / (2.0 * VISITS);
+        let affordable = Frame::affordable_cell(area, extent, VISITS);
         #[expect(clippy::cast_precision_loss, reason = "at most 4096")]
         let stated = (max[0] - min[0]).max(max[1] - min[1]) / side as f64;
         // A mesh of walls above one point has no extent, and any cell size is suitable. An extent as small as a
