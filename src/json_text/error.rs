@@ -1,12 +1,13 @@
-//! Errors of JSON texts, with the messages and places of serde_json.
+//! Errors of JSON texts, with the places of serde_json, and its messages in plain words.
 
 use memchr::{memchr_iter, memrchr};
 use serde_json::value::RawValue;
 use std::fmt;
 
-/// The reason why a text is not JSON, with its place. Message and place are those of serde_json.
+/// The reason why a text is not JSON, with its place. The place is that of serde_json.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct JsonError {
+    /// The message of serde_json.
     message: String,
     line: usize,
     column: usize,
@@ -14,7 +15,7 @@ pub(crate) struct JsonError {
 
 impl fmt::Display for JsonError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} at line {} column {}", self.message, self.line, self.column)
+        write!(f, "{} at line {} column {}", self.message(), self.line, self.column)
     }
 }
 
@@ -65,11 +66,34 @@ impl JsonError {
         self.column
     }
 
-    /// The message without the place.
+    /// The message without the place, in words for those who do not know parsers where serde_json's are not.
     pub(crate) fn message(&self) -> &str {
-        &self.message
+        let explained = EXPLAINED.iter().find(|(message, _)| self.message.starts_with(message));
+        explained.map_or(&self.message, |(_, explained)| explained)
     }
 }
+
+/// The beginnings of serde_json's messages, and what they mean.
+const EXPLAINED: &[(&str, &str)] = &[
+    ("EOF while parsing an object", "the text ends inside an object"),
+    ("EOF while parsing a list", "the text ends inside an array"),
+    ("EOF while parsing a string", "the text ends inside a string"),
+    ("EOF while parsing a value", "the text ends before a value"),
+    ("key must be a string", "expected the name of a member in double quotes, without a comma before a closing `}`"),
+    ("trailing comma", "a comma before a closing `}` or `]`"),
+    ("trailing characters", "there is more text after the end of the JSON"),
+    (
+        "expected value",
+        "expected an object, an array, a string in double quotes, a number, true, false or null, without a comma before a closing `]`",
+    ),
+    ("expected ident", "expected true, false or null"),
+    ("invalid number", "a number that is not as in JSON, such as 030, .5, 5. or +5"),
+    ("control character", "a line break or another control character in a string, which must be escaped"),
+    ("unexpected end of hex escape", "an incomplete character in a string: half of a surrogate pair, or fewer than four digits after \\u"),
+    ("lone leading surrogate", "an incomplete character in a string: half of a surrogate pair"),
+    ("invalid unicode code point", "a string that is not UTF-8"),
+    ("recursion limit exceeded", "arrays and objects inside each other more than 127 deep"),
+];
 
 impl From<&serde_json::Error> for JsonError {
     fn from(error: &serde_json::Error) -> Self {

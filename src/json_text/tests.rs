@@ -8,12 +8,12 @@ use std::cell::Cell;
 const NEVER: &dyn Fn() -> bool = &|| false;
 
 /// The outcome of serde_json, with the texts of members or items if there are any.
-fn by_serde_json(json: &[u8]) -> Result<&str, String> {
-    serde_json::from_slice::<&RawValue>(json).map(RawValue::get).map_err(|error| error.to_string())
+fn by_serde_json(json: &[u8]) -> Result<&str, JsonError> {
+    serde_json::from_slice::<&RawValue>(json).map(RawValue::get).map_err(|error| JsonError::from(&error))
 }
 
-fn checked(json: &[u8]) -> Result<&str, String> {
-    JsonText::check(json, NEVER).map(JsonText::get).map_err(|error| error.to_string())
+fn checked(json: &[u8]) -> Result<&str, JsonError> {
+    JsonText::check(json, NEVER).map(JsonText::get)
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn violations_have_the_texts_and_places_of_serde_json() {
     ] {
         assert_eq!(checked(json.as_bytes()), by_serde_json(json.as_bytes()), "{json:?}");
         let object = JsonText::check_object(json.as_bytes(), 3, NEVER);
-        assert_eq!(object.map(|(text, _)| text.get()).map_err(|error| error.to_string()), checked(json.as_bytes()), "{json:?}");
+        assert_eq!(object.map(|(text, _)| text.get()), checked(json.as_bytes()), "{json:?}");
     }
     for json in [&b"\"\xff\""[..], b" [1,\n\"\xc3\"]  ", b"[1,\"\xff\", x]", b"\"\xff\" x", b"\xff", b"[\xff]", b"[\"\xe4\"\n]x"] {
         assert_eq!(checked(json), by_serde_json(json), "{json:?}");
@@ -138,7 +138,7 @@ proptest! {
             }
         }
         prop_assert_eq!(checked(&json), by_serde_json(&json));
-        let object = JsonText::check_object(&json, 3, NEVER).map(|(text, _)| text.get()).map_err(|error| error.to_string());
+        let object = JsonText::check_object(&json, 3, NEVER).map(|(text, _)| text.get());
         prop_assert_eq!(object, by_serde_json(&json));
     }
 
@@ -243,5 +243,19 @@ fn a_name_that_cannot_be_decoded_has_the_place_of_serde_json() {
     let error = serde_json::from_str::<std::collections::BTreeMap<String, &RawValue>>(text).unwrap_err();
     let found = JsonText::check(text.as_bytes(), NEVER).unwrap().members(5, NEVER).unwrap_err();
     let Unread::Name(found) = found else { panic!("{found:?}") };
-    assert_eq!(found.to_string(), error.to_string());
+    assert_eq!(found, JsonError::from(&error));
+}
+
+#[test]
+fn errors_are_in_plain_words() {
+    for (json, expected) in [
+        ("{\"a\":1,}", "expected the name of a member in double quotes, without a comma before a closing `}` at line 1 column 8"),
+        ("{\"a\":1", "the text ends inside an object at line 1 column 6"),
+        ("[nan]", "expected true, false or null at line 1 column 3"),
+        ("{} x", "there is more text after the end of the JSON at line 1 column 4"),
+        ("030", "a number that is not as in JSON, such as 030, .5, 5. or +5 at line 1 column 2"),
+        ("[1 2]", "expected `,` or `]` at line 1 column 4"),
+    ] {
+        assert_eq!(checked(json.as_bytes()).unwrap_err().to_string(), expected);
+    }
 }

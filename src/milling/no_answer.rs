@@ -65,6 +65,16 @@ impl fmt::Display for Shown {
     }
 }
 
+/// The lengths of a kind up to the largest at which passes or marks overlap; on a wall that is any accepted one.
+struct UpTo(&'static str, Length);
+
+impl fmt::Display for UpTo {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(kind, largest) = *self;
+        if largest.mm() >= Length::LARGEST { write!(f, "at any {kind}") } else { write!(f, "up to a {kind} of {} mm", Shown(largest)) }
+    }
+}
+
 impl fmt::Display for NoAnswer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -81,7 +91,7 @@ impl fmt::Display for NoAnswer {
             ),
             Self::Gouges { smallest_radius: Some(radius) } => write!(
                 f,
-                "the cutter gouges the concave surface: its radius of curvature must exceed {} mm for this cutter at this contact; take a smaller cutter, or a ball-end cutter in place of another",
+                "the cutter gouges the concave surface: its radius of curvature must exceed {} mm for this cutter at this contact; take a smaller cutter, or another corner radius",
                 Shown(*radius)
             ),
             Self::Gouges { smallest_radius: None } => f.write_str(
@@ -107,13 +117,13 @@ impl fmt::Display for NoAnswer {
             }
             Self::ToleranceLimitsNoStepOver { largest_step_over } => write!(
                 f,
-                "the tolerance exceeds every scallop between overlapping passes, so it sets no limit; the passes overlap up to a step-over of {} mm",
-                Shown(*largest_step_over)
+                "the tolerance exceeds every scallop between overlapping passes, so it sets no limit; the passes overlap {}; state a lower tolerance, or a largest step-over",
+                UpTo("step-over", *largest_step_over)
             ),
             Self::ToleranceLimitsNoFeed { largest_feed_per_tooth } => write!(
                 f,
-                "the tolerance exceeds every mark between overlapping tooth marks, so it sets no limit; the marks overlap up to a feed per tooth of {} mm; state a largest feed per tooth",
-                Shown(*largest_feed_per_tooth)
+                "the tolerance exceeds every mark between overlapping tooth marks, so it sets no limit; the marks overlap {}; state a lower tolerance, or a largest feed per tooth",
+                UpTo("feed per tooth", *largest_feed_per_tooth)
             ),
         }
     }

@@ -1,7 +1,7 @@
 //! `/v1/cutting-parameters`, by `POST` and `GET`, and its batch: the step-over and feed that finish the most area per
 //! time within a tolerance.
 
-use super::feed_limits::{BINDING_LIMIT, FEED_PER_TOOTH, FEED_RATE, FeedLimits, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
+use super::feed_limits::{BINDING_LIMIT, FEED_RATE, FeedLimits, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, Inputs, Texts};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, Kind, Quantity, members};
@@ -33,7 +33,7 @@ pub(crate) struct FastestParameters {
 }
 
 const FIGURES: &[Figure] = &[
-    FEED_PER_TOOTH,
+    Figure::number("feed_per_tooth_mm", "the feed per tooth", |figures| figures.feed_per_tooth.map(Length::mm)),
     Figure::new(
         "limited_by",
         "the limits that bind",

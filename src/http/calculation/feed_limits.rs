@@ -24,9 +24,6 @@ pub(super) const MAX_FEED_RATE: Member<Quantity<f64>> = Member {
     kind: Quantity::new(|mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), 15_000.0),
 };
 
-pub(super) const FEED_PER_TOOTH: Figure =
-    Figure::number("feed_per_tooth_mm", "the largest feed per tooth", |figures| figures.feed_per_tooth.map(Length::mm));
-
 pub(super) const FEED_RATE: Figure = Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min)
     .only("if the cutter's teeth and the spindle speed are given");
 

@@ -1,7 +1,7 @@
 //! `/v1/max-feed`, by `POST` and `GET`, and its batch: the largest feed that keeps the scallop height within a
 //! tolerance.
 
-use super::feed_limits::{FEED_PER_TOOTH, FEED_RATE, FeedLimits, LIMITED_BY, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
+use super::feed_limits::{FEED_RATE, FeedLimits, LIMITED_BY, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, Inputs, Texts};
 use crate::http::reading::{Faulted, Faults, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, SharedParameters, StatedParameters, TOLERANCE};
@@ -25,7 +25,7 @@ pub(crate) struct MaxFeed {
 }
 
 const FIGURES: &[Figure] = &[
-    FEED_PER_TOOTH,
+    Figure::number("feed_per_tooth_mm", "the largest feed per tooth", |figures| figures.feed_per_tooth.map(Length::mm)),
     Figure::new(
         "limited_by",
         "the limit that the feed reaches",

@@ -10,13 +10,13 @@ codes! {
         FlatFloor = "flat-floor": "The analytic model has no answer on a floor", "Use model \"envelope\", or a ball-end cutter.";
         PassesDoNotOverlap = "passes-do-not-overlap": "The passes do not overlap", "Reduce the step-over to at most largest_step_over_mm.";
         MarksDoNotOverlap = "marks-do-not-overlap": "The tooth marks do not overlap", "Reduce the feed per tooth.";
-        Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, or another feed direction.";
+        Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, another corner radius, or a tilted tool.";
         SharpEdge = "sharp-edge": "The model has no answer if a sharp edge makes the cut", "Use model \"envelope\", a cutter with a corner radius, or another feed direction.";
         PassesCoincideFromAbove = "passes-coincide-from-above": "Seen from above, the passes coincide", "State the step-over along the surface, step_over_mm.";
         ToleranceExceeded = "tolerance-exceeded": "The step-over alone uses up the tolerance", "Reduce the step-over to under max_step_over_mm, or allow more height.";
         ToleranceExceededByFeed = "tolerance-exceeded-by-feed": "The feed alone uses up the tolerance", "Reduce the feed per tooth or the runout, or allow more height than feed_height_mm.";
         ToleranceExceededByRunout = "tolerance-exceeded-by-runout": "Runout alone uses up the tolerance", "Reduce the runout or the step-over, or allow more height.";
-        ToleranceSetsNoLimit = "tolerance-sets-no-limit": "The tolerance sets no limit", "State a lower tolerance; for a feed, state max_feed_per_tooth_mm.";
+        ToleranceSetsNoLimit = "tolerance-sets-no-limit": "The tolerance sets no limit", "State a lower tolerance; or max_feed_per_tooth_mm for a feed, and max_step_over_mm as well for cutting parameters.";
     }
 }
 
@@ -40,17 +40,21 @@ impl ProblemFigure {
     pub(crate) fn entry(self) -> (&'static str, &'static str) {
         match self {
             Self::StepOverHeight => ("step_over_height_mm", "h1, the height that the step-over alone leaves"),
-            Self::MaxStepOver => {
-                ("max_step_over_mm", "the step-over whose height is the tolerance; a smaller one leaves room for tooth marks")
-            }
-            Self::LargestStepOver => {
-                ("largest_step_over_mm", "the step-over at which the passes just meet; absent if the feed has no limit")
-            }
+            Self::MaxStepOver => (
+                "max_step_over_mm",
+                "the step-over whose height is the tolerance; a smaller one leaves room for tooth marks, and for runout if there is any",
+            ),
+            Self::LargestStepOver => (
+                "largest_step_over_mm",
+                "the largest step-over at which the passes, and the tooth marks if there is a feed, meet; on a curved surface up to 1 % less; absent if it is the feed that has no limit",
+            ),
             Self::SmallestRadius => (
                 "smallest_radius_mm",
                 "the smallest concave radius of the surface into which the cutter fits, if both principal curvatures are scaled alike; up to 1 % too large where the cutter gouges away from the contact; absent if it gouges at any radius",
             ),
-            Self::FeedHeight => ("feed_height_mm", "the height that the tooth marks alone leave"),
+            Self::FeedHeight => {
+                ("feed_height_mm", "the height that the tooth marks leave with the smallest step-over; at least the tolerance")
+            }
         }
     }
 

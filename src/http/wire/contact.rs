@@ -87,7 +87,8 @@ impl Kind for ContactKind {
 
 /// Reads the members of a contact from `object`, which may have others.
 pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
-    let form = object.one_of::<AngleMembers, VectorMembers>("give slope_deg and feed_angle_deg, or normal and feed", faults)?;
+    let form =
+        object.one_of::<AngleMembers, VectorMembers>("give slope_deg and feed_angle_deg, or normal and feed (and tool_axis)", faults)?;
     let contact = match form {
         Form::First(angles) => angles.contact()?,
         Form::Second(vectors) => vectors.contact()?,
