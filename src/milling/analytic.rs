@@ -89,7 +89,13 @@ impl Analytic {
     /// - [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
     #[inline]
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
-        let relative_curvature = gouging::relative_curvature(&pass)?;
+        Self::fitting(pass)?.ok_or_else(|| gouging::reason(&pass))
+    }
+
+    /// The same; `None` if the cutter does not fit.
+    #[inline]
+    pub(super) fn fitting(pass: Pass) -> Result<Option<Self>, NoAnswer> {
+        let Some(relative_curvature) = gouging::relative_curvature(&pass) else { return Ok(None) };
         let across = EffectiveRadius::across_feed(pass.cutter.widened(pass.runout.radial()), pass.contact);
         let along = EffectiveRadius::along_feed(pass.cutter, pass.contact);
         let (Some(effective_radius), Some(_)) = (across.finite(), along.finite()) else {
@@ -103,7 +109,7 @@ impl Analytic {
         if across.0.recip() + pass.surface.across_per_mm() <= 0.0 {
             return Err(NoAnswer::Gouges { smallest_radius: Some(effective_radius) });
         }
-        Ok(Self { pass, across, along, relative_curvature })
+        Ok(Some(Self { pass, across, along, relative_curvature }))
     }
 
     pub(super) fn pass(&self) -> &Pass {

@@ -18,43 +18,86 @@ const RADIUS_ERROR: f64 = 0.01;
 /// in the axes of the steepest line and the level line. C = diag(r, (R - r)/sin(S) + r) has the cutter's radii of
 /// curvature; R includes the radial runout. lambda is 1 for K = 0.
 ///
-/// # Errors
-/// [`NoAnswer::Gouges`] if lambda <= 0, or if the height H of the cutter over the surface is negative anywhere under
-/// the cutter.
-pub(super) fn relative_curvature(pass: &Pass) -> Result<f64, NoAnswer> {
+/// `None` if the cutter gouges: if lambda <= 0, or if the height H of the cutter over the surface is negative anywhere
+/// under the cutter.
+pub(super) fn relative_curvature(pass: &Pass) -> Option<f64> {
     if pass.surface.is_plane() {
-        return Ok(1.0);
+        return Some(1.0);
     }
-    let cutter = pass.cutter.widened(pass.runout.radial());
-    let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
-    let (sin, theta) = (pass.contact.slope().sin(), pass.contact.theta());
-    let [_, smallest] = pass.surface.principal_per_mm();
-    let flat = core > 0.0 && core / sin + corner > 1e300;
-    if flat {
-        // The flat lies in the tangent plane: it gouges in any concave direction, at any radius, and in no convex
-        // direction.
-        return if smallest < 0.0 { Err(NoAnswer::Gouges { smallest_radius: None }) } else { Ok(1.0) };
+    match Concavity::of(pass) {
+        Concavity::Concave(body) => {
+            let lambda = 1.0 + body.change;
+            (lambda > 0.0 && !body.is_cut(1.0)).then_some(lambda)
+        }
+        Concavity::Convex { lambda } => Some(lambda),
+        Concavity::FitsNowhere => None,
     }
-    let level_radius = if core > 0.0 { core / sin + corner } else { corner };
-    let steepest = pass.surface.turned(-theta.sin(), theta.cos());
-    if pass.contact.slope().cos() == 0.0 && side_gouges(steepest, core + corner) {
-        return Err(NoAnswer::Gouges { smallest_radius: None });
-    }
-    let root = (corner * level_radius).sqrt();
-    let [_, change] =
-        eigenvalues(corner * steepest.along_per_mm(), level_radius * steepest.across_per_mm(), root * steepest.twist_per_mm());
-    let lambda = 1.0 + change;
-    // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact. This
-    // sphere fits into any surface that is less concave.
-    let fits_certainly = -1.0 / (smallest * level_radius);
-    let is_cut = |share: f64| {
-        let footprint = Footprint { core, corner, sin, cos: pass.contact.slope().cos(), surface: steepest.scaled(share) };
-        share > fits_certainly && footprint.is_cut()
+}
+
+/// The reason why a pass gouges, with the radius into which the cutter would fit. It takes several times as long as
+/// [`relative_curvature`].
+pub(super) fn reason(pass: &Pass) -> NoAnswer {
+    let smallest_radius = match Concavity::of(pass) {
+        Concavity::Concave(body) => body.smallest_radius(),
+        Concavity::Convex { .. } | Concavity::FitsNowhere => None,
     };
-    if smallest >= 0.0 || lambda > 0.0 && !is_cut(1.0) {
-        return Ok(lambda);
+    NoAnswer::Gouges { smallest_radius }
+}
+
+/// How a surface and a cutter that touches it are concave.
+enum Concavity {
+    /// No direction of the surface is concave, or none that the cutter's flat touches.
+    Convex { lambda: f64 },
+    /// The cutter fits if the surface is less concave.
+    Concave(OnConcave),
+    /// The flat or the straight side lies in the tangent plane, and fits at no radius.
+    FitsNowhere,
+}
+
+/// The cutter on a concave surface.
+struct OnConcave {
+    footprint: Footprint,
+    /// The smaller principal curvature.
+    smallest_curvature: f64,
+    /// lambda - 1.
+    change: f64,
+    /// The share of the curvature with which the cutter fits in any case.
+    fits_certainly: f64,
+}
+
+impl Concavity {
+    fn of(pass: &Pass) -> Self {
+        let cutter = pass.cutter.widened(pass.runout.radial());
+        let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+        let (sin, cos, theta) = (pass.contact.slope().sin(), pass.contact.slope().cos(), pass.contact.theta());
+        let [_, smallest_curvature] = pass.surface.principal_per_mm();
+        let flat = core > 0.0 && core / sin + corner > 1e300;
+        if flat {
+            // The flat lies in the tangent plane: it gouges in any concave direction, at any radius, and in no convex
+            // direction.
+            return if smallest_curvature < 0.0 { Self::FitsNowhere } else { Self::Convex { lambda: 1.0 } };
+        }
+        let level_radius = if core > 0.0 { core / sin + corner } else { corner };
+        let steepest = pass.surface.turned(-theta.sin(), theta.cos());
+        if cos == 0.0 && side_gouges(steepest, core + corner) {
+            return Self::FitsNowhere;
+        }
+        let root = (corner * level_radius).sqrt();
+        let [_, change] =
+            eigenvalues(corner * steepest.along_per_mm(), level_radius * steepest.across_per_mm(), root * steepest.twist_per_mm());
+        if smallest_curvature >= 0.0 {
+            return Self::Convex { lambda: 1.0 + change };
+        }
+        // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact. This
+        // sphere fits into any surface that is less concave.
+        let fits_certainly = -1.0 / (smallest_curvature * level_radius);
+        Self::Concave(OnConcave {
+            footprint: Footprint { core, corner, sin, cos, surface: steepest },
+            smallest_curvature,
+            change,
+            fits_certainly,
+        })
     }
-    Err(NoAnswer::Gouges { smallest_radius: smallest_radius(smallest, change, fits_certainly, is_cut) })
 }
 
 /// Whether the cutter's straight side, a cylinder of radius R about the axis, cuts into a wall that it touches. The
@@ -68,25 +111,32 @@ fn side_gouges(steepest: SurfaceCurvature, outer: f64) -> bool {
     bend < -rounding || twist.abs() > rounding && bend * level < twist * twist
 }
 
-/// The concave principal radius at which the cutter fits if both curvatures are scaled alike: exact where lambda is 0
-/// there, otherwise larger than the smallest by at most [`RADIUS_ERROR`].
-///
-/// `change` is lambda - 1; with the share `fits_certainly` of the curvature the cutter fits, and `is_cut` is whether it
-/// cuts into the surface beside the contact with a share of it.
-fn smallest_radius(smallest_curvature: f64, change: f64, fits_certainly: f64, is_cut: impl Fn(f64) -> bool) -> Option<Length> {
-    let of_share = |share: f64| Some(-1.0 / (share * smallest_curvature)).filter(|radius| radius.is_finite()).map(Length::computed);
-    // With this share of the curvature lambda is 0. Near the floor the rounding of lambda can exceed its change.
-    let closest = if change < 0.0 { -1.0 / change } else { f64::INFINITY };
-    let mut cuts = closest.min(1.0);
-    if closest <= 1.0 && !is_cut(closest) {
-        return of_share(closest);
+impl OnConcave {
+    /// Whether the cutter cuts into the surface anywhere with a share of its curvature with which lambda >= 0.
+    fn is_cut(&self, share: f64) -> bool {
+        let footprint = &self.footprint;
+        let is_ball = footprint.core == 0.0;
+        !is_ball && share > self.fits_certainly && Footprint { surface: footprint.surface.scaled(share), ..*footprint }.is_cut()
     }
-    let mut fits = fits_certainly.min(cuts);
-    while cuts > fits * (1.0 + RADIUS_ERROR) {
-        let middle = (cuts * fits).sqrt();
-        if is_cut(middle) { cuts = middle } else { fits = middle }
+
+    /// The concave principal radius at which the cutter fits if both curvatures are scaled alike: exact where lambda is 0
+    /// there, otherwise larger than the smallest by at most [`RADIUS_ERROR`].
+    fn smallest_radius(&self) -> Option<Length> {
+        let of_share =
+            |share: f64| Some(-1.0 / (share * self.smallest_curvature)).filter(|radius| radius.is_finite()).map(Length::computed);
+        // With this share of the curvature lambda is 0. Near the floor the rounding of lambda can exceed its change.
+        let closest = if self.change < 0.0 { -1.0 / self.change } else { f64::INFINITY };
+        let mut cuts = closest.min(1.0);
+        if closest <= 1.0 && !self.is_cut(closest) {
+            return of_share(closest);
+        }
+        let mut fits = self.fits_certainly.min(cuts);
+        while cuts > fits * (1.0 + RADIUS_ERROR) {
+            let middle = (cuts * fits).sqrt();
+            if self.is_cut(middle) { cuts = middle } else { fits = middle }
+        }
+        of_share(fits)
     }
-    of_share(fits)
 }
 
 /// The cutter's lower body, the flat and the corner's round, over a surface with the curvature `surface` in the axes of

@@ -39,6 +39,19 @@ impl EvaluatedPass {
         Ok(Self { prepared })
     }
 
+    /// The same; `None` if the cutter does not fit a concave surface. The radius into which it would fit, which the error
+    /// of [`EvaluatedPass::new`] states, takes up to a hundred times as long.
+    ///
+    /// # Errors
+    /// The other errors of [`Analytic::new`].
+    pub(crate) fn fitting(model: Model, pass: Pass) -> Result<Option<Self>, NoAnswer> {
+        let prepared = match model {
+            Model::Analytic => Analytic::fitting(pass)?.map(PreparedModel::Analytic),
+            Model::Envelope => Envelope::fitting(pass).map(PreparedModel::Envelope),
+        };
+        Ok(prepared.map(|prepared| Self { prepared }))
+    }
+
     /// The pass itself.
     #[must_use]
     pub fn pass(&self) -> &Pass {

@@ -96,6 +96,11 @@ impl Envelope {
     /// # Errors
     /// [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
     pub fn new(pass: Pass) -> Result<Self, NoAnswer> {
+        Self::fitting(pass).ok_or_else(|| gouging::reason(&pass))
+    }
+
+    /// The same; `None` if the cutter does not fit.
+    pub(in crate::milling) fn fitting(pass: Pass) -> Option<Self> {
         let relative_curvature = gouging::relative_curvature(&pass)?;
         let cutter = pass.cutter.widened(pass.runout.radial());
         let body = Body::new(cutter, pass.contact, pass.surface);
@@ -104,11 +109,10 @@ impl Envelope {
         let groove_curvature = body.relative_radii().across.recip();
         if groove_curvature.is_nan() || groove_curvature <= 0.0 {
             // The relative curvature is a rounding error, and the cutter's radius that of the surface.
-            let radius = -pass.surface.principal_per_mm()[1].recip();
-            return Err(NoAnswer::Gouges { smallest_radius: (radius > 0.0).then(|| Length::computed(radius)) });
+            return None;
         }
         let has_third_order = third_order::has_third_order(&pass, &body);
-        Ok(Self {
+        Some(Self {
             pass,
             cutter,
             body,

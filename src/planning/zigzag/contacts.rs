@@ -10,6 +10,8 @@ pub(super) enum NoContact {
     Contact(ContactError),
     Curvature(CurvatureOutOfRange),
     Model(NoAnswer),
+    /// The cutter does not fit the surface.
+    Gouges,
 }
 
 /// The contact at a facet for one direction of passes, with the facet's curvature in the axes of the feed.
@@ -47,6 +49,6 @@ impl FacetContact {
         let [along, across, twist] = self.curvature;
         let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).map_err(NoContact::Curvature)?;
         let pass = Pass { cutter, contact: self.contact, surface, runout: Runout::NONE, teeth: None };
-        EvaluatedPass::new(model, pass).map_err(NoContact::Model)
+        EvaluatedPass::fitting(model, pass).map_err(NoContact::Model)?.ok_or(NoContact::Gouges)
     }
 }
