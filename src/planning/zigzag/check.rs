@@ -63,7 +63,10 @@ pub(super) fn checked(
     let fit = |place: u32, at: f64, width: f64, limit: f64| inspector.fitted(&spaced, place, at, [width, limit]);
     let fit: Option<&Fit> = if follows { Some(&fit) } else { None };
     let simulated = simulate(&spaced, operation, fit, stop)?;
-    let drawn = drawn_by_area(spaced.workpiece, DRAWN);
+    let workpiece = spaced.workpiece;
+    let drawn = workpiece.drawn(DRAWN, |facet| !workpiece.tangents[facet].is_steep);
+    #[expect(clippy::cast_possible_truncation, reason = "facets are bounded")]
+    let drawn: Vec<u32> = drawn.into_iter().flat_map(|(facet, times)| std::iter::repeat_n(facet as u32, times)).collect();
     // Without marks a facet that allows more than its strip has a lower height. With marks the feed uses what is left.
     let is_clear = |&Tightest { strip, place }: &Tightest| {
         let allowed = f64::from(spaced.allowed[place as usize]);
@@ -125,25 +128,4 @@ fn share_over(evaluated: &[Evaluated], drawn: usize, workpiece: &Workpiece, limi
     let whole = workpiece.areas.iter().zip(&workpiece.tangents).filter(|(_, tangent)| !tangent.is_steep).map(|(area, _)| area).sum::<f64>();
     let of_rest = if count > 0.0 { (whole - area).max(0.0) * over_of_rest / count } else { 0.0 };
     if whole > 0.0 { ((over + of_rest) / whole).min(1.0) } else { 0.0 }
-}
-
-/// About `count` facets, each of which represents the same area, or all facets if they are fewer. Facets that are too
-/// steep to set a spacing are left out.
-fn drawn_by_area(workpiece: &Workpiece, count: usize) -> Vec<u32> {
-    let facets = || (0_u32..).zip(workpiece.areas.iter().zip(&workpiece.tangents)).filter(|(_, (_, tangent))| !tangent.is_steep);
-    let area: f64 = facets().map(|(_, (area, _))| area).sum();
-    #[expect(clippy::cast_precision_loss, reason = "hundreds")]
-    let share = area / count as f64;
-    let mut due = 0.5 * share;
-    let mut passed = 0.0;
-    let mut drawn = Vec::with_capacity(count);
-    for (index, (area, _)) in facets() {
-        passed += area;
-        // A facet larger than the represented area is drawn several times.
-        while passed >= due && drawn.len() < count {
-            drawn.push(index);
-            due += share;
-        }
-    }
-    drawn
 }

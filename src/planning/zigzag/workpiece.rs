@@ -159,30 +159,39 @@ impl Workpiece {
         order.into_iter().map(|(_, index)| index).collect()
     }
 
-    /// A sample of about `count` facets, drawn by area: the whole area is divided into `count` equal parts along a curve
-    /// that fills it, and from each the facet at a random place is drawn. Evenly drawn, the facets of a regular grid would be
-    /// those of a few lines, and directions along these lines would seem slow. A drawn facet's part of a length is
-    /// multiplied by the area that it represents over its own. `footprint` is that of all facets, if runs are wanted.
-    pub(super) fn sampled(&self, count: usize, footprint: Option<Arc<Footprint>>) -> Self {
-        #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
-        let share = self.area / count as f64;
+    /// About `count` places, drawn by area from the facets that `counts` accepts, as facets and how often each is drawn: the
+    /// area is divided into `count` equal parts along a curve that fills it, and in each a random place is drawn. Evenly
+    /// drawn, the facets of a regular grid would be those of a few lines.
+    #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
+    pub(super) fn drawn(&self, count: usize, counts: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
+        let in_order = || self.order.get_or_init(|| self.along_curve()).iter().map(|&index| index as usize).filter(|&index| counts(index));
+        let share = in_order().map(|index| self.areas[index]).sum::<f64>() / count as f64;
         let mut places = RandomPlaces(0);
-        let (mut part, mut passed) = (0.0, 0.0);
+        let (mut part, mut passed) = (0, 0.0);
         let mut due = places.next_place() * share;
         let mut drawn = Vec::with_capacity(count + count / 8);
-        for index in self.order.get_or_init(|| self.along_curve()).iter().map(|&index| index as usize) {
-            let area = self.areas[index];
-            passed += area;
-            let mut times = 0.0;
-            while passed >= due {
-                (times, part) = (times + 1.0, part + 1.0);
-                due = (part + places.next_place()) * share;
+        for index in in_order() {
+            passed += self.areas[index];
+            let mut times = 0;
+            while passed >= due && part < count {
+                (times, part) = (times + 1, part + 1);
+                due = (part as f64 + places.next_place()) * share;
             }
-            if times > 0.0 {
-                // A facet larger than the share represents itself.
-                drawn.push((index, (times * share / area).max(1.0)));
+            if times > 0 {
+                drawn.push((index, times));
             }
         }
+        drawn
+    }
+
+    /// A sample of about `count` facets, drawn by area. A drawn facet's part of a length is multiplied by the area that it
+    /// represents over its own. `footprint` is that of all facets, if runs are wanted.
+    #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
+    pub(super) fn sampled(&self, count: usize, footprint: Option<Arc<Footprint>>) -> Self {
+        let share = self.area / count as f64;
+        // A facet larger than the share represents itself.
+        let weight = |(index, times): (usize, usize)| (index, (times as f64 * share / self.areas[index]).max(1.0));
+        let drawn: Vec<(usize, f64)> = self.drawn(count, |_| true).into_iter().map(weight).collect();
         Self {
             footprint,
             corners: drawn.iter().map(|&(index, _)| self.corners[index]).collect(),

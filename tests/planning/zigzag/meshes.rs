@@ -180,3 +180,28 @@ fn a_finely_meshed_block_takes_the_time_of_a_coarse_one_in_every_direction() {
         }
     }
 }
+
+/// The check drew facets at even distances in the order of the file. On a regular mesh these are the same places of each row.
+#[test]
+fn grooves_that_are_tighter_than_the_ball_lower_the_confidence_on_a_regular_mesh() {
+    // Grooves of 4 mm radius, 30 deg at their ends, in a plate, every 40 mm: an arc of 4 mm in 20 steps, then a plane.
+    let profile = |column: u32| {
+        let (groove, step) = (f64::from(column / 25), column % 25);
+        let (sin, cos) = (-30.0 + 3.0 * f64::from(step.min(20))).to_radians().sin_cos();
+        let beyond = if step > 20 { 36.0 * f64::from(step - 20) / 5.0 } else { 0.0 };
+        [40.0 * groove + 4.0 * sin + beyond, 4.0 - 4.0 * cos]
+    };
+    for rows in [41, 64, 101] {
+        let facets = estimated(rows, 6 * 25, |row, column| {
+            let [x, z] = profile(column);
+            [x, 100.0 * f64::from(row) / f64::from(rows - 1), z]
+        });
+        let tight = |facet: &&FinishFacet| facet.curvature[0] < -0.2;
+        let area = |facets: &[FinishFacet]| facets.iter().map(|facet| facet.area).sum::<f64>();
+        let share = facets.iter().filter(tight).map(|facet| facet.area).sum::<f64>() / area(&facets);
+        let ranking = ranked(&facets, &[CandidateCutter::new(Cutter::ball_end(mm(10.0)))], &in_direction(Model::Envelope, 90.0));
+        let found = ranking.plans[0].scallop_height.without_height_share;
+        assert!((found - share).abs() < 0.03 && share > 0.05, "{rows} rows: {found}, {share}");
+        assert!(ranking.confidence.unwrap().reasons().iter().any(|reason| reason.weakness == SurfaceWeakness::OverTolerance));
+    }
+}
