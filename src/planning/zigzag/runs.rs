@@ -61,6 +61,29 @@ struct Cell {
 
 const EMPTY: Cell = Cell { ends: [[f64::INFINITY, 0.0], [f64::NEG_INFINITY, 0.0]], sums: Sums { seen: 0.0, length: 0.0, seconds: 0.0 } };
 
+/// A part of a plane over sampled facets, from the outline or from a cell.
+struct Covered {
+    ends: CoveredPart,
+    /// The length that the surface covers, seen from above; 0 if only cuts are known.
+    seen: f64,
+    cuts: Sums,
+}
+
+impl Covered {
+    /// Adds a part that begins later, unless there is a wider gap before it.
+    fn join(&mut self, later: &Self, gap: f64) -> bool {
+        if later.ends[0][0] - self.ends[1][0] > gap {
+            return false;
+        }
+        if later.ends[1][0] > self.ends[1][0] {
+            self.ends[1] = later.ends[1];
+        }
+        self.seen += later.seen;
+        self.cuts.add(later.cuts);
+        true
+    }
+}
+
 /// Finds the runs of one plane after another.
 ///
 /// A plane is divided into cells as wide as the gaps over which runs are joined. Two cuts that begin in one cell
@@ -178,29 +201,27 @@ impl<'a> RunFinder<'a> {
     }
 
     /// Adds the runs of a plane over sampled facets, and empties the cells. The runs end where the surface does; the cuts
-    /// in them state their mean slope and rate.
+    /// in them state their mean slope and rate. Facets between the lines of the outline have only cuts.
     fn take_ends(&mut self, outline: &Outline, plane: usize, at: f64) {
-        let cells: Vec<Cell> = self.filled.drain(..).map(|index| std::mem::replace(&mut self.cells[index], EMPTY)).collect();
+        let of_outline = outline.parts(at).iter().map(|&ends| Covered { ends, seen: ends[1][0] - ends[0][0], cuts: Sums::default() });
+        let mut covered: Vec<Covered> = of_outline.collect();
         let mut of_plane = Sums::default();
-        for cell in &cells {
-            of_plane.add(cell.sums);
+        for index in self.filled.drain(..) {
+            let Cell { ends, sums } = std::mem::replace(&mut self.cells[index], EMPTY);
+            of_plane.add(sums);
+            covered.push(Covered { ends, seen: 0.0, cuts: sums });
         }
         self.total.add(of_plane);
-        let is_one_run = |a: &CoveredPart, b: &CoveredPart| b[0][0] - a[1][0] <= self.gap;
-        let mut next = 0;
-        for parts in outline.parts(at).chunk_by(is_one_run) {
-            let ends = [parts[0][0], parts[parts.len() - 1][1]];
-            let seen: f64 = parts.iter().map(|[from, to]| to[0] - from[0]).sum();
-            let mut own = Sums::default();
-            // A cell belongs to the first run that ends after the cell's middle.
-            while let Some(cell) = cells.get(next).filter(|cell| f64::midpoint(cell.ends[0][0], cell.ends[1][0]) < ends[1][0]) {
-                own.add(cell.sums);
-                next += 1;
-            }
-            // Short runs may be without a cut.
-            if let Some(sums) = [own, of_plane, self.total].into_iter().find(|sums| sums.length > 0.0) {
-                let share = seen / sums.seen;
-                let stretch = Stretch { plane, at, ends };
+        covered.sort_by(|a, b| a.ends[0][0].total_cmp(&b.ends[0][0]));
+        let mut covered = covered.into_iter();
+        let mut run = covered.next();
+        while let Some(mut current) = run {
+            run = covered.find(|next| !current.join(next, self.gap));
+            let seen = if current.seen > 0.0 { current.seen } else { current.cuts.seen };
+            // Short runs may be without a cut, and a cut through a corner has no length.
+            let sums = [current.cuts, of_plane, self.total].into_iter().find(|sums| sums.length > 0.0);
+            if let Some(sums) = sums.filter(|_| seen > 0.0) {
+                let (share, stretch) = (seen / sums.seen, Stretch { plane, at, ends: current.ends });
                 self.runs.push(Run { stretch, length: share * sums.length, seconds: share * sums.seconds });
             }
         }

@@ -5,7 +5,7 @@ use super::march::NoPlanes;
 use super::prepared::Prepared;
 use super::room::Room;
 use super::settings::{Directions, ZigzagSettings};
-use super::simulate::simulate;
+use super::simulate::{Simulated, simulate};
 use super::spaced::Spaced;
 use super::sweep::Sweep;
 use super::workpiece::Workpiece;
@@ -160,7 +160,13 @@ fn simulate_all(simulation: &Simulation, mut wanted: Vec<(usize, Angle)>, found:
             let time = |&(contender, _): &(usize, Angle)| {
                 let prepared = &contenders[contender];
                 let spaced = Spaced::new(facets, &sweep, prepared.allowance(), settings.left_out_share, stop);
-                let seconds = simulate(&spaced, prepared.operation(settings, room), None, stop).map(|simulated| simulated.figures.seconds);
+                let simulated = simulate(&spaced, prepared.operation(settings, room), None, stop);
+                // Planes can meet facets in corners alone.
+                let seconds = simulated.and_then(
+                    |Simulated { figures, .. }| {
+                        if figures.runs > 0 { Ok(figures.seconds) } else { Err(NoPlanes::NoSpacing) }
+                    },
+                );
                 (contender, TimeOfDirection { direction, seconds, is_rough })
             };
             of_direction.par_iter().with_min_len(4).map(time).collect()

@@ -1,6 +1,8 @@
 //! Degenerate meshes: all stages from facets to plans terminate, and every figure is finite.
 
+use super::surfaces::facet;
 use super::{degrees, mm, published_cutters, settings};
+use proptest::prelude::*;
 use scallopd::milling::{Cutter, Model};
 use scallopd::planning::reach::ReachMap;
 use scallopd::planning::zigzag::{CandidateCutter, Directions, NotRankedReason, SurfaceEvidence, ZigzagSettings, rank};
@@ -112,4 +114,33 @@ fn a_comb_of_too_many_runs_has_no_plan_across_its_teeth_but_one_along_them() {
     assert!(across.not_ranked[0].reason.to_string().contains("65536 runs"), "{}", across.not_ranked[0].reason);
     let along = planned(90.0);
     assert!(along.plans[0].tour.runs >= 300 && along.plans[0].tour.runs <= 1800, "{}", along.plans[0].tour.runs);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4))]
+
+    /// Facets over and beside each other, enough of them that directions are compared on a sample.
+    #[test]
+    fn heaps_of_facets_of_any_shape_have_finite_plans_or_none(
+        corners in prop::collection::vec(prop::array::uniform3(prop::array::uniform3(-1.0..1.0_f64)), 1_600..2_400),
+        (size, width, height, facet_size) in (-2.0..5.0_f64, -9.0..0.0_f64, -9.0..0.0_f64, -6.0..0.0_f64), far in prop_oneof![Just(0.0), Just(1e6)],
+    ) {
+        let size = 10_f64.powf(size);
+        let extents = [size, size * 10_f64.powf(width), size * 10_f64.powf(height)];
+        let facet_size = 10_f64.powf(facet_size);
+        let facets: Vec<_> = corners
+            .iter()
+            .map(|[a, b, c]| {
+                let near = |p: &[f64; 3]| std::array::from_fn(|axis| far + extents[axis] * (a[axis] + facet_size * p[axis]));
+                facet([near(a), near(b), near(c)], [0.0; 6])
+            })
+            .filter(|facet| facet.normal[2] > 1e-6 && facet.area > 0.0)
+            .collect();
+        let ranking = rank(&facets, &published_cutters(), &settings(Model::Envelope), SurfaceEvidence::default(), &|| false).unwrap();
+        prop_assert_eq!(ranking.plans.len() + ranking.not_ranked.len(), 2);
+        for plan in &ranking.plans {
+            prop_assert!(plan.time.seconds() > 0.0 && plan.time.seconds().is_finite() && plan.path_length().mm().is_finite());
+            prop_assert!(plan.by_direction.iter().all(|(_, time)| time.is_none_or(|time| time.seconds().is_finite())));
+        }
+    }
 }
