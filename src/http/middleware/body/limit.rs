@@ -8,8 +8,9 @@ use std::task::{Context, Poll, ready};
 use axum::body::{Body, Bytes, HttpBody};
 use http_body::{Frame, SizeHint};
 
-use super::fault::BodyFault;
 use super::progress::BodyProgress;
+use crate::http::codes::ServiceProblem;
+use crate::http::problem::Problem;
 use crate::memory_budget::Reserved;
 
 /// A decompressed body of at most `max_bytes`.
@@ -19,23 +20,31 @@ pub(super) struct LimitedBody {
     pub(super) progress: Arc<BodyProgress>,
 }
 
+/// The problem of a body of more than `max_bytes`.
+pub(super) fn too_large(max_bytes: u64) -> Problem {
+    Problem::new(ServiceProblem::TooLarge, format!("the body, counted decompressed, is larger than {max_bytes} bytes"))
+}
+
 impl HttpBody for LimitedBody {
     type Data = Bytes;
-    type Error = BodyFault;
+    type Error = Problem;
 
-    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, BodyFault>>> {
+    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, Problem>>> {
         let frame = match ready!(Pin::new(&mut self.body).poll_frame(context)) {
             None => return Poll::Ready(None),
             Some(Ok(frame)) => frame,
-            Some(Err(error)) => return Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::Unreadable(error.to_string()))))),
+            Some(Err(error)) => {
+                let fault = Problem::new(ServiceProblem::UnreadableBody, format!("the body could not be read: {error}"));
+                return Poll::Ready(Some(Err(self.progress.note_fault(fault))));
+            }
         };
         let length = frame.data_ref().map_or(0, |data| data.len() as u64);
         if self.progress.add_decompressed_bytes(length) > self.max_bytes {
-            return Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::TooLarge { max_bytes: self.max_bytes }))));
+            return Poll::Ready(Some(Err(self.progress.note_fault(too_large(self.max_bytes)))));
         }
         match self.progress.budget().reserve(length) {
             Ok(reservation) => Poll::Ready(Some(Ok(frame.map_data(|bytes| Bytes::from_owner(Reserved { bytes, reservation }))))),
-            Err(exceeded) => Poll::Ready(Some(Err(self.progress.note_fault(BodyFault::Memory(exceeded))))),
+            Err(exceeded) => Poll::Ready(Some(Err(self.progress.note_fault(exceeded.into())))),
         }
     }
 
@@ -55,26 +64,23 @@ mod tests {
     use super::*;
     use crate::memory_budget::{BudgetExceeded, MemoryBudget};
 
-    async fn read(bytes: usize, max_bytes: u64) -> (Result<usize, String>, Option<BodyFault>) {
+    async fn read(bytes: usize, max_bytes: u64) -> Result<usize, String> {
         let progress = Arc::new(BodyProgress::begin(true, MemoryBudget::new(150)));
         let body = LimitedBody { body: Body::from(vec![b'x'; bytes]), max_bytes, progress: Arc::clone(&progress) };
         let read = body.collect().await.map(|whole| whole.to_bytes().len()).map_err(|fault| fault.to_string());
-        (read, progress.fault().cloned())
+        assert_eq!(read.as_ref().err(), progress.fault().map(Problem::to_string).as_ref());
+        read
     }
 
     #[tokio::test]
     async fn the_limit_itself_is_accepted_and_one_byte_more_is_not() {
-        assert_eq!(read(100, 100).await, (Ok(100), None));
-        let (read, fault) = read(101, 100).await;
-        assert!(read.is_err());
-        assert_eq!(fault, Some(BodyFault::TooLarge { max_bytes: 100 }));
+        assert_eq!(read(100, 100).await, Ok(100));
+        assert_eq!(read(101, 100).await, Err(too_large(100).to_string()));
     }
 
     #[tokio::test]
     async fn a_body_that_does_not_fit_the_budget_ends() {
-        let (read, fault) = read(151, 200).await;
-        assert!(read.is_err());
-        assert_eq!(fault, Some(BodyFault::Memory(BudgetExceeded::Always)));
+        assert_eq!(read(151, 200).await, Err(BudgetExceeded::Always.to_string()));
     }
 
     #[tokio::test]

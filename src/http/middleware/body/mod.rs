@@ -2,7 +2,6 @@
 //! and the longest time from its last byte to the answer. A body that breaks a rule ends with an error. The service
 //! then answers with the problem of that rule, whatever the handler returned.
 
-mod fault;
 mod gzip;
 mod limit;
 mod progress;
@@ -21,9 +20,8 @@ use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
 use crate::http::routes::RouteClass;
 use crate::settings::HttpSettings;
-use fault::BodyFault;
 use gzip::{Coding, decompressed};
-use limit::LimitedBody;
+use limit::{LimitedBody, too_large};
 pub(super) use progress::BodyProgress;
 pub(super) use wire::{Pace, WireBody};
 
@@ -52,7 +50,7 @@ impl BodyRules {
         match Coding::of(headers) {
             Some(Coding::Gzip) => Ok(()),
             Some(Coding::Identity) if stated_length(headers).is_none_or(|length| length <= max_bytes) => Ok(()),
-            Some(Coding::Identity) => Err(BodyFault::TooLarge { max_bytes }.into_response()),
+            Some(Coding::Identity) => Err(too_large(max_bytes).into_response()),
             None => Err(unsupported_encoding()),
         }
     }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use axum::extract::Request;
 use tokio::time::Instant;
 
-use super::fault::BodyFault;
+use crate::http::problem::Problem;
 use crate::memory_budget::MemoryBudget;
 
 /// The progress of one request's body. The outermost layer adds it to the request's extensions.
@@ -21,7 +21,7 @@ pub(in super::super) struct BodyProgress {
     last_byte_ms: AtomicU64,
     /// Whether a part of the body is still unread.
     is_unread: AtomicBool,
-    fault: OnceLock<BodyFault>,
+    fault: OnceLock<Problem>,
     /// The budget in which the body's bytes are reserved while they are in memory.
     budget: MemoryBudget,
 }
@@ -82,11 +82,11 @@ impl BodyProgress {
     }
 
     /// Records that the body broke a rule. Only the first fault is kept: later ones follow from it.
-    pub(super) fn note_fault(&self, fault: BodyFault) -> BodyFault {
+    pub(super) fn note_fault(&self, fault: Problem) -> Problem {
         self.fault.get_or_init(|| fault).clone()
     }
 
-    pub(super) fn fault(&self) -> Option<&BodyFault> {
+    pub(super) fn fault(&self) -> Option<&Problem> {
         self.fault.get()
     }
 }

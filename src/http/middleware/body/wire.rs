@@ -12,8 +12,9 @@ use bytes::BytesMut;
 use http_body::{Frame, SizeHint};
 use tokio::time::{Instant, Sleep, sleep_until};
 
-use super::fault::BodyFault;
 use super::progress::BodyProgress;
+use crate::http::codes::ServiceProblem;
+use crate::http::problem::Problem;
 
 /// Smaller frames are joined: a client may send a body in chunks of one byte, each of which would pass through all
 /// layers.
@@ -45,6 +46,18 @@ impl Pace {
     fn is_too_slow(&self, bytes: u64, waited: Duration) -> bool {
         (bytes as f64) < self.min_bytes_s as f64 * waited.saturating_sub(Self::TOLERANCE).as_secs_f64()
     }
+
+    fn too_slow(&self) -> Problem {
+        Problem::new(ServiceProblem::Timeout, format!("the body arrived at less than {} bytes a second", self.min_bytes_s))
+    }
+
+    fn stalled(&self) -> Problem {
+        Problem::new(ServiceProblem::Timeout, format!("no data of the body arrived for {} s", self.longest_stall.as_secs()))
+    }
+}
+
+fn fragmented() -> Problem {
+    Problem::new(ServiceProblem::UnreadableBody, "the body arrived in too many chunks of a few bytes")
 }
 
 /// A body whose progress is recorded and whose rate is checked.
@@ -81,7 +94,7 @@ impl WireBody {
     }
 
     /// Records a frame of `bytes`, and checks the average rate since the first frame.
-    fn note_frame(&mut self, bytes: u64) -> Result<(), BodyFault> {
+    fn note_frame(&mut self, bytes: u64) -> Result<(), Problem> {
         let is_first = self.frames == 0;
         self.frames += 1;
         let all = self.progress.add_wire_bytes(bytes);
@@ -91,16 +104,16 @@ impl WireBody {
             self.waited += since.elapsed();
         }
         if self.pace.is_too_slow(all, self.waited) {
-            return Err(self.progress.note_fault(BodyFault::TooSlow { min_bytes_s: self.pace.min_bytes_s }));
+            return Err(self.progress.note_fault(self.pace.too_slow()));
         }
         if self.frames > FREE_FRAMES + all / MIN_AVERAGE_FRAME {
-            return Err(self.progress.note_fault(BodyFault::Fragmented));
+            return Err(self.progress.note_fault(fragmented()));
         }
         Ok(())
     }
 
     /// Ready when the longest pause has passed.
-    fn poll_stall(&mut self, context: &mut Context<'_>) -> Poll<BodyFault> {
+    fn poll_stall(&mut self, context: &mut Context<'_>) -> Poll<Problem> {
         let longest = self.pace.longest_stall;
         let deadline = *self.waiting_since.get_or_insert_with(Instant::now) + longest;
         loop {
@@ -111,7 +124,7 @@ impl WireBody {
             }
             ready!(alarm.as_mut().poll(context));
             if Instant::now() >= deadline {
-                return Poll::Ready(self.progress.note_fault(BodyFault::Stalled { longest }));
+                return Poll::Ready(self.progress.note_fault(self.pace.stalled()));
             }
         }
     }
@@ -187,7 +200,7 @@ mod tests {
 
     /// The fault, if any, of a body of `pieces` chunks of `bytes` bytes, each sent after `pause`. The clock is tokio's
     /// paused clock.
-    async fn receive(pieces: u32, bytes: usize, pause: Duration) -> Option<BodyFault> {
+    async fn receive(pieces: u32, bytes: usize, pause: Duration) -> Option<String> {
         let (mut sender, body) = Channel::<Bytes, axum::BoxError>::new(1);
         tokio::spawn(async move {
             for _ in 0..pieces {
@@ -200,7 +213,7 @@ mod tests {
         let progress = Arc::new(BodyProgress::begin(true, MemoryBudget::new(1)));
         let outcome = WireBody::new(Body::new(body), PACE, Arc::clone(&progress)).collect().await;
         assert_eq!(outcome.is_err(), progress.fault().is_some());
-        progress.fault().cloned()
+        progress.fault().map(Problem::to_string)
     }
 
     #[tokio::test(start_paused = true)]
@@ -210,27 +223,26 @@ mod tests {
 
     #[tokio::test(start_paused = true)]
     async fn a_stalled_body_ends() {
-        let longest = Duration::from_secs(15);
-        assert_eq!(receive(2, 1_000_000, Duration::from_secs(16)).await, Some(BodyFault::Stalled { longest }));
+        assert_eq!(receive(2, 1_000_000, Duration::from_secs(16)).await, Some(PACE.stalled().to_string()));
     }
 
     #[tokio::test(start_paused = true)]
     async fn a_trickling_body_ends() {
-        assert_eq!(receive(1000, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { min_bytes_s: 100 }));
+        assert_eq!(receive(1000, 1, Duration::from_secs(1)).await, Some(PACE.too_slow().to_string()));
     }
 
     #[tokio::test(start_paused = true)]
     async fn the_average_counts_from_the_first_byte() {
         // No pause is too long, but 14 bytes arrive in 13 s, although 100 bytes a second are required and 2 s
         // tolerated.
-        assert_eq!(receive(14, 1, Duration::from_secs(1)).await, Some(BodyFault::TooSlow { min_bytes_s: 100 }));
+        assert_eq!(receive(14, 1, Duration::from_secs(1)).await, Some(PACE.too_slow().to_string()));
         assert_eq!(receive(3, 1, Duration::from_millis(900)).await, None);
         // The time until the first byte counts only as a pause.
         assert_eq!(receive(1, 1, Duration::from_secs(14)).await, None);
     }
 
     /// The sizes of the frames passed on when frames of `sizes` are received, and the fault.
-    async fn passed_on(sizes: Vec<usize>) -> (Vec<usize>, Option<BodyFault>) {
+    async fn passed_on(sizes: Vec<usize>) -> (Vec<usize>, Option<String>) {
         let expected: Vec<u8> = (0_u8..251).cycle().take(sizes.iter().sum()).collect();
         let mut left = &expected[..];
         // All frames are available at once.
@@ -249,7 +261,7 @@ mod tests {
         }
         assert!(expected.starts_with(&all));
         assert_eq!(progress.fault().is_some(), progress.is_unread());
-        (lengths, progress.fault().cloned())
+        (lengths, progress.fault().map(Problem::to_string))
     }
 
     #[tokio::test]
@@ -261,7 +273,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_body_in_very_many_tiny_frames_ends() {
-        assert_eq!(passed_on(vec![1; 70_000]).await.1, Some(BodyFault::Fragmented));
+        assert_eq!(passed_on(vec![1; 70_000]).await.1, Some(fragmented().to_string()));
         assert_eq!(passed_on(vec![64; 70_000]).await.1, None);
     }
 }
