@@ -46,7 +46,7 @@ export const NAMES = {
   direction_deg: { label: 'Direction', kind: 'angle', help: 'Direction of the passes seen from above, from +X counter-clockwise.' },
   passes: { label: 'Passes', kind: 'count', help: 'Number of passes.' },
   path_length_mm: { label: 'Path length', kind: 'length', help: 'Length of all passes and links.' },
-  over_tolerance_share: { label: 'Over tolerance', kind: 'share', help: 'Share of the area whose scallops exceed the tolerance.' },
+  over_tolerance_share: { label: 'Over tolerance', kind: 'share', help: 'Share of the area whose scallops exceed the tolerance, or where the cutter gouges.' },
   uncut_share: { label: 'Uncut', kind: 'share', help: 'Share of the area that the cutter cannot reach.' },
   uncut_height_mm: { label: 'Uncut height', kind: 'height', help: 'Largest height of the material that the cutter cannot reach.' },
   least_time_s: { label: 'Least time', kind: 'time', help: 'Lower bound: no zigzag of this cutter is faster on this surface. The difference is the most that other strategies could gain.' },

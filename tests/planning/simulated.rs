@@ -49,6 +49,30 @@ async fn a_surface_in_every_form_gives_the_same_recommendation() {
     }
 }
 
+/// A groove of 4 mm radius, 30 deg at its ends, in a plate 64 mm wide.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn grooves_that_the_cutter_gouges_count_as_over_tolerance() {
+    let row = |y: f64| {
+        (0..=320).map(move |step: u32| {
+            let x = 0.2 * f64::from(step);
+            let from_centre = (x - 32.0).abs();
+            let depth = if from_centre < 2.0 { 4.0 - (16.0 - from_centre * from_centre).sqrt() } else { 4.0 - 12_f64.sqrt() };
+            json!([x, y, depth])
+        })
+    };
+    let points: Vec<_> = (0..41).flat_map(|number| row(f64::from(number))).collect();
+    let app = TestApp::start().await;
+    let surface =
+        json!({"surface": {"grid": {"rows": 41, "columns": 321, "points": points}}, "directions_deg": [90], "max_uncut_share": 0.1});
+    let cutter = |diameter: f64| json!({"cutters": [{"type": "ball_end", "diameter_mm": diameter}]});
+    let over = async |diameter: f64| {
+        let answer = app.recommend(&with(with(simulated(), surface.clone()), cutter(diameter))).await.ok();
+        figure(&answer, "/candidates/0/over_tolerance_share")
+    };
+    assert!(over(10.0).await > 0.04);
+    assert!(over(4.0).await < 0.02);
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn map_and_passes_are_included_on_request() {
     let app = TestApp::start().await;

@@ -144,7 +144,8 @@ struct SimulatedFigures {
     /// The scallop height over the area, by model `envelope` with the curvature of the surface.
     #[schema(required = false)]
     scallop_height_mm: ScallopAnswer,
-    /// The share of the area whose scallop height exceeds `scallop_height_mm`.
+    /// The share of the area whose scallop height exceeds `scallop_height_mm`, or that has none, because
+    /// the cutter gouges there or leaves uncut material between its passes.
     #[schema(required = false, minimum = 0, maximum = 1)]
     over_tolerance_share: f64,
     /// The share of the area that the cutter leaves uncut because it does not fit.
@@ -278,7 +279,7 @@ impl RankedCandidate {
                     p99: scallop.p99.mm(),
                     max: scallop.max.mm(),
                 },
-                over_tolerance_share: scallop.over_tolerance_share,
+                over_tolerance_share: (scallop.over_tolerance_share + scallop.without_height_share).min(1.0),
                 uncut_share: plan.reach.map_or(0.0, |reach| reach.uncut_share),
                 uncut_height_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height.mm()),
                 uncut_height_error_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height_error.mm()),
