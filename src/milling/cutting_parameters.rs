@@ -103,6 +103,9 @@ const NEARLY_BEST_WITH_RUNOUT: f64 = 0.985;
 /// this, 1e-8.
 const CLOSE: f64 = 1e-4;
 
+/// The share that is left of a step-over where it may have jumped between neighbouring feeds.
+const LEAST_FALL: f64 = 0.9;
+
 /// A length within this ratio of a limit counts as reaching it.
 const REACHED: f64 = 1e-9;
 
@@ -150,22 +153,28 @@ impl EvaluatedPass {
             let feed = feed.mm().min(largest_feed.mm());
             best = fastest(best, (feed, area(feed)));
         }
-        let mut refine = |low: f64, high: f64| best = fastest(best, highest(low, high, area));
         if self.pass().runout == Runout::NONE {
             let area_at = |place: Option<usize>| place.and_then(|place| places.get(place)).map_or(0.0, |(_, area)| *area);
-            for (place, &(feed, area)) in places.iter().enumerate() {
-                if area >= NEARLY_BEST * best_place && area >= area_at(place.checked_sub(1)) && area >= area_at(Some(place + 1)) {
-                    refine(feed * ratio, (feed / ratio).min(largest_feed.mm()));
+            for (place, &(feed, here)) in places.iter().enumerate() {
+                if here >= NEARLY_BEST * best_place && here >= area_at(place.checked_sub(1)) && here >= area_at(Some(place + 1)) {
+                    best = fastest(best, highest(feed * ratio, (feed / ratio).min(largest_feed.mm()), area));
                 }
             }
         } else {
             // Two maxima can be neighbours, so that the feeds between them do not show the lower end of either.
-            for ends in places.windows(2).filter(|ends| ends[0].1.max(ends[1].1) >= NEARLY_BEST_WITH_RUNOUT * best_place) {
-                refine(ends[1].0, ends[0].0);
+            for ends in places.windows(2).filter(|ends| ends[0].1.max(ends[1].1) >= ratio * best_place) {
+                let [(high, of_high), (low, of_low)] = [ends[0], ends[1]];
+                if let Some(jump) = self.jump_of_step_over(tolerance, [(low, of_low), (high, of_high)]) {
+                    best = fastest(best, (jump, area(jump)));
+                    best = fastest(best, highest(low, jump, area));
+                    best = fastest(best, highest(jump, high, area));
+                } else if of_low.max(of_high) >= NEARLY_BEST_WITH_RUNOUT * best_place {
+                    best = fastest(best, highest(low, high, area));
+                }
             }
         }
 
-        let feed_per_tooth = Length::computed(best.0);
+        let mut feed_per_tooth = Length::computed(best.0);
         let mut step_over = self.widest(tolerance, feed_per_tooth, limits.max_step_over)?;
         // The largest step-over keeps the tolerance only up to the rounding of its search.
         if self.scallop_height(step_over, Some(feed_per_tooth))?.total() > tolerance {
@@ -175,12 +184,29 @@ impl EvaluatedPass {
             // The search over the largest feed ends within a rounding of the smallest step-over.
             step_over = smallest;
         }
+        // Beside walls, heights on curved surfaces can fall where the step-over grows, so that a step-over under the largest
+        // one can exceed the tolerance.
+        if self.scallop_height(step_over, Some(feed_per_tooth))?.total().mm() > tolerance.mm() * (1.0 + REACHED) {
+            feed_per_tooth = self.largest_feed(tolerance, step_over, limits.max_feed_per_tooth)?;
+        }
         self.with_limits(tolerance, limits, step_over, feed_per_tooth)
     }
 
-    /// The largest feed per tooth that limits and tolerance allow at the smallest step-over.
-    fn largest_feed(&self, tolerance: Length, smallest: Length, limit: Option<Length>) -> Result<Length, NoAnswer> {
-        let by_tolerance = match self.max_feed_per_tooth(tolerance, smallest) {
+    /// The feed from which on the largest step-over is much smaller, between two feeds with their products; `None` where it
+    /// falls little. With runout, a sharp edge leaves marks whose height jumps. The product rises up to the jump.
+    fn jump_of_step_over(&self, tolerance: Length, [(low, of_low), (high, of_high)]: [(f64, f64); 2]) -> Option<f64> {
+        let [widest, narrowest] = [of_low / low, of_high / high];
+        if narrowest >= LEAST_FALL * widest {
+            return None;
+        }
+        let between = Length::computed(f64::midpoint(widest, narrowest));
+        let feed = self.max_feed_per_tooth(tolerance, between).ok()?.mm() * (1.0 - REACHED);
+        (low < feed && feed < high).then_some(feed)
+    }
+
+    /// The largest feed per tooth that limits and tolerance allow at a step-over.
+    fn largest_feed(&self, tolerance: Length, step_over: Length, limit: Option<Length>) -> Result<Length, NoAnswer> {
+        let by_tolerance = match self.max_feed_per_tooth(tolerance, step_over) {
             Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth })
                 if limit.is_some_and(|limit| limit <= largest_feed_per_tooth) =>
             {

@@ -62,22 +62,18 @@ proptest! {
 }
 
 /// One maximum of the product is that of the deepest tooth's marks alone, the other that of deep and shallow marks;
-/// here they are nearly equal.
+/// here they are nearly equal. With a sharp edge, the step-over falls to half where the shallow marks begin to count.
 #[test]
 fn both_maxima_with_runout_are_found() {
     for (teeth, radial, axial) in [(2, 0.0061, -0.0067), (3, 0.0061, -0.0067), (2, 0.003, 0.001), (4, 0.001, 0.002), (6, 0.002, 0.0)] {
         let runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
         for alpha in [0.0, 20.0, 55.0, 90.0] {
             let contact = Contact::from_degrees(43.8, alpha).unwrap();
-            let pass = Pass {
-                cutter: toroidal(0.5, 0.14),
-                contact,
-                surface: SurfaceCurvature::PLANE,
-                runout,
-                teeth: std::num::NonZeroU32::new(teeth),
-            };
-            let envelope = evaluated(Model::Envelope, pass);
-            for tolerance in [0.002, 0.005, 0.008, 0.01, 0.012, 0.015, 0.02] {
+            let tolerances = [0.002, 0.005, 0.008, 0.01, 0.012, 0.015, 0.02].into_iter();
+            let cutters = [toroidal(0.5, 0.14), Cutter::flat_end(mm(2.6))].into_iter();
+            for (cutter, tolerance) in cutters.flat_map(|cutter| tolerances.clone().map(move |tolerance| (cutter, tolerance))) {
+                let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout, teeth: std::num::NonZeroU32::new(teeth) };
+                let envelope = evaluated(Model::Envelope, pass);
                 let Ok(fastest) = envelope.fastest(mm(tolerance), &CuttingLimits::NONE) else { continue };
                 let found = fastest.step_over.mm() * fastest.feed_per_tooth.mm();
                 for place in 1..=200 {
@@ -87,6 +83,56 @@ fn both_maxima_with_runout_are_found() {
                 }
             }
         }
+    }
+}
+
+/// Near a wall heights on curved surfaces can fall where the step-over grows, with a warning. A stated largest step-over is
+/// then under one that keeps the tolerance, and exceeds it.
+#[test]
+fn a_largest_step_over_near_a_wall_keeps_the_tolerance() {
+    let bend = |along, across, twist| SurfaceCurvature::from_components_per_mm(along, across, twist).unwrap();
+    for (cutter, slope, alpha, surface, runout, teeth, tolerance, feed, step_over) in [
+        (
+            toroidal(1.010_64, 0.2),
+            89.802_311,
+            90.0,
+            bend(0.144_467, 0.018_201_6, 0.142_079),
+            [0.001_55, 0.000_342_6],
+            6,
+            0.009_086_6,
+            0.294,
+            0.021_384,
+        ),
+        (
+            Cutter::flat_end(mm(3.667_8)),
+            89.999_954_2,
+            90.0,
+            bend(0.031_624_6, 0.017_722_1, -0.114_044),
+            [0.0, 0.0],
+            4,
+            0.000_108_6,
+            0.425,
+            0.785_5,
+        ),
+        (
+            toroidal(8.028_7, 0.2),
+            89.999_999_93,
+            180.0,
+            bend(2.216e-5, -0.023_911_9, 0.001_983_6),
+            [0.0, 0.0],
+            2,
+            0.000_305_9,
+            80.0,
+            0.083_36,
+        ),
+    ] {
+        let runout = Runout::NONE.with_radial_mm(runout[0]).unwrap().with_axial_mm(runout[1]).unwrap();
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        let pass = Pass { cutter, contact, surface, runout, teeth: std::num::NonZeroU32::new(teeth) };
+        let pass = evaluated(Model::Envelope, pass);
+        let fastest = pass.fastest(mm(tolerance), &CuttingLimits::new(Some(mm(feed)), None, Some(mm(step_over))).unwrap()).unwrap();
+        let left = height(&pass, fastest.step_over.mm(), fastest.feed_per_tooth.mm()).unwrap();
+        assert!(left <= tolerance * (1.0 + 1e-9), "{} of the tolerance, {fastest:?}", left / tolerance);
     }
 }
 
