@@ -6,6 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
 use scallopd::quantity::Angle;
+use std::num::NonZeroU32;
 
 /// Toroidal, ball-end and flat-end cutters of 1 to 20 mm.
 fn all_cutters() -> impl Strategy<Value = Cutter> {
@@ -262,6 +263,22 @@ proptest! {
 }
 
 /// Troughs, bowls and saddles, some of which the cutter fits and some not, in every direction of the feed.
+/// Deep and alternating marks of a flat-end cutter fed along the level line clear parts of the step-over that do not meet.
+#[test]
+fn runout_of_a_flat_end_cutter_counts_on_a_hardly_concave_surface_as_on_a_plane() {
+    let cutter = Cutter::flat_end(mm(6.272));
+    let contact = Contact::from_degrees(32.964, 90.0).unwrap();
+    let runout = Runout::NONE.with_radial_mm(0.004132).unwrap().with_axial_mm(0.002573).unwrap();
+    let heights = |surface| {
+        let evaluated = envelope(Pass { runout, teeth: NonZeroU32::new(2), ..on(cutter, contact, surface) }).unwrap();
+        [0.0055, 0.006, 0.00654].map(|step_over| height(&evaluated, step_over, 0.18043).unwrap())
+    };
+    let concave = heights(SurfaceCurvature::from_components_per_mm(-3e-6, -3e-6, 0.0).unwrap());
+    for (concave, plane) in concave.into_iter().zip(heights(SurfaceCurvature::PLANE)) {
+        assert_relative_eq!(concave, plane, max_relative = 1e-4);
+    }
+}
+
 #[test]
 fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
     let cutter = toroidal(6.0, 1.0 / 6.0);

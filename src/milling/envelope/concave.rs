@@ -80,7 +80,8 @@ impl Envelope {
         low
     }
 
-    /// The ridge near the edges of a cleared interval, if its chords are seen from the contact.
+    /// The ridge near the edges of a cleared interval, if its chords are seen from the contact and, where an edge is of deep
+    /// marks and the other of alternating ones, the intervals that both clear meet.
     fn ridge(&self, pattern: &Pattern, sought: Sought, lengths: Lengths, cleared: &Cleared) -> Option<Ridge> {
         let place = Place { t: cleared.right.t, x: cleared.right.x, neighbour_x: cleared.left.x };
         let marks = [&cleared.right, &cleared.left].map(|edge| {
@@ -94,7 +95,7 @@ impl Envelope {
         let Ridge { lengths: Lengths { level, step_over, mark_spacing }, place: Place { t, x, neighbour_x }, .. } = ridge;
         let row = |t: f64| Row { t, p: level, feed: mark_spacing };
         let is_seen = marks[0].is_seen(&self.body, x, row(t)) && marks[1].is_seen(&self.body, neighbour_x, row(t - step_over));
-        is_seen.then_some(ridge)
+        (is_seen && (marks[0] == marks[1] || self.meet(&ridge, marks))).then_some(ridge)
     }
 
     /// The height up to which the section grows: that of the cutter's axis beside a wall, and several radii elsewhere.

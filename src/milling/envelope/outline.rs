@@ -329,6 +329,12 @@ impl Rows {
     /// rows by proportion; `None` where there is none.
     pub(super) fn cleared(&self, f: f64, deep_spacing: f64) -> Option<Cleared> {
         let mut best = None::<Cleared>;
+        let mut close = |left: Edge, right: Edge| {
+            let cleared = Cleared { left, right };
+            if best.is_none_or(|best| best.width() < cleared.width()) {
+                best = Some(cleared);
+            }
+        };
         let mut open = None::<Edge>;
         let mut before = None::<(f64, Edge)>;
         // At the outermost corners rows have no length.
@@ -352,19 +358,44 @@ impl Rows {
             if value < 0.0
                 && let (Some(left), Some(right)) = (open, crossing)
             {
-                let cleared = Cleared { left, right };
-                if best.is_none_or(|best| best.width() < cleared.width()) {
-                    best = Some(cleared);
-                }
+                close(left, right);
                 open = None;
+            }
+            if let (Some(left), Some((before_value, before))) = (open, before)
+                && before_value >= 0.0
+                && let Some([end, start]) = self.gap(i, f, deep_spacing)
+            {
+                close(left, Edge { t: end, ..before });
+                open = Some(Edge { t: start, ..edge });
             }
             before = Some((value, edge));
         }
         best
     }
+
+    /// The offsets between row number i and the row before it that no marks clear although some clear each row: those of one
+    /// depth the row before, and those of the other depth this row.
+    fn gap(&self, i: usize, f: f64, deep_spacing: f64) -> Option<[f64; 2]> {
+        let before = i.checked_sub(1)?;
+        let rows = [self.marked[before]?, self.marked.get(i).copied()??].map(|row| row.excesses(f, deep_spacing));
+        let [kind, other] = [0, 1].map(|row: usize| usize::from(rows[row][1] > rows[row][0]));
+        if kind == other || rows[1][kind] >= 0.0 || rows[0][other] >= 0.0 {
+            return None;
+        }
+        let zero = |kind: usize| {
+            let share = rows[0][kind] / (rows[0][kind] - rows[1][kind]);
+            self.offsets[before] + share * (self.offsets[i] - self.offsets[before])
+        };
+        Some([zero(kind), zero(other)]).filter(|[end, start]| end < start)
+    }
 }
 
 impl MarkedRow {
+    /// By how much marks of the deepest tooth alone, and marks that alternate in depth, may be further apart.
+    fn excesses(&self, f: f64, deep_spacing: f64) -> [f64; 2] {
+        [self.deep - deep_spacing, self.alternating.map_or(0.0, |alternating| alternating.length) - f]
+    }
+
     /// By how much the better kind of marks may be further apart, and the edge that they would have there.
     fn excess(&self, t: f64, f: f64, deep_spacing: f64) -> (f64, Edge) {
         let deep = self.deep - deep_spacing;

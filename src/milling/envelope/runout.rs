@@ -69,7 +69,7 @@ impl Envelope {
     }
 
     /// Whether the intervals of both kinds in `marks` meet at a ridge.
-    fn meet(&self, ridge: &Ridge, marks: [Clearing; 2]) -> bool {
+    pub(super) fn meet(&self, ridge: &Ridge, marks: [Clearing; 2]) -> bool {
         let Lengths { level, step_over, mark_spacing } = ridge.lengths;
         let Place { t, x, neighbour_x } = ridge.place;
         [0.0, 0.25, 0.5, 0.75, 1.0].into_iter().any(|share| {
