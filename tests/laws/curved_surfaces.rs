@@ -268,7 +268,7 @@ proptest! {
 fn runout_of_a_flat_end_cutter_counts_on_a_hardly_concave_surface_as_on_a_plane() {
     let cutter = Cutter::flat_end(mm(6.272));
     let contact = Contact::from_degrees(32.964, 90.0).unwrap();
-    let runout = Runout::NONE.with_radial_mm(0.004132).unwrap().with_axial_mm(0.002573).unwrap();
+    let runout = Runout::NONE.with_radial_mm(0.004_132).unwrap().with_axial_mm(0.002_573).unwrap();
     let heights = |surface| {
         let evaluated = envelope(Pass { runout, teeth: NonZeroU32::new(2), ..on(cutter, contact, surface) }).unwrap();
         [0.0055, 0.006, 0.00654].map(|step_over| height(&evaluated, step_over, 0.18043).unwrap())
