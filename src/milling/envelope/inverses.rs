@@ -103,7 +103,7 @@ impl Envelope {
 
     /// The largest feed per tooth, from [`Length::SMALLEST`] to `largest`, at which the passes clear the step-over s
     /// down to the height p; `None` if there is none.
-    fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
+    pub(super) fn feed_held(&self, p: f64, s: f64, guess: f64, largest: f64) -> Option<f64> {
         let excess = |feed: f64| s - Section::new(&self.body, self.pattern(feed), 2.0 * s).width(p);
         if excess(largest) <= 0.0 {
             return Some(largest);
@@ -275,7 +275,9 @@ impl Envelope {
         if !self.is_convex_up_to(p) {
             return quick.or_else(|| self.feed_on_concave(p, s, largest));
         }
-        quick.or_else(|| self.feed_held(p, s, guess, largest))
+        let is_limit = |feed: f64| feed >= largest * (1.0 - 1e-12);
+        let nested = || self.nested_feed(p, s, guess).map(|feed| if is_limit(feed) { largest } else { feed });
+        quick.or_else(nested).or_else(|| self.feed_held(p, s, guess, largest)).filter(|feed| *feed >= Length::SMALLEST)
     }
 
     /// An approximation of the largest feed per tooth near a plane floor, if the tolerance p exceeds the height of the

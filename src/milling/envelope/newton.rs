@@ -123,7 +123,7 @@ pub(super) fn solve_from(
     let mut small_steps = 0;
     let most_steps = match sought {
         _ if end == End::Nearby => MOST_STEPS_NEARBY,
-        Sought::StepOver if !body.is_concave() => MOST_STEPS_STEP_OVER,
+        Sought::StepOver | Sought::MarkSpacing if !body.is_concave() => MOST_STEPS_STEP_OVER,
         Sought::Level | Sought::StepOver | Sought::MarkSpacing => MOST_STEPS,
     };
     for step in 0..most_steps {

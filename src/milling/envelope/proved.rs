@@ -12,7 +12,7 @@ use super::{local, newton};
 pub(super) fn solve(body: &Body, sought: Sought, lengths: Lengths, marks: [Clearing; 2]) -> Option<Ridge> {
     let place = Place::start(body, lengths.step_over, marks, lengths.mark_spacing);
     let found = newton::solve_from(body, sought, lengths, place, marks, End::AtRidge);
-    if found.is_some() || body.is_concave() || matches!(sought, Sought::StepOver) {
+    if found.is_some() || body.is_concave() || !matches!(sought, Sought::Level) {
         return found;
     }
     let under_axis = || {

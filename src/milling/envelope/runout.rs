@@ -7,7 +7,7 @@
 //! proved as without runout.
 
 use super::clearing::{Clearing, Row};
-use super::nested::Nested;
+use super::nested::{self, Feeds, Heights};
 use super::newton::{self, End, Lengths, Place, Ridge, Sought};
 use super::proved;
 use super::section::Pattern;
@@ -40,23 +40,37 @@ impl Envelope {
     /// The height by nested searches, from a guess; `None` where they do not settle, or where passes or marks overlap so
     /// little that rounding decides the height.
     pub(super) fn nested_level(&self, s: f64, pattern: &Pattern, guess: f64) -> Option<f64> {
-        let nested = Nested { body: &self.body, feed: pattern.spacing, guess };
+        let heights = Heights { body: &self.body, feed: pattern.spacing, guess };
         let overlap_clearly = |s: f64, f: f64| self.overlap((1.0 + HARDLY) * s, (1.0 + HARDLY) * f);
         if !overlap_clearly(s, pattern.spacing) {
             return None;
         }
         if pattern.is_even() {
-            return nested.height(s, &[Clearing::EVEN], None);
+            return nested::solve(&heights, s, &[Clearing::EVEN], None);
         }
         let [alternating, deep] = self.kinds(pattern);
         if overlap_clearly(s, pattern.deep_spacing) {
-            return nested.height(s, &[alternating, deep], None);
+            return nested::solve(&heights, s, &[alternating, deep], None);
         }
         if self.overlap(s, pattern.deep_spacing) {
             return None;
         }
         // Deep marks that meet clear a part of the step-over.
-        nested.height(s, &[alternating], self.overlap(0.0, pattern.deep_spacing).then_some(deep))
+        nested::solve(&heights, s, &[alternating], self.overlap(0.0, pattern.deep_spacing).then_some(deep))
+    }
+
+    /// The largest distance of marks that keeps the height p in passes s apart by nested searches, from a guess; `None`
+    /// where they do not settle.
+    pub(super) fn nested_feed(&self, p: f64, s: f64, guess: f64) -> Option<f64> {
+        let feeds = Feeds { body: &self.body, level: p, guess };
+        // Marks that are so close together that those of the deepest tooth are no further apart.
+        let even = nested::solve(&feeds, s, &[Clearing::EVEN], None)?;
+        let pattern = self.pattern(even);
+        if pattern.is_even() {
+            return Some(even);
+        }
+        let [alternating, deep] = self.kinds(&pattern);
+        if p > self.drop { nested::solve(&feeds, s, &[alternating, deep], None) } else { nested::solve(&feeds, s, &[deep], None) }
     }
 
     fn ridge_between(&self, sought: Sought, lengths: Lengths, marks: Clearing) -> Option<Found> {

@@ -87,7 +87,7 @@ proptest! {
     /// Nested searches find the same heights as the search of the section's edges.
     #[test]
     fn the_nested_and_the_section_search_agree(
-        cutter in cutters(), slope in 0.1..89.9_f64, alpha in quarter_turn(), bends in [0.0..0.3_f64, 0.0..0.3_f64], turn in 0.0..180.0_f64,
+        cutter in cutters(), slope in prop_oneof![(-6.0..1.0_f64).prop_map(|l| 10_f64.powf(l)), (-6.0..1.0_f64).prop_map(|l| 90.0-10_f64.powf(l))], alpha in quarter_turn(), bends in [0.0..0.3_f64, 0.0..0.3_f64], turn in 0.0..180.0_f64,
         s in -3.0..-0.1_f64, feed in -2.5..-0.4_f64, runs_out in -5.0..-2.0_f64, teeth in 1..6_u32,
     ) {
         let outer = cutter.outer_radius().mm();
@@ -101,6 +101,32 @@ proptest! {
         let Some(nested) = envelope.nested_level(s, &pattern, guess) else { return Ok(()) };
         let section = Section::new(&envelope.body, pattern, 2.0 * s).level(s, guess, f64::INFINITY);
         approx::assert_relative_eq!(nested, section, max_relative = 1e-8);
+    }
+
+    /// The same for largest feeds, up to a millionth of a degree from floors and walls.
+    #[test]
+    fn the_nested_and_the_section_search_of_feeds_agree(
+        cutter in cutters(), from_end in -6.0..1.65_f64, is_steep in any::<bool>(), alpha in quarter_turn(),
+        bends in [0.0..0.3_f64, 0.0..0.3_f64], turn in 0.0..180.0_f64, s in -3.0..-0.1_f64, share in 0.01..0.99_f64,
+        runs_out in -5.0..-2.0_f64, teeth in 1..6_u32,
+    ) {
+        let (outer, from_end) = (cutter.outer_radius().mm(), 10_f64.powf(from_end));
+        let slope = if is_steep { 90.0 - from_end } else { from_end };
+        let surface = SurfaceCurvature::from_principal_per_mm(bends.map(|bend| bend / outer), Angle::from_degrees(turn).unwrap()).unwrap();
+        let runout = Runout::NONE.with_radial_mm(if teeth == 1 { 0.0 } else { 10_f64.powf(runs_out) * outer }).unwrap();
+        let envelope = Envelope::new(Pass { surface, runout, teeth: NonZeroU32::new(teeth), ..pass(cutter, slope, alpha) }).unwrap();
+        let s = 10_f64.powf(s) * outer;
+        let Some(step_over_height) = envelope.height(s, Pattern::even(0.0)) else { return Ok(()) };
+        let p = step_over_height / share;
+        if p > 0.1 * outer {
+            return Ok(());
+        }
+        let guess = (8.0 * (p - step_over_height) * outer).sqrt();
+        let largest = envelope.largest_spacing(s);
+        let Some(nested) = envelope.nested_feed(p, s, guess) else { return Ok(()) };
+        // The section's search has no answer below the smallest length.
+        let section = envelope.feed_held(p, s, guess, largest).unwrap_or(Length::SMALLEST);
+        approx::assert_relative_eq!(nested.clamp(Length::SMALLEST, largest.max(Length::SMALLEST)), section, max_relative = 1e-8);
     }
 
     /// The search of the section's edges has no special case for ridges between marks of two kinds: it intersects and joins
