@@ -43,10 +43,10 @@ impl Envelope {
     /// The rows of the section at the height p, whose outline is `deep`, for a pattern of marks.
     fn rows(&self, outlook: &Outlook<'_>, deep: &Outline, p: f64, pattern: &Pattern) -> Rows {
         if pattern.is_even() {
-            return deep.rows();
+            return deep.rows(None);
         }
         let shallow = (p > self.drop).then(|| outlook.at(p - self.drop, deep));
-        deep.rows_by_depth(pattern, shallow.as_ref())
+        deep.rows(shallow.as_ref().map(|shallow| (pattern, shallow)))
     }
 
     /// The largest share of a step-over s and of a pattern's distances that the rows of an outline clear, and the cleared

@@ -228,36 +228,29 @@ impl Row {
 }
 
 impl Outline {
-    /// The row at the offset t. At most four intervals are stored.
-    fn row(&self, t: f64) -> Row {
-        let mut row = Row { ends: [0.0; 8], count: 0 };
-        let mut from = self.corners[LINES - 1];
-        for to in self.corners {
-            if (from[1] <= t) != (to[1] <= t) && row.count < row.ends.len() {
-                row.ends[row.count] = from[0] + (t - from[1]) / (to[1] - from[1]) * (to[0] - from[0]);
-                row.count += 1;
-            }
-            from = to;
-        }
-        row.ends[..row.count].sort_unstable_by(f64::total_cmp);
-        row
-    }
-
-    /// The rows through the corners, for marks of equal depth.
-    pub(super) fn rows(&self) -> Rows {
-        self.rows_with(|_, deep| MarkedRow { deep: deep[1] - deep[0], front: deep[1], alternating: None })
-    }
-
-    /// The rows through the corners, for a pattern of deep and shallow marks; `shallow` is the outline for the shallow
-    /// ones, `None` where these do not reach as deep.
-    pub(super) fn rows_by_depth(&self, pattern: &Pattern, shallow: Option<&Self>) -> Rows {
-        self.rows_with(|t, deep| {
-            let alternating = shallow.and_then(|shallow| shallow.row(t).longest(deep[0], deep[1])).map(|ends| {
+    /// The rows through the corners. For a pattern of deep and shallow marks, `shallow` has the pattern and the outline for the
+    /// shallow ones; `None` where these do not reach as deep, and for marks of equal depth.
+    pub(super) fn rows(&self, shallow: Option<(&Pattern, &Self)>) -> Rows {
+        let mut offsets = self.corners.map(|corner| corner[1]);
+        offsets.sort_unstable_by(f64::total_cmp);
+        let furthest = |sense: f64| {
+            let further = |best: [f64; 2], corner: &[f64; 2]| if sense * corner[1] > sense * best[1] { *corner } else { best };
+            let [x, t] = self.corners.iter().fold(self.corners[0], further);
+            Edge { t, x: [x; 2], is_deep: true }
+        };
+        let extent = Cleared { left: furthest(-1.0), right: furthest(1.0) };
+        let rows = self.rows_at(&offsets);
+        let shallow = shallow.map(|(pattern, outline)| (pattern.shallow_pairs, outline.rows_at(&offsets)));
+        let marked = std::array::from_fn(|i| {
+            let deep = rows[i].longest(f64::NEG_INFINITY, f64::INFINITY)?;
+            let alternating = shallow.as_ref().and_then(|(pairs, rows)| {
+                let ends = rows[i].longest(deep[0], deep[1])?;
                 let mixed = (ends[1] - deep[0]).min(deep[1] - ends[0]);
-                Alternating { length: if pattern.shallow_pairs { mixed.min(ends[1] - ends[0]) } else { mixed }, front: ends[1] }
+                Some(Alternating { length: if *pairs { mixed.min(ends[1] - ends[0]) } else { mixed }, front: ends[1] })
             });
-            MarkedRow { deep: deep[1] - deep[0], front: deep[1], alternating }
-        })
+            Some(MarkedRow { deep: deep[1] - deep[0], front: deep[1], alternating })
+        });
+        Rows { offsets, marked, extent }
     }
 
     /// The rows at the corners' offsets, which are sorted: each side of the polygon crosses those between its ends.
@@ -279,20 +272,6 @@ impl Outline {
             row.ends[..row.count].sort_unstable_by(f64::total_cmp);
         }
         rows
-    }
-
-    fn rows_with(&self, marked: impl Fn(f64, [f64; 2]) -> MarkedRow) -> Rows {
-        let mut offsets = self.corners.map(|corner| corner[1]);
-        offsets.sort_unstable_by(f64::total_cmp);
-        let furthest = |sense: f64| {
-            let further = |best: [f64; 2], corner: &[f64; 2]| if sense * corner[1] > sense * best[1] { *corner } else { best };
-            let [x, t] = self.corners.iter().fold(self.corners[0], further);
-            Edge { t, x: [x; 2], is_deep: true }
-        };
-        let extent = Cleared { left: furthest(-1.0), right: furthest(1.0) };
-        let rows = self.rows_at(&offsets);
-        let marked = std::array::from_fn(|i| rows[i].longest(f64::NEG_INFINITY, f64::INFINITY).map(|deep| marked(offsets[i], deep)));
-        Rows { offsets, marked, extent }
     }
 }
 
@@ -363,6 +342,7 @@ impl Rows {
             }
             if let (Some(left), Some((before_value, before))) = (open, before)
                 && before_value >= 0.0
+                && before.is_deep != edge.is_deep
                 && let Some([end, start]) = self.gap(i, f, deep_spacing)
             {
                 close(left, Edge { t: end, ..before });

@@ -15,6 +15,9 @@ const CLOSE: f64 = 4.0 * f64::EPSILON;
 /// The size of a step, as a share of the row, under which a step that does not shrink is a rounding error.
 const NOISE: f64 = 1e-10;
 
+/// The least length of a row, as a share of the cutter's size, by which steps are measured.
+const SHORTEST: f64 = 1e-12;
+
 /// The factor by which steps away from the row grow.
 const GROWING: f64 = 4.0;
 
@@ -82,19 +85,18 @@ impl Feeds<'_> {
 
     /// The row at the offset t and the height p, from ends near it, which are replaced.
     fn row(&self, t: f64, p: f64, near: &mut [f64; 2]) -> Result<Row, Left> {
-        let reach = near[1] - near[0];
-        let ends = |[back, front]: [f64; 2]| Some([self.end(t, p, -1.0, back, reach)?, self.end(t, p, 1.0, front, reach)?]);
-        let row = match ends(*near) {
-            Some(row) => row,
-            None => {
-                let mut middle = f64::midpoint(near[0], near[1]);
-                let chord = Chord::search(self.body, &mut middle, t, p, &Marks::even(0.0), Accuracy::full(p), t.abs() + reach + p);
-                if chord.value > 0.0 {
-                    return Err(Left::Beyond { side: chord.by_side.signum(), step: -chord.value / chord.by_side });
-                }
-                let [back, front] = [-1.0, 1.0].map(|sense| self.outside(t, p, sense, middle, reach));
-                back.zip(front).and_then(|(back, front)| ends([back, front])).ok_or(Left::Unknown)?
+        let reach = (near[1] - near[0]).max(SHORTEST * self.body.reach());
+        let row_from = |[back, front]: [f64; 2]| Some([self.end(t, p, -1.0, back, reach)?, self.end(t, p, 1.0, front, reach)?]);
+        let row = if let Some(row) = row_from(*near) {
+            row
+        } else {
+            let mut middle = f64::midpoint(near[0], near[1]);
+            let chord = Chord::search(self.body, &mut middle, t, p, &Marks::even(0.0), Accuracy::full(p), t.abs() + reach + p);
+            if chord.value > 0.0 {
+                return Err(Left::Beyond { side: chord.by_side.signum(), step: -chord.value / chord.by_side });
             }
+            let outside = |sense: f64| self.outside(t, p, sense, middle, reach);
+            outside(-1.0).zip(outside(1.0)).and_then(|(back, front)| row_from([back, front])).ok_or(Left::Unknown)?
         };
         *near = row.map(|end| end.x);
         Ok(row)
