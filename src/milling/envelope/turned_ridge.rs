@@ -21,6 +21,9 @@ const MOST_STEPS: usize = 20;
 /// Heights that differ by a smaller share are those of one ridge.
 const SAME: f64 = 1e-6;
 
+/// The number of offsets of nested searches from which Newton's method is tried.
+const MOST_SHORTCUTS: usize = 4;
+
 /// If the marks are further apart than this many step-overs, the stated contact moves with the ridge.
 const FEW_STEP_OVERS: f64 = 3.0;
 
@@ -204,7 +207,7 @@ impl<'a> RidgeSearch<'a> {
     /// The ridge for given step-over and marks by nested searches, with what is left of their errors removed by Newton's
     /// method; `None` if there is none.
     pub(super) fn search(&self, start: &TurnedRidge) -> Option<TurnedRidge> {
-        let ridge = self.nested(start)?;
+        let ridge = self.nested(start, MOST_SHORTCUTS)?;
         let is_same = |other: &TurnedRidge| (other.lengths.level / ridge.lengths.level - 1.0).abs() <= SAME;
         self.solve(Sought::Level, ridge).filter(is_same).or(Some(ridge))
     }
@@ -212,8 +215,9 @@ impl<'a> RidgeSearch<'a> {
     /// The ridge for given step-over and marks by nested searches, from a ridge near it; `None` if there is none.
     ///
     /// A pass leaves the lowest height abreast of its deepest place and more to both sides of it, so that the height
-    /// left by the near pass exceeds that left by the far one exactly on the far side of the ridge.
-    fn nested(&self, start: &TurnedRidge) -> Option<TurnedRidge> {
+    /// left by the near pass exceeds that left by the far one exactly on the far side of the ridge. From the first offsets,
+    /// as many as `shortcuts`, Newton's method is tried: its ridge is the one sought if both passes leave its height there.
+    fn nested(&self, start: &TurnedRidge, mut shortcuts: usize) -> Option<TurnedRidge> {
         let Lengths { level, step_over, .. } = start.lengths;
         let spacing = self.spacing(start.lengths);
         // The height and the place of the marks that both passes leave at an offset. Every search starts at the same place,
@@ -224,38 +228,59 @@ impl<'a> RidgeSearch<'a> {
                 let mut behind = start.behind[pass];
                 self.level(level, aside, offset, spacing, &mut behind).map(|level| (level, behind))
             };
-            [left_by(0, offset), left_by(1, offset - step_over)]
+            // Without a height of either pass nothing is known of the ridge.
+            Some([left_by(0, offset)?, left_by(1, offset - step_over)?])
         };
-        // Without a height of either pass nothing is known of the ridge.
-        let excess = |offset: f64| match left(offset) {
-            [Some(near), Some(far)] => Ok(near.0 - far.0),
-            _ => Err(()),
+        let ridge_at = |offset: f64, [near, far]: [(f64, f64); 2]| TurnedRidge {
+            behind: [near.1, far.1],
+            aside: offset - 0.5 * step_over,
+            lengths: Lengths { level: near.0.min(far.0), ..start.lengths },
+            is_round: false,
         };
-        let start_offset = start.offset();
-        let first = excess(start_offset).ok()?;
-        let mut step = 0.1 * (step_over + spacing.length);
-        let mut other = start_offset;
-        loop {
+        let [low, high] = Self::bracket(start.offset(), step_over + spacing.length, 8.0 * self.marks.diameter(), |offset| {
+            left(offset).map(|[near, far]| near.0 - far.0)
+        })?;
+        let is_ridge = |ridge: &TurnedRidge| {
+            let is_level = |(level, _): (f64, f64)| (level / ridge.lengths.level - 1.0).abs() <= SAME;
+            (low..=high).contains(&ridge.offset()) && left(ridge.offset()).is_some_and(|passes| passes.into_iter().all(is_level))
+        };
+        let excess = |offset: f64| {
+            let passes = left(offset).ok_or(None)?;
+            if shortcuts > 0 {
+                shortcuts -= 1;
+                let ridge = self.solve(Sought::Level, ridge_at(offset, passes)).filter(is_ridge);
+                if ridge.is_some() {
+                    return Err(ridge);
+                }
+            }
+            Ok(passes[0].0 - passes[1].0)
+        };
+        let offset = match bracketed_root(low, high, excess) {
+            Ok(offset) => offset,
+            Err(found) => return found,
+        };
+        // Where the marks that clear a pass change, its height can jump, and the ridge is under the higher of both ends of
+        // the jump.
+        let resolution = 4.0 * f64::EPSILON * low.abs().max(high.abs());
+        let ends = [offset - resolution, offset + resolution].into_iter().filter_map(|offset| Some(ridge_at(offset, left(offset)?)));
+        ends.reduce(|one, other| if one.lengths.level >= other.lengths.level { one } else { other })
+    }
+
+    /// A bracket of the offset at which `excess` changes its sign, from a start, with steps that grow from a tenth of
+    /// `reach` up to `furthest`; `None` if there is none.
+    fn bracket(start: f64, reach: f64, furthest: f64, excess: impl Fn(f64) -> Option<f64>) -> Option<[f64; 2]> {
+        let first = excess(start)?;
+        let mut step = 0.1 * reach;
+        let mut other = start;
+        while step <= furthest {
             let last = other;
             other -= step.copysign(first);
-            if (excess(other).ok()? > 0.0) != (first > 0.0) {
-                let (low, high) = (last.min(other), last.max(other));
-                let offset = bracketed_root(low, high, excess).ok()?;
-                // Where the marks that clear a pass change, its height can jump, and the ridge is under the higher of
-                // both ends of the jump.
-                let resolution = 4.0 * f64::EPSILON * low.abs().max(high.abs());
-                let ridges = [offset - resolution, offset + resolution].into_iter().filter_map(|offset| {
-                    let [Some(near), Some(far)] = left(offset) else { return None };
-                    let lengths = Lengths { level: near.0.min(far.0), ..start.lengths };
-                    Some(TurnedRidge { behind: [near.1, far.1], aside: offset - 0.5 * step_over, lengths, is_round: false })
-                });
-                return ridges.reduce(|one, other| if one.lengths.level >= other.lengths.level { one } else { other });
+            if (excess(other)? > 0.0) != (first > 0.0) {
+                return Some([last.min(other), last.max(other)]);
             }
             step *= 2.0;
-            if step > 8.0 * self.marks.diameter() {
-                return None;
-            }
         }
+        None
     }
 
     /// The largest turn at the ridge's contacts as a share of the smaller of the slope's sine and cosine.
@@ -321,9 +346,11 @@ mod tests {
             let search = RidgeSearch::new(&marks);
             let start = |level| envelope.ridge_of_paraboloid(Lengths { level, step_over: s, mark_spacing: f });
             if let Some(quick) = search.solve(Sought::Level, start(level)) {
-                let nested = search.nested(&start(wrong * level)).unwrap();
                 // The nested searches end within 1e-14 of the offset and of the height.
-                approx::assert_relative_eq!(nested.lengths.level, quick.lengths.level, max_relative = 1e-12);
+                for shortcuts in [0, MOST_SHORTCUTS] {
+                    let nested = search.nested(&start(wrong * level), shortcuts).unwrap();
+                    approx::assert_relative_eq!(nested.lengths.level, quick.lengths.level, max_relative = 1e-12);
+                }
             }
         }
 
