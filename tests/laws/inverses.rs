@@ -83,6 +83,28 @@ proptest! {
         }
     }
 
+    /// The side of a flat-end cutter on a nearly level surface is so steep over the surface that heights rise by thousands of
+    /// times a step-over's change.
+    #[test]
+    fn the_side_of_a_flat_end_cutter_keeps_the_tolerance(
+        outer in 0.5..20.0_f64, slope in -7.0..0.0_f64, alpha in 0.0..90.0_f64, bends in [-4.0..-1.0_f64, -4.0..-1.0_f64],
+        turn in 0.0..180.0_f64, length in -3.0..0.0_f64, tolerance in -4.0..-1.0_f64,
+    ) {
+        let [length, tolerance, slope] = [length, tolerance, slope].map(|log| 10_f64.powf(log));
+        let (length, tolerance) = (length * outer, tolerance * outer);
+        let surface = SurfaceCurvature::from_principal_per_mm(bends.map(|bend| 10_f64.powf(bend) / outer), Angle::from_degrees(turn).unwrap());
+        let (contact, cutter) = (Contact::from_degrees(slope, alpha).unwrap(), Cutter::flat_end(mm(2.0 * outer)));
+        let pass = Pass { cutter, contact, surface: surface.unwrap(), runout: Runout::NONE, teeth: None };
+        let evaluated = EvaluatedPass::new(BOTH[1], pass).unwrap();
+        let kept = tolerance * (1.0 + 1e-9);
+        if let Ok(step_over) = evaluated.max_step_over(mm(tolerance), Some(mm(length))) {
+            prop_assert!(height(&evaluated, step_over.mm(), length).unwrap() <= kept);
+        }
+        if let Ok(feed) = evaluated.max_feed_per_tooth(mm(tolerance), mm(length)) {
+            prop_assert!(height(&evaluated, length, feed.mm()).unwrap() <= kept);
+        }
+    }
+
     /// The distance between tooth marks and the feed per tooth are inverse to each other. The feed is a difference of
     /// terms. The largest of them is the runout, up to ten times the feed, so that 1e-15 of it is 1e-14 of the feed.
     /// The argument of the square root cancels once more.

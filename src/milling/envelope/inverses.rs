@@ -252,10 +252,12 @@ impl Envelope {
     ///
     /// The height decides, so that no answer exceeds the tolerance. If the section is not convex, `found` and the height
     /// can belong to different ridges. With runout, `found` can be a length at which the height jumps, so that its
-    /// rounding error exceeds the tolerance. Before a correction by the third order, `found` is only a guess.
+    /// rounding error exceeds the tolerance. At the side of a flat-end cutter on a nearly level surface heights rise by
+    /// thousands of times a length's change. Before a correction by the third order, `found` is only a guess.
     fn confirmed(&self, found: f64, tolerance: f64, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let is_convex = self.is_convex_up_to(tolerance);
-        if is_convex && self.drop == 0.0 || self.has_third_order {
+        let is_steep = self.cutter.kind() == CutterKind::FlatEnd && !self.pass.surface.is_plane();
+        if is_convex && self.drop == 0.0 && !is_steep || self.has_third_order {
             return Some(found);
         }
         if is_convex {
