@@ -256,8 +256,8 @@ impl Envelope {
     /// thousands of times a length's change. Before a correction by the third order, `found` is only a guess.
     fn confirmed(&self, found: f64, tolerance: f64, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let is_convex = self.is_convex_up_to(tolerance);
-        let is_steep = self.cutter.kind() == CutterKind::FlatEnd && !self.pass.surface.is_plane();
-        if is_convex && self.drop == 0.0 && !is_steep || self.has_third_order {
+        let has_steep_side = self.cutter.kind() == CutterKind::FlatEnd && !self.pass.surface.is_plane();
+        if is_convex && self.drop == 0.0 && !has_steep_side || self.has_third_order {
             return Some(found);
         }
         if is_convex {
