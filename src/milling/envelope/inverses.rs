@@ -27,6 +27,11 @@ pub(super) enum SecondOrder {
     UsedUp,
 }
 
+/// Whether a length is the largest one, up to the rounding errors of a search.
+pub(super) fn is_limit(length: f64, largest: f64) -> bool {
+    length >= largest * (1.0 - 1e-12)
+}
+
 impl Envelope {
     /// [`Envelope::max_feed_per_tooth`] to second order, for a step-over that alone leaves `step_over_height`.
     pub(super) fn second_order_max_feed_per_tooth_above(
@@ -224,8 +229,7 @@ impl Envelope {
             quick.unwrap_or_else(|| self.step_over_on_concave(p, pattern, largest))
         };
         // If only the overlap of the passes limits the step-over, the result is that limit.
-        let is_limit = |step_over: f64| step_over >= largest * (1.0 - 1e-12);
-        if is_limit(width) && (self.is_convex_up_to(p) || self.has_third_order) {
+        if is_limit(width, largest) && (self.is_convex_up_to(p) || self.has_third_order) {
             return Ok(SecondOrder::Unlimited);
         }
         // The section can be empty again over the whole cutter, so that a width of 0 shows nothing on a concave surface.
@@ -233,7 +237,7 @@ impl Envelope {
             return Ok(SecondOrder::UsedUp);
         }
         Ok(match self.confirmed(width, p, largest, |step_over| self.height(step_over, pattern)) {
-            Some(step_over) if is_limit(step_over) => SecondOrder::Unlimited,
+            Some(step_over) if is_limit(step_over, largest) => SecondOrder::Unlimited,
             Some(step_over) => SecondOrder::Found(step_over, ridge),
             None => SecondOrder::UsedUp,
         })
@@ -277,8 +281,7 @@ impl Envelope {
         if !self.is_convex_up_to(p) {
             return quick.or_else(|| self.feed_on_concave(p, s, largest));
         }
-        let is_limit = |feed: f64| feed >= largest * (1.0 - 1e-12);
-        let nested = || self.nested_feed(p, s, guess).map(|feed| if is_limit(feed) { largest } else { feed });
+        let nested = || self.nested_feed(p, s, guess).map(|feed| if is_limit(feed, largest) { largest } else { feed });
         quick.or_else(nested).or_else(|| self.feed_held(p, s, guess, largest)).filter(|feed| *feed >= Length::SMALLEST)
     }
 

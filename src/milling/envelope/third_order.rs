@@ -3,7 +3,7 @@
 
 use super::body::Body;
 use super::clearing::Clearing;
-use super::inverses::SecondOrder;
+use super::inverses::{SecondOrder, is_limit};
 use super::length_search;
 use super::newton::{self, End, Lengths, Place, Ridge, Sought};
 use super::proved;
@@ -158,7 +158,7 @@ impl Envelope {
             Candidate::Guess(Length::SMALLEST)
         };
         match Self::confirmed_length(candidate, p, largest, |s| self.turned_height(s, pattern)) {
-            Some(step_over) if step_over >= largest * (1.0 - 1e-12) => {
+            Some(step_over) if is_limit(step_over, largest) => {
                 Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) })
             }
             Some(step_over) => Ok(Length::computed(step_over)),
