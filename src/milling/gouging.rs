@@ -158,6 +158,12 @@ struct Footprint {
 const AROUND: u8 = 32;
 const DOWN: u8 = 8;
 
+/// The largest number of steps of Newton's method from a grid point, which takes three to five.
+const MOST_NEWTON_STEPS: usize = 8;
+
+/// The last step of Newton's method, in rad: H differs from its minimum by the square, 1e-16 of the cutter's radius.
+const LAST_ANGLE: f64 = 1e-8;
+
 impl Footprint {
     /// H, the height above the surface along the normal, of the point of the round at the azimuth psi from the contact,
     /// with its normal at the angle beta to the axis. beta is 0 at the flat's rim, S at the contact, and pi/2 where the
@@ -189,8 +195,10 @@ impl Footprint {
             return true;
         }
         let last = usize::from(AROUND) - 1;
+        // All rows of a sharp edge are the same.
+        let lowest_row = if self.corner > 0.0 { usize::from(DOWN) } else { 0 };
         (0..=last).any(|i| {
-            (0..=usize::from(DOWN)).any(|j| {
+            (0..=lowest_row).any(|j| {
                 let (before, after) = (if i == 0 { last } else { i - 1 }, if i == last { 0 } else { i + 1 });
                 let least = heights[before][j].min(heights[after][j]).min(heights[i][j.saturating_sub(1)]);
                 let least = least.min(heights[i][(j + 1).min(usize::from(DOWN))]);
@@ -199,8 +207,65 @@ impl Footprint {
         })
     }
 
-    /// The least H that a descent from a grid point finds. It moves to the lowest neighbour, and halves its steps if no
-    /// neighbour is lower.
+    /// The least H by Newton's method in both angles, or in psi alone at a border of the round beyond which H falls; `None` where
+    /// H is not convex, and farther than a step of the descent from the start.
+    fn lowest_by_newton(&self, start: (f64, f64), step: (f64, f64)) -> Option<f64> {
+        let (mut psi, mut beta) = start;
+        for _ in 0..MOST_NEWTON_STEPS {
+            let ([by_psi, by_beta], [psi_psi, psi_beta, beta_beta]) = self.derivatives(psi.sin_cos(), beta.sin_cos());
+            let is_at_border = beta <= 0.0 && by_beta > 0.0 || beta >= std::f64::consts::FRAC_PI_2 && by_beta < 0.0;
+            let (to_psi, to_beta) = if is_at_border || self.corner == 0.0 {
+                (-by_psi / psi_psi, 0.0)
+            } else {
+                let determinant = psi_psi * beta_beta - psi_beta * psi_beta;
+                if determinant.is_nan() || determinant <= 0.0 {
+                    return None;
+                }
+                ((psi_beta * by_beta - beta_beta * by_psi) / determinant, (psi_beta * by_psi - psi_psi * by_beta) / determinant)
+            };
+            let next = (psi + to_psi, (beta + to_beta).clamp(0.0, std::f64::consts::FRAC_PI_2));
+            if psi_psi <= 0.0 || !((next.0 - start.0).abs() <= step.0 && (next.1 - start.1).abs() <= step.1) {
+                return None;
+            }
+            let size = (next.0 - psi).abs() + (next.1 - beta).abs();
+            (psi, beta) = next;
+            if size <= LAST_ANGLE {
+                return Some(self.height(psi.sin_cos(), beta.sin_cos()));
+            }
+        }
+        None
+    }
+
+    /// The first derivatives of H by psi and beta, and the second ones: twice by psi, by both, twice by beta.
+    fn derivatives(&self, (sin_psi, cos_psi): (f64, f64), (sin_beta, cos_beta): (f64, f64)) -> ([f64; 2], [f64; 3]) {
+        let (a, r, sin, cos, surface) = (self.core, self.corner, self.sin, self.cos, &self.surface);
+        let (around, down) = (a + r * sin_beta, r * cos_beta);
+        let outwards = a * (1.0 - cos_psi) + r * (sin - sin_beta * cos_psi);
+        let upwards = r * (cos - cos_beta);
+        // Components along the steepest line, the level line and the normal.
+        let parts = |outwards: f64, level: f64, upwards: f64| [outwards * cos - upwards * sin, level, outwards * sin + upwards * cos];
+        let bend = |[steep, level, _]: [f64; 3], [other_steep, other_level, _]: [f64; 3]| {
+            surface.along_per_mm() * steep * other_steep
+                + surface.twist_per_mm() * (steep * other_level + level * other_steep)
+                + surface.across_per_mm() * level * other_level
+        };
+        let place = parts(outwards, around * sin_psi, upwards);
+        let by_psi = parts(around * sin_psi, around * cos_psi, 0.0);
+        let by_beta = parts(-down * cos_psi, down * sin_psi, r * sin_beta);
+        let first = |by: [f64; 3]| by[2] + bend(place, by);
+        let second = |by: [f64; 3], one: [f64; 3], other: [f64; 3]| first(by) + bend(one, other);
+        (
+            [first(by_psi), first(by_beta)],
+            [
+                second(parts(around * cos_psi, -around * sin_psi, 0.0), by_psi, by_psi),
+                second(parts(down * sin_psi, down * cos_psi, 0.0), by_psi, by_beta),
+                second(parts(r * sin_beta * cos_psi, -r * sin_beta * sin_psi, down), by_beta, by_beta),
+            ],
+        )
+    }
+
+    /// The least H that a descent from a grid point finds. It moves to a lower neighbour, and halves its steps if none is lower.
+    /// From the second halving on Newton's method may end it.
     fn lowest_near(&self, (mut psi, mut beta): (f64, f64), (mut psi_step, mut beta_step): (f64, f64)) -> f64 {
         let at = |psi: f64, beta: f64| self.height(psi.sin_cos(), beta.sin_cos());
         let mut lowest = at(psi, beta);
@@ -221,6 +286,13 @@ impl Footprint {
             if lowest >= before {
                 (psi_step, beta_step) = (psi_step / 2.0, beta_step / 2.0);
                 halvings += 1;
+                // Beside the floor's rim H can have two minima within the slope.
+                if halvings > 1
+                    && (beta_step < 0.25 * self.sin || self.corner == 0.0)
+                    && let Some(least) = self.lowest_by_newton((psi, beta), (psi_step, beta_step))
+                {
+                    return least.min(lowest);
+                }
             }
         }
         lowest
