@@ -382,15 +382,23 @@ impl Body {
         let (d, e) = (p * sin + steep * cos, p * cos - steep * sin);
         let b = self.axis - d;
         let radius = (b * b + level * level).sqrt();
-        let excess = if b > 0.0 { level * level / (radius + b) } else { radius - b };
+        // One division for two quotients, here and at the round: divisions take most of the time.
+        let (excess, per_radius) = if b > 0.0 {
+            let per_both = (radius * (radius + b)).recip();
+            (level * level * per_both * radius, per_both * (radius + b))
+        } else {
+            (radius - b, radius.recip())
+        };
         let grown = excess - d;
         let (outside, below) = (r * sin + grown, r * cos - e);
-        let to_core = if outside > 0.0 && below > 0.0 { (outside * outside + below * below).sqrt() } else { outside.max(below) };
         let is_round = face.is_none() && outside > 0.0 && below > 0.0;
         let is_side = face.map_or(outside > below, |face| face == Face::Side);
         let (value, out, down, meridian) = if is_round {
-            let value = (2.0 * r * (sin * excess - p) + grown * grown + e * e) / (to_core + r);
-            (value, outside / to_core, below / to_core, to_core.recip())
+            let to_core = (outside * outside + below * below).sqrt();
+            let per_both = (to_core * (to_core + r)).recip();
+            let per_core = per_both * (to_core + r);
+            let value = (2.0 * r * (sin * excess - p) + grown * grown + e * e) * (per_both * to_core);
+            (value, outside * per_core, below * per_core, per_core)
         } else if is_side {
             (grown - r * (1.0 - sin), 1.0, 0.0, 0.0)
         } else {
@@ -398,7 +406,7 @@ impl Body {
         };
         // The radial unit vector. On the axis the core's floor is nearer than its side, so the direction does not
         // matter.
-        let (radial_d, radial_level) = if radius > 0.0 { (-b / radius, level / radius) } else { (-1.0, 0.0) };
+        let (radial_d, radial_level) = if radius > 0.0 { (-b * per_radius, level * per_radius) } else { (-1.0, 0.0) };
         // The components of a vector along the feed, to the side and along the normal. The feed is cos(theta) times the
         // steepest line plus sin(theta) times the level line; the side is -sin(theta) and cos(theta) times them. A step
         // along the feed or to the side also includes the fall of the surface.
@@ -412,7 +420,7 @@ impl Body {
         // The second derivatives have three parts: along the meridian's tangent, around the axis, and from the surface.
         let along = parts(down * radial_d, down * radial_level, out);
         let around = parts(-radial_level, radial_d, 0.0);
-        let around_axis = if out > 0.0 && radius > 0.0 { out / radius } else { 0.0 };
+        let around_axis = if out > 0.0 && radius > 0.0 { out * per_radius } else { 0.0 };
         let bend = meridian * along.0 * along.0 + around_axis * around.0 * around.0;
         let bend_to_side = meridian * along.0 * along.1 + around_axis * around.0 * around.1;
         Distance {

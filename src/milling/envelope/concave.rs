@@ -57,27 +57,41 @@ impl Envelope {
             let cleared = rows.extent();
             return Some((cleared.width() / s, cleared));
         }
-        let at = |share: f64| rows.cleared(share * f, share * deepest).filter(|cleared| cleared.width() >= share * s);
-        let mut low = at(1.0).map(|cleared| (1.0, cleared));
-        let mut high = if low.is_some() { f64::INFINITY } else { 1.0 };
+        // The room is the width that is cleared beyond a share of the step-over. It falls as the share grows.
+        let room = |share: f64| {
+            let cleared = rows.cleared(share * f, share * deepest);
+            (cleared.map_or(0.0, |cleared| cleared.width()) - share * s, cleared)
+        };
+        let (mut low, mut high) = ((0.0, None), None::<(f64, f64)>);
+        // Half of the room at an end that stays keeps the proportions from favouring it.
+        let mut weights = [1.0; 2];
+        let mut share = 1.0;
         for _ in 0..MOST_SHARES {
-            let lowest = low.map_or(0.0, |(share, _)| share);
-            if high - lowest <= if NEAR.contains(&lowest) { SHARE_ERROR } else { 0.1 } * lowest {
-                break;
-            }
-            let middle = if high == f64::INFINITY {
-                2.0 * lowest
-            } else if lowest == 0.0 {
-                0.5 * high
+            let (here, cleared) = room(share);
+            if here >= 0.0 {
+                low = (share, cleared.map(|cleared| (here, cleared)));
+                weights = [1.0, 0.5 * weights[1]];
             } else {
-                f64::midpoint(lowest, high)
-            };
-            match at(middle) {
-                Some(cleared) => low = Some((middle, cleared)),
-                None => high = middle,
+                high = Some((share, here));
+                weights = [0.5 * weights[0], 1.0];
             }
+            share = match (low, high) {
+                (_, None) => 2.0 * share,
+                ((_, None), Some((high, _))) => 0.5 * high,
+                ((low, Some((room, _))), Some((high, lack))) => {
+                    let error = if NEAR.contains(&low) { SHARE_ERROR } else { 0.1 } * low;
+                    if high - low <= error {
+                        break;
+                    }
+                    let (room, lack) = (weights[0] * room, weights[1] * lack);
+                    // A little beyond the root, so that the next room is as small and has the other sign.
+                    let at = low + (high - low) * room / (room - lack);
+                    let margin = (0.25 * error).min(0.25 * (high - low));
+                    if at < f64::midpoint(low, high) { (at + margin).max(low + margin) } else { (at - margin).min(high - margin) }
+                }
+            };
         }
-        low
+        low.1.map(|(_, cleared)| (low.0, cleared))
     }
 
     /// The ridge near the edges of a cleared interval, if its chords are seen from the contact and, where an edge is of deep

@@ -21,6 +21,9 @@ const LINES: usize = 42;
 const FIRST_LINES: usize = 14;
 const EVEN_LINES: usize = 32;
 
+/// The cosine and the sine of the angle between the first lines.
+const FIRST_TURN: [f64; 2] = [0.900_968_867_902_419_1, 0.433_883_739_117_558_1];
+
 /// The largest number of steps of the search for a corner, more than [`CLOSE`] needs.
 const MOST_STEPS: usize = 40;
 
@@ -85,46 +88,51 @@ impl<'a> Outlook<'a> {
         let uphill = outlook.exit(unit(-1.0, 0.0), p, guess);
         let downhill = outlook.exit(unit(1.0, 0.0), p, guess);
         let extent = [uphill.max(downhill).min(reach).max(p), body.level_extent(p)];
+        // The lines in the order in which they are placed, each with its direction and its place in units of the extent, the
+        // lines before and after it, and the square of the side to the line after it.
         let (mut units, mut measured) = ([[0.0; 2]; LINES], [[0.0; 2]; LINES]);
-        let mut reached = 1.0;
-        #[expect(clippy::cast_precision_loss, reason = "at most 14")]
-        for i in 0..FIRST_LINES {
-            let (level, steep) = (i as f64 * (std::f64::consts::TAU / FIRST_LINES as f64)).sin_cos();
-            units[i] = [steep, level];
-            reached = outlook.place(i, units[i], extent, p, reached);
-            measured[i] = units[i].map(|part| part * reached);
-        }
+        let (mut before, mut after) = ([0; LINES], [0; LINES]);
         let mut sides = [0.0; LINES];
         let side = |from: [f64; 2], to: [f64; 2]| (from[0] - to[0]).powi(2) + (from[1] - to[1]).powi(2);
+        let (mut direction, mut reached) = ([1.0, 0.0], 1.0);
         for i in 0..FIRST_LINES {
-            sides[i] = side(measured[i], measured[(i + 1) % FIRST_LINES]);
+            units[i] = direction;
+            reached = outlook.place(i, direction, extent, p, reached);
+            measured[i] = direction.map(|part| part * reached);
+            (before[i], after[i]) = ((i + FIRST_LINES - 1) % FIRST_LINES, (i + 1) % FIRST_LINES);
+            let [cos, sin] = FIRST_TURN;
+            direction = [cos * direction[0] - sin * direction[1], sin * direction[0] + cos * direction[1]];
+        }
+        for i in 0..FIRST_LINES {
+            sides[i] = side(measured[i], measured[after[i]]);
         }
         for count in FIRST_LINES..LINES {
-            let longest = if count < EVEN_LINES {
-                (0..count).fold(0, |longest, i| if sides[i] > sides[longest] { i } else { longest })
+            let from = if count < EVEN_LINES {
+                (1..count).fold(0, |longest, i| if sides[i] > sides[longest] { i } else { longest })
             } else {
                 let corners = &outlook.first.corners;
                 let sense = if count % 2 == 0 { 1.0 } else { -1.0 };
-                let furthest = (0..count).fold(0, |best, i| if corners[i][1] * sense > corners[best][1] * sense { i } else { best });
-                let before = if furthest == 0 { count - 1 } else { furthest - 1 };
-                if sides[before] > sides[furthest] { before } else { furthest }
+                let furthest = (1..count).fold(0, |best, i| if corners[i][1] * sense > corners[best][1] * sense { i } else { best });
+                if sides[before[furthest]] > sides[furthest] { before[furthest] } else { furthest }
             };
-            let next = if longest + 1 == count { 0 } else { longest + 1 };
-            let middle: [f64; 2] = std::array::from_fn(|i| units[longest][i] + units[next][i]);
+            let to = after[from];
+            let middle: [f64; 2] = std::array::from_fn(|i| units[from][i] + units[to][i]);
             let length = hypotenuse(middle[0], middle[1]);
-            let middle = middle.map(|part| part / length);
-            let (from, to) = (measured[longest], measured[next]);
-            let guess = 0.5 * (hypotenuse(from[0], from[1]) + hypotenuse(to[0], to[1]));
-            outlook.directions[longest + 1..=count].rotate_right(1);
-            outlook.first.corners[longest + 1..=count].rotate_right(1);
-            units[longest + 1..=count].rotate_right(1);
-            measured[longest + 1..=count].rotate_right(1);
-            sides[longest + 1..=count].rotate_right(1);
-            let reached = outlook.place(longest + 1, middle, extent, p, guess);
-            units[longest + 1] = middle;
-            measured[longest + 1] = middle.map(|part| part * reached);
-            sides[longest] = side(from, measured[longest + 1]);
-            sides[longest + 1] = side(measured[longest + 1], to);
+            units[count] = middle.map(|part| part / length);
+            let guess = 0.5 * (distance_of(measured[from]) + distance_of(measured[to]));
+            let reached = outlook.place(count, units[count], extent, p, guess);
+            measured[count] = units[count].map(|part| part * reached);
+            (before[count], after[count]) = (from, to);
+            (after[from], before[to]) = (count, count);
+            sides[from] = side(measured[from], measured[count]);
+            sides[count] = side(measured[count], measured[to]);
+        }
+        // In the order around the contact.
+        let (placed, corners) = (outlook.directions, outlook.first.corners);
+        let mut line = 0;
+        for i in 0..LINES {
+            (outlook.directions[i], outlook.first.corners[i]) = (placed[line], corners[line]);
+            line = after[line];
         }
         outlook
     }
@@ -269,7 +277,12 @@ impl Outline {
             from = to;
         }
         for row in &mut rows {
-            row.ends[..row.count].sort_unstable_by(f64::total_cmp);
+            // Most rows have one interval.
+            if row.count > 2 {
+                row.ends[..row.count].sort_unstable_by(f64::total_cmp);
+            } else if row.ends[0] > row.ends[1] && row.count == 2 {
+                row.ends.swap(0, 1);
+            }
         }
         rows
     }

@@ -60,15 +60,22 @@ impl<'a> Ray<'a> {
         let (d_by_length, e_by_length) = (p_by_length * sin + self.steep * cos, p_by_length * cos - self.steep * sin);
         let b = axis - d;
         let radius = (b * b + level * level).sqrt();
-        let excess = if b > 0.0 { level * level / (radius + b) } else { radius - b };
+        // One division for two quotients, as in the distance itself.
+        let (excess, per_radius) = if b > 0.0 {
+            let per_both = (radius * (radius + b)).recip();
+            (level * level * per_both * radius, per_both * (radius + b))
+        } else {
+            (radius - b, radius.recip())
+        };
         let grown = excess - d;
         let (outside, below) = (r * sin + grown, r * cos - e);
         // On the axis the core's floor is nearer than its side.
-        let out_by_length = if radius > 0.0 { (level * self.level - b * d_by_length) / radius } else { 0.0 };
+        let out_by_length = if radius > 0.0 { (level * self.level - b * d_by_length) * per_radius } else { 0.0 };
         if outside > 0.0 && below > 0.0 {
             let to_core = (outside * outside + below * below).sqrt();
-            let value = (2.0 * r * (sin * excess - p) + grown * grown + e * e) / (to_core + r);
-            [value, (outside * out_by_length - below * e_by_length) / to_core]
+            let per_both = (to_core * (to_core + r)).recip();
+            let value = (2.0 * r * (sin * excess - p) + grown * grown + e * e) * (per_both * to_core);
+            [value, (outside * out_by_length - below * e_by_length) * (per_both * (to_core + r))]
         } else if outside > below {
             [grown - r * (1.0 - sin), out_by_length]
         } else {
