@@ -21,18 +21,23 @@ const FIRST_REACH: f64 = 0.4;
 /// The width, as a share of the length, down to which the place of a jump is searched.
 const NARROW: f64 = 5e-10;
 
+/// The slopes of a height's logarithm by that of a length between which a secant counts.
+const LEAST_SECANT: f64 = 0.01;
+const MOST_SECANT: f64 = 20.0;
+
 /// The largest number of secants from a guess within a few percent.
 const MOST_SECANTS: usize = 8;
 
 /// The largest length up to `largest` whose height is at most p: `found`, or the result of a search over the
-/// heights that starts at `guess`; `None` if the height of the smallest length exceeds p.
+/// heights that starts there or at `guess`; `None` if the height of the smallest length exceeds p.
 ///
 /// Lengths and heights are searched by their logarithms, between which a paraboloid has the slope 2. The steps are
 /// those of the secant, inside a bracket. A length without a height does not keep the tolerance.
 pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
     let excess = |length: f64| height(length).map_or(f64::INFINITY, |height| (height / p).ln().max(LEAST_EXCESS));
-    if let Some(found) = found.filter(|found| (Length::SMALLEST..largest).contains(found))
-        && excess(found).abs() <= CONFIRMED
+    let found = found.filter(|found| (Length::SMALLEST..largest).contains(found)).map(|found| (found, excess(found)));
+    if let Some((found, excess)) = found
+        && excess.abs() <= CONFIRMED
     {
         return Some(found);
     }
@@ -43,10 +48,11 @@ pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f6
     let (mut slope, mut reach) = (2.0, FIRST_REACH);
     let mut widths = [f64::INFINITY; 3];
     let mut is_near = false;
-    let mut at = guess.clamp(Length::SMALLEST, largest).ln();
+    let mut at = found.map_or(guess, |(found, _)| found).clamp(Length::SMALLEST, largest).ln();
+    let mut known = found.map(|(_, excess)| excess);
     loop {
         let length = if at >= longest { largest } else { at.exp().clamp(Length::SMALLEST, largest) };
-        let excess = excess(length);
+        let excess = known.take().unwrap_or_else(|| excess(length));
         if excess <= ROUNDING && (at >= longest || at <= shortest && excess > 0.0) {
             return Some(length);
         }
@@ -91,22 +97,28 @@ pub(super) fn largest_within(p: f64, guess: f64, found: Option<f64>, largest: f6
     }
 }
 
-/// A length near `guess` whose height is p, by secants without a bracket; `None` where they do not converge.
-pub(super) fn by_secants(p: f64, guess: f64, height: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-    let excess = |at: f64| Some((height(at.exp())? / p).ln());
-    let first = guess.ln();
-    let mut last = (first, excess(first)?);
-    let mut step = -last.1 / 2.0;
+/// Whether a height confirms the length at which a search found the height p.
+pub(super) fn confirms(height: f64, p: f64) -> bool {
+    (height / p).ln().abs() <= CONFIRMED
+}
+
+/// A length near `guess` at which the logarithm of a height over the tolerance is 0, by secants without a bracket; `None`
+/// where they do not converge. `at_guess` is about that logarithm at the guess. The last evaluation is at the result.
+pub(super) fn by_secants(guess: f64, at_guess: f64, mut excess: impl FnMut(f64) -> Option<f64>) -> Option<f64> {
+    let mut last = (guess.ln(), at_guess);
+    let mut step = if at_guess == 0.0 { f64::MIN_POSITIVE } else { -at_guess / 2.0 };
     for _ in 0..MOST_SECANTS {
-        if last.1.abs() <= CONFIRMED / 2.0 {
-            return Some(last.0.exp());
-        }
         if step.is_nan() || step.abs() > FIRST_REACH {
             return None;
         }
         let at = last.0 + step;
-        let here = (at, excess(at)?);
-        step = -here.1 * (at - last.0) / (here.1 - last.1);
+        let here = (at, excess(at.exp())?);
+        if here.1.abs() <= CONFIRMED / 2.0 {
+            return Some(at.exp());
+        }
+        // Where the guess's own height is not quite the tolerance the first secant is useless, and a paraboloid's slope serves.
+        let slope = (here.1 - last.1) / (at - last.0);
+        step = -here.1 / if (LEAST_SECANT..MOST_SECANT).contains(&slope) { slope } else { 2.0 };
         last = here;
     }
     None

@@ -21,6 +21,13 @@ const NO_TURN: f64 = 1e-11;
 /// The turn, as a share of the slope's sine or cosine, from which on the marks of the second order count more and more.
 const TURNS_BEYOND: f64 = 1.0;
 
+/// The factor of a tolerance over which the height of the marks alone leaves no step-over, although it is a little more than
+/// that of the smallest step-over.
+const USED_UP: f64 = 1.0 + 1e-4;
+
+/// The slope's cosine up to which a contact is beside a wall: about 5 deg.
+const BESIDE_WALL: f64 = 0.09;
+
 /// A length at which the height may be the tolerance.
 #[derive(Debug, Clone, Copy)]
 enum Candidate {
@@ -128,7 +135,7 @@ impl Envelope {
         }
         self.check_feeds(s)?;
         let largest = self.largest_spacing(s);
-        let candidate = self.feed_candidate(p, s, step_over_height.mm(), largest)?;
+        let candidate = self.feed_candidate(p, s, step_over_height.mm(), largest);
         let spacing = Self::confirmed_length(candidate, p, largest, |spacing| self.turned_height(s, self.pattern(spacing)));
         spacing.map_or_else(used_up, |spacing| self.largest_feed(spacing, largest).unwrap_or_else(used_up))
     }
@@ -140,14 +147,24 @@ impl Envelope {
     /// - [`NoAnswer::MarksDoNotOverlap`];
     /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
     pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        if !self.has_third_order {
-            return self.second_order_max_step_over(tolerance, feed_per_tooth);
-        }
         let p = tolerance.mm();
         let pattern = self.pattern_of(feed_per_tooth);
         let largest = self.largest_step_over(pattern.spacing);
         let feed_height = || self.feed_height(pattern, |s| self.turned_height(s, pattern));
         let used_up = |feed_height: f64| Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
+        // With runout or on a concave surface, a search for a step-over that does not exist takes longer than a height. Beside
+        // concave walls heights can fall where step-overs grow, so that the smallest one shows nothing.
+        let is_slow = !pattern.is_even() || self.body.is_concave();
+        let shows = !self.body.is_concave() || self.contact().slope().cos() > BESIDE_WALL;
+        if is_slow && shows && largest >= Length::SMALLEST && self.guess(0.0, pattern) > p {
+            let feed_height = feed_height()?;
+            if feed_height > p * USED_UP {
+                return used_up(feed_height);
+            }
+        }
+        if !self.has_third_order {
+            return self.second_order_max_step_over(tolerance, feed_per_tooth);
+        }
         let candidate = if let Some(candidate) = self.step_over_candidate(p, pattern, largest)? {
             candidate
         } else {
@@ -167,19 +184,19 @@ impl Envelope {
     }
 
     /// A feed per tooth that may leave the height p between passes s apart, which alone leave `step_over_height`.
-    fn feed_candidate(&self, p: f64, s: f64, step_over_height: f64, largest: f64) -> Result<Candidate, NoAnswer> {
+    fn feed_candidate(&self, p: f64, s: f64, step_over_height: f64, largest: f64) -> Candidate {
         if let Some(feed) = self.nearby_feed(p, s, step_over_height, largest) {
-            return Ok(self.nearby_candidate(feed));
+            return self.nearby_candidate(feed);
         }
-        let of_second_order = self.height(s, Pattern::even(0.0)).ok_or_else(|| self.no_height(s, 0.0))?;
-        Ok(match self.second_order_feed(p, s, of_second_order) {
+        // To second order the step-over leaves about as much.
+        match self.second_order_feed(p, s, step_over_height) {
             SecondOrder::Found(feed, ridge) if self.pattern(feed).is_even() => {
                 self.candidate(Sought::MarkSpacing, Lengths { level: p, step_over: s, mark_spacing: feed }, ridge)
             }
-            SecondOrder::Found(feed, _) => Self::candidate_with_runout(p, feed, |feed| self.unconfirmed_height(s, self.pattern(feed))),
+            SecondOrder::Found(feed, _) => self.candidate_with_runout(p, feed, |feed| (s, self.pattern(feed))),
             SecondOrder::Unlimited => Candidate::Guess(largest),
             SecondOrder::UsedUp => Candidate::Guess(Length::SMALLEST),
-        })
+        }
     }
 
     /// A step-over that may leave the height p at a pattern of marks; `None` if to second order the marks alone leave more.
@@ -191,16 +208,32 @@ impl Envelope {
             SecondOrder::Found(step_over, ridge) if pattern.is_even() => {
                 Some(self.candidate(Sought::StepOver, Lengths { level: p, step_over, mark_spacing: pattern.spacing }, ridge))
             }
-            SecondOrder::Found(step_over, _) => Some(Self::candidate_with_runout(p, step_over, |s| self.unconfirmed_height(s, pattern))),
+            SecondOrder::Found(step_over, _) => Some(self.candidate_with_runout(p, step_over, |s| (s, pattern))),
             SecondOrder::Unlimited => Some(Candidate::Guess(largest)),
             SecondOrder::UsedUp => None,
         })
     }
 
-    /// A length near that of the second order at which the height of a fast search is p, which the height is to confirm.
-    fn candidate_with_runout(p: f64, guess: f64, height: impl Fn(f64) -> Option<f64>) -> Candidate {
-        let length = length_search::by_secants(p, guess, height);
-        length.map_or(Candidate::Guess(guess), |length| Candidate::AtRidge { length, guess: length })
+    /// A length near that of the second order, `guess`, at which the height with turned marks is p. `passes` has the step-over
+    /// and the pattern of marks of a length.
+    fn candidate_with_runout(&self, p: f64, guess: f64, passes: impl Fn(f64) -> (f64, Pattern)) -> Candidate {
+        let ratio_at = |s: f64, pattern: &Pattern| self.ratio_of_turns(s, self.even_spacing(pattern));
+        let mut last = None;
+        // To second order the height at the guess is p.
+        let (s, pattern) = passes(guess);
+        let length = length_search::by_secants(guess, ratio_at(s, &pattern).ln(), |length| {
+            let (s, pattern) = passes(length);
+            let quick = self.quick_level_with_runout(s, &pattern).filter(|_| self.overlap(s, pattern.spacing))?;
+            let ratio = ratio_at(s, &pattern);
+            last = Some((quick, ratio));
+            Some((quick.level * ratio / p).ln())
+        });
+        let Some(length) = length else { return Candidate::Guess(guess) };
+        // The height there, of which the fast search and the ratio are known.
+        let (s, pattern) = passes(length);
+        let height = last.and_then(|(quick, ratio)| Some(self.checked_level(s, pattern, Some(quick))? * ratio));
+        let is_confirmed = height.is_some_and(|height| length_search::confirms(height, p));
+        if is_confirmed { Candidate::Proved(length) } else { Candidate::Guess(length) }
     }
 
     /// A length at a ridge near that of the second order.
@@ -233,13 +266,6 @@ impl Envelope {
             return Some(self.turned_level(lengths, ridge));
         }
         Some(self.height(s, pattern)? * self.ratio_of_turns(s, self.even_spacing(&pattern)))
-    }
-
-    /// h with runout by the fast search alone, which nothing confirms on a concave surface; `None` if the search does not
-    /// end at a ridge.
-    fn unconfirmed_height(&self, s: f64, pattern: Pattern) -> Option<f64> {
-        let level = self.quick_level_with_runout(s, &pattern).filter(|_| self.overlap(s, pattern.spacing))?.level;
-        Some(level * self.ratio_of_turns(s, self.even_spacing(&pattern)))
     }
 
     /// The ratio of the height of turned marks f apart to that of the second order; 1 if there is none. With runout, the
