@@ -7,7 +7,7 @@ use super::parameters::Method;
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
 use crate::http::codes::same_names;
-use crate::http::wire::{NamedCandidate, NotRanked, Warning};
+use crate::http::wire::{NamedCandidate, NotRanked, Warning, answer};
 use crate::milling::CutterKind;
 use crate::planning::RectanglePlan;
 use crate::planning::zigzag::ZigzagPlan;
@@ -15,158 +15,114 @@ use crate::quantity::{Angle, Length, Speed, Time};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// The cutter that finishes the surface soonest, its plan, and the reliability of the recommendation.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct RecommendationAnswer {
-    /// The method of the plans.
-    pub(super) method: Method,
-    /// The model by which passes are spaced: `analytic` or `envelope`.
-    #[schema(example = "envelope")]
-    pub(super) model: &'static str,
-    /// The fastest cutter, in its direction.
-    pub(super) recommended: RecommendedCutter,
-    /// All cutters that can be ranked, fastest first.
-    #[schema(min_items = 1)]
-    pub(super) candidates: Vec<RankedCandidate>,
-    /// The cutters that cannot be ranked, in the order of the request, and then the faulty tools of libraries.
-    pub(super) not_ranked: Vec<NotRanked>,
-    /// The surface.
-    pub(super) surface: SurfaceAnswer,
-    /// The slope below which the toroidal cutter is faster on the surface's equivalent rectangle; 90 if it is faster on
-    /// every slope, 0 if the ball-end cutter is. Only if one toroidal and one ball-end cutter are compared and the
-    /// published method has an answer.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, maximum = 90)]
-    pub(super) critical_slope_deg: Option<f64>,
-    /// The cutter that is faster on every slope of that rectangle; absent if there is a critical slope.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub(super) always_faster: Option<ComparedCutter>,
-    /// The form factor below which the toroidal cutter is faster on a rectangle of this size and slope. Only with
-    /// `critical_slope_deg`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 1)]
-    pub(super) critical_form_factor: Option<f64>,
-    /// The surface as a raster, for drawing; only if `include` names it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub(super) map: Option<MapAnswer>,
-    /// The passes of the recommended plan; only if `include` names them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub(super) passes: Option<PassesAnswer>,
-    /// The reliability of the recommendation.
-    pub(super) confidence: ConfidenceAnswer,
-    /// Facts that need attention.
-    pub(super) warnings: Vec<Warning>,
-}
+answer! {
+    /// The cutter that finishes the surface soonest, its plan, and the reliability of the recommendation.
+    pub(crate) struct RecommendationAnswer {
+        /// The method of the plans.
+        pub(super) method: Method,
+        /// The model by which passes are spaced: `analytic` or `envelope`.
+        pub(super) model: &'static str [example = "envelope"],
+        /// The fastest cutter, in its direction.
+        pub(super) recommended: RecommendedCutter,
+        /// All cutters that can be ranked, fastest first.
+        pub(super) candidates: Vec<RankedCandidate> [min_items = 1],
+        /// The cutters that cannot be ranked, in the order of the request, and then the faulty tools of libraries.
+        pub(super) not_ranked: Vec<NotRanked>,
+        /// The surface.
+        pub(super) surface: SurfaceAnswer,
+        /// The slope below which the toroidal cutter is faster on the surface's equivalent rectangle; 90 if it is faster on
+        /// every slope, 0 if the ball-end cutter is. Only if one toroidal and one ball-end cutter are compared and the
+        /// published method has an answer.
+        pub(super) critical_slope_deg?: f64 [minimum = 0, maximum = 90],
+        /// The cutter that is faster on every slope of that rectangle; absent if there is a critical slope.
+        pub(super) always_faster?: ComparedCutter,
+        /// The form factor below which the toroidal cutter is faster on a rectangle of this size and slope. Only with
+        /// `critical_slope_deg`.
+        pub(super) critical_form_factor?: f64 [minimum = 1],
+        /// The surface as a raster, for drawing; only if `include` names it.
+        pub(super) map?: MapAnswer,
+        /// The passes of the recommended plan; only if `include` names them.
+        pub(super) passes?: PassesAnswer,
+        /// The reliability of the recommendation.
+        pub(super) confidence: ConfidenceAnswer,
+        /// Facts that need attention.
+        pub(super) warnings: Vec<Warning>,
+    }
 
-/// The recommended cutter and its plan.
-#[derive(Debug, Serialize, ToSchema)]
-pub(super) struct RecommendedCutter {
-    /// The position of the cutter in the request, from 0; cutters of libraries follow.
-    cutter: usize,
-    /// The cutter's name, if it has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    name: Option<String>,
-    /// The preset of the tool library from which spindle speed and feed per tooth were taken.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    preset: Option<String>,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
-    /// the surface has no such direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
-    direction_deg: Option<f64>,
-    /// The time of all passes and links, stops included.
-    #[schema(minimum = 0)]
-    machining_time_s: f64,
-    /// The median distance between passes, seen from above.
-    #[schema(minimum = 0)]
-    step_over_xy_mm: f64,
-    /// The mean feed rate of the passes.
-    #[schema(minimum = 0)]
-    feed_rate_mm_min: f64,
-}
+    /// The recommended cutter and its plan.
+    pub(super) struct RecommendedCutter {
+        /// The position of the cutter in the request, from 0; cutters of libraries follow.
+        cutter: usize,
+        /// The cutter's name, if it has one.
+        name?: String,
+        /// The preset of the tool library from which spindle speed and feed per tooth were taken.
+        preset?: String,
+        /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
+        /// the surface has no such direction.
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
+        /// The time of all passes and links, stops included.
+        machining_time_s: f64 [minimum = 0],
+        /// The median distance between passes, seen from above.
+        step_over_xy_mm: f64 [minimum = 0],
+        /// The mean feed rate of the passes.
+        feed_rate_mm_min: f64 [minimum = 0],
+    }
 
-/// A cutter with its fastest plan.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub(super) struct RankedCandidate {
-    /// The position of the cutter in the request, from 0; cutters of libraries follow.
-    pub(super) cutter: usize,
-    /// The cutter's name, if it has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    name: Option<String>,
-    /// The preset of the tool library from which spindle speed and feed per tooth were taken.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    preset: Option<String>,
-    /// The kind of cutter.
-    #[serde(rename = "type")]
-    kind: CutterKindName,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
-    /// the surface has no such direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
-    direction_deg: Option<f64>,
-    /// The time of all passes and links, stops included.
-    #[schema(minimum = 0)]
-    pub(super) machining_time_s: f64,
-    /// The number of planes that contain the passes; in method rectangle the model's quotient, not rounded.
-    #[schema(minimum = 0)]
-    passes: f64,
-    /// The length of all passes and links.
-    #[schema(minimum = 0)]
-    path_length_mm: f64,
-    /// The distances between passes, seen from above.
-    step_over_xy_mm: SpacingAnswer,
-    /// The mean feed rate of the passes: their length over the time they would take without stops.
-    #[schema(minimum = 0)]
-    feed_rate_mm_min: f64,
-    /// The mean feed per tooth; only for cutters with teeth and spindle speed, in method surface.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0)]
-    feed_per_tooth_mm: Option<f64>,
-    /// The figures of the simulation; only in method surface.
-    #[serde(flatten)]
-    #[schema(value_type = SimulatedFigures)]
-    simulated: Option<SimulatedFigures>,
-}
+    /// A cutter with its fastest plan.
+    #[derive(Clone)]
+    pub(super) struct RankedCandidate {
+        /// The position of the cutter in the request, from 0; cutters of libraries follow.
+        pub(super) cutter: usize,
+        /// The cutter's name, if it has one.
+        name?: String,
+        /// The preset of the tool library from which spindle speed and feed per tooth were taken.
+        preset?: String,
+        /// The kind of cutter.
+        #[serde(rename = "type")]
+        kind: CutterKindName,
+        /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
+        /// the surface has no such direction.
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
+        /// The time of all passes and links, stops included.
+        pub(super) machining_time_s: f64 [minimum = 0],
+        /// The number of planes that contain the passes; in method rectangle the model's quotient, not rounded.
+        passes: f64 [minimum = 0],
+        /// The length of all passes and links.
+        path_length_mm: f64 [minimum = 0],
+        /// The distances between passes, seen from above.
+        step_over_xy_mm: SpacingAnswer,
+        /// The mean feed rate of the passes: their length over the time they would take without stops.
+        feed_rate_mm_min: f64 [minimum = 0],
+        /// The mean feed per tooth; only for cutters with teeth and spindle speed, in method surface.
+        feed_per_tooth_mm?: f64 [minimum = 0],
+        /// The figures of the simulation; only in method surface.
+        #[serde(flatten)]
+        simulated: Option<SimulatedFigures> [value_type = SimulatedFigures],
+    }
 
-/// The figures of a plan that was simulated on the surface.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-struct SimulatedFigures {
-    /// The links between runs.
-    #[schema(required = false)]
-    links: LinksAnswer,
-    /// The scallop height over the area, by model `envelope` with the curvature of the surface.
-    #[schema(required = false)]
-    scallop_height_mm: ScallopAnswer,
-    /// The share of the area whose scallop height exceeds `scallop_height_mm`, or that has none, because
-    /// the cutter gouges there or leaves uncut material between its passes.
-    #[schema(required = false, minimum = 0, maximum = 1)]
-    over_tolerance_share: f64,
-    /// The share of the area that the cutter leaves uncut because it does not fit.
-    #[schema(required = false, minimum = 0, maximum = 1)]
-    uncut_share: f64,
-    /// The largest height that the cutter leaves there.
-    #[schema(required = false, minimum = 0)]
-    uncut_height_mm: f64,
-    /// The error of that height, due to the raster on which it was computed.
-    #[schema(required = false, minimum = 0)]
-    uncut_height_error_mm: f64,
-    /// A lower bound: no zigzag that keeps the scallop height takes less time.
-    #[schema(required = false, minimum = 0)]
-    least_time_s: f64,
-    /// The times of the directions that were tried and have a plan.
-    #[schema(required = false)]
-    by_direction: ByDirection,
-    /// The same cutter by the published method, if that has an answer.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    rectangle: Option<OnRectangle>,
+    /// The figures of a plan that was simulated on the surface.
+    #[derive(Clone)]
+    struct SimulatedFigures {
+        /// The links between runs.
+        links: LinksAnswer [required = false],
+        /// The scallop height over the area, by model `envelope` with the curvature of the surface.
+        scallop_height_mm: ScallopAnswer [required = false],
+        /// The share of the area whose scallop height exceeds `scallop_height_mm`, or that has none, because
+        /// the cutter gouges there or leaves uncut material between its passes.
+        over_tolerance_share: f64 [required = false, minimum = 0, maximum = 1],
+        /// The share of the area that the cutter leaves uncut because it does not fit.
+        uncut_share: f64 [required = false, minimum = 0, maximum = 1],
+        /// The largest height that the cutter leaves there.
+        uncut_height_mm: f64 [required = false, minimum = 0],
+        /// The error of that height, due to the raster on which it was computed.
+        uncut_height_error_mm: f64 [required = false, minimum = 0],
+        /// A lower bound: no zigzag that keeps the scallop height takes less time.
+        least_time_s: f64 [required = false, minimum = 0],
+        /// The times of the directions that were tried and have a plan.
+        by_direction: ByDirection [required = false],
+        /// The same cutter by the published method, if that has an answer.
+        rectangle?: OnRectangle,
+    }
 }
 
 /// The kind of a cutter.
@@ -179,73 +135,64 @@ enum CutterKindName {
     FlatEnd,
 }
 
-/// Distances between passes.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-#[schema(as = StepOverRange)]
-struct SpacingAnswer {
-    /// The smallest.
-    #[schema(minimum = 0)]
-    min: f64,
-    /// The median.
-    #[schema(minimum = 0)]
-    median: f64,
-    /// The largest.
-    #[schema(minimum = 0)]
-    max: f64,
-}
+answer! {
+    /// Distances between passes.
+    #[derive(Clone, Copy)]
+    #[schema(as = StepOverRange)]
+    struct SpacingAnswer {
+        /// The smallest.
+        min: f64 [minimum = 0],
+        /// The median.
+        median: f64 [minimum = 0],
+        /// The largest.
+        max: f64 [minimum = 0],
+    }
 
-/// The links between runs.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-#[schema(as = Links)]
-struct LinksAnswer {
-    /// The number of links.
-    count: usize,
-    /// The length of all links.
-    #[schema(minimum = 0)]
-    length_mm: f64,
-    /// The number of links over the clearance height.
-    lifts: usize,
-}
+    /// The links between runs.
+    #[derive(Clone, Copy)]
+    #[schema(as = Links)]
+    struct LinksAnswer {
+        /// The number of links.
+        count: usize,
+        /// The length of all links.
+        length_mm: f64 [minimum = 0],
+        /// The number of links over the clearance height.
+        lifts: usize,
+    }
 
-/// Scallop heights over the area.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-#[schema(as = ScallopHeights)]
-struct ScallopAnswer {
-    /// The median.
-    #[schema(minimum = 0)]
-    p50: f64,
-    /// The 90th percentile.
-    #[schema(minimum = 0)]
-    p90: f64,
-    /// The 99th percentile.
-    #[schema(minimum = 0)]
-    p99: f64,
-    /// The largest.
-    #[schema(minimum = 0)]
-    max: f64,
-}
+    /// Scallop heights over the area.
+    #[derive(Clone, Copy)]
+    #[schema(as = ScallopHeights)]
+    struct ScallopAnswer {
+        /// The median.
+        p50: f64 [minimum = 0],
+        /// The 90th percentile.
+        p90: f64 [minimum = 0],
+        /// The 99th percentile.
+        p99: f64 [minimum = 0],
+        /// The largest.
+        max: f64 [minimum = 0],
+    }
 
-/// Times by direction. The time of the recommended direction is that of the plan. The others are estimates: the times
-/// before the check of the scallop height, multiplied by the factor by which the check changed the time of the fastest
-/// direction.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-struct ByDirection {
-    /// The directions.
-    direction_deg: Vec<f64>,
-    /// The time in each direction.
-    machining_time_s: Vec<f64>,
-}
+    /// Times by direction. The time of the recommended direction is that of the plan. The others are estimates: the times
+    /// before the check of the scallop height, multiplied by the factor by which the check changed the time of the fastest
+    /// direction.
+    #[derive(Clone)]
+    struct ByDirection {
+        /// The directions.
+        direction_deg: Vec<f64>,
+        /// The time in each direction.
+        machining_time_s: Vec<f64>,
+    }
 
-/// A plan by the published method.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-struct OnRectangle {
-    /// The line of the passes; absent if the surface has no such direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
-    direction_deg: Option<f64>,
-    /// The time of the zigzag.
-    #[schema(minimum = 0)]
-    machining_time_s: f64,
+    /// A plan by the published method.
+    #[derive(Clone, Copy)]
+    struct OnRectangle {
+        /// The line of the passes; absent if the surface has no such direction.
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
+        /// The time of the zigzag.
+        machining_time_s: f64 [minimum = 0],
+    }
 }
 
 same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd);

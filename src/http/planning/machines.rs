@@ -1,39 +1,34 @@
 //! `GET /v1/machines`: the machines that a request can name in place of their limits.
 
 use crate::http::problem::ProblemBody;
+use crate::http::wire::answer;
 use crate::motion::{PRESETS, Preset};
 use axum::Json;
-use serde::Serialize;
-use utoipa::ToSchema;
 
-/// All presets.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Machines)]
-pub(crate) struct MachinesAnswer {
-    /// The machines, from the slowest drives to the fastest.
-    machines: Vec<MachineAnswer>,
-}
+answer! {
+    /// All presets.
+    #[schema(as = Machines)]
+    pub(crate) struct MachinesAnswer {
+        /// The machines, from the slowest drives to the fastest.
+        machines: Vec<MachineAnswer>,
+    }
 
-/// A machine by its name.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = MachinePreset)]
-struct MachineAnswer {
-    /// The name for `machine.preset`; stable.
-    #[schema(example = "five_axis_vmc")]
-    name: &'static str,
-    /// The class of machines.
-    description: &'static str,
-    /// V, the feed rate of finishing, in mm/min.
-    #[schema(exclusive_minimum = 0, example = 5000.0)]
-    feed_rate_mm_min: f64,
-    /// A, the largest acceleration along the path, in m/s^2.
-    #[schema(exclusive_minimum = 0, example = 6.0)]
-    acceleration_m_s2: f64,
-    /// J, the largest jerk along the path, in m/s^3.
-    #[schema(exclusive_minimum = 0, example = 40.0)]
-    jerk_m_s3: f64,
-    /// The publication of the values, or "typical" if they are the usual order of magnitude of the class.
-    source: &'static str,
+    /// A machine by its name.
+    #[schema(as = MachinePreset)]
+    struct MachineAnswer {
+        /// The name for `machine.preset`; stable.
+        name: &'static str [example = "five_axis_vmc"],
+        /// The class of machines.
+        description: &'static str,
+        /// V, the feed rate of finishing, in mm/min.
+        feed_rate_mm_min: f64 [exclusive_minimum = 0, example = 5000.0],
+        /// A, the largest acceleration along the path, in m/s^2.
+        acceleration_m_s2: f64 [exclusive_minimum = 0, example = 6.0],
+        /// J, the largest jerk along the path, in m/s^3.
+        jerk_m_s3: f64 [exclusive_minimum = 0, example = 40.0],
+        /// The publication of the values, or "typical" if they are the usual order of magnitude of the class.
+        source: &'static str,
+    }
 }
 
 impl From<&Preset> for MachineAnswer {

@@ -1,90 +1,64 @@
 //! Wire object of the surface in an answer: its shape and facets.
 
 use super::candidates::line_degrees;
-use crate::http::wire::Source;
+use crate::http::wire::{Source, answer};
 use crate::planning::machined_surface::MachinedSurface;
 use crate::quantity::{Angle, Area};
 use crate::surface::{Basis, Shape};
-use serde::Serialize;
-use utoipa::ToSchema;
 
-/// The shape of a surface. Directions are lines seen from above, from +X counter-clockwise, in [0, 180).
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = SurfaceShape)]
-pub(super) struct SurfaceAnswer {
-    /// The form in which the surface was sent; for a file, the format detected by its content.
-    source: Source,
-    /// The number of points from which the shape was computed; 0 if it was computed from facets.
-    points: u64,
-    /// The number of facets from which the shape was computed; for points or a patch, the number of facets formed from
-    /// them.
-    facets: u64,
-    /// The angle between the best-fit plane and the horizontal.
-    #[schema(minimum = 0, maximum = 90)]
-    slope_deg: f64,
-    /// The mean of the slopes of all facets or samples. Only if facets or a patch have slopes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, maximum = 90)]
-    mean_slope_deg: Option<f64>,
-    /// mu, the long side over the short side of the equivalent rectangle, which has the same variances.
-    #[schema(minimum = 1)]
-    form_factor: f64,
-    /// chi, the area of the equivalent rectangle.
-    #[schema(minimum = 0)]
-    characteristic_size_mm2: f64,
-    /// The direction along which the surface extends most. Absent if it extends equally in every direction, or most
-    /// along the vertical.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
-    principal_direction_deg: Option<f64>,
-    /// The steepest direction of the best-fit plane. Absent if that plane is level.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180)]
-    steepest_direction_deg: Option<f64>,
-    /// The angle between these two directions, which the published method assumes to be 90. Absent if one of them is
-    /// absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, maximum = 90)]
-    direction_gap_deg: Option<f64>,
-    /// sqrt(l3/l1) of the eigenvalues: 0 for a plane.
-    #[schema(minimum = 0, maximum = 1)]
-    flatness: f64,
-    /// The eigenvalues l1 >= l2 >= l3 of the covariance matrix.
-    #[schema(min_items = 3, max_items = 3)]
-    eigenvalues_mm2: [f64; 3],
-    /// The centroid [x, y, z].
-    #[schema(min_items = 3, max_items = 3)]
-    centroid_mm: [f64; 3],
-    /// The box around the points or facets from which the shape was computed.
-    bounds_mm: BoundsAnswer,
-    /// The area. Absent in method rectangle for points that span no facets.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0)]
-    area_mm2: Option<f64>,
-    /// The share of the area of all facets that is seen from above.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, maximum = 1)]
-    visible_area_share: Option<f64>,
-    /// The share of the area of all facets that is seen from above and steeper than `max_slope_deg`, walls included.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, maximum = 1)]
-    steep_area_share: Option<f64>,
-    /// The number of connected pieces of the surface.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 1)]
-    pieces: Option<u32>,
-}
+answer! {
+    /// The shape of a surface. Directions are lines seen from above, from +X counter-clockwise, in [0, 180).
+    #[schema(as = SurfaceShape)]
+    pub(super) struct SurfaceAnswer {
+        /// The form in which the surface was sent; for a file, the format detected by its content.
+        source: Source,
+        /// The number of points from which the shape was computed; 0 if it was computed from facets.
+        points: u64,
+        /// The number of facets from which the shape was computed; for points or a patch, the number of facets formed from
+        /// them.
+        facets: u64,
+        /// The angle between the best-fit plane and the horizontal.
+        slope_deg: f64 [minimum = 0, maximum = 90],
+        /// The mean of the slopes of all facets or samples. Only if facets or a patch have slopes.
+        mean_slope_deg?: f64 [minimum = 0, maximum = 90],
+        /// mu, the long side over the short side of the equivalent rectangle, which has the same variances.
+        form_factor: f64 [minimum = 1],
+        /// chi, the area of the equivalent rectangle.
+        characteristic_size_mm2: f64 [minimum = 0],
+        /// The direction along which the surface extends most. Absent if it extends equally in every direction, or most
+        /// along the vertical.
+        principal_direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
+        /// The steepest direction of the best-fit plane. Absent if that plane is level.
+        steepest_direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
+        /// The angle between these two directions, which the published method assumes to be 90. Absent if one of them is
+        /// absent.
+        direction_gap_deg?: f64 [minimum = 0, maximum = 90],
+        /// sqrt(l3/l1) of the eigenvalues: 0 for a plane.
+        flatness: f64 [minimum = 0, maximum = 1],
+        /// The eigenvalues l1 >= l2 >= l3 of the covariance matrix.
+        eigenvalues_mm2: [f64; 3] [min_items = 3, max_items = 3],
+        /// The centroid [x, y, z].
+        centroid_mm: [f64; 3] [min_items = 3, max_items = 3],
+        /// The box around the points or facets from which the shape was computed.
+        bounds_mm: BoundsAnswer,
+        /// The area. Absent in method rectangle for points that span no facets.
+        area_mm2?: f64 [minimum = 0],
+        /// The share of the area of all facets that is seen from above.
+        visible_area_share?: f64 [minimum = 0, maximum = 1],
+        /// The share of the area of all facets that is seen from above and steeper than `max_slope_deg`, walls included.
+        steep_area_share?: f64 [minimum = 0, maximum = 1],
+        /// The number of connected pieces of the surface.
+        pieces?: u32 [minimum = 1],
+    }
 
-/// A box with sides along the axes.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Bounds)]
-struct BoundsAnswer {
-    /// The smallest x, y and z.
-    #[schema(min_items = 3, max_items = 3)]
-    min: [f64; 3],
-    /// The largest x, y and z.
-    #[schema(min_items = 3, max_items = 3)]
-    max: [f64; 3],
+    /// A box with sides along the axes.
+    #[schema(as = Bounds)]
+    struct BoundsAnswer {
+        /// The smallest x, y and z.
+        min: [f64; 3] [min_items = 3, max_items = 3],
+        /// The largest x, y and z.
+        max: [f64; 3] [min_items = 3, max_items = 3],
+    }
 }
 
 impl SurfaceAnswer {

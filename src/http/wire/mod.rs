@@ -2,6 +2,7 @@
 //! reader, its schema and the fast path of batches are generated. A figure of an answer has one row of a table with
 //! name, description and getter.
 
+mod answer;
 mod batch_contact;
 mod candidate;
 mod contact;
@@ -25,6 +26,7 @@ mod surface;
 mod unit;
 mod warning;
 
+pub(crate) use answer::answer;
 pub(crate) use batch_contact::{BatchContact, batch_contact_schemas};
 pub(crate) use candidate::{CUTTERS, CandidateKind, MOST_CUTTERS, NamedCandidate};
 pub(crate) use contact::{CONTACT, StatedContact};
