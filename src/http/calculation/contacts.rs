@@ -14,7 +14,7 @@ pub(super) enum Contacts<'a> {
     /// An array of objects.
     Rows(Vec<JsonText<'a>>),
     /// An object of arrays.
-    Columns(Box<ContactColumns>),
+    Columns(ContactColumns<'a>),
 }
 
 impl<'a> Contacts<'a> {
@@ -22,10 +22,7 @@ impl<'a> Contacts<'a> {
     pub(super) fn open(raw: JsonText<'a>, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         match raw.get().as_bytes().first() {
             Some(b'[') => items(raw, MOST_CONTACTS, path, faults).map(Self::Rows),
-            Some(b'{') => {
-                let columns = ContactColumns::read(raw, stated, MOST_CONTACTS, path, faults);
-                columns.map(|columns| Self::Columns(Box::new(columns)))
-            }
+            Some(b'{') => ContactColumns::read(raw, stated, MOST_CONTACTS, path, faults).map(Self::Columns),
             _ => {
                 let detail = format_args!("expected an array of contacts or an object of columns, found {}", describe(raw));
                 Err(faults.add(&path, RequestFault::WrongType, detail))

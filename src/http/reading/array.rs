@@ -10,6 +10,17 @@ pub(crate) fn each_raw<'a>(
     raw: JsonText<'a>,
     path: JsonPath<'_>,
     faults: &mut Faults,
+    take: impl FnMut(usize, JsonText<'a>, &mut Faults),
+) -> Result<usize, Faulted> {
+    each_of(raw, "an array", path, faults, take)
+}
+
+/// The same, where faults say that `expected` was expected.
+fn each_of<'a>(
+    raw: JsonText<'a>,
+    expected: &str,
+    path: JsonPath<'_>,
+    faults: &mut Faults,
     mut take: impl FnMut(usize, JsonText<'a>, &mut Faults),
 ) -> Result<usize, Faulted> {
     let mut count = 0;
@@ -22,14 +33,25 @@ pub(crate) fn each_raw<'a>(
     raw.items(&stop, take_next).map(|()| count).map_err(|unread| match unread {
         // The faults of a cancelled reading are discarded.
         Unread::Cancelled => Faulted,
-        _ => faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))),
+        _ => faults.add(&path, RequestFault::WrongType, format_args!("expected {expected}, found {}", describe(raw))),
     })
 }
 
 /// The unparsed items of the array `raw`. More than `most` items are a fault; further items are counted, not stored.
 pub(crate) fn items<'a>(raw: JsonText<'a>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<JsonText<'a>>, Faulted> {
+    items_of(raw, "an array", most, path, faults)
+}
+
+/// The same, where faults say that `expected` was expected.
+pub(super) fn items_of<'a>(
+    raw: JsonText<'a>,
+    expected: &str,
+    most: usize,
+    path: JsonPath<'_>,
+    faults: &mut Faults,
+) -> Result<Vec<JsonText<'a>>, Faulted> {
     let mut items = Vec::new();
-    let count = each_raw(raw, path, faults, |index, item, _| {
+    let count = each_of(raw, expected, path, faults, |index, item, _| {
         if index < most {
             items.push(item);
         }

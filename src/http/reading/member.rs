@@ -1,7 +1,7 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
-use super::{Components, Faulted, Faults, Members, Object, ObjectSchema, PlainColumn};
-use crate::json_text::{JsonPath, JsonText, PlainValue};
+use super::{CellValue, Components, Faulted, Faults, Members, Object, ObjectSchema};
+use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -30,9 +30,7 @@ pub(crate) trait Kind {
 /// A kind of value that batches read without collecting faults.
 pub(crate) trait PlainKind: Kind {
     /// The value as in JSON.
-    type Plain: PlainValue;
-    /// A column of such values.
-    type Column: PlainColumn<Plain = Self::Plain> + Sync;
+    type Plain: CellValue;
 
     /// The schema of a column: an array of values of the kind, null where a row has none.
     fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {

@@ -29,7 +29,7 @@ pub(crate) enum Form<A, B> {
 
 /// Declares members and their struct:
 /// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`, with
-/// `plain struct Name / Slots / Columns` for members of contacts in batches. A member that several structs share is
+/// `plain struct Name / Slots` for members of contacts in batches. A member that several structs share is
 /// declared in one of them.
 macro_rules! members {
     ($(#[$doc:meta])* $vis:vis struct $name:ident {
@@ -72,7 +72,7 @@ macro_rules! members {
             }
         };
     };
-    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident / $columns:ident {
+    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+
     }) => {
         $crate::http::reading::members! {
@@ -85,18 +85,9 @@ macro_rules! members {
             $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Plain>, )+
         }
 
-        #[doc = concat!("Columns of the values of [`", stringify!($name), "`].")]
-        #[derive(Debug, Default, PartialEq)]
-        $vis struct $columns {
-            $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Column>, )+
-        }
-
         const _: () = {
-            use $crate::http::reading::{
-                Columns, Faults, Object, ObjectSchema, PlainColumn, PlainColumns,
-                RowText, Rows, Slots,
-            };
-            use $crate::json_text::{JsonPath, PlainJson, PlainValue, Unusual};
+            use $crate::http::reading::{CellValue, KnownColumns, ObjectSchema, Place, PlainKind, Slots};
+            use $crate::json_text::Unusual;
 
             impl $slots {
                 /// The members; `None` if a required one is missing or a value is out of bounds.
@@ -107,60 +98,24 @@ macro_rules! members {
 
             impl Slots for $slots {
                 #[inline]
-                fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual> {
+                fn fill(&mut self, name: &str, place: &mut impl Place) -> Result<bool, Unusual> {
                     $(
                         if name == $member.name {
-                            let earlier = self.$field.replace(PlainValue::read(json)?);
-                            return if earlier.is_none() { Ok(true) } else { Err(Unusual) };
+                            let value = place.value()?;
+                            let is_repeated = value.is_some() && self.$field.is_some();
+                            self.$field = value.or(self.$field);
+                            return if is_repeated { Err(Unusual) } else { Ok(true) };
                         }
                     )+
                     Ok(false)
                 }
-            }
 
-            impl Columns for $columns {
-                type Row = $slots;
-
-                fn take(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self {
-                    Self { $( $field: object.column($member.name, most, faults), )+ }
+                fn columns() -> KnownColumns {
+                    vec![$( ($member.name, <$kind as PlainKind>::Plain::column_kind()) ),+]
                 }
 
-                fn take_plain(columns: &mut PlainColumns<'_>, most: usize) -> Option<Self> {
-                    Some(Self {
-                        $( $field: match columns.take($member.name) {
-                            Some(items) => Some(PlainColumn::read_plain(items, most)?),
-                            None => None,
-                        }, )+
-                    })
-                }
-
-                fn describe(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
+                fn describe_columns(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
                     schema$( .column(&$member, most) )+
-                }
-
-                fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
-                    $(
-                        if let Some(column) = &self.$field {
-                            PlainColumn::check_rows(column, $member.name, path.member($member.name), rows, faults);
-                        }
-                    )+
-                }
-
-                fn row(&self, index: usize) -> Result<$slots, Unusual> {
-                    Ok($slots {
-                        $( $field: match &self.$field {
-                            Some(column) => PlainColumn::get(column, index)?,
-                            None => None,
-                        }, )+
-                    })
-                }
-
-                fn write_row(&self, index: usize, row: &mut RowText) {
-                    $(
-                        if let Some(column) = &self.$field {
-                            PlainColumn::write(column, index, $member.name, row);
-                        }
-                    )+
                 }
             }
         };

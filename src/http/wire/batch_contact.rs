@@ -1,7 +1,7 @@
 //! A contact of a batch, with its own parameters. A contact without faults is parsed in one pass directly into numbers.
 //! If that fails, the contact is read again by the reader that collects faults.
 
-use super::contact::{self, AngleSlots, StatedContact, VectorSlots};
+use super::contact::{self, FormSlots, StatedContact};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
 use crate::http::reading::{Components, Faulted, Faults, Object, Slots};
 use crate::json_text::{JsonPath, JsonText, PlainJson, Unusual};
@@ -77,7 +77,7 @@ impl BatchContact {
 }
 
 /// The values of a contact's members.
-pub(super) type ContactSlots = ((AngleSlots, VectorSlots), ParameterSlots);
+pub(super) type ContactSlots = (FormSlots, ParameterSlots);
 
 /// The schema of a contact with the parameters that `stated` allows.
 pub(crate) fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {

@@ -13,7 +13,7 @@ use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// A contact by angles.
-    pub(super) plain struct AngleMembers / AngleSlots / AngleColumns {
+    pub(super) plain struct AngleMembers / AngleSlots {
         slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(slope, 40.0),
             "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
         feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
@@ -22,7 +22,7 @@ members! {
 }
 members! {
     /// A contact by vectors.
-    pub(super) plain struct VectorMembers / VectorSlots / VectorColumns {
+    pub(super) plain struct VectorMembers / VectorSlots {
         normal: required NORMAL: Vector = ("normal", Vector { of: Number, example: [-0.64, 0.0, 0.77] },
             "the surface's normal, out of the part, with a length above 0; at most 90 deg from the tool axis"),
         feed: required FEED: Vector = ("feed", Vector { of: Number, example: [1.0, 0.0, 0.84] },
@@ -105,9 +105,12 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
     })
 }
 
+/// The values of either form in one pass.
+pub(super) type FormSlots = (AngleSlots, VectorSlots);
+
 /// The contact from values read in one pass; `None` if there is a fault.
 #[inline]
-pub(super) fn accept((angles, vectors): (AngleSlots, VectorSlots)) -> Option<StatedContact> {
+pub(super) fn accept((angles, vectors): FormSlots) -> Option<StatedContact> {
     let contact = match (angles.are_absent(), vectors.are_absent()) {
         (false, true) => angles.accept()?.contact(),
         (true, false) => vectors.accept()?.contact(),

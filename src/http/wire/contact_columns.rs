@@ -1,32 +1,26 @@
 //! The contacts of a batch as an object of columns, which is parsed directly into numbers.
 
-use super::batch_contact::BatchContact;
-use super::contact::{AngleColumns, VectorColumns, VectorSlots};
-use super::parameters::{ContactParameters, ParameterColumns, ParameterSlots, StatedParameters};
+use super::batch_contact::{BatchContact, ContactSlots};
+use super::contact::FormSlots;
+use super::parameters::{ContactParameters, StatedParameters};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Columns, Components, Faulted, Faults, Object, ObjectSchema, PlainColumns, RowText, Rows};
+use crate::http::reading::{Columns, Components, Faulted, Faults, KnownColumns, Object, ObjectSchema, PlainColumns, Slots};
 use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::{RefOr, Schema};
 
-/// Columns of the two forms of a contact.
-type FormColumns = (AngleColumns, VectorColumns);
-
 /// Columns of contacts and of their own parameters, all of one length. null means the default.
 #[derive(Debug)]
-pub(crate) struct ContactColumns {
-    columns: (FormColumns, ParameterColumns),
-    /// Whether there are columns of vectors and of parameters.
-    has_vectors: bool,
-    has_parameters: bool,
+pub(crate) struct ContactColumns<'a> {
+    columns: Columns<'a>,
     first_column: &'static str,
     /// The number of contacts.
     pub(crate) count: usize,
 }
 
-impl ContactColumns {
+impl<'a> ContactColumns<'a> {
     /// Reads columns of at most `most` contacts. Faults of a contact are found when it is read.
     pub(crate) fn read(
-        raw: JsonText<'_>,
+        raw: JsonText<'a>,
         stated: StatedParameters,
         most: usize,
         path: JsonPath<'_>,
@@ -35,34 +29,28 @@ impl ContactColumns {
         // Columns are read even if another part of the request has faults.
         let faults_before = faults.count();
         let mut object = Object::open(raw, path, faults)?;
-        let columns = (FormColumns::take(&mut object, most, faults), stated.take_columns(&mut object, most, faults));
+        let columns = Columns::take(&mut object, &known(stated), most, faults);
         object.close(faults)?;
-        let mut rows = Rows::default();
-        columns.check_rows(&path, &mut rows, faults);
+        let mut first = None;
+        columns.check_rows(&mut first, &path, faults);
         if faults.count() > faults_before {
             return Err(Faulted);
         }
-        let Some((first_column, count)) = rows.first else {
+        let Some((first_column, count)) = first else {
             let detail = "give the columns slope_deg and feed_angle_deg, or normal and feed";
             return Err(faults.add(&path, RequestFault::MissingField, detail));
         };
-        Ok(Self::of_rows(columns, first_column, count))
+        Ok(Self { columns, first_column, count })
     }
 
     /// Reads columns whose syntax has not been checked. `None` if only the general reader can read them, or if it
     /// finds faults of the columns as a whole.
-    pub(crate) fn read_plain(mut given: PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
-        let columns = (FormColumns::take_plain(&mut given, most)?, stated.take_plain_columns(&mut given, most)?);
-        let (mut rows, mut faults) = (Rows::default(), Faults::default());
-        columns.check_rows(&JsonPath::Root, &mut rows, &mut faults);
-        let (first_column, count) = rows.first?;
-        (given.is_empty() && faults.is_empty()).then(|| Self::of_rows(columns, first_column, count))
-    }
-
-    fn of_rows(columns: (FormColumns, ParameterColumns), first_column: &'static str, count: usize) -> Self {
-        let ((_, vectors), parameters) = &columns;
-        let (has_vectors, has_parameters) = (!vectors.are_absent(), !parameters.are_absent());
-        Self { columns, has_vectors, has_parameters, first_column, count }
+    pub(crate) fn read_plain(given: PlainColumns<'_>, stated: StatedParameters, most: usize) -> Option<Self> {
+        let columns = Columns::of_plain(given, &known(stated), most)?;
+        let (mut first, mut faults) = (None, Faults::default());
+        columns.check_rows(&mut first, &JsonPath::Root, &mut faults);
+        let (first_column, count) = first?;
+        faults.is_empty().then_some(Self { columns, first_column, count })
     }
 
     /// The contact in the row `index`, whose own parameters override `defaults`. `path` is that of the columns.
@@ -74,9 +62,11 @@ impl ContactColumns {
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
-        match self.accept(index, defaults) {
+        let mut slots = ContactSlots::default();
+        let plain = self.columns.fill(index, &mut slots).ok().and_then(|()| BatchContact::accept(&slots, defaults));
+        match plain {
             Some(contact) => Ok(contact),
-            None => BatchContact::read_faulty(JsonText::known(&self.text(index)), defaults, path, faults),
+            None => BatchContact::read_faulty(JsonText::known(&self.columns.text(index)), defaults, path, faults),
         }
     }
 
@@ -84,23 +74,11 @@ impl ContactColumns {
     pub(crate) fn path<'p>(&self, index: usize, path: &'p JsonPath<'p>) -> JsonPath<'p> {
         JsonPath::Row(path, self.first_column, index)
     }
+}
 
-    /// The contact in a row; `None` if there is a fault.
-    #[inline]
-    fn accept(&self, index: usize, defaults: &ContactParameters) -> Option<BatchContact> {
-        let ((angles, vectors), parameters) = &self.columns;
-        let angles = angles.row(index).ok()?;
-        let vectors = if self.has_vectors { vectors.row(index).ok()? } else { VectorSlots::default() };
-        let parameters = if self.has_parameters { parameters.row(index).ok()? } else { ParameterSlots::default() };
-        BatchContact::accept(&((angles, vectors), parameters), defaults)
-    }
-
-    /// The row as the JSON of a contact, for the reader that collects faults.
-    fn text(&self, index: usize) -> String {
-        let mut text = RowText::default();
-        self.columns.write_row(index, &mut text);
-        text.written()
-    }
+/// The columns of contacts with the parameters that `stated` allows.
+fn known(stated: StatedParameters) -> KnownColumns {
+    FormSlots::columns().into_iter().chain(stated.columns()).collect()
 }
 
 /// The schema of columns of at most `most` contacts, with the parameters that `stated` allows.
@@ -114,6 +92,6 @@ pub(crate) fn contact_columns_schema(stated: StatedParameters, most: usize, comp
     components.refer(name, "", |components| {
         let about =
             "Contacts as columns of one length, by angles or by vectors; null means the value that the request states for all contacts";
-        stated.describe_columns(FormColumns::describe(ObjectSchema::new(about, components), most), most).build()
+        stated.describe_columns(FormSlots::describe_columns(ObjectSchema::new(about, components), most), most).build()
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Columns, Components, Faulted, Faults, Form, Kind, Members, Object, ObjectSchema, Pair, PlainKind, Quantity, Slots, members,
+    Components, Faulted, Faults, Form, Kind, Members, Object, ObjectSchema, Pair, PlainKind, Quantity, Slots, members,
 };
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
@@ -19,7 +19,7 @@ const fn per_mm(example: f64) -> Quantity<f64> {
 
 members! {
     /// The members for the curvature, of which at most one may be given.
-    pub(super) plain struct CurvatureMembers / CurvatureSlots / CurvatureColumns {
+    pub(super) plain struct CurvatureMembers / CurvatureSlots {
         radius: optional SURFACE_RADIUS: Quantity<SurfaceCurvature> = ("surface_radius_mm", RADIUS,
             "the surface's radius of curvature across the feed, along which it is straight: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude; or give surface_curvature"),
         curvature: optional SURFACE_CURVATURE: CurvatureKind = ("surface_curvature", CurvatureKind,
@@ -28,7 +28,7 @@ members! {
 }
 members! {
     /// A curvature by its components in the axes of the feed.
-    pub(super) plain struct ComponentMembers / ComponentSlots / ComponentColumns {
+    pub(super) plain struct ComponentMembers / ComponentSlots {
         along: optional ALONG: Quantity<f64> = ("along_per_mm", per_mm(-0.004),
             "1/radius along the feed: positive convex, negative concave; absent = 0"),
         across: optional ACROSS: Quantity<f64> = ("across_per_mm", per_mm(0.01),
@@ -39,7 +39,7 @@ members! {
 }
 members! {
     /// A curvature by its principal curvatures.
-    pub(super) plain struct PrincipalMembers / PrincipalSlots / PrincipalColumns {
+    pub(super) plain struct PrincipalMembers / PrincipalSlots {
         principal: required PRINCIPAL: Pair = ("principal_per_mm", Pair { of: per_mm(0.012), example: [0.012, -0.005] },
             "the two principal curvatures, 1/radius: positive convex, negative concave"),
         angle: required PRINCIPAL_ANGLE: Quantity<Angle> = ("angle_deg", Quantity::new(Angle::from_degrees, 30.0),
@@ -127,12 +127,11 @@ impl Kind for CurvatureKind {
 
 impl PlainKind for CurvatureKind {
     type Plain = FormSlots;
-    type Column = FormColumns;
 
     fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
         components.refer("SurfaceCurvatureColumns", about, |components| {
             let schema = ObjectSchema::new("Columns of curvatures, each contact in one of two forms", components);
-            FormColumns::describe(schema, most).build()
+            FormSlots::describe_columns(schema, most).build()
         })
     }
 
@@ -149,6 +148,3 @@ impl PlainKind for CurvatureKind {
 
 /// The values of either form in one pass.
 type FormSlots = (ComponentSlots, PrincipalSlots);
-
-/// Columns of curvatures: one object of arrays.
-type FormColumns = (ComponentColumns, PrincipalColumns);

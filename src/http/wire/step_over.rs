@@ -8,7 +8,7 @@ use crate::quantity::Length;
 
 members! {
     /// The members for the step-over, of which at most one may be given.
-    pub(super) plain struct StepOverMembers / StepOverSlots / StepOverColumns {
+    pub(super) plain struct StepOverMembers / StepOverSlots {
         along_surface: optional STEP_OVER: Quantity<Length> = ("step_over_mm", Quantity::length(0.687),
             "step-over s along the surface, perpendicular to the feed; or give step_over_xy_mm"),
         seen_from_above: optional STEP_OVER_XY: Quantity<Length> = ("step_over_xy_mm", Quantity::length(0.65),
