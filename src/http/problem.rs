@@ -155,7 +155,7 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
         request_id: request_id.as_str().to_owned(),
         errors: problem.errors,
         not_ranked: problem.not_ranked,
-        figures: problem.figures.into_iter().map(|(figure, value)| (figure.name().to_owned(), value.into())).collect(),
+        figures: problem.figures.into_iter().map(|(figure, value)| (figure.name.to_owned(), value.into())).collect(),
     };
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
@@ -295,11 +295,10 @@ fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure
     let kind = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(types.iter().copied()));
     let mut schema = ObjectBuilder::from(problem).property("type", kind);
     for figure in always.iter().chain(sometimes) {
-        let (name, about) = figure.entry();
-        let number = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0.0)).description(Some(about));
-        schema = schema.property(name, number);
+        let number = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0.0)).description(Some(figure.about));
+        schema = schema.property(figure.name, number);
     }
-    always.iter().fold(schema, |schema, figure| schema.required(figure.name()))
+    always.iter().fold(schema, |schema, figure| schema.required(figure.name))
 }
 
 /// The name in Pascal case of a name in kebab case.
