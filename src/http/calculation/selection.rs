@@ -9,11 +9,11 @@ use crate::numerics::rounding::to_digits;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-const SIGNIFICANT_DIGITS: Member<Whole> = Member {
-    name: "significant_digits",
-    about: "the significant digits to which numbers are rounded; absent = all",
-    kind: Whole { minimum: 3, maximum: 17, example: 6 },
-};
+const SIGNIFICANT_DIGITS: Member<Whole> = Member::new(
+    "significant_digits",
+    "the significant digits to which numbers are rounded; absent = all",
+    Whole { minimum: 3, maximum: 17, example: 6 },
+);
 
 /// The names of figures, each at most once.
 struct ColumnNames {
@@ -23,7 +23,7 @@ struct ColumnNames {
 fn columns<C: Calculation>() -> Member<ColumnNames> {
     let known = C::figures().chain(CHECK_FIGURES).collect();
     let about = "the columns of the answer; absent = all except envelope_scallop_height_mm and deviation, which must be named";
-    Member { name: "columns", about, kind: ColumnNames { known } }
+    Member::new("columns", about, ColumnNames { known })
 }
 
 impl ColumnNames {

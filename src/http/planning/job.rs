@@ -2,7 +2,7 @@
 
 use crate::http::codes::{NoAnswerCode, RequestFault};
 use crate::http::reading::{Choice, Fault, Faulted, Faults, Members, Object, Quantity, members};
-use crate::http::wire::{BALL_END, BallEndCutter, MACHINE, MODEL, Machine, TOROIDAL, ToroidalCutter};
+use crate::http::wire::{BallEndCutter, MACHINE, MODEL, Machine, ToroidalCutter};
 use crate::json_text::JsonPath;
 use crate::milling::{Model, NoAnswer};
 use crate::planning::{Job, JobError};
@@ -11,8 +11,8 @@ use crate::quantity::Length;
 members! {
     /// The members of a job.
     pub(super) struct JobMembers {
-        toroidal: required TOROIDAL: ToroidalCutter,
-        ball_end: required BALL_END: BallEndCutter,
+        toroidal: required TOROIDAL: ToroidalCutter = ("toroidal", ToroidalCutter, "the toroidal cutter to compare"),
+        ball_end: required BALL_END: BallEndCutter = ("ball_end", BallEndCutter, "the ball-end cutter to compare"),
         scallop_height: required SCALLOP_HEIGHT: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
             "sh, the scallop height that either cutter may leave: at most the toroidal cutter's corner radius and under the ball's radius"),
         machine: required MACHINE: Machine,

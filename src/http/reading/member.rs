@@ -1,6 +1,6 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
-use super::{CellValue, Components, Faulted, Faults, Members, Object, ObjectSchema};
+use super::{CellValue, Components, Faulted, Faults, Members, Object};
 use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
@@ -13,6 +13,12 @@ pub(crate) struct Member<K> {
     pub(crate) about: &'static str,
     /// The kind of its values.
     pub(crate) kind: K,
+}
+
+impl<K> Member<K> {
+    pub(crate) const fn new(name: &'static str, about: &'static str, kind: K) -> Self {
+        Self { name, about, kind }
+    }
 }
 
 /// A kind of value.
@@ -69,6 +75,6 @@ impl<T: WireObject> Kind for T {
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer(T::NAME, about, |components| ObjectSchema::new(T::ABOUT, components).with::<T::Members>().build())
+        components.refer_object(T::NAME, about, T::ABOUT, &T::Members::describe)
     }
 }

@@ -37,7 +37,7 @@ macro_rules! members {
     }) => {
         $($(
             $vis const $member: $crate::http::reading::Member<$kind> =
-                $crate::http::reading::Member { name: $wire, about: $about, kind: $of_kind };
+                $crate::http::reading::Member::new($wire, $about, $of_kind);
         )?)*
 
         $(#[$doc])*

@@ -65,16 +65,18 @@ impl<'a, 'p> Object<'a, 'p> {
         found
     }
 
+    /// Takes a required member unparsed.
+    pub(crate) fn required_raw<K>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<JsonText<'a>, Faulted> {
+        self.take(member.name, faults).ok_or_else(|| {
+            let detail = format_args!("the field is missing: {}", member.about);
+            faults.add(&self.path.member(member.name), RequestFault::MissingField, detail)
+        })
+    }
+
     /// Takes a required member.
     pub(crate) fn required<K: Kind>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<K::Value, Faulted> {
-        match self.optional(member, faults)? {
-            Some(value) => Ok(value),
-            None => Err(faults.add(
-                &self.path.member(member.name),
-                RequestFault::MissingField,
-                format_args!("the field is missing: {}", member.about),
-            )),
-        }
+        let raw = self.required_raw(member, faults)?;
+        member.kind.read(raw, self.path.member(member.name), faults)
     }
 
     /// Takes a member that may be absent.

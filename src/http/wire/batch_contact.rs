@@ -87,7 +87,7 @@ pub(crate) fn batch_contact_schemas(stated: StatedParameters, components: &mut C
         (false, true) => ["AngleContactWithFeed", "VectorContactWithFeed"],
         (false, false) => ["AngleContactWithCurvature", "VectorContactWithCurvature"],
     };
-    contact::forms(names, "A contact with its own parameters", components, |schema| ContactParameters::describe(schema, stated)).into()
+    contact::forms(names, "A contact with its own parameters", components, &|schema| ContactParameters::describe(schema, stated))
 }
 
 #[cfg(test)]

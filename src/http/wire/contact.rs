@@ -2,13 +2,12 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Components, Faulted, Faults, Form, Kind, Member, Number, Object, ObjectSchema, Quantity, Slots, Vector, members,
+    AddMembers, Components, Faulted, Faults, Form, Kind, Member, Members, Number, Object, Quantity, Slots, Vector, members,
 };
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{Contact, ContactError};
 use crate::quantity::OutOfRange;
 use std::sync::LazyLock;
-use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
@@ -42,11 +41,11 @@ fn slope(degrees: f64) -> Result<f64, OutOfRange> {
 }
 
 /// The member `contact` of a calculation at one contact.
-pub(crate) const CONTACT: Member<ContactKind> = Member {
-    name: "contact",
-    about: "slope and feed direction at the point where the cutter touches the surface, by angles or by vectors",
-    kind: ContactKind,
-};
+pub(crate) const CONTACT: Member<ContactKind> = Member::new(
+    "contact",
+    "slope and feed direction at the point where the cutter touches the surface, by angles or by vectors",
+    ContactKind,
+);
 
 /// A contact, and the member that states its slope, to which faults of the slope point.
 #[derive(Debug, Clone, Copy)]
@@ -80,8 +79,8 @@ impl Kind for ContactKind {
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components
-            .refer("Contact", about, |components| forms(["AngleContact", "VectorContact"], "A contact", components, |schema| schema).into())
+        let names = ["AngleContact", "VectorContact"];
+        components.refer("Contact", about, |components| forms(names, "A contact", components, &|schema| schema))
     }
 }
 
@@ -120,17 +119,11 @@ pub(super) fn accept((angles, vectors): FormSlots) -> Option<StatedContact> {
 }
 
 /// The schemas of the two forms, each with the members that `with` adds.
-pub(super) fn forms(
-    names: [&str; 2],
-    about: &str,
-    components: &mut Components,
-    with: impl Fn(ObjectSchema<'_>) -> ObjectSchema<'_>,
-) -> OneOfBuilder {
-    let angles = components.refer(names[0], "", |components| {
-        with(ObjectSchema::new(&format!("{about}, by angles"), components).with::<AngleMembers>()).build()
-    });
-    let vectors = components.refer(names[1], "", |components| {
-        with(ObjectSchema::new(&format!("{about}, by vectors"), components).with::<VectorMembers>()).build()
-    });
-    OneOfBuilder::new().description(Some(about)).item(angles).item(vectors)
+pub(super) fn forms([angles, vectors]: [&str; 2], about: &str, components: &mut Components, with: AddMembers<'_>) -> RefOr<Schema> {
+    let (by_angles, by_vectors) = (format!("{about}, by angles"), format!("{about}, by vectors"));
+    let forms: [(&str, &str, AddMembers<'_>); 2] = [
+        (angles, &by_angles, &|schema| with(AngleMembers::describe(schema))),
+        (vectors, &by_vectors, &|schema| with(VectorMembers::describe(schema))),
+    ];
+    components.one_of(about, &forms).into()
 }

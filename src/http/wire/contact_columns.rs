@@ -4,7 +4,7 @@ use super::batch_contact::{BatchContact, ContactSlots};
 use super::contact::FormSlots;
 use super::parameters::{ContactParameters, StatedParameters};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Columns, Components, Faulted, Faults, KnownColumns, Object, ObjectSchema, PlainColumns, Slots};
+use crate::http::reading::{Columns, Components, Faulted, Faults, KnownColumns, Object, PlainColumns, Slots};
 use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -89,9 +89,6 @@ pub(crate) fn contact_columns_schema(stated: StatedParameters, most: usize, comp
         (false, true) => "ContactColumnsWithFeed",
         (false, false) => "ContactColumnsWithCurvature",
     };
-    components.refer(name, "", |components| {
-        let about =
-            "Contacts as columns of one length, by angles or by vectors; null means the value that the request states for all contacts";
-        stated.describe_columns(FormSlots::describe_columns(ObjectSchema::new(about, components), most), most).build()
-    })
+    let about = "Contacts as columns of one length, by angles or by vectors; null means the value that the request states for all contacts";
+    components.refer_object(name, "", about, &|schema| stated.describe_columns(FormSlots::describe_columns(schema, most), most))
 }

@@ -2,12 +2,11 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Components, Faulted, Faults, Form, Kind, Members, Object, ObjectSchema, Pair, PlainKind, Quantity, Slots, members,
+    AddMembers, Components, Faulted, Faults, Form, Kind, Members, Object, Pair, PlainKind, Quantity, Slots, members,
 };
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
-use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
 const RADIUS: Quantity<SurfaceCurvature> = Quantity::new(SurfaceCurvature::from_radius_mm, 120.0)
@@ -109,19 +108,12 @@ impl Kind for CurvatureKind {
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer("SurfaceCurvature", about, |components| {
-            let by_components = components.refer("CurvatureComponents", "", |components| {
-                ObjectSchema::new("A curvature by its components along and across the feed", components).with::<ComponentMembers>().build()
-            });
-            let by_principal = components.refer("PrincipalCurvatures", "", |components| {
-                ObjectSchema::new("A curvature by its principal curvatures", components).with::<PrincipalMembers>().build()
-            });
-            OneOfBuilder::new()
-                .description(Some("The surface's curvature at a contact, in one of two forms"))
-                .item(by_components)
-                .item(by_principal)
-                .into()
-        })
+        let forms: [(_, _, AddMembers<'_>); 2] = [
+            ("CurvatureComponents", "A curvature by its components along and across the feed", &ComponentMembers::describe),
+            ("PrincipalCurvatures", "A curvature by its principal curvatures", &PrincipalMembers::describe),
+        ];
+        let union = "The surface's curvature at a contact, in one of two forms";
+        components.refer("SurfaceCurvature", about, |components| components.one_of(union, &forms).into())
     }
 }
 
@@ -129,10 +121,8 @@ impl PlainKind for CurvatureKind {
     type Plain = FormSlots;
 
     fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
-        components.refer("SurfaceCurvatureColumns", about, |components| {
-            let schema = ObjectSchema::new("Columns of curvatures, each contact in one of two forms", components);
-            FormSlots::describe_columns(schema, most).build()
-        })
+        let columns = "Columns of curvatures, each contact in one of two forms";
+        components.refer_object("SurfaceCurvatureColumns", about, columns, &|schema| FormSlots::describe_columns(schema, most))
     }
 
     fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {

@@ -10,11 +10,8 @@ use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The member `machine`.
-pub(crate) const MACHINE: Member<Machine> = Member {
-    name: "machine",
-    about: "the machine: a preset's name, or all three limits; limits beside a preset override its own",
-    kind: Machine,
-};
+pub(crate) const MACHINE: Member<Machine> =
+    Member::new("machine", "the machine: a preset's name, or all three limits; limits beside a preset override its own", Machine);
 
 members! {
     /// The members of a machine.

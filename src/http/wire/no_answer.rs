@@ -1,10 +1,8 @@
 //! Converts the reason why a pass has no answer to a fault of the request, with its member, code and figures.
 
 use super::contact::{CONTACT, StatedContact};
-use super::cutter::CUTTER;
 use super::feed::FEED_PER_TOOTH;
-use super::parameters::{ContactParameters, TOLERANCE};
-use super::runout::RUNOUT;
+use super::parameters::{CUTTER, ContactParameters, RUNOUT, TOLERANCE};
 use crate::http::codes::NoAnswerCode;
 use crate::http::reading::Fault;
 use crate::json_text::JsonPath;

@@ -1,10 +1,10 @@
 //! The parameters of the calculations: those of the whole request, and those that each contact may override.
 
 use super::curvature::{CurvatureMembers, CurvatureSlots, SURFACE_RADIUS, StatedCurvature};
-use super::cutter::{AnyCutter, CUTTER, StatedCutter};
+use super::cutter::{AnyCutter, StatedCutter};
 use super::feed::{Feed, FeedMembers, FeedSlots};
 use super::model::MODEL;
-use super::runout::{RUNOUT, RunoutObject};
+use super::runout::RunoutObject;
 use super::step_over::{self, StepOverMembers, StepOverSlots};
 use crate::http::reading::{Choice, Faulted, Faults, KnownColumns, Member, Members, Object, ObjectSchema, Quantity, Slots, members};
 use crate::json_text::JsonPath;
@@ -13,13 +13,13 @@ use crate::quantity::Length;
 
 /// The tolerance of the calculations that have one.
 pub(crate) const TOLERANCE: Member<Quantity<Length>> =
-    Member { name: "scallop_tolerance_mm", about: "the scallop height that must not be exceeded", kind: Quantity::length(0.015) };
+    Member::new("scallop_tolerance_mm", "the scallop height that must not be exceeded", Quantity::length(0.015));
 
 members! {
     /// The members that apply to all contacts of a request.
     pub(crate) struct SharedMembers {
-        cutter: required CUTTER: AnyCutter,
-        runout: optional RUNOUT: RunoutObject,
+        cutter: required CUTTER: AnyCutter = ("cutter", AnyCutter, "the cutter, one of three kinds, discriminated by type"),
+        runout: optional RUNOUT: RunoutObject = ("runout", RunoutObject, "runout of the teeth, small compared with the feed per tooth; absent = none"),
         model: optional MODEL: Choice<Model>,
     }
 }

@@ -1,13 +1,9 @@
 //! The runout of the cutter: the deviation of its teeth from their common circle.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, Member, Quantity, WireObject, members};
+use crate::http::reading::{Faulted, Faults, Quantity, WireObject, members};
 use crate::json_text::JsonPath;
 use crate::milling::Runout;
-
-/// The member `runout` of the calculations.
-pub(crate) const RUNOUT: Member<RunoutObject> =
-    Member { name: "runout", about: "runout of the teeth, small compared with the feed per tooth; absent = none", kind: RunoutObject };
 
 members! {
     /// The members of a runout.

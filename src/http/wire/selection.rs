@@ -2,18 +2,11 @@
 
 use super::points::{point, point_schema};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, List, Member, Quantity, Whole, WireObject, members};
+use crate::http::reading::{Components, Faulted, Faults, Kind, List, Quantity, Whole, WireObject, members};
 use crate::json_text::{JsonPath, JsonText};
 use crate::quantity::Angle;
 use crate::surface::mesh::{Selection, SelectionError};
 use utoipa::openapi::{RefOr, Schema};
-
-/// The member `select` of a recommendation.
-pub(crate) const SELECT: Member<SelectKind> = Member {
-    name: "select",
-    about: "which facets are machined: those that meet all stated conditions; the cutter must not gouge the other facets, which still hide those below them",
-    kind: SelectKind,
-};
 
 /// The member of `select` that lists pieces. The fault of an unknown piece points to it.
 pub(crate) const PIECES_NAME: &str = PIECES.name;
