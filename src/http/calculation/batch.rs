@@ -18,10 +18,8 @@ use crate::http::wire::{
 use crate::http::worker_pool::Work;
 use crate::json_text::{JsonPath, PlainJson, Unusual};
 use crate::milling::{EvaluatedPass, NoAnswer};
-use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
-use std::collections::BTreeMap;
+use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -117,7 +115,7 @@ struct Batch<C> {
     selection: Selection,
 }
 
-/// The results of a chunk of consecutive contacts.
+/// The results of a chunk of consecutive contacts. Indices are those in the chunk.
 struct Part {
     columns: Vec<Column>,
     /// The number of contacts.
@@ -145,18 +143,18 @@ impl<C: Calculation> Batch<C> {
     /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` if the general reader has
     /// to read them.
     fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<Part> {
-        let (parts, count) = (Parts::default(), AtomicUsize::new(0));
-        let compute = |(index, run): (usize, &&[u8])| {
+        let count = AtomicUsize::new(0);
+        let compute = |run: &&[u8]| {
             let part = self.compute_run(run, cancel)?;
             let too_many = count.fetch_add(part.count, Ordering::Relaxed) + part.count > MOST_CONTACTS;
-            parts.insert(index, part);
-            if too_many { Err(Unusual) } else { Ok(()) }
+            if too_many { Err(Unusual) } else { Ok(part) }
         };
-        runs.par_iter().enumerate().try_for_each(compute).ok()?;
-        Some(self.joined(parts, Some(path)))
+        let mut whole = runs.par_iter().map(compute).try_reduce(|| self.part(0), |all, next| Ok(all.followed_by(next))).ok()?;
+        whole.failures.iter_mut().for_each(|(index, faults)| place(faults, path.item(*index)));
+        Some(whole)
     }
 
-    /// Reads a run of contacts and computes them. Indices and paths are those in the run.
+    /// Reads a run of contacts and computes them. Paths are those in a contact.
     fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
         let mut json = PlainJson::new(run);
         let mut part = self.part(run.len() / USUAL_CONTACT);
@@ -164,8 +162,7 @@ impl<C: Calculation> Batch<C> {
         while !cancel.is_cancelled() {
             let path = JsonPath::Root;
             let contact = BatchContact::read_next(&mut json, &self.defaults, path, &mut faults)?;
-            let index = part.count;
-            self.take_in(&mut part, index, &contact, path, &mut faults);
+            self.take_in(&mut part, &contact, path, &mut faults);
             if json.is_at_end() {
                 break;
             }
@@ -176,8 +173,7 @@ impl<C: Calculation> Batch<C> {
 
     /// Reads and computes contacts on all cores; the rest of a cancelled batch is left out.
     fn compute_contacts(&self, contacts: &Contacts<'_>, path: JsonPath<'_>, cancel: &CancelFlag) -> Part {
-        let parts = Parts::default();
-        (0..contacts.count().div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
+        let compute = |chunk: usize| {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
@@ -185,34 +181,28 @@ impl<C: Calculation> Batch<C> {
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, &self.defaults, path, &mut faults);
-                self.take_in(&mut part, index, &contact, path, &mut faults);
+                self.take_in(&mut part, &contact, path, &mut faults);
             }
-            parts.insert(chunk, part);
-        });
-        self.joined(parts, None)
+            part
+        };
+        let chunks = (0..contacts.count().div_ceil(CHUNK)).into_par_iter();
+        chunks.map(compute).reduce(|| self.part(0), Part::followed_by)
     }
 
-    /// Adds the contact `index` to a part: its figures, or its faults if it has no answer. `faults` are empty
+    /// Adds the next contact to a part: its figures, or its faults if it has no answer. `faults` are empty
     /// afterwards, for the next contact.
     #[inline]
-    fn take_in(&self, part: &mut Part, index: usize, contact: &Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
-        part.count += 1;
-        let is_computed = contact.as_ref().is_ok_and(|contact| self.compute_contact(part, index, contact, path, faults).is_ok());
+    fn take_in(&self, part: &mut Part, contact: &Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
+        let is_computed = contact.as_ref().is_ok_and(|contact| self.compute_contact(part, contact, path, faults).is_ok());
         if !is_computed {
-            part.fail(index, faults.take());
+            part.fail(faults.take());
         }
+        part.count += 1;
     }
 
     /// Computes a contact and adds its figures to a part.
     #[inline]
-    fn compute_contact(
-        &self,
-        part: &mut Part,
-        index: usize,
-        contact: &BatchContact,
-        path: JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<(), Faulted> {
+    fn compute_contact(&self, part: &mut Part, contact: &BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
         let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(&path, faults)?;
         let member = self.calculation.step_over_member(parameters);
@@ -230,7 +220,7 @@ impl<C: Calculation> Batch<C> {
             part.outside_range += usize::from(single::is_outside_range(&check));
             figures.check = check.ok();
         }
-        part.add(index, figures, pass, &self.selection);
+        part.add(figures, pass, &self.selection);
         Ok(())
     }
 
@@ -239,39 +229,20 @@ impl<C: Calculation> Batch<C> {
         let columns = self.selection.figures.iter().map(|_| Column::with_capacity(count)).collect();
         Part { columns, count: 0, failed: 0, failures: Vec::new(), outside_range: 0, warnings: Vec::new() }
     }
-
-    /// All parts in order. Where `path` is given, their indices and paths are those in the part.
-    fn joined(&self, parts: Parts, path: Option<JsonPath<'_>>) -> Part {
-        let mut whole = self.part(0);
-        for mut part in parts.0.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
-            if let Some(path) = path {
-                part.shift(whole.count, path);
-            }
-            whole.append(part);
-        }
-        whole
-    }
 }
 
-/// The completed parts, in order by the number with which each is inserted.
-#[derive(Default)]
-struct Parts(Mutex<BTreeMap<usize, Part>>);
-
-impl Parts {
-    /// Adds a part. If earlier parts already have as many failures as are listed, the failures of this part are dropped
-    /// to save memory.
-    fn insert(&self, number: usize, mut part: Part) {
-        let mut parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let earlier: usize = parts.range(..number).map(|(_, part)| part.failures.len()).sum();
-        if earlier >= MOST_FAILURES {
-            part.failures = Vec::new();
-        }
-        parts.insert(number, part);
+/// Puts the location of a contact before the pointers of its faults.
+fn place(faults: &mut [Fault], contact: JsonPath<'_>) {
+    let contact = contact.to_string();
+    // The entry that counts further faults has no place.
+    for fault in faults.iter_mut().filter(|fault| fault.code != FaultCode::from(RequestFault::FurtherFaults)) {
+        fault.pointer.insert_str(0, &contact);
     }
 }
 
 impl Part {
-    fn add(&mut self, index: usize, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
+    fn add(&mut self, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
+        let index = self.count;
         for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
             match figure.get {
                 Get::Number(get) => column.push_number(index, get(figures).map(|number| selection.rounded(number))),
@@ -287,44 +258,35 @@ impl Part {
         }
     }
 
-    fn fail(&mut self, index: usize, faults: Faults) {
-        self.columns.iter_mut().for_each(|column| column.push_number(index, None));
+    fn fail(&mut self, faults: Faults) {
+        self.columns.iter_mut().for_each(|column| column.push_number(self.count, None));
         self.failed += 1;
         if self.failures.len() < MOST_FAILURES {
-            self.failures.push((index, faults.into_listed()));
+            self.failures.push((self.count, faults.into_listed()));
         }
     }
 
-    /// Moves the contacts of a part whose indices and paths are those in the part to the place `first` of the array at
-    /// `path`.
-    fn shift(&mut self, first: usize, path: JsonPath<'_>) {
-        self.columns.iter_mut().for_each(|column| column.shift(first));
-        for (index, faults) in &mut self.failures {
-            *index += first;
-            let path = path.item(*index).to_string();
-            // The entry that counts further faults has no place.
-            for fault in faults.iter_mut().filter(|fault| fault.code != FaultCode::from(RequestFault::FurtherFaults)) {
-                fault.pointer.insert_str(0, &path);
-            }
+    /// This part and the one after it. Failures beyond those that are listed are dropped to save memory.
+    fn followed_by(mut self, mut next: Self) -> Self {
+        for (column, mut next) in self.columns.iter_mut().zip(next.columns) {
+            next.shift(self.count);
+            column.append(next);
         }
-        for index in self.warnings.iter_mut().filter_map(|warning| warning.first_index.as_mut()) {
-            *index += first;
-        }
-    }
-
-    fn append(&mut self, next: Self) {
-        self.count += next.count;
-        self.columns.iter_mut().zip(next.columns).for_each(|(column, next)| column.append(next));
-        self.failed += next.failed;
         let listed = MOST_FAILURES - self.failures.len();
-        self.failures.extend(next.failures.into_iter().take(listed));
-        self.outside_range += next.outside_range;
+        self.failures.extend(next.failures.into_iter().take(listed).map(|(index, faults)| (self.count + index, faults)));
+        for warning in &mut next.warnings {
+            warning.first_index = warning.first_index.map(|index| self.count + index);
+        }
         for warning in next.warnings {
             match self.warnings.iter_mut().find(|known| known.code == warning.code) {
                 Some(known) => known.contacts = known.contacts.zip(warning.contacts).map(|(a, b)| a + b),
                 None => self.warnings.push(warning),
             }
         }
+        self.count += next.count;
+        self.failed += next.failed;
+        self.outside_range += next.outside_range;
+        self
     }
 
     /// The answer, or the faults if no contact has one.
