@@ -6,7 +6,7 @@ use crate::http::body::JsonBody;
 use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Components, Faulted, Faults, Form, Members, Object, ObjectSchema, Quantity, members};
+use crate::http::reading::{Components, Fault, Faulted, Faults, Form, Members, Object, ObjectSchema, Quantity, members};
 use crate::http::wire::{Warning, answer};
 use crate::milling::NoAnswer;
 use crate::planning::{CriticalSlope, InclinedRectangle, Job, Plan, critical_slope, plan};
@@ -125,7 +125,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
         };
         answer.map_err(|cause| {
             let detail = format_args!("the toroidal cutter up the slope: {cause}");
-            faults.push(job::no_answer(cause, detail, &object.path().member(to_blame(cause))))
+            faults.push(Fault::no_answer(cause, &object.path().member(to_blame(cause)), detail))
         })
     })
     .map(Json)

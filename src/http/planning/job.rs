@@ -1,10 +1,10 @@
 //! A job: two cutters to compare, the scallop height that they may leave, the machine, and the model.
 
-use crate::http::codes::{NoAnswerCode, RequestFault};
+use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Fault, Faulted, Faults, Members, Object, Quantity, members};
 use crate::http::wire::{BallEndCutter, MACHINE, MODEL, Machine, ToroidalCutter};
 use crate::json_text::JsonPath;
-use crate::milling::{Model, NoAnswer};
+use crate::milling::Model;
 use crate::planning::{Job, JobError};
 use crate::quantity::Length;
 
@@ -32,12 +32,6 @@ fn fault(error: JobError, path: &JsonPath<'_>) -> Fault {
         JobError::NotToroidal => Fault::new(&path.member(TOROIDAL.name), RequestFault::NotToroidal, error),
         JobError::NotBallEnd => Fault::new(&path.member(BALL_END.name), RequestFault::NotBallEnd, error),
         JobError::ScallopTooHigh { .. } => Fault::new(&path.member(SCALLOP_HEIGHT.name), RequestFault::ScallopTooHigh, error),
-        JobError::BallEnd(cause) => no_answer(cause, error, &path.member(SCALLOP_HEIGHT.name)),
+        JobError::BallEnd(cause) => Fault::no_answer(cause, &path.member(SCALLOP_HEIGHT.name), error),
     }
-}
-
-/// The fault that a cutter has no step-over, described by `detail`.
-pub(super) fn no_answer(cause: NoAnswer, detail: impl std::fmt::Display, path: &JsonPath<'_>) -> Fault {
-    let (code, figures) = NoAnswerCode::of(cause);
-    Fault { figures, ..Fault::new(path, code, detail) }
 }

@@ -1,7 +1,7 @@
 //! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
 //! of batches.
 
-use super::{Faults, Object, ObjectSchema};
+use super::{Faulted, Faults, Object, ObjectSchema};
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
@@ -25,6 +25,15 @@ pub(crate) trait Members: Sized {
 pub(crate) enum Form<A, B> {
     First(A),
     Second(B),
+}
+
+/// The value of two members of which at most one may be given; `None` if both are.
+pub(crate) fn at_most_one<T>(one: Result<Option<T>, Faulted>, other: Result<Option<T>, Faulted>) -> Option<Result<Option<T>, Faulted>> {
+    match (one, other) {
+        (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
+        (one, Ok(None)) => Some(one),
+        (Ok(None), other) => Some(other),
+    }
 }
 
 /// Declares members and their struct:

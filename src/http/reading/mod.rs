@@ -20,7 +20,7 @@ pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;
 pub(crate) use member::{Kind, Member, PlainKind, WireObject};
-pub(crate) use members::{Form, Members, members};
+pub(crate) use members::{Form, Members, at_most_one, members};
 pub(crate) use object::{Object, describe};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};
 pub(crate) use slots::Slots;

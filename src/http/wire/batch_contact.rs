@@ -81,13 +81,10 @@ pub(super) type ContactSlots = (FormSlots, ParameterSlots);
 
 /// The schema of a contact with the parameters that `stated` allows.
 pub(crate) fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {
-    let names = match (stated.step_over, stated.feed_per_tooth) {
-        (true, true) => ["AngleContactWithParameters", "VectorContactWithParameters"],
-        (true, false) => ["AngleContactWithStepOver", "VectorContactWithStepOver"],
-        (false, true) => ["AngleContactWithFeed", "VectorContactWithFeed"],
-        (false, false) => ["AngleContactWithCurvature", "VectorContactWithCurvature"],
-    };
-    contact::forms(names, "A contact with its own parameters", components, &|schema| ContactParameters::describe(schema, stated))
+    let names = ["AngleContact", "VectorContact"].map(|form| stated.name(form));
+    contact::forms(names.each_ref().map(String::as_str), "A contact with its own parameters", components, &|schema| {
+        ContactParameters::describe(schema, stated)
+    })
 }
 
 #[cfg(test)]

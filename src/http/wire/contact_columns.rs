@@ -83,12 +83,8 @@ fn known(stated: StatedParameters) -> KnownColumns {
 
 /// The schema of columns of at most `most` contacts, with the parameters that `stated` allows.
 pub(crate) fn contact_columns_schema(stated: StatedParameters, most: usize, components: &mut Components) -> RefOr<Schema> {
-    let name = match (stated.step_over, stated.feed_per_tooth) {
-        (true, true) => "ContactColumnsWithParameters",
-        (true, false) => "ContactColumnsWithStepOver",
-        (false, true) => "ContactColumnsWithFeed",
-        (false, false) => "ContactColumnsWithCurvature",
-    };
     let about = "Contacts as columns of one length, by angles or by vectors; null means the value that the request states for all contacts";
-    components.refer_object(name, "", about, &|schema| stated.describe_columns(FormSlots::describe_columns(schema, most), most))
+    components.refer_object(&stated.name("ContactColumns"), "", about, &|schema| {
+        stated.describe_columns(FormSlots::describe_columns(schema, most), most)
+    })
 }

@@ -2,7 +2,7 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, Form, Kind, Members, Object, Pair, PlainKind, Quantity, Slots, members,
+    AddMembers, Components, Faulted, Faults, Form, Kind, Members, Object, Pair, PlainKind, Quantity, Slots, at_most_one, members,
 };
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
@@ -65,11 +65,8 @@ impl CurvatureMembers {
     /// The curvature, if one is given; `None` if both members are.
     pub(super) fn stated(&self) -> Option<Result<Option<StatedCurvature>, Faulted>> {
         let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
-        match (self.radius, self.curvature) {
-            (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
-            (radius, Ok(None)) => Some(radius.map(|stated| stated.map(of(SURFACE_RADIUS.name)))),
-            (Ok(None), curvature) => Some(curvature.map(|stated| stated.map(of(SURFACE_CURVATURE.name)))),
-        }
+        let by_radius = self.radius.map(|stated| stated.map(of(SURFACE_RADIUS.name)));
+        at_most_one(by_radius, self.curvature.map(|stated| stated.map(of(SURFACE_CURVATURE.name))))
     }
 }
 

@@ -3,7 +3,6 @@
 use super::contact::{CONTACT, StatedContact};
 use super::feed::FEED_PER_TOOTH;
 use super::parameters::{CUTTER, ContactParameters, RUNOUT, TOLERANCE};
-use crate::http::codes::NoAnswerCode;
 use crate::http::reading::Fault;
 use crate::json_text::JsonPath;
 use crate::milling::NoAnswer;
@@ -29,6 +28,5 @@ pub(crate) fn no_answer(
         NoAnswer::RunoutUsesUpTolerance => path.member(RUNOUT.name),
         NoAnswer::ToleranceLimitsNoStepOver { .. } | NoAnswer::ToleranceLimitsNoFeed { .. } => path.member(TOLERANCE.name),
     };
-    let (code, figures) = NoAnswerCode::of(cause);
-    Fault { figures, ..Fault::new(&path, code, cause) }
+    Fault::no_answer(cause, &path, cause)
 }

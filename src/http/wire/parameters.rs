@@ -141,6 +141,17 @@ impl ContactParameters {
 pub(super) type ParameterSlots = ((StepOverSlots, FeedSlots), CurvatureSlots);
 
 impl StatedParameters {
+    /// The name of a contact with these parameters of its own, after the form in which the contact is.
+    pub(super) fn name(self, form: &str) -> String {
+        let of_parameters = match (self.step_over, self.feed_per_tooth) {
+            (true, true) => "Parameters",
+            (true, false) => "StepOver",
+            (false, true) => "Feed",
+            (false, false) => "Curvature",
+        };
+        format!("{form}With{of_parameters}")
+    }
+
     /// The columns of these parameters.
     pub(super) fn columns(self) -> KnownColumns {
         let step_over = if self.step_over { StepOverSlots::columns() } else { Vec::new() };
