@@ -12,8 +12,8 @@ use crate::http::codes::{FaultCode, RequestFault};
 use crate::http::problem::Problem;
 use crate::http::reading::{Components, CutOut, Fault, Faulted, Faults, Kind, Large, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, MODEL, SharedMembers,
-    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, no_answer,
+    BatchContact, CHECK_FIGURES, ContactColumns, ContactParameters, Failure, Figures, Get, InOrder, MODEL, SharedMembers, SharedParameters,
+    Summary, Warning, batch_contact_schemas, contact_columns_schema, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::json_text::{JsonPath, PlainJson, Unusual};
@@ -317,7 +317,7 @@ impl Part {
     fn written<C>(self, batch: &Batch<C>) -> WrittenJson {
         let Batch { shared, selection, .. } = batch;
         let named = || selection.figures.iter().zip(&self.columns);
-        let extremes = ColumnExtremes(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
+        let extremes = InOrder(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
         let outside_analytic_range = selection.is_compared.then_some(self.outside_range);
         let mut table = Table::default();
         table.value("model", &MODEL.kind.word(&shared.model));

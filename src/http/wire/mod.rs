@@ -40,7 +40,7 @@ pub(crate) use not_ranked::NotRanked;
 pub(crate) use parameters::{CUTTER, ContactParameters, SharedMembers, SharedParameters, StatedParameters, TOLERANCE};
 pub(crate) use selection::{PIECES_NAME, SelectKind};
 pub(crate) use source::{Source, SurfaceWithSource};
-pub(crate) use summary::{Check, ColumnExtremes, Extreme, Extremes, Failure, Summary};
+pub(crate) use summary::{Check, Extreme, Extremes, Failure, InOrder, Summary};
 pub(crate) use surface::SURFACE;
 pub(crate) use unit::UNIT;
 pub(crate) use warning::Warning;

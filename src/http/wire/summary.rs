@@ -61,19 +61,19 @@ answer! {
     }
 }
 
-/// The extremes of columns, by the columns' names.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct ColumnExtremes(pub(crate) Vec<(&'static str, Extremes)>);
+/// A JSON object whose members have an order that its type does not determine.
+#[derive(Debug, Clone)]
+pub(crate) struct InOrder<V>(pub(crate) Vec<(&'static str, V)>);
 
-impl Serialize for ColumnExtremes {
+impl<V: Serialize> Serialize for InOrder<V> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().copied())
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
     }
 }
 
 answer! {
     /// The counts and extremes of a batch.
-    #[derive(Clone, Default)]
+    #[derive(Clone)]
     pub(crate) struct Summary {
         /// The number of contacts sent.
         pub(crate) count: usize,
@@ -84,6 +84,6 @@ answer! {
         /// the comparison takes longer than the calculation.
         pub(crate) outside_analytic_range?: usize,
         /// For each column with numbers, the contacts with the smallest and the largest one.
-        pub(crate) extremes: ColumnExtremes [value_type = std::collections::BTreeMap<String, Extremes>],
+        pub(crate) extremes: InOrder<Extremes> [value_type = std::collections::BTreeMap<String, Extremes>],
     }
 }

@@ -57,7 +57,7 @@ impl BodyRules {
     /// Decompresses the body, and limits its decompressed size.
     pub(super) fn decompress(&self, request: Request) -> Request {
         let progress = BodyProgress::of(&request);
-        decompressed(request).map(|body| Body::new(LimitedBody { body, max_bytes: self.max_bytes, progress }))
+        decompressed(request).map(|body| Body::new(LimitedBody::new(body, self.max_bytes, progress)))
     }
 }
 
