@@ -10,7 +10,7 @@ use crate::http::codes::same_names;
 use crate::http::wire::{NamedCandidate, NotRanked, Warning, answer};
 use crate::milling::CutterKind;
 use crate::planning::RectanglePlan;
-use crate::planning::zigzag::ZigzagPlan;
+use crate::planning::zigzag::{ScallopFigures, TourFigures, ZigzagPlan};
 use crate::quantity::{Angle, Length, Speed, Time};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -50,22 +50,22 @@ answer! {
     }
 
     /// The recommended cutter and its plan.
-    pub(super) struct RecommendedCutter {
+    pub(super) struct RecommendedCutter of (candidate: &RankedCandidate) {
         /// The position of the cutter in the request, from 0; cutters of libraries follow.
-        cutter: usize,
+        cutter: usize = candidate.cutter,
         /// The cutter's name, if it has one.
-        name?: String,
+        name?: String = candidate.name.clone(),
         /// The preset of the tool library from which spindle speed and feed per tooth were taken.
-        preset?: String,
+        preset?: String = candidate.preset.clone(),
         /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180). Absent in method rectangle if
         /// the surface has no such direction.
-        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180] = candidate.direction_deg,
         /// The time of all passes and links, stops included.
-        machining_time_s: f64 [minimum = 0],
+        machining_time_s: f64 [minimum = 0] = candidate.machining_time_s,
         /// The median distance between passes, seen from above.
-        step_over_xy_mm: f64 [minimum = 0],
+        step_over_xy_mm: f64 [minimum = 0] = candidate.step_over_xy_mm.median,
         /// The mean feed rate of the passes.
-        feed_rate_mm_min: f64 [minimum = 0],
+        feed_rate_mm_min: f64 [minimum = 0] = candidate.feed_rate_mm_min,
     }
 
     /// A cutter with its fastest plan.
@@ -102,26 +102,27 @@ answer! {
 
     /// The figures of a plan that was simulated on the surface.
     #[derive(Clone)]
-    struct SimulatedFigures {
+    struct SimulatedFigures of (plan: &ZigzagPlan) {
         /// The links between runs.
-        links: LinksAnswer [required = false],
+        links: LinksAnswer [required = false] = LinksAnswer::of(&plan.tour),
         /// The scallop height over the area, by model `envelope` with the curvature of the surface.
-        scallop_height_mm: ScallopAnswer [required = false],
+        scallop_height_mm: ScallopAnswer [required = false] = ScallopAnswer::of(&plan.scallop_height),
         /// The share of the area whose scallop height exceeds `scallop_height_mm`, or that has none, because
         /// the cutter gouges there or leaves uncut material between its passes.
-        over_tolerance_share: f64 [required = false, minimum = 0, maximum = 1],
+        over_tolerance_share: f64 [required = false, minimum = 0, maximum = 1]
+            = (plan.scallop_height.over_tolerance_share + plan.scallop_height.without_height_share).min(1.0),
         /// The share of the area that the cutter leaves uncut because it does not fit.
-        uncut_share: f64 [required = false, minimum = 0, maximum = 1],
+        uncut_share: f64 [required = false, minimum = 0, maximum = 1] = plan.reach.map_or(0.0, |reach| reach.uncut_share),
         /// The largest height that the cutter leaves there.
-        uncut_height_mm: f64 [required = false, minimum = 0],
+        uncut_height_mm: f64 [required = false, minimum = 0] = plan.reach.map_or(0.0, |reach| reach.uncut_height.mm()),
         /// The error of that height, due to the raster on which it was computed.
-        uncut_height_error_mm: f64 [required = false, minimum = 0],
+        uncut_height_error_mm: f64 [required = false, minimum = 0] = plan.reach.map_or(0.0, |reach| reach.uncut_height_error.mm()),
         /// A lower bound: no zigzag that keeps the scallop height takes less time.
-        least_time_s: f64 [required = false, minimum = 0],
+        least_time_s: f64 [required = false, minimum = 0] = plan.least_time.seconds(),
         /// The times of the directions that were tried and have a plan.
-        by_direction: ByDirection [required = false],
+        by_direction: ByDirection [required = false] = ByDirection::of(plan),
         /// The same cutter by the published method, if that has an answer.
-        rectangle?: OnRectangle,
+        rectangle?: OnRectangle = plan.rectangle.as_ref().map(OnRectangle::of),
     }
 }
 
@@ -151,47 +152,48 @@ answer! {
     /// The links between runs.
     #[derive(Clone, Copy)]
     #[schema(as = Links)]
-    struct LinksAnswer {
+    struct LinksAnswer of (tour: &TourFigures) {
         /// The number of links.
-        count: usize,
+        count: usize = tour.links,
         /// The length of all links.
-        length_mm: f64 [minimum = 0],
+        length_mm: f64 [minimum = 0] = tour.link_length,
         /// The number of links over the clearance height.
-        lifts: usize,
+        lifts: usize = tour.lifts,
     }
 
     /// Scallop heights over the area.
     #[derive(Clone, Copy)]
     #[schema(as = ScallopHeights)]
-    struct ScallopAnswer {
+    struct ScallopAnswer of (heights: &ScallopFigures) {
         /// The median.
-        p50: f64 [minimum = 0],
+        p50: f64 [minimum = 0] = heights.p50.mm(),
         /// The 90th percentile.
-        p90: f64 [minimum = 0],
+        p90: f64 [minimum = 0] = heights.p90.mm(),
         /// The 99th percentile.
-        p99: f64 [minimum = 0],
+        p99: f64 [minimum = 0] = heights.p99.mm(),
         /// The largest.
-        max: f64 [minimum = 0],
+        max: f64 [minimum = 0] = heights.max.mm(),
     }
 
     /// Times by direction. The time of the recommended direction is that of the plan. The others are estimates: the times
     /// before the check of the scallop height, multiplied by the factor by which the check changed the time of the fastest
     /// direction.
     #[derive(Clone)]
-    struct ByDirection {
+    struct ByDirection of (plan: &ZigzagPlan) {
         /// The directions.
-        direction_deg: Vec<f64>,
+        direction_deg: Vec<f64>
+            = plan.by_direction.iter().filter(|(_, time)| time.is_some()).map(|(direction, _)| line_degrees(*direction)).collect(),
         /// The time in each direction.
-        machining_time_s: Vec<f64>,
+        machining_time_s: Vec<f64> = plan.by_direction.iter().filter_map(|(_, time)| time.map(Time::seconds)).collect(),
     }
 
     /// A plan by the published method.
     #[derive(Clone, Copy)]
-    struct OnRectangle {
+    struct OnRectangle of (plan: &RectanglePlan) {
         /// The line of the passes; absent if the surface has no such direction.
-        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180] = plan.direction.map(line_degrees),
         /// The time of the zigzag.
-        machining_time_s: f64 [minimum = 0],
+        machining_time_s: f64 [minimum = 0] = plan.zigzag.time.seconds(),
     }
 }
 
@@ -201,9 +203,7 @@ impl RankedCandidate {
     /// A plan simulated on the surface.
     pub(super) fn simulated(plan: &ZigzagPlan, candidates: &[NamedCandidate]) -> Self {
         let named = &candidates[plan.candidate];
-        let (directions, times): (Vec<_>, Vec<_>) =
-            plan.by_direction.iter().filter_map(|(direction, time)| Some((line_degrees(*direction), (*time)?.seconds()))).unzip();
-        let (spacing, scallop) = (plan.step_over, plan.scallop_height);
+        let spacing = plan.step_over;
         #[expect(clippy::cast_precision_loss, reason = "at most 50,000")]
         let passes = plan.planes as f64;
         Self {
@@ -218,25 +218,7 @@ impl RankedCandidate {
             step_over_xy_mm: SpacingAnswer { min: spacing.min.mm(), median: spacing.median.mm(), max: spacing.max.mm() },
             feed_rate_mm_min: plan.feed_rate.mm_min(),
             feed_per_tooth_mm: plan.feed_per_tooth.map(Length::mm),
-            simulated: Some(SimulatedFigures {
-                links: LinksAnswer { count: plan.tour.links, length_mm: plan.tour.link_length, lifts: plan.tour.lifts },
-                scallop_height_mm: ScallopAnswer {
-                    p50: scallop.p50.mm(),
-                    p90: scallop.p90.mm(),
-                    p99: scallop.p99.mm(),
-                    max: scallop.max.mm(),
-                },
-                over_tolerance_share: (scallop.over_tolerance_share + scallop.without_height_share).min(1.0),
-                uncut_share: plan.reach.map_or(0.0, |reach| reach.uncut_share),
-                uncut_height_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height.mm()),
-                uncut_height_error_mm: plan.reach.map_or(0.0, |reach| reach.uncut_height_error.mm()),
-                least_time_s: plan.least_time.seconds(),
-                by_direction: ByDirection { direction_deg: directions, machining_time_s: times },
-                rectangle: plan.rectangle.map(|plan| OnRectangle {
-                    direction_deg: plan.direction.map(line_degrees),
-                    machining_time_s: plan.zigzag.time.seconds(),
-                }),
-            }),
+            simulated: Some(SimulatedFigures::of(plan)),
         }
     }
 
@@ -264,19 +246,5 @@ impl RankedCandidate {
 
     pub(super) fn time(&self) -> Time {
         Time::computed(self.machining_time_s)
-    }
-}
-
-impl From<&RankedCandidate> for RecommendedCutter {
-    fn from(candidate: &RankedCandidate) -> Self {
-        Self {
-            cutter: candidate.cutter,
-            name: candidate.name.clone(),
-            preset: candidate.preset.clone(),
-            direction_deg: candidate.direction_deg,
-            machining_time_s: candidate.machining_time_s,
-            step_over_xy_mm: candidate.step_over_xy_mm.median,
-            feed_rate_mm_min: candidate.feed_rate_mm_min,
-        }
     }
 }

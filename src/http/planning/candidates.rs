@@ -22,55 +22,34 @@ same_names!(CutterChoice => ComparedCutter: Toroidal, BallEnd);
 answer! {
     /// The faster cutter and its passes.
     #[derive(Clone)]
-    pub(super) struct Recommended {
+    pub(super) struct Recommended of (candidate: &Candidate) {
         /// The cutter.
-        cutter: ComparedCutter,
+        cutter: ComparedCutter = candidate.cutter.into(),
         /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the
         /// toroidal cutter, the principal direction for the ball-end cutter. Absent if the surface has no such
         /// direction, or its place in XY is not known.
-        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 0.0],
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 0.0] = candidate.direction.map(line_degrees),
         /// The distance of the passes along the surface.
-        step_over_mm: f64 [minimum = 0],
+        step_over_mm: f64 [minimum = 0] = candidate.zigzag.step_over.mm(),
         /// The time of the zigzag, stops at all corners included.
-        machining_time_s: f64 [minimum = 0],
+        machining_time_s: f64 [minimum = 0] = candidate.zigzag.time.seconds(),
     }
 
     /// A cutter with the figures of its passes.
     #[derive(Clone)]
-    pub(super) struct CandidateAnswer {
+    pub(super) struct CandidateAnswer of (candidate: &Candidate) {
         /// The cutter.
-        cutter: ComparedCutter,
+        cutter: ComparedCutter = candidate.cutter.into(),
         /// The line of the passes seen from above, as in `recommended`.
-        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 90.0],
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 90.0] = candidate.direction.map(line_degrees),
         /// The distance of the passes along the surface.
-        step_over_mm: f64 [minimum = 0],
+        step_over_mm: f64 [minimum = 0] = candidate.zigzag.step_over.mm(),
         /// The number of passes: the side across them over the step-over, the model's quotient, not rounded.
-        passes: f64 [minimum = 0],
+        passes: f64 [minimum = 0] = candidate.zigzag.passes,
         /// The length of all passes and the steps between them.
-        path_length_mm: f64 [minimum = 0],
+        path_length_mm: f64 [minimum = 0] = candidate.zigzag.path_length.mm(),
         /// The time of the zigzag, stops at all corners included.
-        machining_time_s: f64 [minimum = 0],
-    }
-}
-
-impl From<&Candidate> for Recommended {
-    fn from(candidate: &Candidate) -> Self {
-        let CandidateAnswer { cutter, direction_deg, step_over_mm, machining_time_s, .. } = candidate.into();
-        Self { cutter, direction_deg, step_over_mm, machining_time_s }
-    }
-}
-
-impl From<&Candidate> for CandidateAnswer {
-    fn from(candidate: &Candidate) -> Self {
-        let zigzag = candidate.zigzag;
-        Self {
-            cutter: candidate.cutter.into(),
-            direction_deg: candidate.direction.map(line_degrees),
-            step_over_mm: zigzag.step_over.mm(),
-            passes: zigzag.passes,
-            path_length_mm: zigzag.path_length.mm(),
-            machining_time_s: zigzag.time.seconds(),
-        }
+        machining_time_s: f64 [minimum = 0] = candidate.zigzag.time.seconds(),
     }
 }
 

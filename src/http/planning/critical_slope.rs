@@ -75,8 +75,8 @@ impl CriticalSlopeAnswer {
     fn at_slope(plan: &Plan, job: &Job) -> Self {
         Self {
             critical_form_factor: Some(plan.critical_form_factor.form_factor().ratio()),
-            recommended: Some(plan.recommended().into()),
-            candidates: Some(vec![(&plan.toroidal).into(), (&plan.ball_end).into()]),
+            recommended: Some(Recommended::of(plan.recommended())),
+            candidates: Some([&plan.toroidal, &plan.ball_end].map(CandidateAnswer::of).into()),
             warnings: wide_step_over(plan, job).into_iter().collect(),
             ..Self::without_slope(plan.critical_slope)
         }

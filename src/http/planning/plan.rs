@@ -110,7 +110,7 @@ impl Task {
         resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
         let passes = if self.parameters.includes(Part::Passes) { self.passes(machined, &simulation, resources, stop)? } else { None };
         let map = if has_map { MapAnswer::new(machined, &simulation, stop) } else { None };
-        let (recommended, published) = (first.into(), self.published().map(|published| published.plan));
+        let (recommended, published) = (RecommendedCutter::of(first), self.published().map(|published| published.plan));
         let answer = self.answered(recommended, candidates, not_ranked, Some(machined), published, confidence.into());
         Ok(RecommendationAnswer { map, passes, ..answer })
     }
@@ -157,7 +157,7 @@ impl Task {
         self.warnings.extend(unused.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| {
             Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
         }));
-        let (recommended, published) = (first.into(), self.published());
+        let (recommended, published) = (RecommendedCutter::of(first), self.published());
         let compared = published.as_ref().map(|published| published.plan);
         let confidence = self.confidence_in_rectangle(published, &candidates, machined, resources, stop)?;
         Ok(self.answered(recommended, candidates, not_ranked, machined, compared, confidence))
@@ -179,7 +179,7 @@ impl Task {
             recommended,
             candidates,
             not_ranked,
-            surface: SurfaceAnswer::new(&self.shape, self.source, machined),
+            surface: SurfaceAnswer::of(&self.shape, self.source, machined),
             critical_slope_deg: published.map(|plan| plan.critical_slope.angle().degrees()),
             always_faster: published.and_then(|plan| always_faster(plan.critical_slope)),
             critical_form_factor: published.map(|plan| plan.critical_form_factor.form_factor().ratio()),
