@@ -21,7 +21,7 @@ impl<'a> Contacts<'a> {
     /// Opens an array or an object of columns. Faults of a contact are found when it is read.
     pub(super) fn open(raw: JsonText<'a>, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         match raw.get().as_bytes().first() {
-            Some(b'[') => items(raw, MOST_CONTACTS, path, faults).map(Self::Rows),
+            Some(b'[') => items(raw, "an array", MOST_CONTACTS, path, faults).map(Self::Rows),
             Some(b'{') => ContactColumns::read(raw, stated, MOST_CONTACTS, path, faults).map(Self::Columns),
             _ => {
                 let detail = format_args!("expected an array of contacts or an object of columns, found {}", describe(raw));

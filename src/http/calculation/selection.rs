@@ -38,7 +38,7 @@ impl Kind for ColumnNames {
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         // A list without repetitions has at most as many items as there are names. Further items are read only to
         // report their faults.
-        let names = items(raw, 2 * self.known.len(), path, faults)?;
+        let names = items(raw, "an array", 2 * self.known.len(), path, faults)?;
         if names.is_empty() {
             return Err(faults.add(&path, RequestFault::WrongCount, "name at least one column, or leave the field out"));
         }

@@ -6,17 +6,8 @@ use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, Unread};
 
 /// Passes every item of the array `raw` to `take` in order, with its index and without parsing it. Returns their number.
+/// `expected` describes the array in the fault of another value.
 pub(crate) fn each_raw<'a>(
-    raw: JsonText<'a>,
-    path: JsonPath<'_>,
-    faults: &mut Faults,
-    take: impl FnMut(usize, JsonText<'a>, &mut Faults),
-) -> Result<usize, Faulted> {
-    each_of(raw, "an array", path, faults, take)
-}
-
-/// The same, where faults say that `expected` was expected.
-fn each_of<'a>(
     raw: JsonText<'a>,
     expected: &str,
     path: JsonPath<'_>,
@@ -38,12 +29,7 @@ fn each_of<'a>(
 }
 
 /// The unparsed items of the array `raw`. More than `most` items are a fault; further items are counted, not stored.
-pub(crate) fn items<'a>(raw: JsonText<'a>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<JsonText<'a>>, Faulted> {
-    items_of(raw, "an array", most, path, faults)
-}
-
-/// The same, where faults say that `expected` was expected.
-pub(super) fn items_of<'a>(
+pub(crate) fn items<'a>(
     raw: JsonText<'a>,
     expected: &str,
     most: usize,
@@ -51,7 +37,7 @@ pub(super) fn items_of<'a>(
     faults: &mut Faults,
 ) -> Result<Vec<JsonText<'a>>, Faulted> {
     let mut items = Vec::new();
-    let count = each_of(raw, expected, path, faults, |index, item, _| {
+    let count = each_raw(raw, expected, path, faults, |index, item, _| {
         if index < most {
             items.push(item);
         }

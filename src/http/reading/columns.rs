@@ -1,7 +1,7 @@
 //! Objects of columns, from which batches take contacts row by row. A column is an array with an item for each contact,
 //! null for a contact without a value.
 
-use super::array::items_of;
+use super::array::items;
 use super::{Faulted, Faults, Object, PlainColumns, Slots};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual, read_numbers};
@@ -100,7 +100,7 @@ impl<'a> Column<'a> {
         let inside = raw.get().strip_prefix('[').and_then(|items| items.strip_suffix(']'));
         match inside.filter(|_| matches!(kind, ColumnKind::Numbers)).and_then(|items| read_numbers(items.as_bytes(), most)) {
             Some(numbers) => Ok(Self::Numbers(numbers)),
-            None => items_of(raw, "an array with an item for each contact", most, path, faults).map(Self::Items),
+            None => items(raw, "an array with an item for each contact", most, path, faults).map(Self::Items),
         }
     }
 

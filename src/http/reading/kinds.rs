@@ -140,7 +140,7 @@ impl<K: Kind<Value = f64>, const N: usize> Kind for Tuple<K, N> {
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; N], Faulted> {
         const MOST_COUNTED: usize = 16;
-        let items = items(raw, MOST_COUNTED, path, faults)?;
+        let items = items(raw, "an array", MOST_COUNTED, path, faults)?;
         if items.len() != N {
             let expected = if N == 2 { "two" } else { "three" };
             let detail = format_args!("expected {expected} numbers, found {} items", items.len());

@@ -223,7 +223,7 @@ impl Kind for Triangles {
         // The pass above stopped at the first fault, without its location. This pass finds all faults, and accepts
         // whole numbers written as 1.0 or 1e3.
         triangles.clear();
-        each_raw(raw, path, faults, |index, item, faults| {
+        each_raw(raw, "an array", path, faults, |index, item, faults| {
             // A default replaces a triangle with a fault, so that the indices of the others are checked too. A request
             // with a fault is not planned.
             triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
@@ -295,7 +295,7 @@ fn first_items<T>(
     read: impl Fn(JsonText<'_>, JsonPath<'_>, &mut Faults) -> Result<T, Faulted>,
 ) -> Result<Vec<T>, Faulted> {
     let mut items = Vec::new();
-    each_raw(raw, path, faults, |index, item, faults| {
+    each_raw(raw, "an array", path, faults, |index, item, faults| {
         if index < MOST_KEPT {
             items.push(read(item, path.item(index), faults));
         }
