@@ -3,7 +3,6 @@
 
 use super::Calculation;
 use super::column::{Column, Table};
-use super::contacts::{Contacts, MOST_CONTACTS};
 use super::selection::Selection;
 use super::single::{self, warnings_schema};
 use crate::cancellation::CancelFlag;
@@ -12,15 +11,15 @@ use crate::http::codes::{FaultCode, RequestFault};
 use crate::http::problem::Problem;
 use crate::http::reading::{Components, CutOut, Fault, Faulted, Faults, Kind, Large, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    BatchContact, CHECK_FIGURES, ContactColumns, ContactParameters, Failure, Figures, Get, InOrder, MODEL, SharedMembers, SharedParameters,
-    Summary, Warning, batch_contact_schemas, contact_columns_schema, no_answer,
+    BatchContact, CHECK_FIGURES, ContactParameters, Contacts, Failure, Figures, Get, InOrder, MODEL, SharedMembers, SharedParameters,
+    Summary, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::json_text::{JsonPath, PlainJson, Unusual};
 use crate::milling::{EvaluatedPass, NoAnswer};
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The number of contacts that one thread computes at a time. They take some tenths of a millisecond, so the cost of
@@ -52,7 +51,7 @@ const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     // There is a comma between contacts, as objects or in a column.
-    let contacts = MOST_CONTACTS.min(memchr::memchr_iter(b',', body.json()).count() + 1);
+    let contacts = Contacts::MOST.min(memchr::memchr_iter(b',', body.json()).count() + 1);
     let memory = work.budget().reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
     work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
 }
@@ -99,10 +98,7 @@ fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Res
     let path = root.member(CONTACTS);
     let whole = match cut.large() {
         Large::Rows(runs) => batch.compute_runs(&runs, path, cancel)?,
-        Large::Columns(columns) => {
-            let columns = ContactColumns::read_plain(columns, C::STATED, MOST_CONTACTS)?;
-            batch.compute_contacts(&Contacts::Columns(columns), path, cancel)
-        }
+        Large::Columns(columns) => batch.compute_contacts(&Contacts::of_plain(columns, C::STATED)?, path, cancel),
     };
     Some(whole.answer(&batch, cancel, &mut faults).map_err(|Faulted| Problem::faulty_request(faults)))
 }
@@ -146,7 +142,7 @@ impl<C: Calculation> Batch<C> {
         let count = AtomicUsize::new(0);
         let compute = |run: &&[u8]| {
             let part = self.compute_run(run, cancel)?;
-            let too_many = count.fetch_add(part.count, Ordering::Relaxed) + part.count > MOST_CONTACTS;
+            let too_many = count.fetch_add(part.count, Ordering::Relaxed) + part.count > Contacts::MOST;
             if too_many { Err(Unusual) } else { Ok(part) }
         };
         let mut whole = runs.par_iter().map(compute).try_reduce(|| self.part(0), |all, next| Ok(all.followed_by(next))).ok()?;
@@ -338,11 +334,7 @@ impl Part {
 
 /// The schema of a request with many contacts.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
-    let contact = batch_contact_schemas(C::STATED, components);
-    let rows = ArrayBuilder::new().items(contact).max_items(Some(MOST_CONTACTS)).description(Some("an object for each contact"));
-    let columns = contact_columns_schema(C::STATED, MOST_CONTACTS, components);
-    let contacts = OneOfBuilder::new().item(rows).item(columns);
-    let contacts = contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"));
+    let contacts = Contacts::schema(C::STATED, components);
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
     let schema = ObjectSchema::new(about, components).with::<SharedMembers>();
     let schema = ContactParameters::describe(schema, C::STATED).with::<C::Members>();

@@ -4,7 +4,6 @@
 
 mod batch;
 mod column;
-mod contacts;
 pub(crate) mod cutting_parameters;
 mod feed_limits;
 pub(crate) mod max_feed;

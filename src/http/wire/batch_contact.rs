@@ -80,7 +80,7 @@ impl BatchContact {
 pub(super) type ContactSlots = (FormSlots, ParameterSlots);
 
 /// The schema of a contact with the parameters that `stated` allows.
-pub(crate) fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {
+pub(super) fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {
     let names = ["AngleContact", "VectorContact"].map(|form| stated.name(form));
     contact::forms(names.each_ref().map(String::as_str), "A contact with its own parameters", components, &|schema| {
         ContactParameters::describe(schema, stated)
