@@ -1,10 +1,10 @@
 //! Batch requests: many contacts in, one column for each figure out. Contacts are parsed and computed on all cores. A
 //! contact without an answer does not affect the others.
 
-use super::Calculation;
 use super::column::{Column, Table};
 use super::selection::Selection;
 use super::single::{self, warnings_schema};
+use super::{Calculation, Inputs};
 use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::{FaultCode, RequestFault};
@@ -208,8 +208,8 @@ impl<C: Calculation> Batch<C> {
         // The results are borrowed: they are large, and each `?` would copy them.
         let evaluated = EvaluatedPass::new(self.shared.model, single::pass(&self.shared, contact, parameters)?);
         let pass = evaluated.as_ref().map_err(|cause| fail(*cause))?;
-        let inputs = single::inputs(&self.shared, pass, step_over, parameters, self.selection.heights)?;
-        let mut computed = inputs.and_then(|inputs| self.calculation.compute(&inputs));
+        let (feed_per_tooth, heights) = (parameters.feed_per_tooth()?, self.selection.heights);
+        let mut computed = self.calculation.compute(&Inputs { shared: &self.shared, pass, step_over, feed_per_tooth, heights });
         let figures = computed.as_mut().map_err(|cause| fail(*cause))?;
         if self.selection.is_compared {
             let check = single::compare(pass, figures);

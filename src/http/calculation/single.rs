@@ -10,7 +10,7 @@ use crate::http::wire::{
     CONTACT, Check, ContactParameters, Figures, Heights, InOrder, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
-use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass, StepOver};
+use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass};
 use serde_json::{Value, json};
 use std::num::NonZeroU32;
 use std::sync::Arc;
@@ -81,9 +81,9 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let pass = EvaluatedPass::new(shared.model, pass(&shared, &contact, &parameters)?);
     let pass = pass.map_err(|cause| faults.push(fault(cause, parameters.step_over_member())))?;
     let calculation = calculation?;
-    let inputs = inputs(&shared, &pass, step_over?, &parameters, Heights::Parts)?;
-    let figures = inputs.and_then(|inputs| calculation.compute(&inputs));
-    let figures = figures.map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
+    let feed_per_tooth = parameters.feed_per_tooth()?;
+    let inputs = Inputs { shared: &shared, pass: &pass, step_over: step_over?, feed_per_tooth, heights: Heights::Parts };
+    let figures = calculation.compute(&inputs).map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
     let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
     let check = check(&pass, &figures, &mut warnings);
     let mut answer = vec![("model", MODEL.kind.word(&shared.model).into())];
@@ -106,21 +106,6 @@ pub(super) fn pass(shared: &SharedParameters, contact: &StatedContact, parameter
         runout: shared.runout,
         teeth: shared.tool.teeth.and_then(NonZeroU32::new),
     })
-}
-
-/// The inputs of a calculation whose figures have at least `heights`. The outer error is a fault that is already recorded;
-/// the inner error is not recorded yet.
-#[inline]
-pub(super) fn inputs<'a>(
-    shared: &'a SharedParameters,
-    pass: &'a EvaluatedPass,
-    step_over: Option<StepOver>,
-    parameters: &ContactParameters,
-    heights: Heights,
-) -> Result<Result<Inputs<'a>, NoAnswer>, Faulted> {
-    let feed_per_tooth = parameters.feed_per_tooth()?;
-    let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
-    Ok(along.map(|step_over| Inputs { shared, pass, step_over, feed_per_tooth, heights }))
 }
 
 /// The deviation below which the analytic model is outside its range: 5 % below the height by the cutter's exact shape.
