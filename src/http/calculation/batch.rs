@@ -146,7 +146,7 @@ impl<C: Calculation> Batch<C> {
             if too_many { Err(Unusual) } else { Ok(part) }
         };
         let mut whole = runs.par_iter().map(compute).try_reduce(|| self.part(0), |all, next| Ok(all.followed_by(next))).ok()?;
-        whole.failures.iter_mut().for_each(|(index, faults)| place(faults, path.item(*index)));
+        whole.failures.iter_mut().for_each(|(index, faults)| prepend_location(faults, path.item(*index)));
         Some(whole)
     }
 
@@ -228,7 +228,7 @@ impl<C: Calculation> Batch<C> {
 }
 
 /// Puts the location of a contact before the pointers of its faults.
-fn place(faults: &mut [Fault], contact: JsonPath<'_>) {
+fn prepend_location(faults: &mut [Fault], contact: JsonPath<'_>) {
     let contact = contact.to_string();
     // The entry that counts further faults has no place.
     for fault in faults.iter_mut().filter(|fault| fault.code != FaultCode::from(RequestFault::FurtherFaults)) {

@@ -123,13 +123,13 @@ impl<'a> Column<'a> {
     }
 }
 
-/// A place from which the value of a member is read.
-pub(crate) trait Place {
+/// A source from which the value of a member is read.
+pub(crate) trait ValueSource {
     /// The value, if there is one; an error for a value of another type.
     fn value<P: CellValue>(&mut self) -> Result<Option<P>, Unusual>;
 }
 
-impl Place for PlainJson<'_> {
+impl ValueSource for PlainJson<'_> {
     #[inline]
     fn value<P: CellValue>(&mut self) -> Result<Option<P>, Unusual> {
         P::read(self).map(Some)
@@ -142,7 +142,7 @@ struct Cell<'c> {
     index: usize,
 }
 
-impl Place for Cell<'_> {
+impl ValueSource for Cell<'_> {
     #[inline]
     fn value<P: CellValue>(&mut self) -> Result<Option<P>, Unusual> {
         P::of_column(self.column, self.index)

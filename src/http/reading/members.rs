@@ -95,7 +95,7 @@ macro_rules! members {
         }
 
         const _: () = {
-            use $crate::http::reading::{CellValue, KnownColumns, ObjectSchema, Place, PlainKind, Slots};
+            use $crate::http::reading::{CellValue, KnownColumns, ObjectSchema, ValueSource, PlainKind, Slots};
             use $crate::json_text::Unusual;
 
             impl $slots {
@@ -107,10 +107,10 @@ macro_rules! members {
 
             impl Slots for $slots {
                 #[inline]
-                fn fill(&mut self, name: &str, place: &mut impl Place) -> Result<bool, Unusual> {
+                fn fill(&mut self, name: &str, source: &mut impl ValueSource) -> Result<bool, Unusual> {
                     $(
                         if name == $member.name {
-                            let value = place.value()?;
+                            let value = source.value()?;
                             let is_repeated = value.is_some() && self.$field.is_some();
                             self.$field = value.or(self.$field);
                             return if is_repeated { Err(Unusual) } else { Ok(true) };

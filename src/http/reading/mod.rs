@@ -14,7 +14,7 @@ mod schema;
 mod slots;
 
 pub(crate) use array::{each_raw, items};
-pub(crate) use columns::{CellValue, Columns, KnownColumns, Place};
+pub(crate) use columns::{CellValue, Columns, KnownColumns, ValueSource};
 pub(crate) use cut_out::{CutOut, Large, PlainColumns};
 pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};

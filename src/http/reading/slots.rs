@@ -1,13 +1,13 @@
 //! The values of several members in one pass, without collecting faults. Two sets of members of one object are a pair.
 
-use super::{KnownColumns, ObjectSchema, Place};
+use super::{KnownColumns, ObjectSchema, ValueSource};
 use crate::json_text::{PlainJson, PlainValue, Unusual};
 
 /// The values of members, each absent until it is read.
 pub(crate) trait Slots: Default + Copy + PartialEq {
     /// Reads the value of `name` into its slot. Returns false if no member has this name, and an error for a value of
     /// another type or a repeated name.
-    fn fill(&mut self, name: &str, place: &mut impl Place) -> Result<bool, Unusual>;
+    fn fill(&mut self, name: &str, source: &mut impl ValueSource) -> Result<bool, Unusual>;
 
     /// The columns of the members.
     fn columns() -> KnownColumns;
@@ -24,8 +24,8 @@ pub(crate) trait Slots: Default + Copy + PartialEq {
 
 impl<A: Slots, B: Slots> Slots for (A, B) {
     #[inline]
-    fn fill(&mut self, name: &str, place: &mut impl Place) -> Result<bool, Unusual> {
-        Ok(self.0.fill(name, place)? || self.1.fill(name, place)?)
+    fn fill(&mut self, name: &str, source: &mut impl ValueSource) -> Result<bool, Unusual> {
+        Ok(self.0.fill(name, source)? || self.1.fill(name, source)?)
     }
 
     fn columns() -> KnownColumns {

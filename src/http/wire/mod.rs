@@ -1,6 +1,6 @@
 //! The JSON objects of requests and answers, one file for each. An object of a request declares its members once; its
-//! reader, its schema and the fast path of batches are generated. A figure of an answer has one row of a table with
-//! name, description and getter.
+//! reader, its schema and the fast path of batches are generated. A figure of a calculation's answer has one row of a
+//! table with name, description and getter; a member of another answer has one row of `answer!` with the same.
 
 mod answer;
 mod batch_contact;
